@@ -1,0 +1,220 @@
+"""What an agent and its body say to one another: instructions down, reports up.
+
+An agent decides, a body acts. A vehicle's body may be simulated or a real vehicle behind VDA 5050:
+a way is given as nodes of which a first part is released (VDA 5050's base and horizon), picking and
+dropping are actions at a node, holding and going on work at once, and every step comes back as a
+report. A machine's body is its workcell: cycles, buffers and the dock.
+
+Every way and action has an `order` number that its agent chose; reports carry it back, so that a
+report about something that was replaced meanwhile is recognised and ignored.
+"""
+
+from __future__ import annotations
+
+from dray.messages.base import Part
+from dray.messages.heartbeat import Pose
+
+# --- a vehicle: instructions ---------------------------------------------------------------------
+
+
+class Drive(Part):
+    """Follow a way. Replaces the way before it; ends charging.
+
+    A moving vehicle finishes the lane that it is on and turns off there: `nodes[0]` must be the
+    `VehicleState.next_node` of this moment. A standing vehicle stands at `nodes[0]`.
+    """
+
+    order: int
+    nodes: tuple[str, ...]
+    """At least one; each joined to the next by a lane."""
+    released: int
+    """How many of `nodes` may be driven to by now, from 1 to all: the vehicle brakes at the last one."""
+
+
+class ReleaseWay(Part):
+    """More of the way may be driven."""
+
+    order: int
+    released: int
+
+
+class Pick(Part):
+    """Take a load up at the station where the vehicle stands."""
+
+    order: int
+    station: str
+    item: str
+    quantity: int
+
+
+class Drop(Part):
+    """Put the load down at the station where the vehicle stands."""
+
+    order: int
+    station: str
+
+
+class Charge(Part):
+    """Charge at the charger where the vehicle stands, until the next instruction or full."""
+
+    order: int
+    charger: str
+
+
+class Hold(Part):
+    """Stop at once and stay; actions pause too. Holding twice is harmless."""
+
+
+class Unhold(Part):
+    """Go on with what was held."""
+
+
+class LimitSpeed(Part):
+    """Keep below this part of the vehicle's own top speed."""
+
+    speed_frac: float
+    """Above 0, at most 1; the vehicle clamps."""
+
+
+VehicleInstruction = Drive | ReleaseWay | Pick | Drop | Charge | Hold | Unhold | LimitSpeed
+
+# --- a vehicle: reports and state ----------------------------------------------------------------
+
+
+class NodePassed(Part):
+    """A node of the way was reached, the first and last ones included."""
+
+    order: int
+    node: str
+    index: int
+    """Its place in `Drive.nodes`."""
+    battery_frac: float
+
+
+class WayDone(Part):
+    """The vehicle stands at the last node of its way."""
+
+    order: int
+    node: str
+
+
+class ActionDone(Part):
+    """A pick or drop has ended well, or a charge has filled the battery."""
+
+    order: int
+
+
+class ActionFailed(Part):
+    """A pick, drop or charge ended without effect: the load is where it was."""
+
+    order: int
+    reason: str
+
+
+class ProblemRaised(Part):
+    """Something keeps the vehicle from going on."""
+
+    reason: str
+
+
+class ProblemCleared(Part):
+    """It is gone."""
+
+
+VehicleReport = NodePassed | WayDone | ActionDone | ActionFailed | ProblemRaised | ProblemCleared
+
+
+class VehicleState(Part):
+    """Everything a vehicle can sense of itself at one moment."""
+
+    pose: Pose
+    node: str
+    """The last node that was passed."""
+    next_node: str
+    """Where a new way may begin: the end of the lane it is on, or `node` when it stands there."""
+    next_node_s: float
+    """Seconds until `next_node` at the present speed; 0 when it stands there."""
+    speed_mps: float
+    battery_frac: float
+    load: str
+    """Empty for nothing."""
+    load_quantity: int
+    held: bool
+    charging: bool
+
+
+# --- a workcell: instructions and reports --------------------------------------------------------
+
+
+class StartCycle(Part):
+    """Make one piece: takes the bill of material out of the buffers, puts a piece into the goods."""
+
+    product: str
+
+
+class OpenDock(Part):
+    """Let this vehicle load or unload, once. The dock stays shut for everybody else."""
+
+    vehicle: str
+    item: str
+    quantity: int
+
+
+class CloseDock(Part):
+    """Shut the dock again for this vehicle; harmless when it was never open."""
+
+    vehicle: str
+
+
+WorkcellInstruction = StartCycle | OpenDock | CloseDock
+
+
+class CycleDone(Part):
+    """A piece was made and lies in the goods."""
+
+    product: str
+
+
+class CycleFailed(Part):
+    """A cycle could not start; nothing was consumed."""
+
+    product: str
+    reason: str
+
+
+class StockChanged(Part):
+    """A vehicle or a person has put something in or taken something out."""
+
+    item: str
+    change: int
+    """Pieces; negative when something was taken."""
+    vehicle: str = ""
+
+
+class Broken(Part):
+    """The machine has stopped; a running cycle pauses."""
+
+    reason: str
+
+
+class Repaired(Part):
+    """The machine works again; a paused cycle goes on."""
+
+
+WorkcellReport = CycleDone | CycleFailed | StockChanged | Broken | Repaired
+
+
+class WorkcellState(Part):
+    """What a workcell senses of itself."""
+
+    stock: dict[str, int]
+    """Pieces at hand of every material and product, those in a running cycle not counted."""
+    cycling: str
+    """The product of the running cycle; empty for none."""
+    broken: str
+    """Why it stands; empty when it works."""
+
+
+Instruction = VehicleInstruction | WorkcellInstruction
+Report = VehicleReport | WorkcellReport
+BodyState = VehicleState | WorkcellState

@@ -1,0 +1,146 @@
+"""Everything agents say to one another: frozen structs, one per utterance.
+
+`heartbeat` is what everybody may hear at any time, `contract` the negotiation, `order` what comes
+from people, `berth` how vehicles share places to stand, `fact` what each writes into its history.
+How messages become bytes is `dray.codec`; when they are said is `dray.protocol`.
+"""
+
+from __future__ import annotations
+
+from dray.messages.base import WIRE_VERSION, Message, Part
+from dray.messages.berth import BerthClaimed, BerthFreed
+from dray.messages.contract import (
+    Accepted,
+    Award,
+    Bid,
+    Cost,
+    Declined,
+    Docked,
+    DockHeld,
+    DockOpened,
+    GoalClosed,
+    Handover,
+    HandoverAccepted,
+    Production,
+    ProductionCost,
+    Refusal,
+    Release,
+    Resigned,
+    Superseded,
+    TakenOver,
+    TaskAnnounced,
+    Transport,
+    TransportCost,
+    Withdrawn,
+    Work,
+)
+from dray.messages.fact import AnyFact, Event, Fact
+from dray.messages.heartbeat import (
+    AtvHeartbeat,
+    AtvStatus,
+    Brief,
+    BufferLevel,
+    GoalBrief,
+    Link,
+    MachineHeartbeat,
+    MachineStatus,
+    Phase,
+    Pose,
+    Role,
+    TaskBrief,
+)
+from dray.messages.order import (
+    CommandAnswered,
+    CommandKind,
+    OrderCancelled,
+    OrderItem,
+    OrderReleased,
+    OrderTaken,
+    VehicleCommand,
+)
+
+Heartbeat = AtvHeartbeat | MachineHeartbeat
+
+AnyMessage = (
+    AtvHeartbeat
+    | MachineHeartbeat
+    | TaskAnnounced
+    | Bid
+    | Award
+    | Accepted
+    | Declined
+    | Release
+    | Resigned
+    | TakenOver
+    | Docked
+    | DockOpened
+    | DockHeld
+    | Handover
+    | HandoverAccepted
+    | Superseded
+    | Withdrawn
+    | GoalClosed
+    | OrderReleased
+    | OrderTaken
+    | OrderCancelled
+    | VehicleCommand
+    | CommandAnswered
+    | BerthClaimed
+    | BerthFreed
+    | Event
+)
+
+__all__ = [
+    "WIRE_VERSION",
+    "Accepted",
+    "AnyFact",
+    "AnyMessage",
+    "AtvHeartbeat",
+    "AtvStatus",
+    "Award",
+    "BerthClaimed",
+    "BerthFreed",
+    "Bid",
+    "Brief",
+    "BufferLevel",
+    "CommandAnswered",
+    "CommandKind",
+    "Cost",
+    "Declined",
+    "DockHeld",
+    "DockOpened",
+    "Docked",
+    "Event",
+    "Fact",
+    "GoalBrief",
+    "GoalClosed",
+    "Handover",
+    "HandoverAccepted",
+    "Heartbeat",
+    "Link",
+    "MachineHeartbeat",
+    "MachineStatus",
+    "Message",
+    "OrderCancelled",
+    "OrderItem",
+    "OrderReleased",
+    "OrderTaken",
+    "Part",
+    "Phase",
+    "Pose",
+    "Production",
+    "ProductionCost",
+    "Refusal",
+    "Release",
+    "Resigned",
+    "Role",
+    "Superseded",
+    "TakenOver",
+    "TaskAnnounced",
+    "TaskBrief",
+    "Transport",
+    "TransportCost",
+    "VehicleCommand",
+    "Withdrawn",
+    "Work",
+]

@@ -1,0 +1,193 @@
+"""Heartbeats: the short public status that every agent repeats (paper, 3.2: MHB and RHB).
+
+A heartbeat is a whole state, never a difference: a lost one costs nothing but time. `seq` grows by
+one per heartbeat; `incarnation` grows by one each time the agent's process starts, so that
+(incarnation, seq) orders all heartbeats of one agent.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+from dray.messages.base import Message, Part
+
+
+class AtvStatus(StrEnum):
+    """The state machine of an ATV (paper, 3.2)."""
+
+    IDLE = "idle"
+    WORKING = "working"
+    CHARGING = "charging"
+    STOPPED = "stopped"
+    """Held by an operator: moves again only after an acknowledge and a resume."""
+    ERROR = "error"
+
+
+class MachineStatus(StrEnum):
+    """What a machine is doing."""
+
+    IDLE = "idle"
+    """No goal to work at."""
+    PRODUCING = "producing"
+    STARVED = "starved"
+    """Has a goal, but material for the next cycle is missing."""
+    BLOCKED = "blocked"
+    """Has a goal, but its output buffer is full."""
+    ERROR = "error"
+
+
+class Link(StrEnum):
+    """The way by which an ATV's heartbeat reaches the cloud (paper, case 3)."""
+
+    WLAN = "wlan"
+    MESH = "mesh"
+
+
+class Role(StrEnum):
+    """What a vehicle is contracted for (paper, 4.1)."""
+
+    PRIMARY = "primary"
+    SECONDARY = "secondary"
+
+
+class Phase(StrEnum):
+    """How far a carriage has come."""
+
+    APPROACHING = "approaching"
+    """On the empty way to the source."""
+    LOADING = "loading"
+    """At the source: docked, or picking the load up."""
+    CARRYING = "carrying"
+    """On the loaded way to the destination."""
+    UNLOADING = "unloading"
+    """At the destination: docked, or putting the load down."""
+    HANDING_OVER = "handing_over"
+    """The load is down; the coordinator has not confirmed yet."""
+    RETURNING = "returning"
+    """Superseded with a load on board: on the way back to a storage."""
+
+
+class Pose(Part):
+    """Where a vehicle is in the plant's frame: x to the right, y up, heading from x towards y."""
+
+    x_m: float
+    y_m: float
+    heading_rad: float
+
+
+class Brief(Part):
+    """A vehicle's own words about one task it is contracted for."""
+
+    task: str
+    epoch: int
+    role: Role
+    coordinator: str
+    phase: Phase | None = None
+    """None for a secondary: it watches."""
+    item: str = ""
+    """The material or product that is carried."""
+    quantity: int = 0
+    due_s: float | None = None
+    """When the vehicle now expects to hand over (plant clock)."""
+
+
+class AtvHeartbeat(Message):
+    """RHB: what an ATV tells everybody (paper, 3.2).
+
+    Idle 0.2 Hz, working 1 Hz, and at once when the status changes.
+    """
+
+    atv: str
+    incarnation: int
+    seq: int
+    at_s: float
+    """When it was true, on the plant's clock."""
+    status: AtvStatus
+    pose: Pose
+    node: str
+    """The last node that was passed."""
+    speed_mps: float
+    battery_frac: float
+    load: str = ""
+    """What is on board; empty for nothing."""
+    load_quantity: int = 0
+    link: Link = Link.WLAN
+    via: str = ""
+    """The vehicle that passed this heartbeat on, when the link is MESH."""
+    task: Brief | None = None
+    """The task it is primary of: at most one (invariant 3)."""
+    watches: tuple[Brief, ...] = ()
+    """The tasks it is secondary of."""
+    way: tuple[str, ...] = ()
+    """The nodes still ahead, in order; empty when it stands."""
+    berth: str = ""
+    """The charger or parking place that it holds or is driving to."""
+    speed_limit_frac: float = 1.0
+    """An operator's limit, as a part of the vehicle's own top speed."""
+    problem: str = ""
+    """What keeps it in ERROR, in words; empty otherwise."""
+    software: str = ""
+
+
+class BufferLevel(Part):
+    """One material in front of a machine, or its finished goods."""
+
+    item: str
+    level: int
+    capacity: int
+    reorder_point: int = 0
+    """The level at which the machine asks for more; 0 for finished goods."""
+    on_order: int = 0
+    """Pieces announced and not yet handed over."""
+
+
+class TaskBrief(Part):
+    """A coordinator's own words about one of its open tasks."""
+
+    task: str
+    epoch: int
+    item: str
+    quantity: int
+    source: str
+    """The storage the primary chose; empty while nobody is contracted."""
+    destination: str
+    deadline_s: float
+    primary: str = ""
+    secondary: str = ""
+    round: int = 1
+    """The bidding round it is in or was contracted in: a high one means that the machine waits."""
+
+
+class GoalBrief(Part):
+    """A machine's own words about one production goal. Counts only ever grow."""
+
+    goal: str
+    product: str
+    quantity: int
+    made: int
+    delivered: int
+
+
+class MachineHeartbeat(Message):
+    """MHB: what a machine tells everybody (paper, 3.2).
+
+    Idle 0.2 Hz, working 1 Hz, and at once when the status changes. A goal stays in `goals` until
+    the strategist has closed it, so that a strategist who was away misses nothing.
+    """
+
+    machine: str
+    incarnation: int
+    seq: int
+    at_s: float
+    status: MachineStatus
+    product: str = ""
+    """What is being made now; empty for nothing."""
+    goals: tuple[GoalBrief, ...] = ()
+    """In the order in which they are worked at."""
+    tasks: tuple[TaskBrief, ...] = ()
+    buffers: tuple[BufferLevel, ...] = ()
+    """Materials in the order of the plant file."""
+    goods: tuple[BufferLevel, ...] = ()
+    """Finished products that wait to be carried away."""
+    problem: str = ""
+    software: str = ""

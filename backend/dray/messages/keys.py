@@ -1,0 +1,49 @@
+"""Keys on the bus: who speaks where.
+
+Keys are paths of chunks, as in Zenoh: ``*`` stands for one chunk, ``**`` for any number of them,
+and only subscriptions may hold them. An agent id never holds a ``/``.
+
+    {plant}/hb/atv/{id}       heartbeats of a vehicle
+    {plant}/hb/machine/{id}   heartbeats of a machine
+    {plant}/task/{cell}       announcements of transports, to the grid cells within the radius
+    {plant}/goal/{product}    announcements of production goals, to the machines that can make it
+    {plant}/berth             claims of chargers and parking places
+    {plant}/agent/{id}        what is said to one agent alone
+    {plant}/event/{id}        an agent's numbered events
+"""
+
+from __future__ import annotations
+
+
+class Keys:
+    """The keys of one plant.
+
+    Args:
+        plant: the plant's id; it is the first chunk of every key.
+    """
+
+    __slots__ = ("all_events", "all_heartbeats", "berths", "plant")
+
+    def __init__(self, plant: str) -> None:
+        self.plant = plant
+        self.berths = f"{plant}/berth"
+        self.all_heartbeats = f"{plant}/hb/**"
+        self.all_events = f"{plant}/event/*"
+
+    def atv_heartbeat(self, atv: str) -> str:
+        return f"{self.plant}/hb/atv/{atv}"
+
+    def machine_heartbeat(self, machine: str) -> str:
+        return f"{self.plant}/hb/machine/{machine}"
+
+    def transports(self, cell: str) -> str:
+        return f"{self.plant}/task/{cell}"
+
+    def goals(self, product: str) -> str:
+        return f"{self.plant}/goal/{product}"
+
+    def agent(self, agent: str) -> str:
+        return f"{self.plant}/agent/{agent}"
+
+    def events(self, agent: str) -> str:
+        return f"{self.plant}/event/{agent}"

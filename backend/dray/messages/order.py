@@ -1,0 +1,68 @@
+"""Orders and people's commands, on their way from the gateway to the agents."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+from dray.messages.base import Message, Part
+
+
+class OrderItem(Part):
+    """One line of an order: what is still to be delivered of it."""
+
+    product: str
+    quantity: int
+
+
+class OrderReleased(Message):
+    """Make this. Repeated until the strategist answers; the same order twice is one order.
+
+    `items` hold what is outstanding: after a restart less than was ordered.
+    """
+
+    order: str
+    items: tuple[OrderItem, ...]
+    due_s: float
+    """When all of it should be in the delivery warehouse (plant clock)."""
+
+
+class OrderTaken(Message):
+    """The strategist has the order and will see to it."""
+
+    order: str
+
+
+class OrderCancelled(Message):
+    """Stop working at this order: goals that no machine has begun are withdrawn."""
+
+    order: str
+
+
+class CommandKind(StrEnum):
+    """What a person may ask of a vehicle (paper, case 5)."""
+
+    STOP = "stop"
+    ACKNOWLEDGE = "acknowledge"
+    """The fault is gone."""
+    RESUME = "resume"
+    """Go on: only after an acknowledge."""
+    SET_SPEED = "set_speed"
+
+
+class VehicleCommand(Message):
+    """A person's command to one vehicle."""
+
+    command: str
+    """Names this command, so that its answer can be told from others."""
+    kind: CommandKind
+    speed_frac: float | None = None
+    """For SET_SPEED: 0 to 1 of the vehicle's own top speed."""
+    issued_by: str = ""
+
+
+class CommandAnswered(Message):
+    """The vehicle's word on a command: done, or refused with a reason."""
+
+    command: str
+    done: bool
+    reason: str = ""

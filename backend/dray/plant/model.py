@@ -1,0 +1,227 @@
+"""The plant as it is written down: immutable, in metres, seconds and pieces.
+
+Only shapes live here. `dray.plant.file` reads and checks a plant file, `dray.plant.routes` finds
+ways, and `dray.plant` ties them together as `Plant`.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import msgspec
+from msgspec import Meta
+
+Id = Annotated[str, Meta(pattern=r"^[A-Za-z][A-Za-z0-9_.-]{0,31}$")]
+"""Letters, digits, ``_ . -``; begins with a letter, at most 32: it becomes a chunk of a bus key."""
+
+Positive = Annotated[float, Meta(gt=0)]
+NotNegative = Annotated[float, Meta(ge=0)]
+Fraction = Annotated[float, Meta(ge=0, le=1)]
+Count = Annotated[int, Meta(ge=1, le=100_000)]
+Name = Annotated[str, Meta(min_length=1, max_length=80)]
+
+
+class Item(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Base of everything in a plant file: immutable, and a misspelt field is an error."""
+
+
+class Node(Item):
+    """A point of the road network."""
+
+    id: Id
+    x_m: float
+    y_m: float
+
+
+class Lane(Item):
+    """A directed road from one node to another, straight, wide enough for one vehicle."""
+
+    start: Id
+    end: Id
+    speed_limit_mps: Positive = 1.5
+    both_ways: bool = False
+    """A second lane runs the other way."""
+
+
+class Box(Item):
+    """Where something stands on the floor, for drawing: middle and size."""
+
+    x_m: float
+    y_m: float
+    width_m: Positive
+    depth_m: Positive
+
+
+class Material(Item):
+    """Something that machines consume."""
+
+    id: Id
+    name: Name
+    lot: Count
+    """Pieces in one container: what a vehicle brings at most."""
+    buffer: Count
+    """Pieces that a machine's buffer holds; at least one lot more than a cycle needs."""
+    ability: Id = "tote"
+    """What a vehicle must be able to carry."""
+
+
+class BillLine(Item):
+    """One line of a bill of material."""
+
+    material: Id
+    quantity: Count
+
+
+class Product(Item):
+    """Something that machines make and customers order."""
+
+    id: Id
+    name: Name
+    lot: Count
+    """Pieces in one container on the way to the delivery warehouse."""
+    ability: Id = "tote"
+    bill: Annotated[tuple[BillLine, ...], Meta(min_length=1)]
+
+
+class Warehouse(Item):
+    """Where material comes from (`source`) or products go to (`delivery`)."""
+
+    id: Id
+    name: Name
+    kind: Literal["source", "delivery"]
+    node: Id
+    box: Box
+
+
+class Stock(Item):
+    """A material in a storage."""
+
+    material: Id
+    capacity: Count
+
+
+class Storage(Item):
+    """An interim storage near the machines, refilled from the source warehouse (paper, 4.1)."""
+
+    id: Id
+    name: Name = "Storage"
+    node: Id
+    box: Box
+    stocks: Annotated[tuple[Stock, ...], Meta(min_length=1)]
+
+
+class Charger(Item):
+    """A charging station: one vehicle at a time."""
+
+    id: Id
+    node: Id
+    box: Box
+
+
+class Parking(Item):
+    """A place where a vehicle waits out of the way."""
+
+    id: Id
+    node: Id
+
+
+class Making(Item):
+    """A product that a machine can make."""
+
+    product: Id
+    cycle_s: Positive
+
+
+class MachineSpec(Item):
+    """A production machine of a working station."""
+
+    id: Id
+    name: Name = "Machine"
+    station: Id
+    """The working station it belongs to."""
+    node: Id
+    """Where vehicles dock."""
+    box: Box
+    makes: Annotated[tuple[Making, ...], Meta(min_length=1)]
+    goods_capacity: Count = 30
+    """Finished pieces that wait at most; at least the lot of every product it makes."""
+
+
+class WorkingStation(Item):
+    """A group of machines that belong together."""
+
+    id: Id
+    name: Name
+
+
+class Point(Item):
+    """A corner of an area."""
+
+    x_m: float
+    y_m: float
+
+
+class Area(Item):
+    """A part of the floor that operators are responsible for."""
+
+    id: Id
+    name: Name
+    polygon: Annotated[tuple[Point, ...], Meta(min_length=3)]
+
+
+class VehicleType(Item):
+    """What all vehicles of one make have in common."""
+
+    id: Id
+    name: Name
+    max_speed_mps: Positive = 1.5
+    acceleration_mps2: Positive = 0.6
+    """Speeding up and braking."""
+    turn_speed_mps: Positive = 0.5
+    """At a node where the way bends by more than 30 degrees."""
+    abilities: Annotated[tuple[Id, ...], Meta(min_length=1)] = ("tote",)
+    load_s: Positive = 15.0
+    """The autonomous loading manoeuvre (paper, [19])."""
+    unload_s: Positive = 15.0
+    battery_wh: Positive = 500.0
+    drive_wh_per_m: Positive = 0.03
+    loaded_wh_per_m: Positive = 0.04
+    idle_w: NotNegative = 30.0
+    """Computers and sensors, moving or not."""
+    charge_w: Positive = 600.0
+    """Up to `charge_taper_frac`; then falling in a straight line to a tenth of it at full."""
+    charge_taper_frac: Fraction = 0.8
+
+
+class VehicleSpec(Item):
+    """One vehicle of the fleet."""
+
+    id: Id
+    type: Id
+    node: Id
+    """Where it stands at the beginning."""
+    battery_frac: Fraction = 0.9
+
+
+class PlantFile(Item):
+    """A whole plant file."""
+
+    plant: Id
+    name: Name
+    width_m: Positive
+    height_m: Positive
+    cell_m: Positive = 20.0
+    """Edge of the grid cells that announcements are addressed to."""
+    nodes: Annotated[tuple[Node, ...], Meta(min_length=1)]
+    lanes: Annotated[tuple[Lane, ...], Meta(min_length=1)]
+    materials: Annotated[tuple[Material, ...], Meta(min_length=1)]
+    products: Annotated[tuple[Product, ...], Meta(min_length=1)]
+    warehouses: Annotated[tuple[Warehouse, ...], Meta(min_length=2)]
+    storages: Annotated[tuple[Storage, ...], Meta(min_length=1)]
+    chargers: Annotated[tuple[Charger, ...], Meta(min_length=1)]
+    parkings: tuple[Parking, ...] = ()
+    stations: Annotated[tuple[WorkingStation, ...], Meta(min_length=1)]
+    machines: Annotated[tuple[MachineSpec, ...], Meta(min_length=1)]
+    areas: tuple[Area, ...] = ()
+    vehicle_types: Annotated[tuple[VehicleType, ...], Meta(min_length=1)]
+    fleet: Annotated[tuple[VehicleSpec, ...], Meta(min_length=1)]

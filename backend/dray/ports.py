@@ -1,0 +1,94 @@
+"""Ports: what the worker of an agent needs from the world. The docstrings are guarantees.
+
+Every port has one conformance suite in `tests/contracts/` that all of its implementations run:
+`dray_sim` implements them for the simulated world, `dray.adapters` for the real one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+from dray.body import BodyState, Instruction, Report
+from dray.messages import Message
+
+Receive = Callable[[str, Message], None]
+"""Called with (sender, message). Must not block, and must not raise."""
+
+
+class Clock(Protocol):
+    """The plant's clock. All agents of one plant share it within 100 ms.
+
+    Order: callbacks run in the order of their times; equal times in the order of the calls.
+    Blocking: no method blocks. Callbacks run on the loop of the agent, never inside `call_at`.
+    Cancellation: there is none. A callback that is not needed any more must recognise that itself;
+    this keeps the hot path free of handles.
+    """
+
+    def now_s(self) -> float:
+        """Seconds on the plant's clock; never goes back."""
+        ...
+
+    def call_at(self, when_s: float, callback: Callable[[], None]) -> None:
+        """Call back at `when_s`; a time that is past means as soon as possible."""
+        ...
+
+
+class Session(Protocol):
+    """One agent's place on the bus.
+
+    Delivery: at most once, and nobody is told when it fails: the protocol repeats what matters.
+    Order: messages from one sender to one receiver over one kind of call arrive in the order sent,
+    as long as the network has no fault; the protocol must not rely on it.
+    Blocking: no method blocks. What cannot be sent is dropped and counted, never queued without bound.
+    An agent hears its own publications when it subscribes to them.
+    """
+
+    def publish(self, key: str, message: Message) -> None:
+        """Say it to all whose subscriptions match `key`. `key` holds no wildcard."""
+        ...
+
+    def send(self, to: str, message: Message) -> None:
+        """Say it to one agent alone; nobody else hears it. An unknown agent is silence."""
+        ...
+
+    def subscribe(self, key: str) -> None:
+        """Hear what is published on `key` from now on (`*`: one chunk, `**`: any). Twice is once."""
+        ...
+
+    def unsubscribe(self, key: str) -> None:
+        """Hear it no longer, except what is already under way."""
+        ...
+
+    def leave(self) -> None:
+        """Leave the bus; nothing is received after the return. Twice is harmless."""
+        ...
+
+
+class Bus(Protocol):
+    """Where agents meet. There may be any number of agents; none of them is special."""
+
+    def join(self, agent: str, receive: Receive) -> Session:
+        """Take part as `agent`. A second join under one name replaces the first, as a restart does."""
+        ...
+
+
+class Body(Protocol):
+    """An agent's hands and senses: a vehicle or a workcell.
+
+    Order: instructions take effect in the order given, reports come in the order in which things
+    happened. Blocking: no method blocks. An instruction that cannot be carried out is answered with
+    a failure report, never with an exception.
+    """
+
+    def instruct(self, instruction: Instruction) -> None:
+        """Do this, beginning now."""
+        ...
+
+    def sense(self) -> BodyState:
+        """How things are at this moment. Changes nothing."""
+        ...
+
+    def attach(self, report: Callable[[Report], None]) -> None:
+        """Report to this callable from now on, and to no other."""
+        ...

@@ -1,0 +1,132 @@
+"""What can happen to an agent, and what an agent can want done.
+
+An agent is a pure state machine. It is called as ``handle(event, now_s)`` with a time that never
+goes back, and answers with effects. Their order is a contract: the worker carries them out one
+after another, as given. `wake_at_s` tells when the agent wants to be woken; it is read after every
+call, and being woken too early or for nothing is harmless.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import msgspec
+
+from dray.body import BodyState, Instruction, Report
+from dray.messages import AnyFact, Message
+
+NEVER_S = float("inf")
+"""The wake-up time of an agent that waits for nothing but messages."""
+
+
+class Value(msgspec.Struct, frozen=True, gc=False):
+    """An immutable event or effect."""
+
+
+# --- events --------------------------------------------------------------------------------------
+
+
+class Started(Value):
+    """The first event of an agent's life."""
+
+    body: BodyState | None
+
+
+class Heard(Value):
+    """A message has arrived."""
+
+    sender: str
+    message: Message
+
+
+class Woke(Value):
+    """`wake_at_s` has come, or may have."""
+
+    body: BodyState | None
+    """What the agent's body senses at this moment; None for an agent without one."""
+
+
+class Reported(Value):
+    """The body has something to say."""
+
+    report: Report
+
+
+Event = Started | Heard | Woke | Reported
+
+# --- effects -------------------------------------------------------------------------------------
+
+
+class Publish(Value):
+    """Say it to whoever listens on `key`."""
+
+    key: str
+    message: Message
+
+
+class Send(Value):
+    """Say it to one agent."""
+
+    to: str
+    message: Message
+
+
+class Subscribe(Value):
+    """Listen on `key`."""
+
+    key: str
+
+
+class Unsubscribe(Value):
+    """Listen on `key` no longer."""
+
+    key: str
+
+
+class Instruct(Value):
+    """Let the body act."""
+
+    instruction: Instruction
+
+
+class Record(Value):
+    """Write a fact into the agent's numbered history, and publish it."""
+
+    fact: AnyFact
+
+
+Effect = Publish | Send | Subscribe | Unsubscribe | Instruct | Record
+
+
+class Agent(Protocol):
+    """What the worker runs."""
+
+    @property
+    def id(self) -> str:
+        """The agent's name on the bus."""
+        ...
+
+    @property
+    def incarnation(self) -> int:
+        """How often this agent has been started, 1 for the first time."""
+        ...
+
+    @property
+    def wake_at_s(self) -> float:
+        """When it wants to be woken; `NEVER_S` for not at all."""
+        ...
+
+    def handle(self, event: Event, now_s: float) -> list[Effect]:
+        """Take one step.
+
+        Args:
+            event: what has happened.
+            now_s: the time on the plant's clock; never less than in the call before.
+
+        Returns:
+            What is to be done, in this order.
+
+        Raises:
+            ProtocolViolation: a state that the protocol excludes; our own bug.
+        """
+        ...
