@@ -12,11 +12,11 @@ from typing import Literal
 import msgspec
 
 
-class View(msgspec.Struct, kw_only=True, gc=False):
+class View(msgspec.Struct, gc=False):
     """Base of everything that a panel is shown."""
 
 
-class BriefView(View):
+class BriefView(View, kw_only=True):
     """A vehicle's part in one task."""
 
     task: str
@@ -30,7 +30,7 @@ class BriefView(View):
     due_at_s: float | None = None
 
 
-class AtvView(View):
+class AtvView(View, kw_only=True):
     """An ATV, as its last heartbeat told."""
 
     id: str
@@ -54,10 +54,10 @@ class AtvView(View):
     speed_limit_frac: float = 1.0
     problem: str = ""
     software: str = ""
-    seen_at_s: float
+    seen_at_s: float = 0.0
 
 
-class BufferView(View):
+class BufferView(View, kw_only=True):
     """Pieces of one item at a machine."""
 
     item: str
@@ -67,7 +67,7 @@ class BufferView(View):
     on_order: int = 0
 
 
-class GoalView(View):
+class GoalView(View, kw_only=True):
     """A production goal in a machine's queue."""
 
     goal: str
@@ -77,7 +77,7 @@ class GoalView(View):
     delivered: int
 
 
-class OpenTaskView(View):
+class OpenTaskView(View, kw_only=True):
     """One of a machine's open transports."""
 
     task: str
@@ -92,7 +92,7 @@ class OpenTaskView(View):
     round: int = 1
 
 
-class MachineView(View):
+class MachineView(View, kw_only=True):
     """A machine, as its last heartbeat told."""
 
     id: str
@@ -108,7 +108,7 @@ class MachineView(View):
     seen_at_s: float
 
 
-class BidView(View):
+class BidView(View, kw_only=True):
     """A bid, with the parts of its price in seconds."""
 
     bidder: str
@@ -123,7 +123,7 @@ class BidView(View):
     """What came of it: empty, asked, accepted, silent, or the reason of the decline."""
 
 
-class RefusalView(View):
+class RefusalView(View, kw_only=True):
     """Who did not bid, and why."""
 
     agent: str
@@ -133,7 +133,7 @@ class RefusalView(View):
     detail: str = ""
 
 
-class TaskView(View):
+class TaskView(View, kw_only=True):
     """A task from its announcement to its end."""
 
     id: str
@@ -163,7 +163,7 @@ class TaskView(View):
     refusals: tuple[RefusalView, ...] = ()
 
 
-class OrderItemView(View):
+class OrderItemView(View, kw_only=True):
     """A line of an order and how far it has come."""
 
     product: str
@@ -172,7 +172,7 @@ class OrderItemView(View):
     delivered: int = 0
 
 
-class OrderView(View):
+class OrderView(View, kw_only=True):
     """An order and how far it has come."""
 
     id: str
@@ -185,7 +185,7 @@ class OrderView(View):
     delivered_at_s: float | None = None
 
 
-class FactoryView(View):
+class FactoryView(View, kw_only=True):
     """The factory as a whole."""
 
     orders_open: int = 0
@@ -205,7 +205,7 @@ class FactoryView(View):
     """Factory seconds per real second."""
 
 
-class Snapshot(View, tag_field="type", tag="snapshot"):
+class Snapshot(View, kw_only=True, tag_field="type", tag="snapshot"):
     """The first frame, and the answer to a gap: everything there is."""
 
     number: int
@@ -220,7 +220,7 @@ class Snapshot(View, tag_field="type", tag="snapshot"):
     """The open ones and the last 50 that closed."""
 
 
-class Delta(View, tag_field="type", tag="delta"):
+class Delta(View, kw_only=True, tag_field="type", tag="delta"):
     """What has changed since the frame before: whole entities, by kind."""
 
     number: int

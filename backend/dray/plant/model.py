@@ -21,7 +21,7 @@ Count = Annotated[int, Meta(ge=1, le=100_000)]
 Name = Annotated[str, Meta(min_length=1, max_length=80)]
 
 
-class Item(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+class Item(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Base of everything in a plant file: immutable, and a misspelt field is an error."""
 
 
@@ -79,8 +79,8 @@ class Product(Item):
     name: Name
     lot: Count
     """Pieces in one container on the way to the delivery warehouse."""
-    ability: Id = "tote"
     bill: Annotated[tuple[BillLine, ...], Meta(min_length=1)]
+    ability: Id = "tote"
 
 
 class Warehouse(Item):
@@ -104,7 +104,7 @@ class Storage(Item):
     """An interim storage near the machines, refilled from the source warehouse (paper, 4.1)."""
 
     id: Id
-    name: Name = "Storage"
+    name: Name
     node: Id
     box: Box
     stocks: Annotated[tuple[Stock, ...], Meta(min_length=1)]
@@ -136,7 +136,7 @@ class MachineSpec(Item):
     """A production machine of a working station."""
 
     id: Id
-    name: Name = "Machine"
+    name: Name
     station: Id
     """The working station it belongs to."""
     node: Id
@@ -210,8 +210,6 @@ class PlantFile(Item):
     name: Name
     width_m: Positive
     height_m: Positive
-    cell_m: Positive = 20.0
-    """Edge of the grid cells that announcements are addressed to."""
     nodes: Annotated[tuple[Node, ...], Meta(min_length=1)]
     lanes: Annotated[tuple[Lane, ...], Meta(min_length=1)]
     materials: Annotated[tuple[Material, ...], Meta(min_length=1)]
@@ -219,9 +217,11 @@ class PlantFile(Item):
     warehouses: Annotated[tuple[Warehouse, ...], Meta(min_length=2)]
     storages: Annotated[tuple[Storage, ...], Meta(min_length=1)]
     chargers: Annotated[tuple[Charger, ...], Meta(min_length=1)]
-    parkings: tuple[Parking, ...] = ()
     stations: Annotated[tuple[WorkingStation, ...], Meta(min_length=1)]
     machines: Annotated[tuple[MachineSpec, ...], Meta(min_length=1)]
-    areas: tuple[Area, ...] = ()
     vehicle_types: Annotated[tuple[VehicleType, ...], Meta(min_length=1)]
     fleet: Annotated[tuple[VehicleSpec, ...], Meta(min_length=1)]
+    parkings: tuple[Parking, ...] = ()
+    areas: tuple[Area, ...] = ()
+    cell_m: Positive = 20.0
+    """Edge of the grid cells that announcements are addressed to."""
