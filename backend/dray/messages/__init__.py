@@ -8,7 +8,7 @@ How messages become bytes is `dray.codec`; when they are said is `dray.protocol`
 from __future__ import annotations
 
 from dray.messages.base import WIRE_VERSION, Message, Part
-from dray.messages.berth import BerthClaimed, BerthFreed
+from dray.messages.berth import BerthClaimed
 from dray.messages.contract import (
     Accepted,
     Award,
@@ -86,7 +86,6 @@ AnyMessage = (
     | VehicleCommand
     | CommandAnswered
     | BerthClaimed
-    | BerthFreed
     | Event
 )
 
@@ -99,7 +98,6 @@ __all__ = [
     "AtvStatus",
     "Award",
     "BerthClaimed",
-    "BerthFreed",
     "Bid",
     "Brief",
     "BufferLevel",

@@ -1,7 +1,9 @@
 """Berths: chargers and parking places, shared by vehicles with nobody in the middle.
 
-A vehicle claims a berth before it drives there and repeats the claim as a lease. When two want the
-same one, the emptier battery keeps it, then the smaller id: both sides reach the same verdict alone.
+A vehicle says which berth it wants on that berth's own key, waits a moment for an objection, and
+drives there. Whoever holds or wants the same berth listens on that key and objects with its own
+claim. Both sides then reach the same verdict alone: who stands there keeps it, else the emptier
+battery, else the smaller id. So the cost of finding a place does not grow with the fleet.
 """
 
 from __future__ import annotations
@@ -10,7 +12,7 @@ from dray.messages.base import Message
 
 
 class BerthClaimed(Message):
-    """I am standing in this berth or driving to it. Published to all vehicles."""
+    """I stand in this berth, or want to."""
 
     berth: str
     atv: str
@@ -18,12 +20,3 @@ class BerthClaimed(Message):
     """At the time of the first claim: it does not change while the claim stands."""
     standing: bool
     """True once it has arrived: an occupant is never driven out."""
-    until_s: float
-    """The lease: forgotten then, unless repeated (plant clock)."""
-
-
-class BerthFreed(Message):
-    """I have left this berth, or given up my claim."""
-
-    berth: str
-    atv: str

@@ -7,7 +7,7 @@ and only subscriptions may hold them. An agent id never holds a ``/``.
     {plant}/hb/machine/{id}   heartbeats of a machine
     {plant}/task/{cell}       announcements of transports, to the grid cells within the radius
     {plant}/goal/{product}    announcements of production goals, to the machines that can make it
-    {plant}/berth             claims of chargers and parking places
+    {plant}/berth/{id}        claims of one charger or parking place
     {plant}/agent/{id}        what is said to one agent alone
     {plant}/event/{id}        an agent's numbered events
 """
@@ -22,11 +22,10 @@ class Keys:
         plant: the plant's id; it is the first chunk of every key.
     """
 
-    __slots__ = ("all_events", "all_heartbeats", "berths", "plant")
+    __slots__ = ("all_events", "all_heartbeats", "plant")
 
     def __init__(self, plant: str) -> None:
         self.plant = plant
-        self.berths = f"{plant}/berth"
         self.all_heartbeats = f"{plant}/hb/**"
         self.all_events = f"{plant}/event/*"
 
@@ -41,6 +40,9 @@ class Keys:
 
     def goals(self, product: str) -> str:
         return f"{self.plant}/goal/{product}"
+
+    def berth(self, berth: str) -> str:
+        return f"{self.plant}/berth/{berth}"
 
     def agent(self, agent: str) -> str:
         return f"{self.plant}/agent/{agent}"

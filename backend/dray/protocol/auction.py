@@ -1,0 +1,316 @@
+"""The coordinator's side of the Contract Net: announce, collect, rank, award, confirm (paper, Figure 3).
+
+The rules
+---------
+1. A round begins with an announcement and collects bids until its window closes.
+2. Then the cheapest bidder is asked, point to point. It accepts, or declines with a reason, or is
+   silent for `answer_s`; a silent one is released, so that no vehicle stays bound by an award that
+   its coordinator gave up on. Then the next cheapest is asked.
+3. When nobody is left the radius grows and the next round begins; at full radius rounds go on, with
+   a rest between them that grows to a limit. An auction never gives up by itself: its task is
+   delivered, withdrawn, or still announced (invariant 1).
+4. A bid counts in whatever round it arrives: on a bad link it may come late (paper, case 3). Windows
+   grow from round to round for the same reason.
+
+An auction for a SECONDARY begins with those who were left when the primary was found: it asks them
+before it announces anything.
+
+    COLLECTING --window closes--> ASKING --accepted--> DECIDED
+        ^                           |
+        +---- rest over -- RESTING <+ nobody left
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from enum import Enum
+
+import msgspec
+
+from dray.messages import Accepted, Award, Bid, Declined, Release, Role, TaskAnnounced, Work
+from dray.messages.fact import AwardAnswered, AwardGiven, BidReceived, RoundFailed, TaskOpened
+from dray.protocol.events import NEVER_S, Effect, Publish, Record, Send
+
+
+class AuctionRules(msgspec.Struct, frozen=True):
+    """How patient and how far-reaching a coordinator is."""
+
+    window_s: float = 1.0
+    """Some ten times the latency of a good WLAN."""
+    window_growth: float = 1.5
+    window_max_s: float = 10.0
+    """Covers links with up to 5 s of latency each way."""
+    answer_s: float = 1.0
+    """How long an award may stay unanswered; grows with the window."""
+    radius_m: float = 25.0
+    """About three lane pitches: the vehicles nearby (paper, 5)."""
+    radius_growth: float = 2.0
+    rest_s: float = 2.0
+    rest_growth: float = 1.5
+    rest_max_s: float = 20.0
+
+
+class Terms(msgspec.Struct, frozen=True):
+    """What is put up for auction."""
+
+    task: str
+    epoch: int
+    role: Role
+    work: Work
+    deadline_s: float
+    primary: str = ""
+    """Whom to watch, when the role is SECONDARY."""
+
+
+class Place(msgspec.Struct, frozen=True):
+    """Where the coordinator stands, and how far its plant reaches."""
+
+    x_m: float
+    y_m: float
+    reach_m: float
+    """The radius beyond which there is nobody."""
+
+
+class Stage(Enum):
+    COLLECTING = "collecting"
+    ASKING = "asking"
+    RESTING = "resting"
+    DECIDED = "decided"
+
+
+class Auction:
+    """One auction, from the first announcement until somebody has accepted.
+
+    Args:
+        coordinator: who asks.
+        terms: what for.
+        place: where the circle of those who are asked has its middle.
+        audience: the bus keys that reach everybody within a radius (m).
+        rules: patience and reach.
+        out: where effects go, in order.
+        candidates: bids to ask before announcing anything, cheapest first.
+    """
+
+    def __init__(
+        self,
+        coordinator: str,
+        terms: Terms,
+        place: Place,
+        audience: Callable[[float], tuple[str, ...]],
+        rules: AuctionRules,
+        out: list[Effect],
+        candidates: tuple[tuple[str, Bid], ...] = (),
+    ) -> None:
+        self.coordinator = coordinator
+        self.terms = terms
+        self.round = 0
+        self.stage = Stage.RESTING
+        self.wake_at_s = NEVER_S
+        self.winner = ""
+        """Who accepted; empty until the stage is DECIDED."""
+        self.winning_bid: Bid | None = None
+        self.left_over: tuple[tuple[str, Bid], ...] = ()
+        """Those who bid and were never asked, cheapest first, once it is DECIDED."""
+        self._place = place
+        self._audience = audience
+        self._rules = rules
+        self._out = out
+        self._bids: dict[str, Bid] = {}
+        self._queue: list[tuple[str, Bid]] = list(candidates)
+        self._asked = ""
+        self._rank = 0
+
+    @property
+    def radius_m(self) -> float:
+        """How far the present round reaches."""
+        grown_m = self._rules.radius_m * self._rules.radius_growth ** (self.round - 1)
+        return min(grown_m, self._place.reach_m)
+
+    def open(self, now_s: float) -> None:
+        """Begin: ask the candidates if there are any, else announce."""
+        if self._queue:
+            self.stage = Stage.ASKING
+            self._ask_next(now_s)
+        else:
+            self._announce(now_s)
+
+    def postpone(self, deadline_s: float) -> None:
+        """From the next round on the work may be done by a later time."""
+        self.terms = msgspec.structs.replace(self.terms, deadline_s=deadline_s)
+
+    def hear_bid(self, bidder: str, bid: Bid, now_s: float) -> None:
+        """Note a bid. A second one of the same bidder replaces its first."""
+        if self.stage is Stage.DECIDED or bidder == self._asked:
+            return
+        terms = self.terms
+        self._bids[bidder] = bid
+        self._out.append(
+            Record(
+                BidReceived(
+                    task=terms.task,
+                    epoch=terms.epoch,
+                    role=terms.role,
+                    round=bid.round,
+                    bidder=bidder,
+                    cost=bid.cost,
+                    total_s=bid.cost.total_s,
+                    finish_s=bid.finish_s,
+                    source=bid.source,
+                )
+            )
+        )
+        if self.stage is Stage.RESTING:
+            # It came after its window: on a link like that nothing is won by waiting longer.
+            self._close_window(now_s)
+
+    def hear_accepted(self, bidder: str, answer: Accepted) -> None:
+        """The contract stands, if this bidder is the one that was asked."""
+        if bidder == self.winner:
+            return
+        if bidder != self._asked:
+            self._release(bidder, "asked no more")
+            return
+        self._note_answer("accepted")
+        self.winner, self._asked = bidder, ""
+        self.stage, self.wake_at_s = Stage.DECIDED, NEVER_S
+        self.left_over = tuple(self._queue)
+
+    def hear_declined(self, bidder: str, answer: Declined, now_s: float) -> None:
+        """Ask the next one, if this bidder is the one that was asked."""
+        if bidder != self._asked:
+            return
+        self._note_answer(answer.reason.value)
+        self._asked = ""
+        self._ask_next(now_s)
+
+    def cancel(self) -> None:
+        """End it without a winner; whoever was asked is released."""
+        if self._asked:
+            self._release(self._asked, "withdrawn")
+            self._asked = ""
+        self.stage, self.wake_at_s = Stage.DECIDED, NEVER_S
+
+    def wake(self, now_s: float) -> None:
+        """Do what is due."""
+        if now_s < self.wake_at_s:
+            return
+        if self.stage is Stage.COLLECTING:
+            self._close_window(now_s)
+        elif self.stage is Stage.ASKING:
+            self._note_answer("silent")
+            self._release(self._asked, "no answer")
+            self._asked = ""
+            self._ask_next(now_s)
+        elif self.stage is Stage.RESTING:
+            self._announce(now_s)
+
+    def _announce(self, now_s: float) -> None:
+        self.round += 1
+        self.stage = Stage.COLLECTING
+        self.wake_at_s = now_s + self._grown(self._rules.window_s)
+        terms, radius_m = self.terms, self.radius_m
+        self._out.append(
+            Record(
+                TaskOpened(
+                    task=terms.task,
+                    epoch=terms.epoch,
+                    role=terms.role,
+                    round=self.round,
+                    work=terms.work,
+                    radius_m=radius_m,
+                    deadline_s=terms.deadline_s,
+                    bids_until_s=self.wake_at_s,
+                )
+            )
+        )
+        announcement = TaskAnnounced(
+            task=terms.task,
+            epoch=terms.epoch,
+            role=terms.role,
+            coordinator=self.coordinator,
+            work=terms.work,
+            deadline_s=terms.deadline_s,
+            x_m=self._place.x_m,
+            y_m=self._place.y_m,
+            radius_m=radius_m,
+            round=self.round,
+            bids_until_s=self.wake_at_s,
+            primary=terms.primary,
+        )
+        self._out.extend(Publish(key, announcement) for key in self._audience(radius_m))
+
+    def _close_window(self, now_s: float) -> None:
+        self._queue = sorted(self._bids.items(), key=_rank_of)
+        self._bids = {}
+        self._rank = 0
+        self.stage = Stage.ASKING
+        self._ask_next(now_s)
+
+    def _ask_next(self, now_s: float) -> None:
+        if not self._queue:
+            self._rest(now_s)
+            return
+        bidder, bid = self._queue.pop(0)
+        terms = self.terms
+        self._asked, self.winning_bid = bidder, bid
+        self._rank += 1
+        self.wake_at_s = now_s + self._grown(self._rules.answer_s)
+        fact = AwardGiven(
+            task=terms.task, epoch=terms.epoch, role=terms.role, bidder=bidder, rank=self._rank
+        )
+        award = Award(
+            task=terms.task,
+            epoch=terms.epoch,
+            role=terms.role,
+            work=terms.work,
+            deadline_s=terms.deadline_s,
+            source=bid.source,
+            primary=terms.primary,
+        )
+        self._out += (Record(fact), Send(bidder, award))
+
+    def _rest(self, now_s: float) -> None:
+        rules = self._rules
+        reaches_all = self.radius_m >= self._place.reach_m
+        # A wider circle has not been asked yet, so there is nothing to wait for.
+        rest_s = rules.rest_s * rules.rest_growth ** (self.round - 1) if reaches_all else 0.0
+        self.stage = Stage.RESTING
+        self.wake_at_s = now_s + min(rest_s, rules.rest_max_s)
+        self.winning_bid = None
+        terms = self.terms
+        self._out.append(
+            Record(
+                RoundFailed(
+                    task=terms.task,
+                    epoch=terms.epoch,
+                    role=terms.role,
+                    round=self.round,
+                    bids=self._rank,
+                    next_round_s=self.wake_at_s,
+                )
+            )
+        )
+        self._rank = 0
+
+    def _grown(self, span_s: float) -> float:
+        """A span that grows with the rounds, as the window does."""
+        rules = self._rules
+        factor: float = rules.window_growth ** max(0, self.round - 1)
+        return span_s * min(factor, rules.window_max_s / rules.window_s)
+
+    def _note_answer(self, answer: str) -> None:
+        terms = self.terms
+        fact = AwardAnswered(
+            task=terms.task, epoch=terms.epoch, role=terms.role, bidder=self._asked, answer=answer
+        )
+        self._out.append(Record(fact))
+
+    def _release(self, bidder: str, reason: str) -> None:
+        terms = self.terms
+        release = Release(task=terms.task, epoch=terms.epoch, role=terms.role, reason=reason)
+        self._out.append(Send(bidder, release))
+
+
+def _rank_of(bid: tuple[str, Bid]) -> tuple[float, float, str]:
+    """Cheapest first; then who is done earlier; then the smaller id, so that the order is total."""
+    return (bid[1].cost.total_s, bid[1].finish_s, bid[0])
