@@ -17,7 +17,7 @@ from dray.messages.heartbeat import Pose
 # --- a vehicle: instructions ---------------------------------------------------------------------
 
 
-class Drive(Part):
+class Drive(Part, frozen=True):
     """Follow a way. Replaces the way before it; ends charging.
 
     A moving vehicle finishes the lane that it is on and turns off there: `nodes[0]` must be the
@@ -31,14 +31,14 @@ class Drive(Part):
     """How many of `nodes` may be driven to by now, from 1 to all: the vehicle brakes at the last one."""
 
 
-class ReleaseWay(Part):
+class ReleaseWay(Part, frozen=True):
     """More of the way may be driven."""
 
     order: int
     released: int
 
 
-class Pick(Part):
+class Pick(Part, frozen=True):
     """Take a load up at the station where the vehicle stands."""
 
     order: int
@@ -47,29 +47,29 @@ class Pick(Part):
     quantity: int
 
 
-class Drop(Part):
+class Drop(Part, frozen=True):
     """Put the load down at the station where the vehicle stands."""
 
     order: int
     station: str
 
 
-class Charge(Part):
+class Charge(Part, frozen=True):
     """Charge at the charger where the vehicle stands, until the next instruction or full."""
 
     order: int
     charger: str
 
 
-class Hold(Part):
+class Hold(Part, frozen=True):
     """Stop at once and stay; actions pause too. Holding twice is harmless."""
 
 
-class Unhold(Part):
+class Unhold(Part, frozen=True):
     """Go on with what was held."""
 
 
-class LimitSpeed(Part):
+class LimitSpeed(Part, frozen=True):
     """Keep below this part of the vehicle's own top speed."""
 
     speed_frac: float
@@ -81,7 +81,7 @@ VehicleInstruction = Drive | ReleaseWay | Pick | Drop | Charge | Hold | Unhold |
 # --- a vehicle: reports and state ----------------------------------------------------------------
 
 
-class NodePassed(Part):
+class NodePassed(Part, frozen=True):
     """A node of the way was reached, the first and last ones included."""
 
     order: int
@@ -91,40 +91,40 @@ class NodePassed(Part):
     battery_frac: float
 
 
-class WayDone(Part):
+class WayDone(Part, frozen=True):
     """The vehicle stands at the last node of its way."""
 
     order: int
     node: str
 
 
-class ActionDone(Part):
+class ActionDone(Part, frozen=True):
     """A pick or drop has ended well, or a charge has filled the battery."""
 
     order: int
 
 
-class ActionFailed(Part):
+class ActionFailed(Part, frozen=True):
     """A pick, drop or charge ended without effect: the load is where it was."""
 
     order: int
     reason: str
 
 
-class ProblemRaised(Part):
+class ProblemRaised(Part, frozen=True):
     """Something keeps the vehicle from going on."""
 
     reason: str
 
 
-class ProblemCleared(Part):
+class ProblemCleared(Part, frozen=True):
     """It is gone."""
 
 
 VehicleReport = NodePassed | WayDone | ActionDone | ActionFailed | ProblemRaised | ProblemCleared
 
 
-class VehicleState(Part):
+class VehicleState(Part, frozen=True):
     """Everything a vehicle can sense of itself at one moment."""
 
     pose: Pose
@@ -146,13 +146,13 @@ class VehicleState(Part):
 # --- a workcell: instructions and reports --------------------------------------------------------
 
 
-class StartCycle(Part):
+class StartCycle(Part, frozen=True):
     """Make one piece: takes the bill of material out of the buffers, puts a piece into the goods."""
 
     product: str
 
 
-class OpenDock(Part):
+class OpenDock(Part, frozen=True):
     """Let this vehicle load or unload, once. The dock stays shut for everybody else."""
 
     vehicle: str
@@ -160,7 +160,7 @@ class OpenDock(Part):
     quantity: int
 
 
-class CloseDock(Part):
+class CloseDock(Part, frozen=True):
     """Shut the dock again for this vehicle; harmless when it was never open."""
 
     vehicle: str
@@ -169,20 +169,20 @@ class CloseDock(Part):
 WorkcellInstruction = StartCycle | OpenDock | CloseDock
 
 
-class CycleDone(Part):
+class CycleDone(Part, frozen=True):
     """A piece was made and lies in the goods."""
 
     product: str
 
 
-class CycleFailed(Part):
+class CycleFailed(Part, frozen=True):
     """A cycle could not start; nothing was consumed."""
 
     product: str
     reason: str
 
 
-class StockChanged(Part):
+class StockChanged(Part, frozen=True):
     """A vehicle or a person has put something in or taken something out."""
 
     item: str
@@ -191,20 +191,20 @@ class StockChanged(Part):
     vehicle: str = ""
 
 
-class Broken(Part):
+class Broken(Part, frozen=True):
     """The machine has stopped; a running cycle pauses."""
 
     reason: str
 
 
-class Repaired(Part):
+class Repaired(Part, frozen=True):
     """The machine works again; a paused cycle goes on."""
 
 
 WorkcellReport = CycleDone | CycleFailed | StockChanged | Broken | Repaired
 
 
-class WorkcellState(Part):
+class WorkcellState(Part, frozen=True):
     """What a workcell senses of itself."""
 
     stock: dict[str, int]

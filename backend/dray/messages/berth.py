@@ -11,7 +11,7 @@ from __future__ import annotations
 from dray.messages.base import Message
 
 
-class BerthClaimed(Message):
+class BerthClaimed(Message, frozen=True):
     """I stand in this berth, or want to."""
 
     berth: str

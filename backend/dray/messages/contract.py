@@ -13,7 +13,7 @@ from dray.messages.base import Message, Part
 from dray.messages.heartbeat import Role
 
 
-class Transport(Part, tag_field="kind", tag="transport"):
+class Transport(Part, tag_field="kind", tag="transport", frozen=True):
     """Carry `quantity` pieces of `item` from one of `sources` to `destination`."""
 
     item: str
@@ -29,7 +29,7 @@ class Transport(Part, tag_field="kind", tag="transport"):
     """The goal whose products these are, on the way out."""
 
 
-class Production(Part, tag_field="kind", tag="production"):
+class Production(Part, tag_field="kind", tag="production", frozen=True):
     """Make `quantity` pieces of `product` for one item of an order."""
 
     product: str
@@ -42,7 +42,7 @@ class Production(Part, tag_field="kind", tag="production"):
 Work = Transport | Production
 
 
-class TransportCost(Part, tag_field="kind", tag="transport"):
+class TransportCost(Part, tag_field="kind", tag="transport", frozen=True):
     """The parts of a vehicle's price, all in seconds so that they add up (paper, 4.1)."""
 
     empty_way_s: float
@@ -59,7 +59,7 @@ class TransportCost(Part, tag_field="kind", tag="transport"):
         return self.empty_way_s + self.loaded_way_s + self.energy_s + self.suitability_s
 
 
-class ProductionCost(Part, tag_field="kind", tag="production"):
+class ProductionCost(Part, tag_field="kind", tag="production", frozen=True):
     """The parts of a machine's price for a goal, in seconds."""
 
     queue_s: float
@@ -77,7 +77,7 @@ class ProductionCost(Part, tag_field="kind", tag="production"):
 Cost = TransportCost | ProductionCost
 
 
-class TaskAnnounced(Message):
+class TaskAnnounced(Message, frozen=True):
     """A coordinator asks for bids. Published to everybody within the radius."""
 
     task: str
@@ -100,7 +100,7 @@ class TaskAnnounced(Message):
     """Whom to watch, when a SECONDARY is sought; that vehicle does not bid."""
 
 
-class Bid(Message):
+class Bid(Message, frozen=True):
     """A contractor's price, sent straight to the coordinator."""
 
     task: str
@@ -114,7 +114,7 @@ class Bid(Message):
     """The source it would fetch from."""
 
 
-class Award(Message):
+class Award(Message, frozen=True):
     """The coordinator asks one bidder to take the contract."""
 
     task: str
@@ -145,7 +145,7 @@ class Refusal(StrEnum):
     """Asked to watch itself."""
 
 
-class Accepted(Message):
+class Accepted(Message, frozen=True):
     """The contract stands."""
 
     task: str
@@ -154,7 +154,7 @@ class Accepted(Message):
     finish_s: float = 0.0
 
 
-class Declined(Message):
+class Declined(Message, frozen=True):
     """Not available any more; the coordinator asks the next one."""
 
     task: str
@@ -163,7 +163,7 @@ class Declined(Message):
     reason: Refusal
 
 
-class Release(Message):
+class Release(Message, frozen=True):
     """The coordinator lets a contractor go; whoever is not bound ignores it."""
 
     task: str
@@ -172,7 +172,7 @@ class Release(Message):
     reason: str
 
 
-class Resigned(Message):
+class Resigned(Message, frozen=True):
     """A contractor gives the contract back."""
 
     task: str
@@ -181,7 +181,7 @@ class Resigned(Message):
     reason: str
 
 
-class TakenOver(Message):
+class TakenOver(Message, frozen=True):
     """A secondary has become the carrier, with a higher epoch."""
 
     task: str
@@ -190,7 +190,7 @@ class TakenOver(Message):
     """Whom it replaces."""
 
 
-class Docked(Message):
+class Docked(Message, frozen=True):
     """A carrier stands at the source or the destination and asks to load or to unload.
 
     Every transfer asks first: this is where the epoch fences. A load that nobody waits for any
@@ -202,7 +202,7 @@ class Docked(Message):
     station: str
 
 
-class DockOpened(Message):
+class DockOpened(Message, frozen=True):
     """Load or unload now."""
 
     task: str
@@ -210,7 +210,7 @@ class DockOpened(Message):
     station: str
 
 
-class DockHeld(Message):
+class DockHeld(Message, frozen=True):
     """Wait: the right vehicle at the right place, but there is no room or nothing to fetch yet."""
 
     task: str
@@ -219,7 +219,7 @@ class DockHeld(Message):
     reason: str
 
 
-class Handover(Message):
+class Handover(Message, frozen=True):
     """The load is down. Repeated until it is answered; handing over twice is harmless."""
 
     task: str
@@ -227,14 +227,14 @@ class Handover(Message):
     quantity: int
 
 
-class HandoverAccepted(Message):
+class HandoverAccepted(Message, frozen=True):
     """The task is done; the vehicle is free."""
 
     task: str
     epoch: int
 
 
-class Superseded(Message):
+class Superseded(Message, frozen=True):
     """Somebody else carries this task, or nobody needs to: your epoch is over."""
 
     task: str
@@ -242,7 +242,7 @@ class Superseded(Message):
     """The epoch that is right now."""
 
 
-class Withdrawn(Message):
+class Withdrawn(Message, frozen=True):
     """The coordinator does not need the task any more."""
 
     task: str
@@ -250,7 +250,7 @@ class Withdrawn(Message):
     reason: str
 
 
-class GoalClosed(Message):
+class GoalClosed(Message, frozen=True):
     """The strategist has noted that a goal is delivered; the machine may forget it."""
 
     goal: str

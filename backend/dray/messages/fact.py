@@ -12,14 +12,14 @@ from dray.messages.contract import Cost, Refusal, Work
 from dray.messages.heartbeat import AtvStatus, MachineStatus, Phase, Role
 
 
-class Fact(Part, tag_field="kind", tag=True):
+class Fact(Part, tag_field="kind", tag=True, frozen=True):
     """One thing that happened, named by its class name in `kind`."""
 
 
 # --- said by a coordinator -----------------------------------------------------------------------
 
 
-class TaskOpened(Fact):
+class TaskOpened(Fact, frozen=True):
     """A round of bidding began (round 1 of epoch 1 is the birth of the task)."""
 
     task: str
@@ -32,7 +32,7 @@ class TaskOpened(Fact):
     bids_until_s: float
 
 
-class BidReceived(Fact):
+class BidReceived(Fact, frozen=True):
     """A bid came in time."""
 
     task: str
@@ -46,7 +46,7 @@ class BidReceived(Fact):
     source: str = ""
 
 
-class AwardGiven(Fact):
+class AwardGiven(Fact, frozen=True):
     """A bidder was asked to take the contract; `rank` is 1 for the cheapest."""
 
     task: str
@@ -56,7 +56,7 @@ class AwardGiven(Fact):
     rank: int
 
 
-class AwardAnswered(Fact):
+class AwardAnswered(Fact, frozen=True):
     """What became of an award: accepted, declined with a reason, or silent."""
 
     task: str
@@ -67,7 +67,7 @@ class AwardAnswered(Fact):
     """`accepted`, `silent`, or the reason of the decline."""
 
 
-class RoundFailed(Fact):
+class RoundFailed(Fact, frozen=True):
     """Nobody was contracted in this round; the next one begins at `next_round_s`."""
 
     task: str
@@ -78,7 +78,7 @@ class RoundFailed(Fact):
     next_round_s: float
 
 
-class WatchLost(Fact):
+class WatchLost(Fact, frozen=True):
     """A task has no secondary any more; another one is sought."""
 
     task: str
@@ -87,7 +87,7 @@ class WatchLost(Fact):
     reason: str
 
 
-class TaskClosed(Fact):
+class TaskClosed(Fact, frozen=True):
     """A task ended: `delivered` or `withdrawn` (invariant 1)."""
 
     task: str
@@ -98,7 +98,7 @@ class TaskClosed(Fact):
     """When the carrier had promised to be done (plant clock); 0 when nobody had."""
 
 
-class PrimarySuspected(Fact):
+class PrimarySuspected(Fact, frozen=True):
     """Nothing was heard of a task's primary for longer than the suspicion bound."""
 
     task: str
@@ -110,7 +110,7 @@ class PrimarySuspected(Fact):
 # --- said by a contractor ------------------------------------------------------------------------
 
 
-class BidSent(Fact):
+class BidSent(Fact, frozen=True):
     """The vehicle or machine made a bid; the bid itself is the coordinator's fact."""
 
     task: str
@@ -119,7 +119,7 @@ class BidSent(Fact):
     total_s: float
 
 
-class BidRefused(Fact):
+class BidRefused(Fact, frozen=True):
     """It did not bid, and why (protocol, step 2)."""
 
     task: str
@@ -129,7 +129,7 @@ class BidRefused(Fact):
     detail: str = ""
 
 
-class ContractTaken(Fact):
+class ContractTaken(Fact, frozen=True):
     """It is bound now."""
 
     task: str
@@ -138,7 +138,7 @@ class ContractTaken(Fact):
     coordinator: str
 
 
-class ContractEnded(Fact):
+class ContractEnded(Fact, frozen=True):
     """It is free of this contract: `handed_over`, `released`, `resigned`, `superseded`, `withdrawn`."""
 
     task: str
@@ -147,7 +147,7 @@ class ContractEnded(Fact):
     reason: str
 
 
-class PhaseEntered(Fact):
+class PhaseEntered(Fact, frozen=True):
     """A carriage went one step further."""
 
     task: str
@@ -156,14 +156,14 @@ class PhaseEntered(Fact):
     station: str = ""
 
 
-class AtvStatusChanged(Fact):
+class AtvStatusChanged(Fact, frozen=True):
     """The vehicle's state machine took a step."""
 
     status: AtvStatus
     reason: str = ""
 
 
-class CommandObeyed(Fact):
+class CommandObeyed(Fact, frozen=True):
     """A person's command was carried out, or refused with a reason."""
 
     command: str
@@ -176,7 +176,7 @@ class CommandObeyed(Fact):
 # --- said by a machine ---------------------------------------------------------------------------
 
 
-class MachineStatusChanged(Fact):
+class MachineStatusChanged(Fact, frozen=True):
     """The machine began, starved, was blocked, broke or stopped."""
 
     status: MachineStatus
@@ -184,7 +184,7 @@ class MachineStatusChanged(Fact):
     reason: str = ""
 
 
-class PieceMade(Fact):
+class PieceMade(Fact, frozen=True):
     """One cycle ended well."""
 
     goal: str
@@ -193,7 +193,7 @@ class PieceMade(Fact):
     """Of this goal, with this one."""
 
 
-class GoodsDelivered(Fact):
+class GoodsDelivered(Fact, frozen=True):
     """Finished goods of a goal reached the delivery warehouse."""
 
     goal: str
@@ -209,14 +209,14 @@ class GoodsDelivered(Fact):
 # --- said by the strategist ----------------------------------------------------------------------
 
 
-class OrderAccepted(Fact):
+class OrderAccepted(Fact, frozen=True):
     """The strategist split an order into goals."""
 
     order: str
     goals: tuple[str, ...]
 
 
-class GoalContracted(Fact):
+class GoalContracted(Fact, frozen=True):
     """A machine took a goal."""
 
     goal: str
@@ -228,7 +228,7 @@ class GoalContracted(Fact):
     finish_s: float
 
 
-class OrderProgressed(Fact):
+class OrderProgressed(Fact, frozen=True):
     """How much of an order is made and delivered, over all its goals."""
 
     order: str
@@ -237,13 +237,13 @@ class OrderProgressed(Fact):
     quantity: int
 
 
-class OrderFulfilled(Fact):
+class OrderFulfilled(Fact, frozen=True):
     """All of an order is in the delivery warehouse."""
 
     order: str
 
 
-class OrderDropped(Fact):
+class OrderDropped(Fact, frozen=True):
     """A cancelled order left the strategist's books."""
 
     order: str
@@ -276,7 +276,7 @@ AnyFact = (
 )
 
 
-class Event(Message):
+class Event(Message, frozen=True):
     """One numbered line of an agent's history."""
 
     agent: str

@@ -67,7 +67,7 @@ class Phase(StrEnum):
     """Superseded with a load on board: on the way back to a storage."""
 
 
-class Pose(Part):
+class Pose(Part, frozen=True):
     """Where a vehicle is in the plant's frame: x to the right, y up, heading from x towards y."""
 
     x_m: float
@@ -75,7 +75,7 @@ class Pose(Part):
     heading_rad: float
 
 
-class Brief(Part):
+class Brief(Part, frozen=True):
     """A vehicle's own words about one task it is contracted for."""
 
     task: str
@@ -91,7 +91,7 @@ class Brief(Part):
     """When the vehicle now expects to hand over (plant clock)."""
 
 
-class AtvHeartbeat(Message):
+class AtvHeartbeat(Message, frozen=True):
     """RHB: what an ATV tells everybody (paper, 3.2).
 
     Idle 0.2 Hz, working 1 Hz, and at once when the status changes.
@@ -129,7 +129,7 @@ class AtvHeartbeat(Message):
     software: str = ""
 
 
-class BufferLevel(Part):
+class BufferLevel(Part, frozen=True):
     """One material in front of a machine, or its finished goods."""
 
     item: str
@@ -141,7 +141,7 @@ class BufferLevel(Part):
     """Pieces announced and not yet handed over."""
 
 
-class TaskBrief(Part):
+class TaskBrief(Part, frozen=True):
     """A coordinator's own words about one of its open tasks."""
 
     task: str
@@ -158,7 +158,7 @@ class TaskBrief(Part):
     """The bidding round it is in or was contracted in: a high one means that the machine waits."""
 
 
-class GoalBrief(Part):
+class GoalBrief(Part, frozen=True):
     """A machine's own words about one production goal. Counts only ever grow."""
 
     goal: str
@@ -168,7 +168,7 @@ class GoalBrief(Part):
     delivered: int
 
 
-class MachineHeartbeat(Message):
+class MachineHeartbeat(Message, frozen=True):
     """MHB: what a machine tells everybody (paper, 3.2).
 
     Idle 0.2 Hz, working 1 Hz, and at once when the status changes. A goal stays in `goals` until

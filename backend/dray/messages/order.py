@@ -7,14 +7,14 @@ from enum import StrEnum
 from dray.messages.base import Message, Part
 
 
-class OrderItem(Part):
+class OrderItem(Part, frozen=True):
     """One line of an order: what is still to be delivered of it."""
 
     product: str
     quantity: int
 
 
-class OrderReleased(Message):
+class OrderReleased(Message, frozen=True):
     """Make this. Repeated until the strategist answers; the same order twice is one order.
 
     `items` hold what is outstanding: after a restart less than was ordered.
@@ -26,13 +26,13 @@ class OrderReleased(Message):
     """When all of it should be in the delivery warehouse (plant clock)."""
 
 
-class OrderTaken(Message):
+class OrderTaken(Message, frozen=True):
     """The strategist has the order and will see to it."""
 
     order: str
 
 
-class OrderCancelled(Message):
+class OrderCancelled(Message, frozen=True):
     """Stop working at this order: goals that no machine has begun are withdrawn."""
 
     order: str
@@ -49,7 +49,7 @@ class CommandKind(StrEnum):
     SET_SPEED = "set_speed"
 
 
-class VehicleCommand(Message):
+class VehicleCommand(Message, frozen=True):
     """A person's command to one vehicle."""
 
     command: str
@@ -60,7 +60,7 @@ class VehicleCommand(Message):
     issued_by: str = ""
 
 
-class CommandAnswered(Message):
+class CommandAnswered(Message, frozen=True):
     """The vehicle's word on a command: done, or refused with a reason."""
 
     command: str

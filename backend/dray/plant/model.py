@@ -25,7 +25,7 @@ class Item(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Base of everything in a plant file: immutable, and a misspelt field is an error."""
 
 
-class Node(Item):
+class Node(Item, frozen=True):
     """A point of the road network."""
 
     id: Id
@@ -33,7 +33,7 @@ class Node(Item):
     y_m: float
 
 
-class Lane(Item):
+class Lane(Item, frozen=True):
     """A directed road from one node to another, straight, wide enough for one vehicle."""
 
     start: Id
@@ -43,7 +43,7 @@ class Lane(Item):
     """A second lane runs the other way."""
 
 
-class Box(Item):
+class Box(Item, frozen=True):
     """Where something stands on the floor, for drawing: middle and size."""
 
     x_m: float
@@ -52,7 +52,7 @@ class Box(Item):
     depth_m: Positive
 
 
-class Material(Item):
+class Material(Item, frozen=True):
     """Something that machines consume."""
 
     id: Id
@@ -65,14 +65,14 @@ class Material(Item):
     """What a vehicle must be able to carry."""
 
 
-class BillLine(Item):
+class BillLine(Item, frozen=True):
     """One line of a bill of material."""
 
     material: Id
     quantity: Count
 
 
-class Product(Item):
+class Product(Item, frozen=True):
     """Something that machines make and customers order."""
 
     id: Id
@@ -83,7 +83,7 @@ class Product(Item):
     ability: Id = "tote"
 
 
-class Warehouse(Item):
+class Warehouse(Item, frozen=True):
     """Where material comes from (`source`) or products go to (`delivery`)."""
 
     id: Id
@@ -93,14 +93,14 @@ class Warehouse(Item):
     box: Box
 
 
-class Stock(Item):
+class Stock(Item, frozen=True):
     """A material in a storage."""
 
     material: Id
     capacity: Count
 
 
-class Storage(Item):
+class Storage(Item, frozen=True):
     """An interim storage near the machines, refilled from the source warehouse (paper, 4.1)."""
 
     id: Id
@@ -110,7 +110,7 @@ class Storage(Item):
     stocks: Annotated[tuple[Stock, ...], Meta(min_length=1)]
 
 
-class Charger(Item):
+class Charger(Item, frozen=True):
     """A charging station: one vehicle at a time."""
 
     id: Id
@@ -118,21 +118,21 @@ class Charger(Item):
     box: Box
 
 
-class Parking(Item):
+class Parking(Item, frozen=True):
     """A place where a vehicle waits out of the way."""
 
     id: Id
     node: Id
 
 
-class Making(Item):
+class Making(Item, frozen=True):
     """A product that a machine can make."""
 
     product: Id
     cycle_s: Positive
 
 
-class MachineSpec(Item):
+class MachineSpec(Item, frozen=True):
     """A production machine of a working station."""
 
     id: Id
@@ -147,21 +147,21 @@ class MachineSpec(Item):
     """Finished pieces that wait at most; at least the lot of every product it makes."""
 
 
-class WorkingStation(Item):
+class WorkingStation(Item, frozen=True):
     """A group of machines that belong together."""
 
     id: Id
     name: Name
 
 
-class Point(Item):
+class Point(Item, frozen=True):
     """A corner of an area."""
 
     x_m: float
     y_m: float
 
 
-class Area(Item):
+class Area(Item, frozen=True):
     """A part of the floor that operators are responsible for."""
 
     id: Id
@@ -169,7 +169,7 @@ class Area(Item):
     polygon: Annotated[tuple[Point, ...], Meta(min_length=3)]
 
 
-class VehicleType(Item):
+class VehicleType(Item, frozen=True):
     """What all vehicles of one make have in common."""
 
     id: Id
@@ -193,7 +193,7 @@ class VehicleType(Item):
     charge_taper_frac: Fraction = 0.8
 
 
-class VehicleSpec(Item):
+class VehicleSpec(Item, frozen=True):
     """One vehicle of the fleet."""
 
     id: Id
@@ -203,7 +203,7 @@ class VehicleSpec(Item):
     battery_frac: Fraction = 0.9
 
 
-class PlantFile(Item):
+class PlantFile(Item, frozen=True):
     """A whole plant file."""
 
     plant: Id

@@ -123,7 +123,7 @@ class Auction:
     @property
     def radius_m(self) -> float:
         """How far the present round reaches."""
-        grown_m = self._rules.radius_m * self._rules.radius_growth ** (self.round - 1)
+        grown_m = self._rules.radius_m * _growth(self._rules.radius_growth, self.round)
         return min(grown_m, self._place.reach_m)
 
     def open(self, now_s: float) -> None:
@@ -273,7 +273,7 @@ class Auction:
         rules = self._rules
         reaches_all = self.radius_m >= self._place.reach_m
         # A wider circle has not been asked yet, so there is nothing to wait for.
-        rest_s = rules.rest_s * rules.rest_growth ** (self.round - 1) if reaches_all else 0.0
+        rest_s = rules.rest_s * _growth(rules.rest_growth, self.round) if reaches_all else 0.0
         self.stage = Stage.RESTING
         self.wake_at_s = now_s + min(rest_s, rules.rest_max_s)
         self.winning_bid = None
@@ -295,7 +295,7 @@ class Auction:
     def _grown(self, span_s: float) -> float:
         """A span that grows with the rounds, as the window does."""
         rules = self._rules
-        factor: float = rules.window_growth ** max(0, self.round - 1)
+        factor = _growth(rules.window_growth, self.round)
         return span_s * min(factor, rules.window_max_s / rules.window_s)
 
     def _note_answer(self, answer: str) -> None:
@@ -309,6 +309,11 @@ class Auction:
         terms = self.terms
         release = Release(task=terms.task, epoch=terms.epoch, role=terms.role, reason=reason)
         self._out.append(Send(bidder, release))
+
+
+def _growth(base: float, round_number: int) -> float:
+    """`base` to the power of the rounds before this one; held, so that endless rounds do not overflow."""
+    return float(base ** min(max(0, round_number - 1), 32))
 
 
 def _rank_of(bid: tuple[str, Bid]) -> tuple[float, float, str]:

@@ -26,27 +26,27 @@ class Value(msgspec.Struct, frozen=True, gc=False):
 # --- events --------------------------------------------------------------------------------------
 
 
-class Started(Value):
+class Started(Value, frozen=True):
     """The first event of an agent's life."""
 
     body: BodyState | None
 
 
-class Heard(Value):
+class Heard(Value, frozen=True):
     """A message has arrived."""
 
     sender: str
     message: Message
 
 
-class Woke(Value):
+class Woke(Value, frozen=True):
     """`wake_at_s` has come, or may have."""
 
     body: BodyState | None
     """What the agent's body senses at this moment; None for an agent without one."""
 
 
-class Reported(Value):
+class Reported(Value, frozen=True):
     """The body has something to say."""
 
     report: Report
@@ -57,39 +57,39 @@ Event = Started | Heard | Woke | Reported
 # --- effects -------------------------------------------------------------------------------------
 
 
-class Publish(Value):
+class Publish(Value, frozen=True):
     """Say it to whoever listens on `key`."""
 
     key: str
     message: Message
 
 
-class Send(Value):
+class Send(Value, frozen=True):
     """Say it to one agent."""
 
     to: str
     message: Message
 
 
-class Subscribe(Value):
+class Subscribe(Value, frozen=True):
     """Listen on `key`."""
 
     key: str
 
 
-class Unsubscribe(Value):
+class Unsubscribe(Value, frozen=True):
     """Listen on `key` no longer."""
 
     key: str
 
 
-class Instruct(Value):
+class Instruct(Value, frozen=True):
     """Let the body act."""
 
     instruction: Instruction
 
 
-class Record(Value):
+class Record(Value, frozen=True):
     """Write a fact into the agent's numbered history, and publish it."""
 
     fact: AnyFact
