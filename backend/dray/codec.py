@@ -1,0 +1,93 @@
+"""Bytes <-> messages: the only validator of what comes from the wire.
+
+A message travels as UTF-8 JSON in an envelope: ``{"v": 1, "from": "ATV-07", "m": {"type": "Bid", ...}}``.
+`v` is the wire version, `from` the sender. Fields that we do not know are ignored, so a newer software
+may add some; a *newer version* is refused, for we could misunderstand it. What the values may be is
+written on the fields in `dray.messages`; whether an utterance makes sense now is for the protocol.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+
+from dray.errors import NewerVersion, WireError
+from dray.messages import WIRE_VERSION, AnyMessage, Message
+
+MAX_BYTES = 64 * 1024
+"""The longest message we read. The longest honest one, a machine's heartbeat with fifty open tasks,
+has some 15 kB; what is longer would only fill our memory."""
+
+
+class Envelope(msgspec.Struct, frozen=True, gc=False):
+    """What goes over the wire."""
+
+    v: int
+    sender: str = msgspec.field(name="from")
+    m: AnyMessage
+
+
+class _Version(msgspec.Struct, gc=False):
+    """As much of an envelope as every version has."""
+
+    v: int
+
+
+_encoder = msgspec.json.Encoder()
+_decoder = msgspec.json.Decoder(Envelope)
+_version_decoder = msgspec.json.Decoder(_Version)
+
+# A decoder's own words for broken JSON, a wrong type or value, bad UTF-8, and nesting without end.
+_FAULTS = (msgspec.MsgspecError, ValueError, RecursionError)
+
+
+def encode(sender: str, message: Message) -> bytes:
+    """Write one message; the same message always gives the same bytes.
+
+    Args:
+        sender: the id of the agent that says it.
+        message: one of `AnyMessage`.
+
+    Returns:
+        UTF-8 JSON. It may be longer than `MAX_BYTES`; then no peer reads it.
+    """
+    return _encoder.encode({"v": WIRE_VERSION, "from": sender, "m": message})
+
+
+def decode(data: bytes) -> tuple[str, Message]:
+    """Read one message.
+
+    Returns:
+        The sender's id and the message.
+
+    Raises:
+        NewerVersion: it is of a wire version that we do not know yet.
+        WireError: it is no message of ours; nothing else is ever raised for any bytes.
+    """
+    if len(data) > MAX_BYTES:
+        raise WireError(f"{len(data)} bytes, more than {MAX_BYTES}", data)
+    try:
+        envelope = _decoder.decode(data)
+    except _FAULTS as fault:
+        # A newer version may look different inside, so ask for the version before blaming the peer.
+        _refuse_newer(data)
+        raise WireError(str(fault), data) from fault
+    if envelope.v != WIRE_VERSION:
+        _refuse_newer(data)
+        raise WireError(f"wire version {envelope.v} was never spoken", data)
+    return envelope.sender, envelope.m
+
+
+def _refuse_newer(data: bytes) -> None:
+    try:
+        version = _version_decoder.decode(data).v
+    except _FAULTS:
+        return
+    if version > WIRE_VERSION:
+        raise NewerVersion(f"wire version {version}, and we speak {WIRE_VERSION}; update this software", data)
+
+
+def schema() -> dict[str, Any]:
+    """The JSON Schema (draft 2020-12) of everything that may be said on the bus."""
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **msgspec.json.schema(Envelope)}

@@ -1,0 +1,245 @@
+"""The asyncio shell of one agent: an inbox, a timer, and the carrying out of effects.
+
+The agent decides, the worker acts. The worker owns what an agent must not touch: the bus, the clock,
+the body, the task that it all runs in. One worker is one asyncio task; it sleeps until something has
+come, and then handles all that has come.
+
+    bus ----Heard----\\                           /--> bus:  Publish, Send, Subscribe, Unsubscribe
+    clock --Woke------> inbox -> agent.handle() -+---> body: Instruct
+    body ---Reported-/                           \\--> history and bus: Record
+
+What an agent must do is none of this module's business: that is `dray.protocol`.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from typing import TYPE_CHECKING, assert_never
+
+from dray import messages
+from dray.errors import ProtocolViolation
+from dray.protocol.events import (
+    NEVER_S,
+    Agent,
+    Effect,
+    Event,
+    Heard,
+    Instruct,
+    Publish,
+    Record,
+    Reported,
+    Send,
+    Started,
+    Subscribe,
+    Unsubscribe,
+    Woke,
+)
+
+if TYPE_CHECKING:
+    from dray.body import BodyState, Instruction, Report
+    from dray.messages.keys import Keys
+    from dray.ports import Body, Bus, Clock, Session
+
+INBOX = 4096
+"""Events that wait for an agent. Ten seconds of a plant of 300 agents that all talk to this one; an agent
+that is further behind has lost touch anyway, and its peers repeat what matters."""
+
+HEARTBEAT_ROOM = INBOX * 3 // 4
+"""From this filling on heartbeats are dropped: the next one says the same. The last quarter is for
+what is said once."""
+
+HISTORY_FACTS = 1000
+"""Facts kept for whoever missed some: with 300 agents some 150 MB at worst, and at one fact in ten
+seconds nearly three hours of a historian's absence."""
+
+_WOKEN = Woke(None)
+"""Stands in the inbox for a wake-up: the body is sensed when the agent's turn comes, not before."""
+
+
+class Worker:
+    """Runs one agent.
+
+    Args:
+        agent: the pure state machine.
+        bus: joined under the agent's id while `run` runs.
+        clock: the plant's clock.
+        keys: the plant's keys; facts are published on the agent's own.
+        body: what the agent acts with; None for an agent that only talks.
+
+    Attributes:
+        history: the agent's last `HISTORY_FACTS` numbered facts, oldest first.
+        handled: events handled so far.
+        dropped_heartbeats: heartbeats that found the inbox three quarters full.
+        dropped_messages: other messages that were pushed out of a full inbox.
+    """
+
+    def __init__(self, agent: Agent, *, bus: Bus, clock: Clock, keys: Keys, body: Body | None) -> None:
+        self.agent = agent
+        self.history: deque[messages.Event] = deque(maxlen=HISTORY_FACTS)
+        self.handled = 0
+        self.dropped_heartbeats = 0
+        self.dropped_messages = 0
+        self._bus = bus
+        self._clock = clock
+        self._events_key = keys.events(agent.id)
+        self._body = body
+        self._facts = 0
+        self._inbox: deque[Event] = deque()
+        self._wakes_s: list[float] = []
+        """When the clock will call: each time is earlier than the one before it, so the last is next."""
+        self._woken = False
+        """A wake-up waits in the inbox; until its turn no other is needed."""
+        self._waiter: asyncio.Future[None] | None = None
+        self._stopping = False
+
+    async def run(self) -> None:
+        """Live: join the bus, handle events until `stop` or cancellation, leave the bus.
+
+        Raises:
+            whatever the agent raises: an agent with a bug ends, and says so.
+        """
+        session = self._bus.join(self.agent.id, self._hear)
+        try:
+            if self._body is not None:
+                self._body.attach(self._report)
+            self._handle(Started(self._sense()), session)
+            while not self._stopping:
+                if not self._inbox:
+                    await self._something_to_come()
+                self._handle_inbox(session)
+                if self._inbox:
+                    # Let others have their turn before whatever came in meanwhile.
+                    await asyncio.sleep(0)
+        finally:
+            self._stopping = True
+            session.leave()
+            if self._body is not None:
+                self._body.attach(_turn_a_deaf_ear)
+
+    def stop(self) -> None:
+        """Let `run` return after the event in hand. Twice is harmless."""
+        self._stopping = True
+        self._wake_task()
+
+    # --- what comes in ---------------------------------------------------------------------------
+
+    def _hear(self, sender: str, message: messages.Message) -> None:
+        if len(self._inbox) >= HEARTBEAT_ROOM and not self._make_room(message):
+            return
+        self._inbox.append(Heard(sender, message))
+        if self._waiter is not None:
+            self._wake_task()
+
+    def _report(self, report: Report) -> None:
+        # Never dropped: a body says things once. It cannot flood either, for it answers to instructions.
+        self._inbox.append(Reported(report))
+        if self._waiter is not None:
+            self._wake_task()
+
+    def _wake(self) -> None:
+        self._wakes_s.pop()
+        if self._clock.now_s() < self.agent.wake_at_s:
+            # The agent has thought better of it since this call was asked for.
+            self._arm()
+        elif not self._woken:
+            self._woken = True
+            self._inbox.append(_WOKEN)
+            if self._waiter is not None:
+                self._wake_task()
+
+    def _make_room(self, message: messages.Message) -> bool:
+        """Decide what a full inbox does with a newcomer; True when there is room for it."""
+        if isinstance(message, messages.Heartbeat):
+            self.dropped_heartbeats += 1
+            return False
+        if len(self._inbox) < INBOX:
+            return True
+        self.dropped_messages += 1
+        for place, event in enumerate(self._inbox):
+            if type(event) is Heard:
+                del self._inbox[place]
+                return True
+        return False
+
+    async def _something_to_come(self) -> None:
+        self._waiter = asyncio.get_running_loop().create_future()
+        try:
+            await self._waiter
+        finally:
+            self._waiter = None
+
+    def _wake_task(self) -> None:
+        waiter, self._waiter = self._waiter, None
+        if waiter is not None and not waiter.done():
+            waiter.set_result(None)
+
+    # --- the agent's turn ------------------------------------------------------------------------
+
+    def _handle_inbox(self, session: Session) -> None:
+        inbox = self._inbox
+        for _ in range(len(inbox)):
+            event = inbox.popleft()
+            if event is _WOKEN:
+                self._woken = False
+                event = Woke(self._sense())
+            self._handle(event, session)
+            if self._stopping:
+                return
+
+    def _handle(self, event: Event, session: Session) -> None:
+        effects = self.agent.handle(event, self._clock.now_s())
+        self.handled += 1
+        for effect in effects:
+            self._carry_out(effect, session)
+        self._arm()
+
+    def _carry_out(self, effect: Effect, session: Session) -> None:
+        # The most frequent first: this runs for everything that any agent does.
+        if isinstance(effect, Publish):
+            session.publish(effect.key, effect.message)
+        elif isinstance(effect, Send):
+            session.send(effect.to, effect.message)
+        elif isinstance(effect, Record):
+            self._record(effect.fact, session)
+        elif isinstance(effect, Instruct):
+            self._instruct(effect.instruction)
+        elif isinstance(effect, Subscribe):
+            session.subscribe(effect.key)
+        elif isinstance(effect, Unsubscribe):
+            session.unsubscribe(effect.key)
+        else:
+            assert_never(effect)
+
+    def _record(self, fact: messages.AnyFact, session: Session) -> None:
+        self._facts += 1
+        event = messages.Event(
+            agent=self.agent.id,
+            incarnation=self.agent.incarnation,
+            number=self._facts,
+            at_s=self._clock.now_s(),
+            fact=fact,
+        )
+        self.history.append(event)
+        session.publish(self._events_key, event)
+
+    def _instruct(self, instruction: Instruction) -> None:
+        if self._body is None:
+            raise ProtocolViolation(f"{self.agent.id} has no body and wants {instruction!r} done")
+        self._body.instruct(instruction)
+
+    def _sense(self) -> BodyState | None:
+        return None if self._body is None else self._body.sense()
+
+    def _arm(self) -> None:
+        """Ask the clock for one more call, if the agent wants to be woken before all that are asked for."""
+        wake_s = self.agent.wake_at_s
+        if self._woken or wake_s == NEVER_S:
+            return
+        if not self._wakes_s or wake_s < self._wakes_s[-1]:
+            self._wakes_s.append(wake_s)
+            self._clock.call_at(wake_s, self._wake)
+
+
+def _turn_a_deaf_ear(report: Report) -> None:
+    """Where a body reports to when its agent has gone."""
