@@ -7,6 +7,7 @@
     │   │   └── NewerVersion  a message of a wire version we do not know yet
     │   ├── SettingsError     an environment variable or command line option
     │   └── OrderError        an order or goal that no plant of ours can make
+    ├── NoWay                 no lanes lead from one node of the plant to another
     ├── UnavailableError      something outside is not there: port in use, database not writable
     └── ProtocolViolation     our own bug: a state that the protocol excludes
 
@@ -92,6 +93,19 @@ class OrderError(InputError):
     def __init__(self, field: str, reason: str) -> None:
         self.field, self.reason = field, reason
         super().__init__(f"{field}: {reason}")
+
+
+class NoWay(DrayError):
+    """No lanes lead from one node of the plant to another, or one of them is no node of this plant.
+
+    Attributes:
+        start: the node where the way should begin.
+        goal: where it should end.
+    """
+
+    def __init__(self, start: str, goal: str) -> None:
+        self.start, self.goal = start, goal
+        super().__init__(f"no way leads from {start} to {goal}")
 
 
 class UnavailableError(DrayError):

@@ -1,4 +1,71 @@
 """The plant: what stands where, and how to get from one place to another.
 
-`model` holds the shapes of a plant file, `file` reads and checks it, `routes` finds ways.
+`model` holds the shapes of a plant file, `document` and `file` read it, `check` tells what does not
+fit together, `plant` answers questions, `roads` is the network of lanes, `motion` the kinematics on
+it, `routes` finds ways.
 """
+
+from __future__ import annotations
+
+from dray.plant.file import check_plant, default_plant, load_plant, parse_plant
+from dray.plant.model import (
+    Area,
+    BillLine,
+    Box,
+    Charger,
+    Lane,
+    MachineSpec,
+    Making,
+    Material,
+    Node,
+    Parking,
+    PlantFile,
+    Point,
+    Product,
+    Stock,
+    Storage,
+    VehicleSpec,
+    VehicleType,
+    Warehouse,
+    WorkingStation,
+)
+from dray.plant.motion import node_speeds_mps, run_s, way_s
+from dray.plant.plant import Plant
+from dray.plant.roads import BEND_RAD, DirectedLane, Roads, bends
+from dray.plant.routes import Routes, Way
+
+__all__ = [
+    "BEND_RAD",
+    "Area",
+    "BillLine",
+    "Box",
+    "Charger",
+    "DirectedLane",
+    "Lane",
+    "MachineSpec",
+    "Making",
+    "Material",
+    "Node",
+    "Parking",
+    "Plant",
+    "PlantFile",
+    "Point",
+    "Product",
+    "Roads",
+    "Routes",
+    "Stock",
+    "Storage",
+    "VehicleSpec",
+    "VehicleType",
+    "Warehouse",
+    "Way",
+    "WorkingStation",
+    "bends",
+    "check_plant",
+    "default_plant",
+    "load_plant",
+    "node_speeds_mps",
+    "parse_plant",
+    "run_s",
+    "way_s",
+]

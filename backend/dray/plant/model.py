@@ -169,6 +169,10 @@ class Area(Item, frozen=True):
     polygon: Annotated[tuple[Point, ...], Meta(min_length=3)]
 
 
+Dock = Warehouse | Storage | Charger | Parking | MachineSpec
+"""Everything that has a node where vehicles dock."""
+
+
 class VehicleType(Item, frozen=True):
     """What all vehicles of one make have in common."""
 

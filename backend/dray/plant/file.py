@@ -1,0 +1,166 @@
+"""Reading a plant file: text to shapes to a checked `Plant`, or every fault by line and field.
+
+Three passes, each only when the one before it found nothing: the YAML (`document`), the shape of
+every entry (`model`), and how the entries fit together (`check`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import get_args, get_origin
+
+import msgspec
+
+from dray.errors import PlantError, PlantErrors
+from dray.plant.check import faults
+from dray.plant.document import Document, read_document
+from dray.plant.model import PlantFile
+from dray.plant.plant import Plant
+
+MAX_BYTES = 8 * 1024 * 1024
+"""A plant of 200 machines and 500 vehicles takes 0.3 MiB; more than this is some other file."""
+
+MAX_FAULTS = 100
+"""Faults that are spelt out; whoever has more corrects these first."""
+
+DEFAULT_PLANT = "default.yaml"
+"""The factory of the paper's Figure 1, part of the package."""
+
+
+def load_plant(path: str | Path) -> Plant:
+    """Read and check a plant file.
+
+    Args:
+        path: a YAML file in UTF-8.
+
+    Raises:
+        PlantError: it cannot be read, or has one fault.
+        PlantErrors: it has several faults; all are named, in file order.
+    """
+    name = str(path)
+    try:
+        with Path(path).open("rb") as stream:
+            content = stream.read(MAX_BYTES + 1)
+    except FileNotFoundError:
+        raise PlantError(name, "", "there is no such file: check the path") from None
+    except IsADirectoryError:
+        raise PlantError(name, "", "is a directory: name a file in it") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise PlantError(name, "", f"cannot be read: {reason}") from None
+    if len(content) > MAX_BYTES:
+        limit_mib = MAX_BYTES // 1024 // 1024
+        raise PlantError(name, "", f"has more than {limit_mib} MiB: this is no plant file")
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise PlantError(name, "", "is not UTF-8: save it as UTF-8", line) from None
+    return parse_plant(text, name)
+
+
+def parse_plant(text: str, name: str) -> Plant:
+    """Check the text of a plant file.
+
+    Args:
+        text: YAML.
+        name: what to call it in errors, usually its path.
+
+    Raises:
+        PlantError: it has one fault.
+        PlantErrors: it has several faults; all are named, in file order.
+    """
+    document = read_document(text, name)
+    if document.data is None:
+        raise PlantError(name, "", "is empty: a plant begins with `plant: ID` and `name: NAME`")
+    if not isinstance(document.data, dict):
+        raise PlantError(name, "", "is no mapping: a plant begins with `plant: ID` and `name: NAME`", 1)
+    found = [*document.faults, *(_error(document, name, *fault) for fault in _shape_faults(document.data))]
+    if not found:
+        file = msgspec.convert(document.data, PlantFile)
+        found = [_error(document, name, *fault) for fault in faults(file)]
+        if not found:
+            return Plant(file)
+    found.sort(key=lambda error: error.line or 0)
+    if len(found) == 1:
+        raise found[0]
+    if len(found) > MAX_FAULTS:
+        more = PlantError(name, "", f"and {len(found) - MAX_FAULTS} more faults: correct these first")
+        found = [*found[:MAX_FAULTS], more]
+    raise PlantErrors(tuple(found))
+
+
+@cache
+def default_plant() -> Plant:
+    """The factory of the paper's Figure 1: 12 machines, 8 vehicles."""
+    text = files("dray.plant").joinpath(DEFAULT_PLANT).read_text(encoding="utf-8")
+    return parse_plant(text, DEFAULT_PLANT)
+
+
+def check_plant(path: str | Path) -> str:
+    """Read and check a plant file, and sum it up in one line; raises as `load_plant`."""
+    plant = load_plant(path)
+    road_m = sum(lane.length_m for lane in plant.lanes)
+    return (
+        f"{plant.id} ({plant.name}): {len(plant.machines)} machines in {len(plant.stations)} stations, "
+        f"{len(plant.fleet)} vehicles of {len(plant.vehicle_types)} types, {len(plant.products)} products of "
+        f"{len(plant.materials)} materials, {len(plant.storages)} storages, {len(plant.chargers)} chargers, "
+        f"{len(plant.parkings)} parking places, {len(plant.nodes)} nodes, {len(plant.lanes)} lanes of "
+        f"{road_m:.0f} m on {plant.width_m:g} m x {plant.height_m:g} m"
+    )
+
+
+def _error(document: Document, name: str, field: str, reason: str) -> PlantError:
+    return PlantError(name, field, reason, document.line_of(field))
+
+
+def _shape_faults(data: dict[str, object]) -> Iterator[tuple[str, str]]:
+    """The first fault of every entry, as (field, reason); none when the whole has the right shape.
+
+    Entries are tried one by one because msgspec stops at the first fault that it meets.
+    """
+    try:
+        msgspec.convert(data, PlantFile)
+    except msgspec.ValidationError as error:
+        whole = _located(error, "")
+    else:
+        return
+    found = list(_entry_faults(data))
+    # What is wrong with the file as a whole (an unknown or missing section) shows only there.
+    yield from found if whole in found else [whole, *found]
+
+
+def _entry_faults(data: dict[str, object]) -> Iterator[tuple[str, str]]:
+    for field in msgspec.structs.fields(PlantFile):
+        if field.name not in data:
+            continue
+        value = data[field.name]
+        try:
+            msgspec.convert(value, field.type)
+        except msgspec.ValidationError as error:
+            fault = _located(error, field.name)
+            entry = _entry_type(field.type)
+            if entry is None or not isinstance(value, list) or fault[0] == field.name:
+                yield fault
+                continue
+            for index, item in enumerate(value):
+                try:
+                    msgspec.convert(item, entry)
+                except msgspec.ValidationError as item_error:
+                    yield _located(item_error, f"{field.name}[{index}]")
+
+
+def _entry_type(section: object) -> object | None:
+    """The type of the entries of a section of the file: X of ``tuple[X, ...]``, annotated or not."""
+    while get_origin(section) not in (None, tuple):
+        section = get_args(section)[0]
+    return get_args(section)[0] if get_args(section) else None
+
+
+def _located(error: msgspec.ValidationError, prefix: str) -> tuple[str, str]:
+    """Split msgspec's ``reason - at `$.path` `` into the field and the reason."""
+    reason, _, path = str(error).partition(" - at `$")
+    return (prefix + path.rstrip("`")).lstrip("."), reason[:1].lower() + reason[1:]

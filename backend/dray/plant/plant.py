@@ -1,0 +1,180 @@
+"""The plant as agents ask for it: every question about what stands where, answered by lookup.
+
+`Plant` trusts its file: `dray.plant.file` has checked it, or whoever built it in code.
+All orders are those of the file, so that two processes with one file decide alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from math import hypot
+from types import MappingProxyType
+from typing import Protocol, TypeVar
+
+from dray.plant.geometry import inside
+from dray.plant.grid import Grid
+from dray.plant.model import (
+    Area,
+    Charger,
+    Dock,
+    MachineSpec,
+    Material,
+    Node,
+    Parking,
+    PlantFile,
+    Point,
+    Product,
+    Storage,
+    VehicleSpec,
+    VehicleType,
+    Warehouse,
+    WorkingStation,
+)
+from dray.plant.roads import DirectedLane, Roads
+from dray.plant.routes import Routes
+
+
+class _HasId(Protocol):
+    @property
+    def id(self) -> str: ...
+
+
+_Spec = TypeVar("_Spec", bound=_HasId)
+
+
+class Plant:
+    """An immutable plant with its indexes.
+
+    Args:
+        file: a plant file without faults (`dray.plant.check.faults` finds none).
+
+    Every method that takes an id raises `KeyError` for one that the plant does not have.
+    """
+
+    def __init__(self, file: PlantFile) -> None:
+        self.file = file
+        self.id, self.name = file.plant, file.name
+        self.width_m, self.height_m, self.cell_m = file.width_m, file.height_m, file.cell_m
+        self.nodes: Mapping[str, Node] = _by_id(file.nodes)
+        self.materials: Mapping[str, Material] = _by_id(file.materials)
+        self.products: Mapping[str, Product] = _by_id(file.products)
+        self.warehouses: Mapping[str, Warehouse] = _by_id(file.warehouses)
+        self.storages: Mapping[str, Storage] = _by_id(file.storages)
+        self.chargers: Mapping[str, Charger] = _by_id(file.chargers)
+        self.parkings: Mapping[str, Parking] = _by_id(file.parkings)
+        self.stations: Mapping[str, WorkingStation] = _by_id(file.stations)
+        self.machines: Mapping[str, MachineSpec] = _by_id(file.machines)
+        self.areas: Mapping[str, Area] = _by_id(file.areas)
+        self.vehicle_types: Mapping[str, VehicleType] = _by_id(file.vehicle_types)
+        self.fleet: Mapping[str, VehicleSpec] = _by_id(file.fleet)
+        self.berths: tuple[str, ...] = (*self.chargers, *self.parkings)
+        """Where a vehicle may stay: chargers, then parking places."""
+        self.source_warehouses = tuple(w.id for w in file.warehouses if w.kind == "source")
+        self.delivery_warehouses = tuple(w.id for w in file.warehouses if w.kind == "delivery")
+        self.roads = Roads(file.nodes, file.lanes)
+        docks: tuple[Dock, ...] = (
+            *file.machines,
+            *file.storages,
+            *file.warehouses,
+            *file.chargers,
+            *file.parkings,
+        )
+        self._node_of = {dock.id: dock.node for dock in docks}
+        self._storages_of = {
+            material: tuple(s.id for s in file.storages if any(k.material == material for k in s.stocks))
+            for material in self.materials
+        }
+        self._cycle_s = {m.id: {making.product: making.cycle_s for making in m.makes} for m in file.machines}
+        self._machines_for = {
+            product: tuple(machine for machine, cycles in self._cycle_s.items() if product in cycles)
+            for product in self.products
+        }
+        self._materials_of = {machine: self._needed(cycles) for machine, cycles in self._cycle_s.items()}
+        self._items: dict[str, Material | Product] = {**self.materials, **self.products}
+        self._grid = Grid(file.width_m, file.height_m, file.cell_m)
+        self._routes: dict[str, Routes] = {}
+
+    @property
+    def lanes(self) -> tuple[DirectedLane, ...]:
+        """All lanes, one per direction, with their lengths."""
+        return self.roads.lanes
+
+    @property
+    def diameter_m(self) -> float:
+        """The diagonal of the floor: no two points are farther apart."""
+        return hypot(self.width_m, self.height_m)
+
+    def node_of(self, place: str) -> str:
+        """The node where vehicles dock at a machine, storage, warehouse, charger or parking place."""
+        return self._node_of[place]
+
+    def position_of(self, place: str) -> tuple[float, float]:
+        """Where vehicles dock at a place, as (x_m, y_m)."""
+        node = self.nodes[self._node_of[place]]
+        return node.x_m, node.y_m
+
+    def storages_of(self, material: str) -> tuple[str, ...]:
+        """The storages that keep a material."""
+        return self._storages_of[material]
+
+    def machines_for(self, product: str) -> tuple[str, ...]:
+        """The machines that can make a product."""
+        return self._machines_for[product]
+
+    def cycle_s(self, machine: str, product: str) -> float:
+        """Seconds for one piece of a product on a machine that can make it."""
+        return self._cycle_s[machine][product]
+
+    def materials_of(self, machine: str) -> tuple[str, ...]:
+        """Every material that any product of a machine needs."""
+        return self._materials_of[machine]
+
+    def ability_of(self, item: str) -> str:
+        """What a vehicle must be able to carry for a material or product."""
+        return self._items[item].ability
+
+    def lot_of(self, item: str) -> int:
+        """Pieces of a material or product in one container."""
+        return self._items[item].lot
+
+    def cell_of(self, x_m: float, y_m: float) -> str:
+        """The grid cell of a point, as ``2_1``: column, then row."""
+        return self._grid.cell_of(x_m, y_m)
+
+    def cells_within(self, x_m: float, y_m: float, radius_m: float) -> tuple[str, ...]:
+        """The grid cells that have a point in common with a circle; never one beyond the floor."""
+        return self._grid.within(x_m, y_m, radius_m)
+
+    def areas_at(self, x_m: float, y_m: float) -> tuple[str, ...]:
+        """The operators' areas that a point lies in; on a common border, all of its areas."""
+        point = Point(x_m, y_m)
+        return tuple(area.id for area in self.areas.values() if inside(point, area.polygon))
+
+    def routes(self, vehicle_type: str) -> Routes:
+        """The ways of a type of vehicle; the same object for the same type."""
+        routes = self._routes.get(vehicle_type)
+        if routes is None:
+            routes = Routes(self.roads, self.vehicle_types[vehicle_type], self._node_of)
+            self._routes[vehicle_type] = routes
+        return routes
+
+    def _needed(self, products: Iterable[str]) -> tuple[str, ...]:
+        bills = {line.material for product in products for line in self.products[product].bill}
+        return tuple(material for material in self.materials if material in bills)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Plant) and self.file == other.file
+
+    def __hash__(self) -> int:
+        return hash(self.id)
+
+    def __reduce__(self) -> tuple[type[Plant], tuple[PlantFile]]:
+        # Another process gets the file and builds its own indexes; caches do not travel.
+        return Plant, (self.file,)
+
+    def __repr__(self) -> str:
+        return f"<Plant {self.id}: {len(self.machines)} machines, {len(self.fleet)} vehicles>"
+
+
+def _by_id(specs: Iterable[_Spec]) -> Mapping[str, _Spec]:
+    return MappingProxyType({spec.id: spec for spec in specs})

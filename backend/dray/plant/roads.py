@@ -1,0 +1,105 @@
+"""The road network of a plant: directed lanes between nodes, and who can reach whom.
+
+`dray.plant.routes` finds ways over it, `dray.plant.motion` tells how long a vehicle takes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from math import atan2, cos, hypot, radians
+
+import msgspec
+
+from dray.plant.model import Lane, Node
+
+BEND_RAD = radians(30.0)
+"""Up to this angle a vehicle follows the road at full speed; beyond it, it slows down to turn."""
+
+_COS_BEND = cos(BEND_RAD)
+
+_ROUNDING = 1e-9
+"""A bend of exactly 30 degrees must not count as more because of the last bits of a cosine."""
+
+
+class DirectedLane(msgspec.Struct, frozen=True, gc=False):
+    """A lane in one direction: a lane of the file that runs both ways is two of these."""
+
+    start: str
+    end: str
+    speed_limit_mps: float
+    length_m: float
+    heading_rad: float
+    """Counter-clockwise from the x axis, in (-pi, pi]."""
+
+
+class Roads:
+    """Nodes and directed lanes, indexed from both ends.
+
+    Args:
+        nodes: the points of the network; their order breaks every tie.
+        lanes: lanes as written in the file; every end must be one of `nodes`.
+    """
+
+    __slots__ = ("_by_ends", "entering", "lanes", "leaving")
+
+    lanes: tuple[DirectedLane, ...]
+    """In file order; the way back of a lane follows it at once."""
+    leaving: Mapping[str, tuple[DirectedLane, ...]]
+    """Node -> lanes that begin there, in the order of `lanes`."""
+    entering: Mapping[str, tuple[DirectedLane, ...]]
+    """Node -> lanes that end there, in the order of `lanes`."""
+
+    def __init__(self, nodes: Iterable[Node], lanes: Iterable[Lane]) -> None:
+        points = {node.id: node for node in nodes}
+        self.lanes = tuple(road for lane in lanes for road in _directed(lane, points))
+        leaving: dict[str, list[DirectedLane]] = {node: [] for node in points}
+        entering: dict[str, list[DirectedLane]] = {node: [] for node in points}
+        for road in self.lanes:
+            leaving[road.start].append(road)
+            entering[road.end].append(road)
+        self.leaving = {node: tuple(roads) for node, roads in leaving.items()}
+        self.entering = {node: tuple(roads) for node, roads in entering.items()}
+        self._by_ends = {(road.start, road.end): road for road in self.lanes}
+
+    def lane(self, start: str, end: str) -> DirectedLane | None:
+        """The lane that leads straight from one node to another, or None."""
+        return self._by_ends.get((start, end))
+
+    def reached_from(self, node: str) -> frozenset[str]:
+        """All nodes that a vehicle at `node` can drive to, itself included."""
+        return _flood(node, {here: [road.end for road in roads] for here, roads in self.leaving.items()})
+
+    def reaching(self, node: str) -> frozenset[str]:
+        """All nodes from which a vehicle can drive to `node`, itself included."""
+        return _flood(node, {here: [road.start for road in roads] for here, roads in self.entering.items()})
+
+
+def bends(before: DirectedLane, after: DirectedLane) -> bool:
+    """Whether a vehicle that goes from one lane into the next must slow down to turn.
+
+    True when the way bends by more than `BEND_RAD`.
+    """
+    return cos(after.heading_rad - before.heading_rad) < _COS_BEND - _ROUNDING
+
+
+def _directed(lane: Lane, points: Mapping[str, Node]) -> list[DirectedLane]:
+    """One lane of the file as one or two directed lanes."""
+    ends = [(lane.start, lane.end), (lane.end, lane.start)][: 2 if lane.both_ways else 1]
+    roads = []
+    for start, end in ends:
+        dx_m, dy_m = points[end].x_m - points[start].x_m, points[end].y_m - points[start].y_m
+        roads.append(
+            DirectedLane(start, end, lane.speed_limit_mps, hypot(dx_m, dy_m), heading_rad=atan2(dy_m, dx_m))
+        )
+    return roads
+
+
+def _flood(node: str, neighbours: Mapping[str, Iterable[str]]) -> frozenset[str]:
+    """Everything that hangs together with `node` along `neighbours`."""
+    seen, open_nodes = {node}, [node]
+    while open_nodes:
+        for other in neighbours[open_nodes.pop()]:
+            if other not in seen:
+                seen.add(other)
+                open_nodes.append(other)
+    return frozenset(seen)
