@@ -117,6 +117,7 @@ class Auction:
         self._out = out
         self._bids: dict[str, Bid] = {}
         self._queue: list[tuple[str, Bid]] = list(candidates)
+        self._span_s = 0.0
         self._asked = ""
         self._rank = 0
 
@@ -128,15 +129,12 @@ class Auction:
 
     def open(self, now_s: float) -> None:
         """Begin: ask the candidates if there are any, else announce."""
+        self._span_s = self.terms.deadline_s - now_s
         if self._queue:
             self.stage = Stage.ASKING
             self._ask_next(now_s)
         else:
             self._announce(now_s)
-
-    def postpone(self, deadline_s: float) -> None:
-        """From the next round on the work may be done by a later time."""
-        self.terms = msgspec.structs.replace(self.terms, deadline_s=deadline_s)
 
     def hear_bid(self, bidder: str, bid: Bid, now_s: float) -> None:
         """Note a bid. A second one of the same bidder replaces its first."""
@@ -206,6 +204,7 @@ class Auction:
 
     def _announce(self, now_s: float) -> None:
         self.round += 1
+        self._move_deadline(now_s)
         self.stage = Stage.COLLECTING
         self.wake_at_s = now_s + self._grown(self._rules.window_s)
         terms, radius_m = self.terms, self.radius_m
@@ -238,6 +237,12 @@ class Auction:
             primary=terms.primary,
         )
         self._out.extend(Publish(key, announcement) for key in self._audience(radius_m))
+
+    def _move_deadline(self, now_s: float) -> None:
+        # A deadline that nobody could keep would be refused for ever: late is better than never.
+        deadline_s = now_s + self._span_s * self.round
+        if self.round > 1 and deadline_s > self.terms.deadline_s:
+            self.terms = msgspec.structs.replace(self.terms, deadline_s=deadline_s)
 
     def _close_window(self, now_s: float) -> None:
         self._queue = sorted(self._bids.items(), key=_rank_of)

@@ -332,12 +332,7 @@ class Coordinator:
                 task=task.id, epoch=task.epoch, primary=task.primary, silent_s=now_s - vigil.heard_s
             )
             self._out.append(Record(fact))
-        # Once suspected, it is looked at again after another bound: it may speak up meanwhile.
-        self._timers.set(
-            (PRIMARY_VIGIL, task.id), max(vigil.overdue_at_s, now_s + vigil.bound_s)
-            if vigil.suspected
-            else vigil.overdue_at_s
-        )
+        self._timers.set((PRIMARY_VIGIL, task.id), vigil.next_look_s(now_s))
 
     def _release(self, to: str, task: str, epoch: int, role: Role, reason: str) -> None:
         self._out.append(Send(to, Release(task=task, epoch=epoch, role=role, reason=reason)))

@@ -6,8 +6,9 @@ Figure 3). What follows from a suspicion is decided by whoever watches.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from dray.messages import AtvHeartbeat
-from dray.messages.keys import Keys
 from dray.protocol.events import Effect, Subscribe, Unsubscribe
 from dray.protocol.suspicion import atv_interval_s, bound_s
 
@@ -52,33 +53,37 @@ class Vigil:
         self.suspected = True
         return True
 
+    def next_look_s(self, now_s: float) -> float:
+        """When to look again: a suspect may speak up, so it is not looked at all the time."""
+        return now_s + self.bound_s if self.suspected else self.overdue_at_s
+
 
 class Following:
-    """Which vehicles' heartbeats an agent listens to, counted, since one may matter for two reasons.
+    """Whose heartbeats an agent listens to, counted, since one may matter for two reasons.
 
     Args:
-        keys: the plant's bus keys.
+        key_of: the bus key of an agent's heartbeats.
         out: where effects go.
     """
 
-    __slots__ = ("_count", "_keys", "_out")
+    __slots__ = ("_count", "_key_of", "_out")
 
-    def __init__(self, keys: Keys, out: list[Effect]) -> None:
-        self._keys = keys
+    def __init__(self, key_of: Callable[[str], str], out: list[Effect]) -> None:
+        self._key_of = key_of
         self._out = out
         self._count: dict[str, int] = {}
 
-    def begin(self, atv: str) -> None:
-        """Follow this vehicle for one more reason."""
-        count = self._count.get(atv, 0)
-        self._count[atv] = count + 1
+    def begin(self, agent: str) -> None:
+        """Follow this agent for one more reason."""
+        count = self._count.get(agent, 0)
+        self._count[agent] = count + 1
         if not count:
-            self._out.append(Subscribe(self._keys.atv_heartbeat(atv)))
+            self._out.append(Subscribe(self._key_of(agent)))
 
-    def end(self, atv: str) -> None:
+    def end(self, agent: str) -> None:
         """One reason less."""
-        count = self._count.pop(atv)
+        count = self._count.pop(agent)
         if count > 1:
-            self._count[atv] = count - 1
+            self._count[agent] = count - 1
         else:
-            self._out.append(Unsubscribe(self._keys.atv_heartbeat(atv)))
+            self._out.append(Unsubscribe(self._key_of(agent)))

@@ -1,0 +1,557 @@
+"""An autonomous transport vehicle: bids, carries, watches, charges itself (paper, 3.2).
+
+The state machine of the paper, as everybody sees it:
+
+    IDLE     bids for whatever is announced near by; parks out of the way
+    CHARGING bids too, as far as its battery keeps what it promises
+    WORKING  primary of one task (invariant 3), and of nothing else
+    STOPPED  held by an operator: moves again only after an acknowledge and a resume (invariant 5)
+    ERROR    something keeps it from going on
+
+STOPPED and ERROR end no contract: the carriage waits inside them and goes on when they are over.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, cast
+from zlib import crc32
+
+from dray.body import (
+    ActionDone,
+    ActionFailed,
+    BodyState,
+    Charge,
+    Hold,
+    LimitSpeed,
+    NodePassed,
+    ProblemCleared,
+    ProblemRaised,
+    Unhold,
+    VehicleState,
+    WayDone,
+)
+from dray.errors import ProtocolViolation
+from dray.messages import (
+    Accepted,
+    AtvHeartbeat,
+    AtvStatus,
+    Award,
+    BerthClaimed,
+    CommandAnswered,
+    CommandKind,
+    Declined,
+    DockHeld,
+    DockOpened,
+    HandoverAccepted,
+    Message,
+    Release,
+    Role,
+    Superseded,
+    TaskAnnounced,
+    Transport,
+    VehicleCommand,
+    Withdrawn,
+)
+from dray.messages.fact import AtvStatusChanged, CommandObeyed, ContractEnded, ContractTaken
+from dray.messages.keys import Keys
+from dray.plant import Plant
+from dray.protocol import berths
+from dray.protocol.bidding import Bidder, Standing
+from dray.protocol.carriage import ASK, Carriage
+from dray.protocol.driving import Driver
+from dray.protocol.events import (
+    Effect,
+    Event,
+    Heard,
+    Instruct,
+    Publish,
+    Record,
+    Reported,
+    Send,
+    Started,
+    Subscribe,
+    Unsubscribe,
+    Woke,
+)
+from dray.protocol.pricing import Quote, Unable
+from dray.protocol.supervision import Following
+from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
+from dray.protocol.timers import Timers
+from dray.protocol.watching import WATCH_VIGIL, Watches
+
+BEAT = "beat"
+SETTLE = "settle"
+CLAIM = "claim"
+
+SETTLE_S = 4.0
+"""An idle vehicle waits this long for work near by before it drives to a berth."""
+
+SEEK_AGAIN_S = 30.0
+"""When every berth was taken."""
+
+CHARGE_BELOW_FRAC = 0.6
+"""An idle vehicle charges early: a charge in a quiet minute costs nothing."""
+
+CHARGED_FRAC = 0.95
+"""It leaves the charger to others then: the rest would come slowly."""
+
+
+class Atv:
+    """One vehicle.
+
+    Args:
+        atv: its id in the plant's fleet.
+        plant: the plant it works in.
+        vehicle_type: id of its type; by default that of the fleet's entry.
+        incarnation: how often it has been started.
+        software: the version it runs, for its heartbeat.
+    """
+
+    def __init__(
+        self,
+        atv: str,
+        plant: Plant,
+        *,
+        vehicle_type: str = "",
+        incarnation: int = 1,
+        software: str = "",
+    ) -> None:
+        self.id = atv
+        self.incarnation = incarnation
+        self._plant = plant
+        self._type = vehicle_type or plant.fleet[atv].type
+        self._software = software
+        self._keys = Keys(plant.id)
+        self._beat_key = self._keys.atv_heartbeat(atv)
+        self._out: list[Effect] = []
+        self._timers = Timers()
+        self._driver = Driver(plant, self._type, self._out)
+        self._following = Following(self._keys.atv_heartbeat, self._out)
+        self._watches = Watches(self._following, self._timers, self._out)
+        self._bidder = Bidder(atv, plant, self._type, self._out)
+        self._berths = berths.Berths(atv, plant, self._type, self._keys, self._out)
+        self._carriage: Carriage | None = None
+        self._status = AtvStatus.IDLE
+        self._battery_frac = 1.0
+        self._load = ("", 0)
+        self._held = False
+        self._acknowledged = False
+        self._problem = ""
+        self._charge_order = 0
+        """The order number of the running charge; 0 for none."""
+        self._speed_frac = 1.0
+        self._seq = 0
+        self._cell = ""
+        contract = self._hear_of_contract
+        self._on_message: dict[type[Message], Callable[[str, Any, float], None]] = {
+            AtvHeartbeat: lambda _sender, message, now_s: self._watches.hear(message, now_s),
+            TaskAnnounced: self._hear_announced,
+            Award: self._hear_award,
+            Release: self._hear_release,
+            DockOpened: contract,
+            DockHeld: contract,
+            HandoverAccepted: contract,
+            Superseded: contract,
+            Withdrawn: contract,
+            VehicleCommand: self._hear_command,
+            BerthClaimed: self._hear_claim,
+        }
+        self._on_report: dict[type, Callable[[Any, float], None]] = {
+            NodePassed: self._node_passed,
+            WayDone: self._way_done,
+            ActionDone: self._action_done,
+            ActionFailed: self._action_failed,
+            ProblemRaised: self._problem_raised,
+            ProblemCleared: self._problem_cleared,
+        }
+
+    @property
+    def wake_at_s(self) -> float:
+        return self._timers.next_s
+
+    def handle(self, event: Event, now_s: float) -> list[Effect]:
+        """Take one step; see `dray.protocol.events.Agent`."""
+        kind = type(event)
+        if kind is Heard:
+            heard = cast(Heard, event)
+            hear = self._on_message.get(type(heard.message))
+            if hear is not None:
+                hear(heard.sender, heard.message, now_s)
+        elif kind is Woke:
+            self._wake(cast(Woke, event).body, now_s)
+        elif kind is Reported:
+            report = cast(Reported, event).report
+            self._on_report[type(report)](report, now_s)
+        else:
+            self._start(cast(Started, event).body, now_s)
+        effects = self._out[:]
+        self._out.clear()
+        return effects
+
+    # --- the beginning, and time passing ---
+
+    def _start(self, body: BodyState | None, now_s: float) -> None:
+        self._sense(body)
+        self._attend()
+        for berth in self._plant.berths:
+            if self._plant.node_of(berth) == self._driver.node:
+                self._berths.stand(berth, self._battery_frac)
+                break
+        self._timers.set(BEAT, now_s)
+        self._timers.set(SETTLE, now_s + SETTLE_S)
+
+    def _wake(self, body: BodyState | None, now_s: float) -> None:
+        self._sense(body)
+        for name in self._timers.due(now_s):
+            if name == BEAT:
+                self._beat(now_s)
+            elif name == ASK:
+                if self._carriage is not None:
+                    self._carriage.wake(now_s)
+                    self._after_carriage(now_s)
+            elif name == SETTLE:
+                self._settle(now_s)
+            elif name == CLAIM:
+                self._take_berth(now_s)
+            else:
+                kind, task = cast(tuple[str, str], name)
+                if kind != WATCH_VIGIL:
+                    raise ProtocolViolation(f"{self.id}: no such alarm: {name}")
+                self._watches.wake(task, now_s)
+
+    def _sense(self, body: BodyState | None) -> None:
+        if not isinstance(body, VehicleState):
+            raise ProtocolViolation(f"{self.id}: a vehicle needs a vehicle's body, not {body!r}")
+        self._driver.sense(body)
+        self._battery_frac = body.battery_frac
+        self._load = (body.load, body.load_quantity)
+
+    def _beat(self, now_s: float) -> None:
+        self._seq += 1
+        load, load_quantity = self._load
+        carriage = self._carriage
+        heartbeat = AtvHeartbeat(
+            atv=self.id,
+            incarnation=self.incarnation,
+            seq=self._seq,
+            at_s=now_s,
+            status=self._status,
+            pose=self._driver.pose,
+            node=self._driver.node,
+            speed_mps=self._driver.speed_mps,
+            battery_frac=self._battery_frac,
+            load=load,
+            load_quantity=load_quantity,
+            task=carriage.brief() if carriage is not None else None,
+            watches=self._watches.briefs() if self._watches else (),
+            way=self._driver.ahead,
+            berth=self._berths.berth,
+            speed_limit_frac=self._speed_frac,
+            problem=self._problem,
+            software=self._software,
+        )
+        self._out.append(Publish(self._beat_key, heartbeat))
+        interval_s = IDLE_INTERVAL_S if carriage is None else WORKING_INTERVAL_S
+        if self._seq == 1:
+            # Agents that start together must not beat together for ever.
+            interval_s *= 0.5 + crc32(self.id.encode()) % 1000 / 2000
+        self._timers.set(BEAT, now_s + interval_s)
+        if carriage is None and self._wants_charge() and not self._is_settling():
+            self._timers.set(SETTLE, now_s)
+
+    # --- the body reports ---
+
+    def _node_passed(self, report: NodePassed, _now_s: float) -> None:
+        self._driver.hear_passed(report)
+        self._battery_frac = report.battery_frac
+        self._attend()
+
+    def _way_done(self, report: WayDone, now_s: float) -> None:
+        if not self._driver.hear_done(report):
+            return
+        if self._carriage is not None:
+            self._carriage.arrived(now_s)
+            self._after_carriage(now_s)
+        elif self._berths.hold is berths.Hold.CLAIMED:
+            self._berths.arrive()
+            self._begin_charge(now_s)
+        self._timers.set(BEAT, now_s)
+
+    def _action_done(self, report: ActionDone, now_s: float) -> None:
+        if report.order == self._charge_order:
+            self._charge_order = 0
+            self._update_status(now_s, "charged")
+            self._timers.set(SETTLE, now_s)
+        elif self._carriage is not None:
+            self._carriage.action_done(report.order, now_s)
+            self._after_carriage(now_s)
+
+    def _action_failed(self, report: ActionFailed, now_s: float) -> None:
+        if report.order == self._charge_order:
+            self._charge_order = 0
+            self._berths.leave()
+            self._update_status(now_s, report.reason)
+            self._timers.set(SETTLE, now_s + SETTLE_S)
+        elif self._driver.hear_failed(report):
+            if self._carriage is not None:
+                self._carriage.way_refused(now_s)
+            else:
+                self._timers.set(SETTLE, now_s + SETTLE_S)
+        elif self._carriage is not None:
+            self._carriage.action_failed(report.order, now_s)
+            self._after_carriage(now_s)
+
+    def _problem_raised(self, report: ProblemRaised, now_s: float) -> None:
+        self._problem = report.reason
+        self._watches.resign("in error")
+        self._update_status(now_s, report.reason)
+
+    def _problem_cleared(self, _report: ProblemCleared, now_s: float) -> None:
+        self._problem = ""
+        self._update_status(now_s, "problem cleared")
+        self._timers.set(SETTLE, now_s + SETTLE_S)
+
+    # --- contracts ---
+
+    def _standing(self, now_s: float) -> Standing:
+        driver = self._driver
+        x_m, y_m = driver.position_m
+        unfit = self._problem or ("stopped by an operator" if self._held else "")
+        return Standing(
+            node=driver.next_node,
+            node_at_s=driver.next_node_at_s(now_s),
+            x_m=x_m,
+            y_m=y_m,
+            battery_frac=self._battery_frac,
+            unfit=unfit,
+            busy_with=self._carriage.task if self._carriage is not None else "",
+            watches=len(self._watches),
+        )
+
+    def _hear_announced(self, _sender: str, message: TaskAnnounced, now_s: float) -> None:
+        if message.role is Role.SECONDARY and message.task in self._watches:
+            return
+        self._bidder.hear(message, self._standing(now_s), now_s)
+
+    def _hear_award(self, sender: str, award: Award, now_s: float) -> None:
+        if self._holds(award):
+            self._accept(sender, award)
+            return
+        answer = self._bidder.review(award, self._standing(now_s), now_s)
+        if isinstance(answer, Unable):
+            declined = Declined(
+                task=award.task, epoch=award.epoch, role=award.role, reason=answer.reason
+            )
+            self._out.append(Send(sender, declined))
+        elif award.role is Role.SECONDARY:
+            self._watches.begin(award, sender, now_s)
+            self._accept(sender, award)
+            self._timers.set(BEAT, now_s)
+        else:
+            self._take(sender, award, answer, now_s)
+
+    def _holds(self, award: Award) -> bool:
+        """Whether it took this award already, and its answer was lost."""
+        if award.role is Role.SECONDARY:
+            return self._watches.holds(award)
+        return self._has_contract(award.task, award.epoch)
+
+    def _accept(self, sender: str, award: Award) -> None:
+        finish_s = self._carriage.promised_s if self._carriage is not None else 0.0
+        accepted = Accepted(
+            task=award.task, epoch=award.epoch, role=award.role, finish_s=finish_s
+        )
+        self._out.append(Send(sender, accepted))
+
+    def _take(self, sender: str, award: Award, quote: Quote, now_s: float) -> None:
+        """Become the primary of a task, and free of everything else."""
+        self._carriage = Carriage(
+            self.id,
+            task=award.task,
+            epoch=award.epoch,
+            work=cast(Transport, award.work),
+            coordinator=sender,
+            source=quote.source,
+            promised_s=quote.finish_s,
+            plant=self._plant,
+            vehicle_type=self._type,
+            driver=self._driver,
+            timers=self._timers,
+            out=self._out,
+        )
+        self._accept(sender, award)
+        taken = ContractTaken(
+            task=award.task, epoch=award.epoch, role=award.role, coordinator=sender
+        )
+        self._out.append(Record(taken))
+        self._watches.resign("has work of its own")
+        self._berths.leave()
+        self._charge_order = 0
+        self._timers.clear(SETTLE)
+        self._timers.clear(CLAIM)
+        self._update_status(now_s, award.task)
+        self._carriage.begin(now_s)
+        self._timers.set(BEAT, now_s)
+
+    def _hear_release(self, _sender: str, message: Release, now_s: float) -> None:
+        if message.role is Role.SECONDARY:
+            self._watches.end(message.task, message.reason)
+        elif self._has_contract(message.task, message.epoch) and self._carriage is not None:
+            self._carriage.cancel("released", now_s)
+            self._after_carriage(now_s)
+
+    def _hear_of_contract(self, _sender: str, message: Any, now_s: float) -> None:
+        carriage = self._carriage
+        if carriage is None or carriage.task != message.task:
+            return
+        if type(message) is not Superseded and message.epoch != carriage.epoch:
+            return
+        carriage.hear(message, now_s)
+        self._after_carriage(now_s)
+
+    def _has_contract(self, task: str, epoch: int) -> bool:
+        carriage = self._carriage
+        return carriage is not None and carriage.task == task and carriage.epoch == epoch
+
+    def _after_carriage(self, now_s: float) -> None:
+        """See to what a step of the carriage has changed."""
+        carriage = self._carriage
+        self._timers.set(BEAT, now_s)
+        if carriage is None or not carriage.ended:
+            return
+        ended = ContractEnded(
+            task=carriage.task, epoch=carriage.epoch, role=Role.PRIMARY, reason=carriage.ended
+        )
+        self._out.append(Record(ended))
+        self._carriage = None
+        self._update_status(now_s, carriage.ended)
+        self._timers.set(SETTLE, now_s + SETTLE_S)
+
+    # --- charging and parking ---
+
+    def _wants_charge(self) -> bool:
+        return self._battery_frac < CHARGE_BELOW_FRAC and not self._charge_order
+
+    def _is_settling(self) -> bool:
+        claimed = self._berths.hold is berths.Hold.CLAIMED
+        return claimed or self._timers.is_set(SETTLE) or self._timers.is_set(CLAIM)
+
+    def _settle(self, now_s: float) -> None:
+        """Without work: go where it is useful to stand."""
+        if self._carriage is not None or self._held or self._problem or self._charge_order:
+            return
+        wants_charge = self._wants_charge()
+        stands = self._berths.hold is berths.Hold.STANDING
+        full = self._battery_frac >= CHARGED_FRAC
+        if stands and self._berths.is_charger and not full:
+            self._begin_charge(now_s)
+            return
+        if stands and not wants_charge and not self._berths.is_charger:
+            return
+        found = self._berths.seek(
+            charger=wants_charge,
+            node=self._driver.next_node,
+            battery_frac=self._battery_frac,
+            now_s=now_s,
+        )
+        if found:
+            self._timers.set(CLAIM, now_s + berths.CONTEST_S)
+        else:
+            self._timers.set(SETTLE, now_s + SEEK_AGAIN_S)
+
+    def _take_berth(self, now_s: float) -> None:
+        """Nobody has objected: drive to the berth that was claimed."""
+        if self._carriage is not None or self._held or self._problem or not self._berths.berth:
+            return
+        if not self._driver.go(self._plant.node_of(self._berths.berth), now_s):
+            self._berths.arrive()
+            self._begin_charge(now_s)
+        self._timers.set(BEAT, now_s)
+
+    def _begin_charge(self, now_s: float) -> None:
+        if not self._berths.is_charger:
+            return
+        self._charge_order = self._driver.next_order()
+        charger = self._berths.berth
+        self._driver.act(Charge(order=self._charge_order, charger=charger))
+        self._update_status(now_s, charger)
+
+    def _hear_claim(self, _sender: str, message: BerthClaimed, now_s: float) -> None:
+        if self._berths.hear(message, now_s):
+            self._timers.clear(CLAIM)
+            self._timers.set(SETTLE, now_s)
+
+    # --- people's commands (paper, case 5) ---
+
+    def _hear_command(self, sender: str, command: VehicleCommand, now_s: float) -> None:
+        refused = ""
+        if command.kind is CommandKind.STOP:
+            self._held, self._acknowledged = True, False
+            self._out.append(Instruct(Hold()))
+            self._watches.resign("stopped by an operator")
+        elif command.kind is CommandKind.ACKNOWLEDGE:
+            refused = "" if self._held else "it is not stopped"
+            self._acknowledged = self._held
+        elif command.kind is CommandKind.RESUME:
+            refused = self._resume(now_s)
+        else:
+            refused = self._limit_speed(command.speed_frac)
+        self._update_status(now_s, command.kind.value)
+        self._timers.set(BEAT, now_s)
+        answer = CommandAnswered(command=command.command, done=not refused, reason=refused)
+        fact = CommandObeyed(
+            command=command.command,
+            what=command.kind.value,
+            done=not refused,
+            reason=refused,
+            issued_by=command.issued_by,
+        )
+        self._out += (Send(sender, answer), Record(fact))
+
+    def _resume(self, now_s: float) -> str:
+        """Go on after a stop; returns why not, or nothing."""
+        if not self._held:
+            return "it is not stopped"
+        if not self._acknowledged:
+            return "acknowledge the stop first"
+        self._held = False
+        self._out.append(Instruct(Unhold()))
+        if self._carriage is None:
+            self._timers.set(SETTLE, now_s + SETTLE_S)
+        return ""
+
+    def _limit_speed(self, speed_frac: float | None) -> str:
+        if speed_frac is None or not 0.0 < speed_frac <= 1.0:
+            return "a speed is above 0 and at most 1 of the vehicle's own; use stop to stop it"
+        self._speed_frac = speed_frac
+        self._out.append(Instruct(LimitSpeed(speed_frac=speed_frac)))
+        return ""
+
+    # --- what others see ---
+
+    def _update_status(self, now_s: float, reason: str) -> None:
+        if self._held:
+            status = AtvStatus.STOPPED
+        elif self._problem:
+            status = AtvStatus.ERROR
+        elif self._carriage is not None:
+            status = AtvStatus.WORKING
+        elif self._charge_order:
+            status = AtvStatus.CHARGING
+        else:
+            status = AtvStatus.IDLE
+        if status is not self._status:
+            self._status = status
+            self._out.append(Record(AtvStatusChanged(status=status, reason=reason)))
+            self._timers.set(BEAT, now_s)
+
+    def _attend(self) -> None:
+        """Listen to the announcements for the grid cell that the vehicle is in."""
+        cell = self._plant.cell_of(*self._driver.position_m)
+        if cell == self._cell:
+            return
+        if self._cell:
+            self._out.append(Unsubscribe(self._keys.transports(self._cell)))
+        self._out.append(Subscribe(self._keys.transports(cell)))
+        self._cell = cell

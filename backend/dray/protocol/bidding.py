@@ -1,0 +1,116 @@
+"""The contractor's side of the Contract Net: hear, price, bid, or say why not (paper, 4.1)."""
+
+from __future__ import annotations
+
+import msgspec
+
+from dray.messages import Award, Bid, Refusal, Role, TaskAnnounced, Transport, Work
+from dray.messages.fact import BidRefused, BidSent
+from dray.plant import Plant
+from dray.protocol.events import Effect, Record, Send
+from dray.protocol.pricing import Pricer, Quote, Unable
+
+MAX_WATCHES = 3
+"""Tasks that one vehicle watches at most: it can take over only one of them."""
+
+
+class Standing(msgspec.Struct, frozen=True):
+    """A vehicle's circumstances at the moment of an announcement or an award."""
+
+    node: str
+    """Where it is, or will be next."""
+    node_at_s: float
+    x_m: float
+    y_m: float
+    battery_frac: float
+    unfit: str
+    """Why it may not work at all: stopped, in error, on the mesh; empty when it may."""
+    busy_with: str
+    """The task it is primary of; empty for none."""
+    watches: int
+
+
+class Bidder:
+    """Decides for one vehicle whether to bid, and at what price.
+
+    Args:
+        atv: the vehicle.
+        plant: where the ways are.
+        vehicle_type: id of the vehicle's type.
+        out: where effects go.
+    """
+
+    def __init__(self, atv: str, plant: Plant, vehicle_type: str, out: list[Effect]) -> None:
+        self._atv = atv
+        self._pricer = Pricer(plant, vehicle_type)
+        self._out = out
+
+    def hear(self, message: TaskAnnounced, standing: Standing, now_s: float) -> None:
+        """Answer an announcement with a bid, or note the refusal and its reason."""
+        dx_m, dy_m = message.x_m - standing.x_m, message.y_m - standing.y_m
+        if dx_m * dx_m + dy_m * dy_m > message.radius_m * message.radius_m:
+            return  # A neighbour of those who were asked: its cell only touches the circle.
+        answer = self._consider(
+            message.work, message.role, message.primary, message.deadline_s, standing, now_s
+        )
+        if isinstance(answer, Unable):
+            refused = BidRefused(
+                task=message.task,
+                epoch=message.epoch,
+                role=message.role,
+                reason=answer.reason,
+                detail=answer.detail,
+            )
+            self._out.append(Record(refused))
+            return
+        bid = Bid(
+            task=message.task,
+            epoch=message.epoch,
+            role=message.role,
+            round=message.round,
+            cost=answer.cost,
+            finish_s=answer.finish_s,
+            source=answer.source,
+        )
+        sent = BidSent(
+            task=message.task, epoch=message.epoch, role=message.role, total_s=answer.cost.total_s
+        )
+        self._out += (Send(message.coordinator, bid), Record(sent))
+
+    def review(self, award: Award, standing: Standing, now_s: float) -> Quote | Unable:
+        """Whether an award can still be taken, from where the vehicle is now."""
+        work = award.work
+        if isinstance(work, Transport) and award.source:
+            work = msgspec.structs.replace(work, sources=(award.source,))
+        return self._consider(work, award.role, award.primary, award.deadline_s, standing, now_s)
+
+    def _consider(
+        self,
+        work: Work,
+        role: Role,
+        primary: str,
+        deadline_s: float,
+        standing: Standing,
+        now_s: float,
+    ) -> Quote | Unable:
+        if standing.unfit:
+            return Unable(Refusal.NOT_FIT, standing.unfit)
+        if standing.busy_with:
+            return Unable(Refusal.BUSY, standing.busy_with)
+        if not isinstance(work, Transport):
+            return Unable(Refusal.ABILITY, "not a transport")
+        if role is Role.SECONDARY:
+            if primary == self._atv:
+                return Unable(Refusal.IS_PRIMARY, "")
+            if standing.watches >= MAX_WATCHES:
+                return Unable(Refusal.WATCHING_ENOUGH, f"{standing.watches} tasks")
+            # A watch is taken over only when its primary fails, and late is better than never then.
+            deadline_s = float("inf")
+        return self._pricer.quote(
+            work,
+            node=standing.node,
+            node_at_s=standing.node_at_s,
+            battery_frac=standing.battery_frac,
+            now_s=now_s,
+            deadline_s=deadline_s,
+        )

@@ -1,0 +1,141 @@
+"""The price of a transport: pure arithmetic over the plant's ways (paper, 4.1).
+
+A price has four parts, all in seconds so that they add up and can be compared:
+
+    empty way    driving from here to the source
+    loaded way   driving from the source to the destination
+    energy       Wh used * ENERGY_S_PER_WH, plus a premium that grows as the battery empties
+    suitability  SPARE_ABILITY_S for every ability of the vehicle that the task does not need
+
+A vehicle quotes only what it can keep: the deadline, and a battery that still reaches a charger.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+from dray.errors import NoWay
+from dray.messages import Refusal, Transport, TransportCost
+from dray.plant import Plant
+
+ENERGY_S_PER_WH = 2.0
+"""A second of charging at 600 W gives a sixth of a Wh: energy costs the time to get it back, and a
+third of that, since charging mostly happens while nothing else is to be done."""
+
+LOW_BATTERY_S = 60.0
+"""The premium of an empty battery: as much as a way across the plant, so that emptier vehicles
+leave work to fuller ones near by, and still take it when they are alone."""
+
+SPARE_ABILITY_S = 10.0
+"""A vehicle that can do rarer work is held back by a few lanes' worth."""
+
+RESERVE_FRAC = 0.10
+"""Battery that no promise may touch: ways around obstacles, and ageing."""
+
+
+class Quote(msgspec.Struct, frozen=True):
+    """What a vehicle can offer."""
+
+    source: str
+    cost: TransportCost
+    finish_s: float
+    """When it would hand over (plant clock)."""
+
+
+class Unable(msgspec.Struct, frozen=True):
+    """Why it can offer nothing."""
+
+    reason: Refusal
+    detail: str
+
+
+class Pricer:
+    """Prices transports for one type of vehicle.
+
+    Args:
+        plant: where the ways are.
+        vehicle_type: id of the type.
+    """
+
+    def __init__(self, plant: Plant, vehicle_type: str) -> None:
+        self._plant = plant
+        self._type = plant.vehicle_types[vehicle_type]
+        self._routes = plant.routes(vehicle_type)
+        self._charger_nodes = tuple(charger.node for charger in plant.chargers.values())
+        self._to_charger_wh: dict[str, float] = {}
+
+    def quote(
+        self,
+        work: Transport,
+        *,
+        node: str,
+        node_at_s: float,
+        battery_frac: float,
+        now_s: float,
+        deadline_s: float,
+    ) -> Quote | Unable:
+        """Price a transport from a node.
+
+        Args:
+            work: what is asked for.
+            node: where the vehicle is, or will be next.
+            node_at_s: when it is there (plant clock).
+            battery_frac: what is in the battery now.
+            now_s: the present time.
+            deadline_s: when it should be done.
+
+        Returns:
+            The cheapest offer over all sources, or why there is none.
+        """
+        kind = self._type
+        if work.ability not in kind.abilities:
+            return Unable(Refusal.ABILITY, f"cannot carry a {work.ability}")
+        spare_s = SPARE_ABILITY_S * (len(kind.abilities) - 1)
+        best: Quote | None = None
+        after_frac = 0.0
+        for source in work.sources:
+            try:
+                empty = self._routes.way(node, self._plant.node_of(source))
+                loaded = self._routes.way(self._plant.node_of(source), self._plant.node_of(work.destination))
+            except NoWay:
+                continue
+            approach_s = max(0.0, node_at_s - now_s)
+            took_s = approach_s + empty.duration_s + kind.load_s + loaded.duration_s + kind.unload_s
+            used_wh = (
+                empty.length_m * kind.drive_wh_per_m
+                + loaded.length_m * kind.loaded_wh_per_m
+                + took_s * kind.idle_w / 3600.0
+            )
+            left_frac = battery_frac - used_wh / kind.battery_wh
+            cost = TransportCost(
+                empty_way_s=approach_s + empty.duration_s,
+                loaded_way_s=loaded.duration_s,
+                energy_s=used_wh * ENERGY_S_PER_WH + low_battery_s(left_frac),
+                suitability_s=spare_s,
+            )
+            if best is None or cost.total_s < best.cost.total_s:
+                best = Quote(source=source, cost=cost, finish_s=now_s + took_s)
+                after_frac = left_frac
+        if best is None:
+            return Unable(Refusal.NO_WAY, "no way leads there")
+        needed_frac = RESERVE_FRAC + self._charger_wh(self._plant.node_of(work.destination)) / kind.battery_wh
+        if after_frac < needed_frac:
+            return Unable(Refusal.BATTERY, f"{after_frac:.0%} would be left, {needed_frac:.0%} are needed")
+        if best.finish_s > deadline_s:
+            return Unable(Refusal.DEADLINE, f"{best.finish_s - deadline_s:.0f} s too late")
+        return best
+
+    def _charger_wh(self, node: str) -> float:
+        """Energy to the nearest charger (Wh)."""
+        wh = self._to_charger_wh.get(node)
+        if wh is None:
+            lengths_m = [self._routes.length_m(node, charger) for charger in self._charger_nodes]
+            wh = min(lengths_m) * self._type.drive_wh_per_m
+            self._to_charger_wh[node] = wh
+        return wh
+
+
+def low_battery_s(left_frac: float) -> float:
+    """The premium for leaving only `left_frac` in the battery: none above half, then quadratic."""
+    missing = max(0.0, 0.5 - left_frac) / 0.5
+    return LOW_BATTERY_S * missing * missing

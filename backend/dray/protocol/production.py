@@ -1,0 +1,142 @@
+"""A machine's goals: what it has promised to make, how far it is, and what that takes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from dray.messages import GoalBrief, Production, ProductionCost
+from dray.plant import Plant
+
+
+class Goal:
+    """One production goal of a machine. `delivered <= committed <= made <= quantity` at all times."""
+
+    __slots__ = ("committed", "deadline_s", "delivered", "id", "made", "work")
+
+    def __init__(self, goal: str, work: Production, deadline_s: float) -> None:
+        self.id = goal
+        self.work = work
+        self.deadline_s = deadline_s
+        self.made = 0
+        self.committed = 0
+        """Pieces that a transport was announced for."""
+        self.delivered = 0
+
+    @property
+    def to_make(self) -> int:
+        return self.work.quantity - self.made
+
+    @property
+    def ready(self) -> int:
+        """Finished pieces that no transport was announced for."""
+        return self.made - self.committed
+
+    def brief(self) -> GoalBrief:
+        return GoalBrief(
+            goal=self.id,
+            product=self.work.product,
+            quantity=self.work.quantity,
+            made=self.made,
+            delivered=self.delivered,
+        )
+
+
+class GoalBook:
+    """The goals of one machine, most urgent first.
+
+    Args:
+        machine: whose goals.
+        plant: bills of material and cycle times.
+    """
+
+    def __init__(self, machine: str, plant: Plant) -> None:
+        self._machine = machine
+        self._plant = plant
+        self._goals: dict[str, Goal] = {}
+
+    def __iter__(self) -> Iterator[Goal]:
+        return iter(self._goals.values())
+
+    def __len__(self) -> int:
+        return len(self._goals)
+
+    def get(self, goal: str) -> Goal | None:
+        return self._goals.get(goal)
+
+    def add(self, goal: Goal) -> None:
+        self._goals[goal.id] = goal
+        urgent_first = sorted(self._goals.values(), key=lambda each: (each.deadline_s, each.id))
+        self._goals = {each.id: each for each in urgent_first}
+
+    def remove(self, goal: str) -> None:
+        self._goals.pop(goal, None)
+
+    @property
+    def unfinished(self) -> bool:
+        """Whether anything is still to be made."""
+        return any(goal.to_make > 0 for goal in self._goals.values())
+
+    def next_to_make(self, stock: Mapping[str, int]) -> Goal | None:
+        """The most urgent goal for whose next piece everything is at hand."""
+        for goal in self._goals.values():
+            if goal.to_make > 0 and self._at_hand(goal.work.product, stock):
+                return goal
+        return None
+
+    def need(self, material: str, cycling: str) -> int:
+        """Pieces of a material that all goals still take out of the buffer.
+
+        Args:
+            material: which.
+            cycling: the product of the running cycle, whose material is out already; empty for none.
+        """
+        pieces = 0
+        for goal in self._goals.values():
+            per_piece = self._per_piece(goal.work.product, material)
+            if per_piece:
+                running = 1 if goal.work.product == cycling else 0
+                pieces += per_piece * max(0, goal.to_make - running)
+                # One cycle runs at a time: only the first goal of that product has it.
+                cycling = "" if running else cycling
+        return pieces
+
+    def use_per_s(self, material: str) -> float:
+        """Pieces per second at full speed, of the hungriest goal that is still to be made."""
+        rates = [
+            self._per_piece(goal.work.product, material)
+            / self._plant.cycle_s(self._machine, goal.work.product)
+            for goal in self._goals.values()
+            if goal.to_make > 0
+        ]
+        return max(rates, default=0.0)
+
+    def quote(self, work: Production, stock: Mapping[str, int], lead_time_s: float) -> ProductionCost:
+        """What it would take to make `work` after everything that was promised before.
+
+        Args:
+            work: what is asked for.
+            stock: pieces at hand.
+            lead_time_s: how long missing material takes to come.
+        """
+        queue_s = sum(
+            goal.to_make * self._plant.cycle_s(self._machine, goal.work.product)
+            for goal in self._goals.values()
+        )
+        # While it works at other goals the material for this one is on its way.
+        missing = not self._at_hand(work.product, stock)
+        return ProductionCost(
+            queue_s=queue_s,
+            material_s=max(0.0, lead_time_s - queue_s) if missing else 0.0,
+            making_s=work.quantity * self._plant.cycle_s(self._machine, work.product),
+        )
+
+    def briefs(self) -> tuple[GoalBrief, ...]:
+        return tuple(goal.brief() for goal in self._goals.values())
+
+    def _per_piece(self, product: str, material: str) -> int:
+        bill = self._plant.products[product].bill
+        return sum(line.quantity for line in bill if line.material == material)
+
+    def _at_hand(self, product: str, stock: Mapping[str, int]) -> bool:
+        bill = self._plant.products[product].bill
+        return all(stock.get(line.material, 0) >= line.quantity for line in bill)

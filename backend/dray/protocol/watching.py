@@ -1,0 +1,136 @@
+"""A secondary's watches: whom it guards, for which tasks, and when their silence is noticed.
+
+A watch reserves nothing: the vehicle goes on bidding, and gives every watch back when it wins work
+of its own (protocol, step 4).
+"""
+
+from __future__ import annotations
+
+from dray.messages import AtvHeartbeat, Award, Brief, Resigned, Role, Transport
+from dray.messages.fact import ContractEnded, ContractTaken, PrimarySuspected
+from dray.protocol.events import Effect, Record, Send
+from dray.protocol.supervision import Following, Vigil
+from dray.protocol.suspicion import WORKING_INTERVAL_S
+from dray.protocol.timers import Timers
+
+WATCH_VIGIL = "watch vigil"
+
+OVER_AFTER_S = 15.0
+"""A primary that has named another task, or none, for this long has finished the one that is
+watched: the coordinator's release was lost on the way."""
+
+
+class Watch:
+    """One task that this vehicle is secondary of."""
+
+    __slots__ = ("award", "coordinator", "named_s", "vigil")
+
+    def __init__(self, award: Award, coordinator: str, now_s: float) -> None:
+        self.award = award
+        self.coordinator = coordinator
+        self.vigil = Vigil(award.primary, WORKING_INTERVAL_S, now_s)
+        self.named_s = now_s
+        """When the primary last named this task as its own."""
+
+    def brief(self) -> Brief:
+        work = self.award.work
+        item, quantity = (work.item, work.quantity) if isinstance(work, Transport) else ("", 0)
+        return Brief(
+            task=self.award.task,
+            epoch=self.award.epoch,
+            role=Role.SECONDARY,
+            coordinator=self.coordinator,
+            item=item,
+            quantity=quantity,
+        )
+
+
+class Watches:
+    """All watches of one vehicle.
+
+    Args:
+        following: which heartbeats the vehicle hears.
+        timers: the vehicle's alarms; this class uses names ``(WATCH_VIGIL, task)``.
+        out: where effects go.
+    """
+
+    def __init__(self, following: Following, timers: Timers, out: list[Effect]) -> None:
+        self._following = following
+        self._timers = timers
+        self._out = out
+        self._watches: dict[str, Watch] = {}
+
+    def __len__(self) -> int:
+        return len(self._watches)
+
+    def __contains__(self, task: str) -> bool:
+        return task in self._watches
+
+    def holds(self, award: Award) -> bool:
+        """Whether exactly this watch was taken already."""
+        watch = self._watches.get(award.task)
+        return watch is not None and watch.award.epoch == award.epoch
+
+    def briefs(self) -> tuple[Brief, ...]:
+        return tuple(watch.brief() for watch in self._watches.values())
+
+    def begin(self, award: Award, coordinator: str, now_s: float) -> None:
+        """Guard the primary of an award; a newer epoch of the same task replaces the older one."""
+        if award.task in self._watches:
+            self.end(award.task, "renewed")
+        watch = Watch(award, coordinator, now_s)
+        self._watches[award.task] = watch
+        self._following.begin(award.primary)
+        self._timers.set((WATCH_VIGIL, award.task), watch.vigil.overdue_at_s)
+        taken = ContractTaken(
+            task=award.task, epoch=award.epoch, role=Role.SECONDARY, coordinator=coordinator
+        )
+        self._out.append(Record(taken))
+
+    def end(self, task: str, reason: str) -> None:
+        """Guard it no longer; harmless when it was not guarded."""
+        watch = self._watches.pop(task, None)
+        if watch is None:
+            return
+        self._following.end(watch.award.primary)
+        self._timers.clear((WATCH_VIGIL, task))
+        ended = ContractEnded(
+            task=task, epoch=watch.award.epoch, role=Role.SECONDARY, reason=reason
+        )
+        self._out.append(Record(ended))
+
+    def resign(self, reason: str) -> None:
+        """Give every watch back to its coordinator, who elects another."""
+        for task, watch in list(self._watches.items()):
+            resigned = Resigned(
+                task=task, epoch=watch.award.epoch, role=Role.SECONDARY, reason=reason
+            )
+            self._out.append(Send(watch.coordinator, resigned))
+            self.end(task, "resigned")
+
+    def hear(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
+        """A followed vehicle lives."""
+        for task, watch in list(self._watches.items()):
+            if watch.award.primary != heartbeat.atv:
+                continue
+            watch.vigil.hear(heartbeat, now_s)
+            if heartbeat.task is not None and heartbeat.task.task == task:
+                watch.named_s = now_s
+            elif now_s - watch.named_s > OVER_AFTER_S:
+                self.end(task, "over")
+
+    def wake(self, task: str, now_s: float) -> None:
+        """A primary may have been silent for too long."""
+        watch = self._watches.get(task)
+        if watch is None:
+            return
+        vigil = watch.vigil
+        if vigil.check(now_s):
+            suspected = PrimarySuspected(
+                task=task,
+                epoch=watch.award.epoch,
+                primary=watch.award.primary,
+                silent_s=now_s - vigil.heard_s,
+            )
+            self._out.append(Record(suspected))
+        self._timers.set((WATCH_VIGIL, task), vigil.next_look_s(now_s))
