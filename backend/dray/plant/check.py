@@ -1,12 +1,217 @@
-"""How the entries of a plant file must fit together."""
+"""What a plant file may not say although every entry of it has the right shape.
+
+A fault is a pair of the field, as ``machines[3].node``, and the reason with what to do about it.
+All faults are found in one go; what depends on something faulty is not reported a second time.
+Where things stand and how they are joined is looked at by `dray.plant.check_floor`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from difflib import get_close_matches
 
-from dray.plant.model import PlantFile
+from dray.plant.check_floor import floor_faults
+from dray.plant.model import MachineSpec, Material, PlantFile, Product
+
+Fault = tuple[str, str]
+"""Field and reason."""
+
+SPACES = (
+    ("nodes",),
+    ("materials", "products"),
+    ("stations",),
+    ("areas",),
+    ("vehicle_types",),
+    ("warehouses", "storages", "chargers", "parkings", "machines", "fleet"),
+)
+"""Sections that share one space of ids: items are asked for by id alone, and so are places and agents."""
+
+RESERVED = frozenset({"strategist", "historian", "gateway"})
+"""Agents of every plant: a machine or vehicle of that name would get their messages."""
+
+MAX_COMPARED = 5_000
+"""Names that a misspelt one is compared with; about 30 ms."""
+
+PLAUSIBLE = {
+    "acceleration_mps2": (0.01, 20.0),
+    "cycle_s": (0.1, 1e6),
+    "load_s": (0.01, 1e5),
+    "max_speed_mps": (0.05, 50.0),
+    "speed_limit_mps": (0.05, 50.0),
+    "turn_speed_mps": (0.01, 50.0),
+    "unload_s": (0.01, 1e5),
+}
+"""Lowest and highest value: beyond them somebody has mistaken the unit, and a simulation would hang."""
 
 
-def faults(file: PlantFile) -> Iterator[tuple[str, str]]:
-    """Every fault."""
-    yield from ()
+def faults(file: PlantFile) -> Iterator[Fault]:
+    """Everything in a plant file that does not fit together; nothing for a good one."""
+    yield from _ids(file)
+    yield from _references(file)
+    yield from _values(file)
+    yield from _items(file)
+    yield from _stocks(file)
+    yield from _machines(file)
+    yield from _kinds_of_warehouse(file)
+    yield from floor_faults(file)
+
+
+def _ids(file: PlantFile) -> Iterator[Fault]:
+    for sections in SPACES:
+        owners: dict[str, str] = {}
+        for section in sections:
+            for index, spec in enumerate(getattr(file, section)):
+                field = f"{section}[{index}]"
+                if spec.id in owners:
+                    yield f"{field}.id", f"{spec.id} is the id of {owners[spec.id]} already: choose another"
+                owners.setdefault(spec.id, field)
+                if "fleet" in sections and spec.id.lower() in RESERVED:
+                    yield f"{field}.id", f"{spec.id} is an agent of every plant: choose another"
+
+
+def _references(file: PlantFile) -> Iterator[Fault]:
+    """Names of things that are nowhere defined."""
+    known = {
+        section: {spec.id for spec in getattr(file, section)} for sections in SPACES for section in sections
+    }
+    for section in ("warehouses", "storages", "chargers", "parkings", "machines", "fleet"):
+        for index, spec in enumerate(getattr(file, section)):
+            yield from _known(spec.node, f"{section}[{index}].node", known, "nodes")
+    for index, lane in enumerate(file.lanes):
+        yield from _known(lane.start, f"lanes[{index}].start", known, "nodes")
+        yield from _known(lane.end, f"lanes[{index}].end", known, "nodes")
+    for index, product in enumerate(file.products):
+        for at, line in enumerate(product.bill):
+            yield from _known(line.material, f"products[{index}].bill[{at}].material", known, "materials")
+    for index, storage in enumerate(file.storages):
+        for at, stock in enumerate(storage.stocks):
+            yield from _known(stock.material, f"storages[{index}].stocks[{at}].material", known, "materials")
+    for index, machine in enumerate(file.machines):
+        yield from _known(machine.station, f"machines[{index}].station", known, "stations")
+        for at, making in enumerate(machine.makes):
+            yield from _known(making.product, f"machines[{index}].makes[{at}].product", known, "products")
+    for index, vehicle in enumerate(file.fleet):
+        yield from _known(vehicle.type, f"fleet[{index}].type", known, "vehicle_types")
+
+
+def _known(name: str, field: str, known: Mapping[str, Collection[str]], section: str) -> Iterator[Fault]:
+    if name not in known[section]:
+        # Sorted, so that the same file gives the same advice in every process.
+        names = sorted(known[section]) if len(known[section]) <= MAX_COMPARED else []
+        alike = get_close_matches(name, names, n=1)
+        advice = f"did you mean {alike[0]}?" if alike else "add it there or name another"
+        yield field, f"there is no {name} in `{section}`: {advice}"
+
+
+def _values(file: PlantFile) -> Iterator[Fault]:
+    """Values that only a mistaken unit explains."""
+    entries: list[tuple[str, object]] = [
+        *((f"lanes[{index}]", lane) for index, lane in enumerate(file.lanes)),
+        *((f"vehicle_types[{index}]", kind) for index, kind in enumerate(file.vehicle_types)),
+        *(
+            (f"machines[{index}].makes[{at}]", making)
+            for index, machine in enumerate(file.machines)
+            for at, making in enumerate(machine.makes)
+        ),
+    ]
+    for where, entry in entries:
+        for field, (low, high) in PLAUSIBLE.items():
+            value = getattr(entry, field, low)
+            if not low <= value <= high:
+                yield f"{where}.{field}", f"{value:g} is not within {low:g} to {high:g}: check the unit"
+
+
+def _items(file: PlantFile) -> Iterator[Fault]:
+    """Materials and products: how much, who can carry them, who makes them."""
+    fleet_types = {vehicle.type for vehicle in file.fleet}
+    abilities = {
+        ability for kind in file.vehicle_types if kind.id in fleet_types for ability in kind.abilities
+    }
+    stored = {stock.material for storage in file.storages for stock in storage.stocks}
+    made = {making.product for machine in file.machines for making in machine.makes}
+    materials = {material.id: material for material in file.materials}
+    for index, material in enumerate(file.materials):
+        where = f"materials[{index}]"
+        yield from _carried(material, where, abilities)
+        if material.lot > material.buffer:
+            yield f"{where}.lot", f"a lot of {material.lot} does not fit into a buffer of {material.buffer}"
+        if material.id not in stored:
+            yield where, f"no storage keeps {material.id}: add it to the `stocks` of one"
+    for index, product in enumerate(file.products):
+        where = f"products[{index}]"
+        yield from _carried(product, where, abilities)
+        if product.id not in made:
+            yield where, f"no machine makes {product.id}: add it to the `makes` of one"
+        yield from _bill(product, where, materials)
+
+
+def _carried(item: Material | Product, where: str, abilities: Collection[str]) -> Iterator[Fault]:
+    if item.ability not in abilities:
+        yield (
+            f"{where}.ability",
+            f"no vehicle of the fleet can carry {item.ability}: {item.id} would never move",
+        )
+
+
+def _bill(product: Product, where: str, materials: Mapping[str, Material]) -> Iterator[Fault]:
+    yield from _once((line.material for line in product.bill), f"{where}.bill", "material")
+    for at, line in enumerate(product.bill):
+        material = materials.get(line.material)
+        if material is None or material.lot > material.buffer:
+            continue
+        if line.quantity > material.buffer:
+            reason = (
+                f"{line.quantity} pieces do not fit into the buffer of {material.buffer} for {material.id}"
+            )
+            yield f"{where}.bill[{at}].quantity", reason
+        elif line.quantity + material.lot > material.buffer:
+            # Else a machine could hold too little for a cycle and too much for the next container.
+            need = f"a cycle's {line.quantity} and a lot of {material.lot}"
+            yield (
+                f"{where}.bill[{at}].quantity",
+                f"{need} do not fit into the buffer of {material.buffer} together",
+            )
+
+
+def _stocks(file: PlantFile) -> Iterator[Fault]:
+    lots = {material.id: material.lot for material in file.materials}
+    for index, storage in enumerate(file.storages):
+        where = f"storages[{index}].stocks"
+        yield from _once((stock.material for stock in storage.stocks), where, "material")
+        for at, stock in enumerate(storage.stocks):
+            lot = lots.get(stock.material, 0)
+            if stock.capacity < lot:
+                yield f"{where}[{at}].capacity", f"{stock.capacity} pieces are less than a lot of {lot}"
+
+
+def _machines(file: PlantFile) -> Iterator[Fault]:
+    lots = {product.id: product.lot for product in file.products}
+    for index, machine in enumerate(file.machines):
+        where = f"machines[{index}]"
+        yield from _once((making.product for making in machine.makes), f"{where}.makes", "product")
+        yield from _goods(machine, where, lots)
+
+
+def _goods(machine: MachineSpec, where: str, lots: Mapping[str, int]) -> Iterator[Fault]:
+    """A product whose lot never fills would never be fetched."""
+    largest = max(machine.makes, key=lambda making: lots.get(making.product, 0)).product
+    lot = lots.get(largest, 0)
+    if machine.goods_capacity < lot:
+        reason = f"{machine.goods_capacity} pieces are less than the lot of {lot} of {largest}: raise it"
+        yield f"{where}.goods_capacity", reason
+
+
+def _once(names: Iterable[str], where: str, key: str) -> Iterator[Fault]:
+    """Each name at most once within one list."""
+    seen: set[str] = set()
+    for at, name in enumerate(names):
+        if name in seen:
+            yield f"{where}[{at}].{key}", f"{name} is in this list already: put both into one line"
+        seen.add(name)
+
+
+def _kinds_of_warehouse(file: PlantFile) -> Iterator[Fault]:
+    kinds = {warehouse.kind for warehouse in file.warehouses}
+    for kind, purpose in (("source", "material comes from nowhere"), ("delivery", "products go nowhere")):
+        if kind not in kinds:
+            yield "warehouses", f"there is none of kind {kind}: {purpose}"

@@ -8,6 +8,7 @@ Neither is of use in a plant file; both are refused by name.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import isfinite
 
 import msgspec
 import yaml
@@ -137,7 +138,7 @@ class _Reader:
                 case "int":
                     return self._constructor.construct_yaml_int(node)
                 case "float":
-                    return self._constructor.construct_yaml_float(node)
+                    return self._finite(self._constructor.construct_yaml_float(node), event, field)
                 case "bool":
                     return self._constructor.construct_yaml_bool(node)
                 case "null":
@@ -145,6 +146,11 @@ class _Reader:
         except ValueError as error:
             raise self._fault(field, f"not a number: {error}", event) from None
         return str(event.value)
+
+    def _finite(self, number: float, event: yaml.Event, field: str) -> float:
+        if not isfinite(number):
+            raise self._fault(field, f"{number} is no measure: write a finite number", event)
+        return number
 
     def _fault(self, field: str, reason: str, event: yaml.Event) -> PlantError:
         return PlantError(self._file, field, reason, _line(event))

@@ -6,9 +6,10 @@ every entry (`model`), and how the entries fit together (`check`).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
 from importlib.resources import files
+from itertools import islice
 from pathlib import Path
 from typing import get_args, get_origin
 
@@ -78,19 +79,13 @@ def parse_plant(text: str, name: str) -> Plant:
         raise PlantError(name, "", "is empty: a plant begins with `plant: ID` and `name: NAME`")
     if not isinstance(document.data, dict):
         raise PlantError(name, "", "is no mapping: a plant begins with `plant: ID` and `name: NAME`", 1)
-    found = [*document.faults, *(_error(document, name, *fault) for fault in _shape_faults(document.data))]
+    found = _first(document, name, _shape_faults(document.data))
     if not found:
         file = msgspec.convert(document.data, PlantFile)
-        found = [_error(document, name, *fault) for fault in faults(file)]
+        found = _first(document, name, faults(file))
         if not found:
             return Plant(file)
-    found.sort(key=lambda error: error.line or 0)
-    if len(found) == 1:
-        raise found[0]
-    if len(found) > MAX_FAULTS:
-        more = PlantError(name, "", f"and {len(found) - MAX_FAULTS} more faults: correct these first")
-        found = [*found[:MAX_FAULTS], more]
-    raise PlantErrors(tuple(found))
+    raise found[0] if len(found) == 1 else PlantErrors(tuple(found))
 
 
 @cache
@@ -113,8 +108,16 @@ def check_plant(path: str | Path) -> str:
     )
 
 
-def _error(document: Document, name: str, field: str, reason: str) -> PlantError:
-    return PlantError(name, field, reason, document.line_of(field))
+def _first(document: Document, name: str, found: Iterable[tuple[str, str]]) -> list[PlantError]:
+    """The first faults, those of the document itself included, in file order."""
+    errors = list(document.faults[:MAX_FAULTS])
+    rest = iter(found)
+    for field, reason in islice(rest, MAX_FAULTS - len(errors)):
+        errors.append(PlantError(name, field, reason, document.line_of(field)))
+    errors.sort(key=lambda error: error.line or 0)
+    if next(rest, None) is not None:
+        errors.append(PlantError(name, "", "and more faults: correct these first"))
+    return errors
 
 
 def _shape_faults(data: dict[str, object]) -> Iterator[tuple[str, str]]:

@@ -73,6 +73,46 @@ class Roads:
         """All nodes from which a vehicle can drive to `node`, itself included."""
         return _flood(node, {here: [road.start for road in roads] for here, roads in self.entering.items()})
 
+    def parts(self) -> list[frozenset[str]]:
+        """The strongly connected parts: within one, a vehicle gets from every node to every other.
+
+        Two passes over all lanes (Kosaraju), so that a file full of loose ends costs no more.
+        """
+        parts: list[frozenset[str]] = []
+        placed: set[str] = set()
+        for root in reversed(self._finished()):
+            if root in placed:
+                continue
+            part, open_nodes = {root}, [root]
+            while open_nodes:
+                for lane in self.entering[open_nodes.pop()]:
+                    if lane.start not in placed and lane.start not in part:
+                        part.add(lane.start)
+                        open_nodes.append(lane.start)
+            placed |= part
+            parts.append(frozenset(part))
+        return parts
+
+    def _finished(self) -> list[str]:
+        """All nodes, each after everything that a walk in depth first met beyond it."""
+        finished: list[str] = []
+        seen: set[str] = set()
+        for root in self.leaving:
+            if root in seen:
+                continue
+            seen.add(root)
+            walk = [(root, iter(self.leaving[root]))]
+            while walk:
+                node, lanes = walk[-1]
+                ahead = next((lane.end for lane in lanes if lane.end not in seen), None)
+                if ahead is None:
+                    finished.append(node)
+                    walk.pop()
+                else:
+                    seen.add(ahead)
+                    walk.append((ahead, iter(self.leaving[ahead])))
+        return finished
+
 
 def bends(before: DirectedLane, after: DirectedLane) -> bool:
     """Whether a vehicle that goes from one lane into the next must slow down to turn.

@@ -1,0 +1,152 @@
+"""What a plant file may not say about its floor: where things stand, and how lanes join them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from math import ceil, hypot
+
+from dray.plant.geometry import area_m2, crossed_edges
+from dray.plant.model import Area, Box, Lane, Node, PlantFile
+from dray.plant.roads import Roads
+
+MAX_SIDE_M = 10_000.0
+"""Ten kilometres: no factory floor is longer, but one written in millimetres is."""
+
+MAX_CELLS = 10_000
+"""A vehicle hears one cell, but an announcement to the whole plant goes to all of them."""
+
+MIN_LANE_M = 0.05
+"""Shorter lanes are two nodes on one spot."""
+
+MAX_CORNERS = 200
+"""Corners of an area: every edge is compared with every other."""
+
+MIN_AREA_M2 = 0.01
+"""A smaller area has lost its corners to rounding."""
+
+
+def floor_faults(file: PlantFile) -> Iterator[tuple[str, str]]:
+    """Faults of places, lanes and areas, as (field, reason)."""
+    yield from _size(file)
+    yield from _outside(file)
+    yield from _lanes(file)
+    yield from _starts(file)
+    yield from _unreachable(file)
+    for index, area in enumerate(file.areas):
+        yield from _area(area, f"areas[{index}].polygon")
+
+
+def _size(file: PlantFile) -> Iterator[tuple[str, str]]:
+    for field, side_m in (("width_m", file.width_m), ("height_m", file.height_m)):
+        if side_m > MAX_SIDE_M:
+            yield field, f"{side_m:g} m are more than {MAX_SIDE_M:g} m: write metres"
+            return
+    cells = ceil(file.width_m / file.cell_m) * ceil(file.height_m / file.cell_m)
+    if cells > MAX_CELLS:
+        yield "cell_m", f"makes {cells} grid cells, more than {MAX_CELLS}: take larger ones"
+
+
+def _outside(file: PlantFile) -> Iterator[tuple[str, str]]:
+    """Nodes, boxes and corners that are not on the floor."""
+    floor = f"the floor of {file.width_m:g} m x {file.height_m:g} m"
+    for index, node in enumerate(file.nodes):
+        if not _on_floor(file, node.x_m, node.y_m):
+            yield f"nodes[{index}]", f"({node.x_m:g}, {node.y_m:g}) is outside of {floor}"
+    for section in ("warehouses", "storages", "chargers", "machines"):
+        for index, spec in enumerate(getattr(file, section)):
+            if not all(_on_floor(file, x_m, y_m) for x_m, y_m in _corners(spec.box)):
+                yield f"{section}[{index}].box", f"reaches beyond {floor}: x_m and y_m are its middle"
+    for index, area in enumerate(file.areas):
+        for at, point in enumerate(area.polygon):
+            if not _on_floor(file, point.x_m, point.y_m):
+                where = f"areas[{index}].polygon[{at}]"
+                yield where, f"({point.x_m:g}, {point.y_m:g}) is outside of {floor}"
+
+
+def _on_floor(file: PlantFile, x_m: float, y_m: float) -> bool:
+    return 0.0 <= x_m <= file.width_m and 0.0 <= y_m <= file.height_m
+
+
+def _corners(box: Box) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Two opposite corners: the lower left and the upper right one."""
+    half_x_m, half_y_m = box.width_m / 2.0, box.depth_m / 2.0
+    return (box.x_m - half_x_m, box.y_m - half_y_m), (box.x_m + half_x_m, box.y_m + half_y_m)
+
+
+def _lanes(file: PlantFile) -> Iterator[tuple[str, str]]:
+    nodes = {node.id: node for node in file.nodes}
+    owners: dict[tuple[str, str], int] = {}
+    for index, lane in enumerate(file.lanes):
+        where = f"lanes[{index}]"
+        if lane.start == lane.end:
+            yield f"{where}.end", f"the lane joins {lane.start} with itself: name another node"
+            continue
+        if lane.start in nodes and lane.end in nodes:
+            length_m = _length_m(nodes[lane.start], nodes[lane.end])
+            if length_m < MIN_LANE_M:
+                yield where, f"{lane.start} and {lane.end} are {length_m:g} m apart: make them one node"
+        for ends in _directions(lane):
+            if ends in owners:
+                first = f"lanes[{owners[ends]}]"
+                yield where, f"{first} leads from {ends[0]} to {ends[1]} already: remove one of them"
+            owners.setdefault(ends, index)
+
+
+def _length_m(start: Node, end: Node) -> float:
+    return hypot(end.x_m - start.x_m, end.y_m - start.y_m)
+
+
+def _directions(lane: Lane) -> tuple[tuple[str, str], ...]:
+    there = (lane.start, lane.end)
+    return (there, there[::-1]) if lane.both_ways else (there,)
+
+
+def _starts(file: PlantFile) -> Iterator[tuple[str, str]]:
+    """Two vehicles cannot stand on one spot."""
+    owners: dict[str, str] = {}
+    for index, vehicle in enumerate(file.fleet):
+        if vehicle.node in owners:
+            yield f"fleet[{index}].node", f"{owners[vehicle.node]} stands at {vehicle.node} already"
+        owners.setdefault(vehicle.node, vehicle.id)
+
+
+def _unreachable(file: PlantFile) -> Iterator[tuple[str, str]]:
+    """Everybody must be able to get from every dock to every other, or vehicles strand."""
+    nodes = {node.id for node in file.nodes}
+    roads = Roads(file.nodes, (lane for lane in file.lanes if lane.start in nodes and lane.end in nodes))
+    docks = [
+        (f"{section}[{index}].node", spec.id, spec.node)
+        for section in ("warehouses", "storages", "chargers", "parkings", "machines", "fleet")
+        for index, spec in enumerate(getattr(file, section))
+        if spec.node in nodes
+    ]
+    if not docks:
+        return
+    here = Counter(node for _, _, node in docks)
+    main = max(roads.parts(), key=lambda part: sum(here[node] for node in part))
+    example = next(node for _, _, node in docks if node in main)
+    reached, reaching = roads.reached_from(example), roads.reaching(example)
+    for field, name, node in docks:
+        if node not in reached:
+            yield field, f"{name} cannot be reached: no lanes lead from {example} to {node}"
+        elif node not in reaching:
+            yield field, f"{name} cannot be left: no lanes lead from {node} to {example}"
+
+
+def _area(area: Area, where: str) -> Iterator[tuple[str, str]]:
+    if len(area.polygon) > MAX_CORNERS:
+        yield where, f"{len(area.polygon)} corners are more than {MAX_CORNERS}: draw it more simply"
+        return
+    for at, point in enumerate(area.polygon):
+        if point == area.polygon[at - 1]:
+            yield f"{where}[{at}]", "the corner before it is the same: remove one, the polygon closes itself"
+            return
+    crossed = crossed_edges(area.polygon)
+    if crossed is not None:
+        yield (
+            where,
+            f"the edges from corner {crossed[0]} and from corner {crossed[1]} cross: order the corners",
+        )
+    elif area_m2(area.polygon) < MIN_AREA_M2:
+        yield where, "it encloses nothing: give at least three corners that are not in one line"
