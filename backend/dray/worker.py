@@ -1,12 +1,12 @@
-"""The asyncio shell of one agent: an inbox, a timer, and the carrying out of effects.
+r"""The asyncio shell of one agent: an inbox, a timer, and the carrying out of effects.
 
 The agent decides, the worker acts. The worker owns what an agent must not touch: the bus, the clock,
 the body, the task that it all runs in. One worker is one asyncio task; it sleeps until something has
 come, and then handles all that has come.
 
-    bus ----Heard----\\                           /--> bus:  Publish, Send, Subscribe, Unsubscribe
+    bus ----Heard----\                           /--> bus:  Publish, Send, Subscribe, Unsubscribe
     clock --Woke------> inbox -> agent.handle() -+---> body: Instruct
-    body ---Reported-/                           \\--> history and bus: Record
+    body ---Reported-/                           \--> history and bus: Record
 
 What an agent must do is none of this module's business: that is `dray.protocol`.
 """
@@ -99,6 +99,7 @@ class Worker:
         Raises:
             whatever the agent raises: an agent with a bug ends, and says so.
         """
+        loop = asyncio.get_running_loop()
         session = self._bus.join(self.agent.id, self._hear)
         try:
             if self._body is not None:
@@ -106,7 +107,8 @@ class Worker:
             self._handle(Started(self._sense()), session)
             while not self._stopping:
                 if not self._inbox:
-                    await self._something_to_come()
+                    self._waiter = loop.create_future()
+                    await self._waiter
                 self._handle_inbox(session)
                 if self._inbox:
                     # Let others have their turn before whatever came in meanwhile.
@@ -161,13 +163,6 @@ class Worker:
                 del self._inbox[place]
                 return True
         return False
-
-    async def _something_to_come(self) -> None:
-        self._waiter = asyncio.get_running_loop().create_future()
-        try:
-            await self._waiter
-        finally:
-            self._waiter = None
 
     def _wake_task(self) -> None:
         waiter, self._waiter = self._waiter, None

@@ -15,6 +15,9 @@ that far (`paced`). Both therefore give the same order of events, as long as not
 What the simulated things do at those instants is none of this module's business.
 """
 
+# An event loop of one's own means working with asyncio's private parts: handles and the ready queue.
+# ruff: noqa: SLF001
+
 from __future__ import annotations
 
 import asyncio
@@ -174,7 +177,7 @@ class VirtualLoop(asyncio.SelectorEventLoop):
     Callbacks of asyncio itself keep asyncio's custom, the loop's exception handler.
 
     Args:
-        pace: `JUMP` or `paced(speed)`.
+        pace: `JUMP` or `paced(speed)`; real time counts from the making of the loop.
         start_s: the clock's first reading.
         selector: for tests; the system's best one by default.
         wall_s: real time in seconds that never goes back; for tests.
@@ -206,7 +209,7 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         self._cancelled_timers = 0
         self._wall_s = wall_s
         self._start_s = start_s
-        self._start_wall_s: float | None = None
+        self._start_wall_s = wall_s()
         super().__init__(selector)
 
     # --- what asyncio asks of a loop -------------------------------------------------------------
@@ -301,8 +304,6 @@ class VirtualLoop(asyncio.SelectorEventLoop):
 
     def _keep_pace(self) -> None:
         """Sleep until something is due or comes from outside, then work for one burst at most."""
-        if self._start_wall_s is None:
-            self._start_wall_s = self._wall_s()
         self._process_events(self._selector.select(self._sleep_s()))
         burst_ends_s = self._wall_s() + BURST_S
         while self._step_paced() and not self._stopping and self._wall_s() < burst_ends_s:
@@ -319,7 +320,6 @@ class VirtualLoop(asyncio.SelectorEventLoop):
 
     def _due_s(self) -> float:
         """The virtual time that belongs to this real moment."""
-        assert self._start_wall_s is not None
         return self._start_s + (self._wall_s() - self._start_wall_s) * self.pace.speed
 
     def _step_paced(self) -> bool:
@@ -369,5 +369,5 @@ def clock() -> VirtualClock:
     """
     loop = asyncio.get_running_loop()
     if not isinstance(loop, VirtualLoop):
-        raise RuntimeError("no virtual loop is running here; start one with dray_sim.loop.run")
+        raise RuntimeError("no virtual loop runs here; start one with dray_sim.loop.run")  # noqa: TRY004
     return loop.clock

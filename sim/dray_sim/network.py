@@ -74,19 +74,24 @@ class SimSession:
         """Bound once: it goes into the clock's heap with every delivery."""
 
     def publish(self, key: str, message: Message) -> None:
+        """Say it to all that listen on `key`."""
         self._network.publish(self, key, message)
 
     def send(self, to: str, message: Message) -> None:
+        """Say it to one agent alone."""
         self._network.send(self, to, message)
 
     def subscribe(self, key: str) -> None:
+        """Hear what is published on `key` from now on."""
         if self.joined:
             self._network.subscribe(self, key)
 
     def unsubscribe(self, key: str) -> None:
+        """Hear it no longer."""
         self._network.unsubscribe(self, key)
 
     def leave(self) -> None:
+        """Leave the network."""
         if self.joined:
             self._network.leave(self)
 
@@ -226,7 +231,7 @@ class SimNetwork:
         # First in, first out between any two agents: a later message waits for an earlier slow one.
         pair = (sender.agent, receiver.agent)
         last_s = self._last_arrival_s.get(pair, 0.0)
-        if when_s < last_s:
+        if when_s < last_s:  # noqa: PLR1730 (a call of max costs more than all of this)
             when_s = last_s
         self._last_arrival_s[pair] = when_s
         self._clock.call_at(when_s, receiver.deliver, sender.agent, message)
