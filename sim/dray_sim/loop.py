@@ -315,17 +315,17 @@ class VirtualLoop(asyncio.SelectorEventLoop):
             return 0.0
         if not self.clock.heap:
             return MAX_SELECT_S
-        virtual_s = self.clock.heap[0][0] - self._due_s()
+        virtual_s = self.clock.heap[0][0] - self.due_s()
         return min(max(0.0, virtual_s / self.pace.speed), MAX_SELECT_S)
 
-    def _due_s(self) -> float:
-        """The virtual time that belongs to this real moment."""
+    def due_s(self) -> float:
+        """The virtual time that belongs to this real moment (paced loops); callable from any thread."""
         return self._start_s + (self._wall_s() - self._start_wall_s) * self.pace.speed
 
     def _step_paced(self) -> bool:
         """Run what is ready, else one due instant; False when there was neither."""
         clock, heap, ready = self.clock, self.clock.heap, self._ready
-        due_s = self._due_s()
+        due_s = self.due_s()
         next_s = heap[0][0] if heap else math.inf
         # Never past an instant that has not run yet: a loop that is behind catches up, it skips nothing.
         clock.time_s = max(clock.time_s, min(due_s, next_s))
