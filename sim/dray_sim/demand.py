@@ -1,0 +1,69 @@
+"""Seeded demand: the orders of one shift, as data.
+
+Orders arrive as customers send them: at random moments, of random products and sizes. How many there
+are follows from the plant: `load` says which part of its machines' time they take.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from random import Random
+
+from dray.messages import OrderItem
+from dray.plant import Plant
+
+FIRST_ORDER_S = 10.0
+"""Agents have joined and heard of one another by then."""
+
+MAX_LOTS_PER_ITEM = 3
+
+DUE_AFTER_S = (2700.0, 7200.0)
+"""Between 45 minutes and two hours: same-day orders, which take some 20 minutes in a quiet plant."""
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """One order of the demand.
+
+    Attributes:
+        at_s: when it is placed (plant clock).
+        due_s: when all of it should be in the delivery warehouse (plant clock).
+    """
+
+    id: str
+    at_s: float
+    due_s: float
+    items: tuple[OrderItem, ...]
+
+
+def orders(plant: Plant, random: Random, *, load: float, until_s: float) -> Iterator[Order]:
+    """Orders in the order of their times.
+
+    Args:
+        plant: what can be made, and how fast.
+        random: the only source of chance.
+        load: part of all machines' time that the orders take, above 0.
+        until_s: no order is placed later (plant clock).
+    """
+    products = tuple(plant.products)
+    now_s, number = FIRST_ORDER_S, 0
+    while now_s < until_s:
+        number += 1
+        chosen = random.sample(products, k=random.choice((1, 1, 1, 2)))
+        items = tuple(_item(plant, random, product) for product in chosen)
+        yield Order(f"D{number}", now_s, now_s + random.uniform(*DUE_AFTER_S), items)
+        work_s = sum(item.quantity * mean_cycle_s(plant, item.product) for item in items)
+        # Exponential gaps: an order knows nothing of the one before it.
+        now_s += random.expovariate(1.0) * work_s / (len(plant.machines) * load)
+
+
+def mean_cycle_s(plant: Plant, product: str) -> float:
+    """Seconds of machine time for one piece, over the machines that can make it."""
+    cycles_s = [plant.cycle_s(machine, product) for machine in plant.machines_for(product)]
+    return sum(cycles_s) / len(cycles_s)
+
+
+def _item(plant: Plant, random: Random, product: str) -> OrderItem:
+    lot = plant.products[product].lot
+    return OrderItem(product=product, quantity=random.randint(lot, lot * MAX_LOTS_PER_ITEM))

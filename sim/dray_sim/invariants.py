@@ -1,0 +1,291 @@
+"""What must never be seen, checked while a run goes on (protocol, "Invariants").
+
+Every check hears all that is said, and may look at the bodies; none of them takes part. A violation
+ends the run and names the invariant, the moment and what was seen.
+"""
+
+from __future__ import annotations
+
+import asyncio
+
+from dray.body import VehicleState
+from dray.errors import DrayError
+from dray.messages import (
+    AtvHeartbeat,
+    AtvStatus,
+    Event,
+    HandoverAccepted,
+    MachineHeartbeat,
+    Message,
+    Role,
+)
+from dray.messages.fact import (
+    AtvStatusChanged,
+    CommandObeyed,
+    ContractEnded,
+    ContractTaken,
+    GoalContracted,
+    GoodsDelivered,
+    TaskClosed,
+    TaskOpened,
+)
+from dray.messages.order import CommandKind
+from dray_sim.factory import Ear, SimFactory
+
+BRAKING_S = 10.0
+"""By then a stopped vehicle stands, whatever its speed and load were."""
+
+STILL_M = 1e-6
+"""Less than this is rounding, not motion."""
+
+
+class InvariantBroken(DrayError):
+    """Something was seen that the protocol excludes.
+
+    Attributes:
+        number: of the invariant in protocol.md.
+        at_s: when it was seen (plant clock).
+        seen: what.
+    """
+
+    def __init__(self, number: int, at_s: float, seen: str) -> None:
+        self.number, self.at_s, self.seen = number, at_s, seen
+        super().__init__(f"invariant {number} is broken at {at_s:.3f} s: {seen}")
+
+
+class TasksEnd:
+    """Invariant 1: an announced task is delivered, withdrawn, or still announced. Never lost."""
+
+    def __init__(self) -> None:
+        self._open_s: dict[str, dict[str, float]] = {}
+        """By coordinator: its open tasks, and when each was announced first."""
+
+    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+        if type(message) is Event:
+            fact = message.fact
+            if type(fact) is TaskOpened:
+                self._open_s.setdefault(sender, {}).setdefault(fact.task, at_s)
+            elif type(fact) is TaskClosed:
+                if self._open_s.get(sender, {}).pop(fact.task, None) is None:
+                    raise InvariantBroken(1, at_s, f"{fact.task} ended twice, or was never announced")
+        elif type(message) is MachineHeartbeat:
+            self._check(message, at_s)
+
+    def _check(self, heartbeat: MachineHeartbeat, at_s: float) -> None:
+        named = {brief.task for brief in heartbeat.tasks}
+        for task, opened_s in self._open_s.get(heartbeat.machine, {}).items():
+            if opened_s < at_s and task not in named:
+                raise InvariantBroken(1, at_s, f"{heartbeat.machine} has forgotten its open task {task}")
+
+
+class HandedOverOnce:
+    """Invariant 2, first half: a task is handed over once, and to one carrier only."""
+
+    def __init__(self) -> None:
+        self._carrier: dict[str, str] = {}
+        self._delivered: dict[str, None] = {}
+
+    def hear(self, at_s: float, _sender: str, address: str, message: Message) -> None:
+        if type(message) is HandoverAccepted:
+            before = self._carrier.setdefault(message.task, address)
+            if before != address:
+                seen = f"{message.task} was handed over by {before} and by {address}"
+                raise InvariantBroken(2, at_s, seen)
+        elif type(message) is Event and type(message.fact) is TaskClosed:
+            if message.fact.outcome == "delivered":
+                if message.fact.task in self._delivered:
+                    raise InvariantBroken(2, at_s, f"{message.fact.task} was delivered twice")
+                self._delivered[message.fact.task] = None
+
+
+class OnePrimaryEach:
+    """Invariant 3: an ATV is primary of at most one task."""
+
+    def __init__(self) -> None:
+        self._primary_of: dict[str, str] = {}
+
+    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+        if type(message) is not Event:
+            return
+        fact = message.fact
+        if type(fact) is ContractTaken and fact.role is Role.PRIMARY and not _is_goal(fact):
+            before = self._primary_of.setdefault(sender, fact.task)
+            if before != fact.task:
+                raise InvariantBroken(3, at_s, f"{sender} took {fact.task} while it carried {before}")
+        elif type(fact) is ContractEnded and fact.role is Role.PRIMARY:
+            if self._primary_of.get(sender) == fact.task:
+                del self._primary_of[sender]
+
+
+class DeliveredExactly:
+    """Invariant 4: an ordered quantity is delivered exactly once."""
+
+    def __init__(self) -> None:
+        self._ordered: dict[str, int] = {}
+        self._delivered: dict[str, int] = {}
+
+    def hear(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
+        if type(message) is not Event:
+            return
+        fact = message.fact
+        if type(fact) is GoalContracted:
+            self._ordered[fact.goal] = fact.quantity
+        elif type(fact) is GoodsDelivered:
+            delivered = self._delivered.get(fact.goal, 0) + fact.quantity
+            self._delivered[fact.goal] = delivered
+            if delivered != fact.delivered or delivered > self._ordered.get(fact.goal, delivered):
+                seen = f"{fact.goal}: {delivered} came, {fact.delivered} were counted"
+                raise InvariantBroken(4, at_s, seen)
+        elif type(fact) is TaskClosed and fact.task in self._ordered and fact.outcome == "delivered":
+            if self._delivered.get(fact.task, 0) != self._ordered[fact.task]:
+                seen = f"{fact.task} was closed with {self._delivered.get(fact.task, 0)} pieces"
+                raise InvariantBroken(4, at_s, seen)
+
+
+class StoppedStands:
+    """Invariant 5: a stopped vehicle does not move before acknowledge and resume."""
+
+    def __init__(self, factory: SimFactory) -> None:
+        self._factory = factory
+        self._stopped_s: dict[str, float] = {}
+        self._stands_at: dict[str, tuple[float, float]] = {}
+        self._acknowledged: dict[str, None] = {}
+
+    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+        if type(message) is AtvHeartbeat and sender in self._stopped_s:
+            self._check_pose(sender, at_s)
+        elif type(message) is Event:
+            fact = message.fact
+            if type(fact) is CommandObeyed and fact.done:
+                self._note_command(sender, fact.what, at_s)
+            elif type(fact) is AtvStatusChanged and sender in self._stopped_s:
+                if fact.status is not AtvStatus.STOPPED:
+                    raise InvariantBroken(5, at_s, f"{sender} left STOPPED without a resume")
+
+    def _note_command(self, atv: str, what: str, at_s: float) -> None:
+        if what == CommandKind.STOP.value:
+            self._stopped_s[atv] = at_s
+            self._acknowledged.pop(atv, None)
+        elif what == CommandKind.ACKNOWLEDGE.value:
+            self._acknowledged[atv] = None
+        elif what == CommandKind.RESUME.value:
+            if atv in self._stopped_s and atv not in self._acknowledged:
+                raise InvariantBroken(5, at_s, f"{atv} resumed without an acknowledge")
+            self._stopped_s.pop(atv, None)
+            self._stands_at.pop(atv, None)
+
+    def _check_pose(self, atv: str, at_s: float) -> None:
+        if at_s < self._stopped_s[atv] + BRAKING_S:
+            return
+        state = self._factory.vehicles[atv].sense()
+        here = (state.pose.x_m, state.pose.y_m)
+        stood = self._stands_at.setdefault(atv, here)
+        moved_m = abs(here[0] - stood[0]) + abs(here[1] - stood[1])
+        if moved_m > STILL_M or state.speed_mps > STILL_M:
+            raise InvariantBroken(5, at_s, f"{atv} is stopped and has moved {moved_m:.3f} m")
+
+
+class MaterialConserved:
+    """Invariant 2, second half: storage + on board + buffers + consumed + scrapped = supplied."""
+
+    INTERVAL_S = 60.0
+    """Counting the whole plant takes a while, and what is lost stays lost."""
+
+    def __init__(self, factory: SimFactory) -> None:
+        self._factory = factory
+        self._next_s = 0.0
+        self._first = self._count()
+
+    def hear(self, at_s: float, _sender: str, _address: str, _message: Message) -> None:
+        if at_s >= self._next_s:
+            self._next_s = at_s + self.INTERVAL_S
+            self.check(at_s)
+
+    def check(self, at_s: float) -> None:
+        """Count everything now."""
+        for item, (first, now) in _both(self._first, self._count()).items():
+            if first != now:
+                seen = f"{abs(now - first)} pieces of {item} {'appeared' if now > first else 'are lost'}"
+                raise InvariantBroken(2, at_s, seen)
+
+    def _count(self) -> dict[str, int]:
+        """Pieces in sight less pieces that came in, plus those used up, by item: constant for ever."""
+        factory = self._factory
+        total: dict[str, int] = dict.fromkeys((*factory.plant.materials, *factory.plant.products), 0)
+        for storage in factory.storages.values():
+            _add(total, storage.stock)
+        for workcell in factory.workcells.values():
+            _add(total, workcell.sense().stock)
+            _add(total, workcell.consumed)
+            _add(total, workcell.made, sign=-1)
+        for warehouse in factory.delivery.values():
+            _add(total, warehouse.arrived)
+        for vehicle in factory.vehicles.values():
+            state: VehicleState = vehicle.sense()
+            if state.load:
+                total[state.load] += state.load_quantity
+        _add(total, factory.source.supplied, sign=-1)
+        return total
+
+
+class Invariants:
+    """All checks of one factory, as one listener.
+
+    A violation does not disturb the agents: it is kept, and told to whoever waits for it. Invariant 8
+    is not among them: an agent that ends by an exception ends the run by itself.
+
+    Args:
+        factory: what is watched.
+
+    Attributes:
+        broken: the first violation; None while all hold.
+    """
+
+    def __init__(self, factory: SimFactory) -> None:
+        self.broken: InvariantBroken | None = None
+        self._broke = asyncio.Event()
+        self._conservation = MaterialConserved(factory)
+        self._checks: tuple[Ear, ...] = (
+            TasksEnd(),
+            HandedOverOnce(),
+            OnePrimaryEach(),
+            DeliveredExactly(),
+            StoppedStands(factory),
+            self._conservation,
+        )
+
+    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
+        """Check one utterance."""
+        if self.broken is not None:
+            return
+        try:
+            for check in self._checks:
+                check.hear(at_s, sender, address, message)
+        except InvariantBroken as broken:
+            self.broken = broken
+            self._broke.set()
+
+    def check_end(self, at_s: float) -> None:
+        """Count once more at the end of a run."""
+        try:
+            self._conservation.check(at_s)
+        except InvariantBroken as broken:
+            self.broken = self.broken or broken
+
+    async def wait_broken(self) -> None:
+        """Return when one is broken; that may be never."""
+        await self._broke.wait()
+
+
+def _is_goal(fact: ContractTaken) -> bool:
+    """Machines hold several goals; only transports bind a vehicle to one."""
+    return fact.coordinator == "strategist"
+
+
+def _add(total: dict[str, int], pieces: dict[str, int], sign: int = 1) -> None:
+    for item, count in pieces.items():
+        total[item] = total.get(item, 0) + sign * count
+
+
+def _both(first: dict[str, int], now: dict[str, int]) -> dict[str, tuple[int, int]]:
+    return {item: (first.get(item, 0), now.get(item, 0)) for item in {**first, **now}}

@@ -1,0 +1,132 @@
+"""What a run shows: figures gathered from the facts that agents record.
+
+The observer hears every utterance at the moment it is said, and disturbs nothing: it is not on the
+bus. It keeps figures, not histories; the length of a run does not matter to it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from dray.messages import Event, MachineStatus, Message, Production, Role, Transport
+from dray.messages.fact import (
+    AwardAnswered,
+    BidReceived,
+    BidRefused,
+    Fact,
+    GoodsDelivered,
+    MachineStatusChanged,
+    OrderFulfilled,
+    TaskClosed,
+    TaskOpened,
+    WatchLost,
+)
+
+
+@dataclass(slots=True)
+class Transported:
+    """One transport that was handed over."""
+
+    task: str
+    took_s: float
+    late_s: float
+    """Against the carrier's own promise; negative when it was early."""
+
+
+@dataclass(slots=True)
+class MachineTimes:
+    """How long a machine has been in each status (s)."""
+
+    status: MachineStatus = MachineStatus.IDLE
+    since_s: float = 0.0
+    spent_s: dict[MachineStatus, float] = field(default_factory=dict)
+
+    def enter(self, status: MachineStatus, now_s: float) -> None:
+        self.spent_s[self.status] = self.spent_s.get(self.status, 0.0) + now_s - self.since_s
+        self.status, self.since_s = status, now_s
+
+
+class Observer:
+    """Gathers the figures of one run.
+
+    Attributes:
+        opened_s: open tasks and when they were announced first.
+        transports: those handed over, in order.
+        fulfilled_s: orders and when all of them was delivered.
+        delivered: pieces that reached the delivery warehouse, by order.
+        answers: how awards ended, by answer.
+        refusals: refusals by reason.
+    """
+
+    def __init__(self) -> None:
+        self.opened_s: dict[str, float] = {}
+        self.transports: list[Transported] = []
+        self.goals_closed = 0
+        self.fulfilled_s: dict[str, float] = {}
+        self.delivered: dict[str, int] = {}
+        self.answers: dict[str, int] = {}
+        self.refusals: dict[str, int] = {}
+        self.bids = 0
+        self.rounds = 0
+        self.watches_taken = 0
+        self.watches_lost = 0
+        self.messages = 0
+        self.machines: dict[str, MachineTimes] = {}
+        self._transport_tasks: dict[str, None] = {}
+
+    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+        """Note one utterance."""
+        self.messages += 1
+        if type(message) is Event:
+            self._note(message.fact, sender, at_s)
+
+    def close(self, now_s: float) -> None:
+        """The run is over: count the time of what still goes on."""
+        for times in self.machines.values():
+            times.enter(times.status, now_s)
+
+    def _note(self, fact: Fact, agent: str, now_s: float) -> None:
+        if isinstance(fact, BidReceived):
+            self.bids += 1
+        elif isinstance(fact, BidRefused):
+            self.refusals[fact.reason.value] = self.refusals.get(fact.reason.value, 0) + 1
+        elif isinstance(fact, TaskOpened):
+            self._note_opened(fact, now_s)
+        elif isinstance(fact, AwardAnswered):
+            self.answers[fact.answer] = self.answers.get(fact.answer, 0) + 1
+            if fact.role is Role.SECONDARY and fact.answer == "accepted":
+                self.watches_taken += 1
+        elif isinstance(fact, WatchLost):
+            self.watches_lost += 1
+        elif isinstance(fact, TaskClosed):
+            self._note_closed(fact, now_s)
+        elif isinstance(fact, MachineStatusChanged):
+            self.machines.setdefault(agent, MachineTimes()).enter(fact.status, now_s)
+        elif isinstance(fact, GoodsDelivered):
+            self.delivered[fact.order] = self.delivered.get(fact.order, 0) + fact.quantity
+        elif isinstance(fact, OrderFulfilled):
+            self.fulfilled_s[fact.order] = now_s
+
+    def _note_opened(self, fact: TaskOpened, now_s: float) -> None:
+        if fact.role is Role.PRIMARY:
+            self.rounds += isinstance(fact.work, Transport)
+            self.opened_s.setdefault(fact.task, now_s)
+            if isinstance(fact.work, Transport):
+                self._transport_tasks[fact.task] = None
+
+    def _note_closed(self, fact: TaskClosed, now_s: float) -> None:
+        opened_s = self.opened_s.pop(fact.task, now_s)
+        if fact.task not in self._transport_tasks:
+            self.goals_closed += 1
+            return
+        del self._transport_tasks[fact.task]
+        if fact.outcome == "delivered":
+            self.transports.append(Transported(fact.task, now_s - opened_s, now_s - fact.promised_s))
+
+
+def percentile(values: list[float], frac: float) -> float:
+    """The smallest value that at least `frac` of all values do not exceed; 0 for no values."""
+    ordered = sorted(values)
+    if not ordered:
+        return 0.0
+    return ordered[min(len(ordered) - 1, max(0, -(-len(ordered) * frac // 1).__int__() - 1))]
