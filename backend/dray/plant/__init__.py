@@ -7,7 +7,7 @@ it, `routes` finds ways.
 
 from __future__ import annotations
 
-from dray.plant.file import check_plant, default_plant, load_plant, parse_plant
+from dray.plant.file import check_plant, default_plant, load_plant, parse_plant, plant_yaml
 from dray.plant.model import (
     Area,
     BillLine,
@@ -29,7 +29,6 @@ from dray.plant.model import (
     Warehouse,
     WorkingStation,
 )
-from dray.plant.motion import node_speeds_mps, run_s, way_s
 from dray.plant.plant import Plant
 from dray.plant.roads import BEND_RAD, DirectedLane, Roads, bends
 from dray.plant.routes import Routes, Way
@@ -64,8 +63,6 @@ __all__ = [
     "check_plant",
     "default_plant",
     "load_plant",
-    "node_speeds_mps",
     "parse_plant",
-    "run_s",
-    "way_s",
+    "plant_yaml",
 ]

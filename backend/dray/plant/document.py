@@ -21,6 +21,11 @@ MAX_DEPTH = 16
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 """libyaml where PyYAML was built with it: ten times as fast on a plant of 500 vehicles."""
 
+_DUMPER = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
+
+LINE_CHARS = 110
+"""Where written lines are folded, as in our sources."""
+
 
 class Document(msgspec.Struct, frozen=True):
     """What a YAML text says, and where."""
@@ -65,6 +70,19 @@ def read_document(text: str, file: str) -> Document:
         # A forbidden character; libyaml gives its place in bytes only.
         raise PlantError(file, "", f"not YAML: {str(error).splitlines()[0]}") from None
     return Document(data, reader.lines, tuple(reader.faults))
+
+
+def write_document(data: object) -> str:
+    """The text of which `read_document` makes the same data; innermost lists and mappings on one line."""
+    text: str = yaml.dump(
+        data,
+        Dumper=_DUMPER,
+        allow_unicode=True,
+        default_flow_style=None,
+        sort_keys=False,
+        width=LINE_CHARS,
+    )
+    return text
 
 
 class _Reader:

@@ -17,7 +17,7 @@ import msgspec
 
 from dray.errors import PlantError, PlantErrors
 from dray.plant.check import faults
-from dray.plant.document import Document, read_document
+from dray.plant.document import Document, read_document, write_document
 from dray.plant.model import PlantFile
 from dray.plant.plant import Plant
 
@@ -86,6 +86,11 @@ def parse_plant(text: str, name: str) -> Plant:
         if not found:
             return Plant(file)
     raise found[0] if len(found) == 1 else PlantErrors(tuple(found))
+
+
+def plant_yaml(plant: Plant) -> str:
+    """A plant as the text of a plant file; `parse_plant` makes the same plant of it."""
+    return write_document(msgspec.to_builtins(plant.file))
 
 
 @cache

@@ -2,75 +2,71 @@
 
 A vehicle speeds up and brakes with one constant acceleration, keeps to the limit of every lane,
 passes a bend at its turning speed at most, and stands at the beginning and at the end of a way.
-The fastest motion within those bounds is a chain of trapezoids of speed over time, one per lane
-(triangles where a lane is too short to reach the limit), and its duration is exact.
+The fastest motion within those bounds is a chain of trapezoids of speed over time, one per run
+(triangles where a run is too short to reach its limit), and its duration is exact.
+
+A *run* is a piece of a way on which nothing changes: straight lanes of one limit in a row. It is a
+tuple of its length (m), its speed limit (m/s) and the highest speed at its end (m/s), and not a
+class, because a way into a large plant makes a million of them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 from math import sqrt
 
 from dray.plant.model import VehicleType
 from dray.plant.roads import DirectedLane, bends
 
+Run = tuple[float, float, float]
+"""Length in metres, speed limit and highest speed at the end in metres per second."""
 
-def run_s(length_m: float, enter_mps: float, leave_mps: float, limit_mps: float, rate_mps2: float) -> float:
-    """The least time for a straight run.
+
+def limit_mps(lane: DirectedLane, vehicle: VehicleType) -> float:
+    """The highest speed of a type of vehicle on a lane."""
+    return min(lane.speed_limit_mps, vehicle.max_speed_mps)
+
+
+def joint_mps(before: DirectedLane, after: DirectedLane, vehicle: VehicleType) -> float:
+    """The highest speed at the node between two lanes."""
+    allowed = min(limit_mps(before, vehicle), limit_mps(after, vehicle))
+    return min(allowed, vehicle.turn_speed_mps) if bends(before, after) else allowed
+
+
+def runs_s(runs: Sequence[Run], rate_mps2: float) -> float:
+    """The least time from standstill at the beginning of the first run to standstill at the end of the last.
 
     Args:
-        length_m: length of the run; long enough to get from `enter_mps` to `leave_mps`.
-        enter_mps: speed at its beginning, at most `limit_mps`.
-        leave_mps: speed at its end, at most `limit_mps`.
-        limit_mps: highest speed allowed, above 0.
+        runs: in the order of driving; the last one ends at 0 m/s whatever it says.
         rate_mps2: acceleration and braking, above 0.
 
     Returns:
-        Seconds: speed up to the limit (or as far as the run allows), cruise, and brake.
+        Seconds; 0 for no run at all.
     """
-    squares = enter_mps * enter_mps + leave_mps * leave_mps
-    top_mps = min(limit_mps, sqrt(0.5 * squares + rate_mps2 * length_m))
-    if top_mps <= 0.0:
-        return 0.0
-    ramps_m = (top_mps * top_mps - 0.5 * squares) / rate_mps2
-    ramps_s = (2.0 * top_mps - enter_mps - leave_mps) / rate_mps2
+    ends = _end_squares(runs, 2.0 * rate_mps2)
+    duration_s, square = 0.0, 0.0
+    for (length_m, top_mps, _), allowed in zip(runs, ends, strict=True):
+        end = min(allowed, square + 2.0 * rate_mps2 * length_m)
+        duration_s += _run_s(length_m, square, end, top_mps, rate_mps2)
+        square = end
+    return duration_s
+
+
+def _end_squares(runs: Sequence[Run], twice_mps2: float) -> list[float]:
+    """The squares of the speeds at the ends of runs from which all that comes after can be kept."""
+    squares = [0.0] * len(runs)
+    square = 0.0
+    for index in range(len(runs) - 1, 0, -1):
+        square = min(square + twice_mps2 * runs[index][0], runs[index - 1][2] ** 2)
+        squares[index - 1] = square
+    return squares
+
+
+def _run_s(length_m: float, enter: float, leave: float, top_mps: float, rate_mps2: float) -> float:
+    """The least time for one run between two speeds, given as their squares, that it can join."""
+    peak = min(top_mps * top_mps, 0.5 * (enter + leave) + rate_mps2 * length_m)
+    peak_mps = sqrt(peak)
+    ramps_m = (peak - 0.5 * (enter + leave)) / rate_mps2
+    ramps_s = (2.0 * peak_mps - sqrt(enter) - sqrt(leave)) / rate_mps2
     # A rounding error may make the ramps longer than the run by its last bits.
-    return ramps_s + max(0.0, length_m - ramps_m) / top_mps
-
-
-def node_speeds_mps(lanes: Sequence[DirectedLane], vehicle: VehicleType) -> list[float]:
-    """The highest speed at every node of a way that can be kept to from standstill to standstill.
-
-    Args:
-        lanes: the lanes of the way, each beginning where the one before it ends.
-        vehicle: whose way it is.
-
-    Returns:
-        One speed per node, that is one more than lanes; first and last are 0.
-    """
-    twice_mps2 = 2.0 * vehicle.acceleration_mps2
-    speeds = [0.0]
-    for before, after in pairwise(lanes):
-        reachable = sqrt(speeds[-1] * speeds[-1] + twice_mps2 * before.length_m)
-        allowed = min(before.speed_limit_mps, after.speed_limit_mps, vehicle.max_speed_mps)
-        if bends(before, after):
-            allowed = min(allowed, vehicle.turn_speed_mps)
-        speeds.append(min(reachable, allowed))
-    speeds.append(0.0)
-    for index in range(len(lanes) - 1, 0, -1):
-        ahead_mps = speeds[index + 1]
-        speeds[index] = min(speeds[index], sqrt(ahead_mps * ahead_mps + twice_mps2 * lanes[index].length_m))
-    return speeds
-
-
-def way_s(lanes: Sequence[DirectedLane], vehicle: VehicleType) -> float:
-    """The least time for a way from standstill to standstill, in seconds; 0 for no lane at all."""
-    if not lanes:
-        return 0.0
-    speeds = node_speeds_mps(lanes, vehicle)
-    top_mps, rate_mps2 = vehicle.max_speed_mps, vehicle.acceleration_mps2
-    return sum(
-        run_s(lane.length_m, speeds[index], speeds[index + 1], min(top_mps, lane.speed_limit_mps), rate_mps2)
-        for index, lane in enumerate(lanes)
-    )
+    return ramps_s + max(0.0, length_m - ramps_m) / peak_mps

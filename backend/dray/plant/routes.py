@@ -20,8 +20,8 @@ import msgspec
 
 from dray.errors import NoWay
 from dray.plant.model import VehicleType
-from dray.plant.motion import way_s
-from dray.plant.roads import DirectedLane, Roads, bends
+from dray.plant.motion import Run, joint_mps, limit_mps, runs_s
+from dray.plant.roads import Roads, bends
 
 MAX_WAYS = 250_000
 """Ways kept per vehicle type, about 100 MB in the largest plants; then all are dropped and found anew."""
@@ -40,14 +40,19 @@ class Way(msgspec.Struct, frozen=True, gc=False):
     """From standstill to standstill with nobody in the way."""
 
 
-class _Step(msgspec.Struct, frozen=True, gc=False):
+class _Step(msgspec.Struct, frozen=True):
     """A lane as the search sees it."""
 
-    lane: DirectedLane
+    node: str
+    """Where the lane ends."""
     start: int
     end: int
+    length_m: float
+    top_mps: float
     lane_s: float
     """At the lane's limit or the vehicle's own top speed, whichever is lower."""
+    onward: list[tuple[_Step, float]]
+    """What may follow, with the highest speed at the node between: straight on first, then in file order."""
 
 
 class Routes:
@@ -59,18 +64,17 @@ class Routes:
         places: place id -> node id, for `nearest`.
     """
 
-    __slots__ = ("_entering", "_found", "_index", "_kept", "_leaving", "_left_s", "_places", "_vehicle")
+    __slots__ = ("_entering", "_found", "_index", "_kept", "_leaving", "_left_s", "_places", "_rate_mps2")
 
     def __init__(self, roads: Roads, vehicle: VehicleType, places: Mapping[str, str]) -> None:
-        self._vehicle = vehicle
+        self._rate_mps2 = vehicle.acceleration_mps2
         self._places = places
         self._index = {node: index for index, node in enumerate(roads.leaving)}
-        steps = {(lane.start, lane.end): self._step(lane) for lane in roads.lanes}
-        self._leaving = [[steps[lane.start, lane.end] for lane in lanes] for lanes in roads.leaving.values()]
-        self._entering = [
-            [(step.start, step.lane_s) for step in (steps[lane.start, lane.end] for lane in lanes)]
-            for lanes in roads.entering.values()
-        ]
+        self._leaving = _steps(roads, vehicle, self._index)
+        self._entering: list[list[tuple[int, float]]] = [[] for _ in self._index]
+        for steps in self._leaving:
+            for step in steps:
+                self._entering[step.end].append((step.start, step.lane_s))
         self._left_s: dict[str, Sequence[float]] = {}
         self._found: dict[str, dict[str, Way]] = {}
         self._kept = 0
@@ -123,10 +127,6 @@ class Routes:
             raise NoWay(start_node, "any of the places asked for")
         return best
 
-    def _step(self, lane: DirectedLane) -> _Step:
-        top_mps = min(lane.speed_limit_mps, self._vehicle.max_speed_mps)
-        return _Step(lane, self._index[lane.start], self._index[lane.end], lane.length_m / top_mps)
-
     def _find(self, start_node: str, goal_node: str) -> Way:
         """Find a way that is not known yet, and keep it."""
         here, goal = self._index.get(start_node), self._index.get(goal_node)
@@ -137,12 +137,7 @@ class Routes:
             left_s = self._left_s[goal_node] = self._search(goal)
         if left_s[here] == inf:
             raise NoWay(start_node, goal_node)
-        lanes = self._follow(here, goal, left_s)
-        way = Way(
-            (start_node, *(lane.end for lane in lanes)),
-            sum(lane.length_m for lane in lanes),
-            way_s(lanes, self._vehicle),
-        )
+        way = self._follow(start_node, goal_node, left_s)
         if self._kept >= MAX_WAYS:
             self._found.clear()
             self._kept = 0
@@ -166,15 +161,55 @@ class Routes:
                     heappush(frontier, (through_s, before))
         return array("d", left_s)
 
-    def _follow(self, here: int, goal: int, left_s: Sequence[float]) -> list[DirectedLane]:
-        """The lanes from `here` to `goal` along the least lane time, straight on where there is a choice."""
-        lanes: list[DirectedLane] = []
+    def _follow(self, start_node: str, goal_node: str, left_s: Sequence[float]) -> Way:
+        """The way along the least lane time, straight on where there is a choice."""
+        here, goal = self._index[start_node], self._index[goal_node]
+        nodes = [start_node]
+        runs: list[Run] = []
+        length_m = run_m = top_mps = 0.0
+        # From standstill it is all the same in which direction.
+        onward: Iterable[tuple[_Step, float]] = ((step, 0.0) for step in self._leaving[here])
         while here != goal:
-            bound_s = left_s[here] + _SLACK_S
-            best = [step for step in self._leaving[here] if step.lane_s + left_s[step.end] <= bound_s]
-            # Only ever forward: with lanes shorter than the slack a vehicle would drive in circles.
-            best = [step for step in best if left_s[step.end] < left_s[here]]
-            step = next((step for step in best if lanes and not bends(lanes[-1], step.lane)), best[0])
-            lanes.append(step.lane)
-            here = step.end
-        return lanes
+            left_here_s = left_s[here]
+            bound_s = left_here_s + _SLACK_S
+            for step, corner_mps in onward:
+                left_there_s = left_s[step.end]
+                # Ever nearer, or lanes shorter than the slack would lead in circles.
+                if left_there_s >= left_here_s or step.lane_s + left_there_s > bound_s:
+                    continue
+                nodes.append(step.node)
+                length_m += step.length_m
+                if corner_mps == top_mps == step.top_mps:
+                    run_m += step.length_m
+                else:
+                    if run_m:
+                        runs.append((run_m, top_mps, corner_mps))
+                    run_m, top_mps = step.length_m, step.top_mps
+                here, onward = step.end, step.onward
+                break
+            else:
+                raise NoWay(start_node, goal_node)
+        if run_m:
+            runs.append((run_m, top_mps, 0.0))
+        return Way(tuple(nodes), length_m, runs_s(runs, self._rate_mps2))
+
+
+def _steps(roads: Roads, vehicle: VehicleType, index: Mapping[str, int]) -> list[list[_Step]]:
+    """The lanes that leave each node, in node order, each knowing what follows it."""
+    steps: dict[str, list[_Step]] = {}
+    for node, lanes in roads.leaving.items():
+        steps[node] = []
+        for lane in lanes:
+            top_mps = limit_mps(lane, vehicle)
+            start, end = index[node], index[lane.end]
+            lane_s = lane.length_m / top_mps
+            steps[node].append(_Step(lane.end, start, end, lane.length_m, top_mps, lane_s, []))
+    for node, lanes in roads.leaving.items():
+        for lane, step in zip(lanes, steps[node], strict=True):
+            straight: list[tuple[_Step, float]] = []
+            bent: list[tuple[_Step, float]] = []
+            for ahead, after in zip(roads.leaving[lane.end], steps[lane.end], strict=True):
+                side = bent if bends(lane, ahead) else straight
+                side.append((after, joint_mps(lane, ahead, vehicle)))
+            step.onward.extend((*straight, *bent))
+    return list(steps.values())
