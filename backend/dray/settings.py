@@ -1,0 +1,106 @@
+"""Settings: what an operator of the software may choose, read from ``DRAY_...`` variables.
+
+Every field has a unit and a reason for its default. Command line options override variables; both
+are checked here, and nowhere else is the environment read.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import AfterValidator, Field, SecretStr, ValidationError
+from pydantic_settings import BaseSettings, SettingsConfigDict
+
+from dray.errors import SettingsError
+
+PREFIX = "DRAY_"
+
+_DRIVERS = {
+    "sqlite": "sqlite+aiosqlite",
+    "sqlite+aiosqlite": "sqlite+aiosqlite",
+    "postgres": "postgresql+asyncpg",
+    "postgresql": "postgresql+asyncpg",
+    "postgresql+asyncpg": "postgresql+asyncpg",
+}
+"""The databases we run on, by the way people write them, and the asynchronous driver of each."""
+
+
+def _database_url(url: str) -> str:
+    scheme, mark, rest = url.partition("://")
+    driver = _DRIVERS.get(scheme)
+    if not mark or driver is None:
+        raise ValueError("write it as sqlite:///dray.db or postgresql://user@host/name")
+    if driver == "sqlite+aiosqlite":
+        path = rest.removeprefix("/")
+        if path in {"", ":memory:"} or "mode=memory" in path:
+            raise ValueError("a database in memory forgets its orders; name a file, as sqlite:///dray.db")
+    return f"{driver}://{rest}"
+
+
+class Settings(BaseSettings):
+    """One process's settings; immutable."""
+
+    model_config = SettingsConfigDict(env_prefix=PREFIX, frozen=True, extra="ignore", env_ignore_empty=True)
+
+    database_url: Annotated[str, AfterValidator(_database_url)] = "sqlite+aiosqlite:///dray.db"
+    """A file in the working folder: an embedded start needs no server."""
+
+    host: Annotated[str, Field(min_length=1)] = "127.0.0.1"
+    """This machine only: there is no login yet, so nobody else may reach the panels."""
+
+    port: Annotated[int, Field(ge=0, le=65_535)] = 8000
+    """TCP port; 0 lets the system choose one."""
+
+    log_level: Literal["debug", "info", "warning", "error"] = "info"
+    """What a person who starts it by hand wants to read."""
+
+    admin_token: SecretStr | None = None
+    """The first bearer token; one is generated when absent. Nothing asks for it before there is a login."""
+
+    body_limit_bytes: Annotated[int, Field(ge=1024, le=64 * 2**20)] = 2**20
+    """1 MiB: the longest honest body, an order of 50 items, has some 10 kB."""
+
+    command_timeout_s: Annotated[float, Field(gt=0, le=60)] = 3.0
+    """Wall seconds to wait for a vehicle's word: as long as a panel waits before it turns amber."""
+
+    stream_rate_hz: Annotated[float, Field(gt=0, le=60)] = 10.0
+    """Frames per wall second to browsers: motion is interpolated, so more would only cost."""
+
+    stream_queue_frames: Annotated[int, Field(ge=1, le=1024)] = 32
+    """Frames kept for one slow browser: some three seconds, then a fresh snapshot is cheaper."""
+
+    stream_clients: Annotated[int, Field(ge=1, le=10_000)] = 200
+    """Browsers at once: every one costs a queue; a plant has some tens of panels."""
+
+    historian_linger_s: Annotated[float, Field(ge=0, le=10)] = 0.2
+    """Wall seconds in which events are gathered for one write: five syncs to disk per second at most."""
+
+    events_kept: Annotated[int, Field(ge=1000)] = 1_000_000
+    """Rows of agents' history kept, some 500 MB: about two weeks of the default plant in real time."""
+
+    samples_kept: Annotated[int, Field(ge=1000)] = 200_000
+    """Rows of sampled heartbeats kept, some 50 MB: about three days of the default plant in real time."""
+
+    @classmethod
+    def load(cls, **options: object) -> Self:
+        """Read the environment.
+
+        Args:
+            options: command line options that were given; None means not given.
+
+        Raises:
+            SettingsError: names the variable or option, and why it cannot be used.
+        """
+        given = {name: value for name, value in options.items() if value is not None}
+        try:
+            return cls(**given)  # type: ignore[arg-type]
+        except ValidationError as error:
+            first = error.errors(include_url=False, include_context=False)[0]
+            field = str(first["loc"][0]) if first["loc"] else "settings"
+            name = f"--{field.replace('_', '-')}" if field in given else f"{PREFIX}{field.upper()}"
+            raise SettingsError(name, _reason(first["msg"])) from None
+
+
+def _reason(message: str) -> str:
+    text = message.removeprefix("Value error, ")
+    return text[:1].lower() + text[1:]

@@ -1,0 +1,158 @@
+"""Agents' events in SQL: what happened, by whom, about what."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import msgspec
+from sqlalchemy import ColumnElement, delete, func, or_, select
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from dray.messages import Event, Production, Transport
+from dray.messages.fact import TaskOpened
+from dray.store.dialect import insert_new
+from dray.store.progress import ToWall
+from dray.store.tables import events, goals
+
+
+class EventRow(msgspec.Struct, frozen=True, gc=False):
+    """One kept event."""
+
+    position: int
+    """Grows with every event that is kept."""
+    agent: str
+    incarnation: int
+    number: int
+    at_s: float
+    """Wall clock."""
+    plant_s: float
+    """Plant clock."""
+    kind: str
+    task: str | None
+    goal: str | None
+    order_id: str | None
+    fact: msgspec.Raw
+    """The fact as JSON; its own times are on the plant's clock."""
+
+
+class EventFilter(msgspec.Struct, frozen=True, gc=False):
+    """Which events are asked for; empty fields ask for all."""
+
+    kinds: tuple[str, ...] = ()
+    agents: tuple[str, ...] = ()
+    task: str = ""
+    order: str = ""
+    """Those about the order, its goals, and the tasks that served these."""
+
+
+class Events:
+    """The events, inside one transaction."""
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def add(self, new: Sequence[Event], to_wall_s: ToWall) -> None:
+        """Keep these; one that is kept already (agent, incarnation, number) is left alone."""
+        if new:
+            await self._connection.execute(
+                insert_new(self._connection, events), [_row(event, to_wall_s) for event in new]
+            )
+
+    async def page(
+        self, wanted: EventFilter, after: int | None, limit: int, *, newest_first: bool
+    ) -> list[EventRow]:
+        """Oldest first, unless `newest_first`.
+
+        Args:
+            wanted: which ones.
+            after: the position of the last event of the page before; None for the first page.
+            limit: how many at most.
+            newest_first: the direction.
+        """
+        position = events.c.position
+        query = select(events).where(*_conditions(wanted)).limit(limit)
+        if newest_first:
+            query = query.order_by(position.desc())
+            if after is not None:
+                query = query.where(position < after)
+        else:
+            query = query.order_by(position)
+            if after is not None:
+                query = query.where(position > after)
+        return [_record(row._mapping) for row in await self._connection.execute(query)]  # noqa: SLF001
+
+    async def last_numbers(self) -> dict[str, tuple[int, int]]:
+        """Per agent its newest incarnation and the highest number kept of it."""
+        newest = (
+            select(events.c.agent, func.max(events.c.incarnation).label("incarnation"))
+            .group_by(events.c.agent)
+            .subquery()
+        )
+        rows = await self._connection.execute(
+            select(events.c.agent, events.c.incarnation, func.max(events.c.number))
+            .join(
+                newest,
+                (newest.c.agent == events.c.agent) & (newest.c.incarnation == events.c.incarnation),
+            )
+            .group_by(events.c.agent, events.c.incarnation)
+        )
+        return {agent: (incarnation, number) for agent, incarnation, number in rows}
+
+    async def prune(self, keep: int) -> None:
+        """Forget all but the newest `keep` events."""
+        newest = select(func.max(events.c.position)).scalar_subquery()
+        await self._connection.execute(delete(events).where(events.c.position <= newest - keep))
+
+
+def _conditions(wanted: EventFilter) -> list[ColumnElement[bool]]:
+    conditions: list[ColumnElement[bool]] = []
+    if wanted.kinds:
+        conditions.append(events.c.kind.in_(wanted.kinds))
+    if wanted.agents:
+        conditions.append(events.c.agent.in_(wanted.agents))
+    if wanted.task:
+        conditions.append(events.c.task == wanted.task)
+    if wanted.order:
+        conditions.append(_about_order(wanted.order))
+    return conditions
+
+
+def _about_order(order: str) -> ColumnElement[bool]:
+    """An event names the order itself, or one of its goals, or a task that one of these opened."""
+    its_goals = select(goals.c.id).where(goals.c.order_id == order)
+    opened = events.alias("opened")
+    its_tasks = select(opened.c.task).where(
+        opened.c.kind == TaskOpened.__name__,
+        or_(opened.c.order_id == order, opened.c.goal.in_(its_goals)),
+    )
+    return or_(events.c.order_id == order, events.c.goal.in_(its_goals), events.c.task.in_(its_tasks))
+
+
+def _row(event: Event, to_wall_s: ToWall) -> dict[str, Any]:
+    fact = event.fact
+    goal, order = getattr(fact, "goal", None), getattr(fact, "order", None)
+    if isinstance(fact, TaskOpened):
+        match fact.work:
+            case Transport(goal=served):
+                goal = served
+            case Production(order=served):
+                order = served
+    return {
+        "agent": event.agent,
+        "incarnation": event.incarnation,
+        "number": event.number,
+        "at_s": to_wall_s(event.at_s),
+        "plant_s": event.at_s,
+        "kind": type(fact).__name__,
+        "task": getattr(fact, "task", None),
+        "goal": goal or None,
+        "order_id": order or None,
+        "fact": msgspec.json.encode(fact).decode(),
+    }
+
+
+def _record(row: Any) -> EventRow:
+    fields = dict(row)
+    fields["fact"] = msgspec.Raw(fields["fact"].encode())
+    return EventRow(**fields)

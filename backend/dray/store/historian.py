@@ -1,0 +1,241 @@
+"""The historian: listens on the bus and writes into SQL what agents tell.
+
+Nobody waits for it. Events are gathered in a bounded queue and written in batches, one transaction
+each; the same event twice is one row. From the facts it keeps goals and orders up to date. When the
+database fails it tries again later; when the queue is full the newest events are lost, are counted,
+and show as gaps in the agents' numbers.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections import deque
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager
+
+from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError
+
+from dray.messages import AtvHeartbeat, Event, Heartbeat, MachineHeartbeat, Message
+from dray.messages.keys import Keys
+from dray.ports import Bus
+from dray.store.gaps import Gaps
+from dray.store.progress import Goal, ToWall, accepted_order, goal_of, note, progress
+from dray.store.work import Store, Work
+
+AGENT = "historian"
+"""Its name on the bus."""
+
+QUEUE_EVENTS = 50_000
+"""Events that wait to be written, some 25 MB: a minute of 1,000 vehicles while the disk is busy."""
+
+QUEUE_SAMPLES = 5_000
+"""Heartbeat samples that wait; they are worth less than events, so they have their own small queue."""
+
+BATCH_EVENTS = 2_000
+"""Events per transaction: some 50 ms, so that orders do not wait long for their turn."""
+
+SAMPLE_EVERY_S = 30.0
+"""Factory seconds between two kept heartbeats of one agent: batteries and ways change slower."""
+
+PRUNE_EVERY = 10_000
+"""Rows written between two prunings: the tables exceed their bounds by no more than this."""
+
+RETRY_S = (0.5, 30.0)
+"""Wall seconds before the first and between later attempts on a failing database, doubling."""
+
+_log = logging.getLogger(__name__)
+
+
+class Historian:
+    """Writes history.
+
+    Args:
+        store: where to.
+        bus: where the agents are heard.
+        keys: the plant's.
+        to_wall_s: plant clock to wall clock.
+        linger_s: wall seconds in which events are gathered for one write.
+        events_kept: rows of history kept.
+        samples_kept: heartbeat samples kept.
+        queue_events: events that may wait.
+        retry_s: see `RETRY_S`.
+    """
+
+    def __init__(
+        self,
+        *,
+        store: Store,
+        bus: Bus,
+        keys: Keys,
+        to_wall_s: ToWall,
+        linger_s: float = 0.2,
+        events_kept: int = 1_000_000,
+        samples_kept: int = 200_000,
+        queue_events: int = QUEUE_EVENTS,
+        retry_s: tuple[float, float] = RETRY_S,
+    ) -> None:
+        self._store, self._bus, self._keys = store, bus, keys
+        self._to_wall_s, self._linger_s = to_wall_s, linger_s
+        self._events_kept, self._samples_kept = events_kept, samples_kept
+        self._queue_events, self._retry_s = queue_events, retry_s
+        self._events: deque[Event] = deque()
+        self._samples: deque[Heartbeat] = deque(maxlen=QUEUE_SAMPLES)
+        self._sampled_at_s: dict[str, float] = {}
+        self._gaps = Gaps()
+        self._arrived, self._written, self._closing = asyncio.Event(), asyncio.Event(), asyncio.Event()
+        self._written.set()
+        self._unpruned = 0
+        self.lost = 0
+        """Events that found the queue full, or that the database refused."""
+        self.failing = False
+        """True while the database cannot be written."""
+
+    @property
+    def missing(self) -> int:
+        """Numbers in agents' histories that have not arrived."""
+        return self._gaps.missing
+
+    @asynccontextmanager
+    async def running(self) -> AsyncIterator[None]:
+        """Listen and write; at the end, write what has been heard."""
+        async with self._store.read() as work:
+            self._gaps = Gaps(await work.events.last_numbers())
+        session = self._bus.join(AGENT, self.receive)
+        session.subscribe(self._keys.all_events)
+        session.subscribe(self._keys.all_heartbeats)
+        writer = asyncio.create_task(self._write_on(), name=AGENT)
+        try:
+            yield
+        finally:
+            session.leave()
+            self._closing.set()
+            self._arrived.set()
+            await writer
+
+    def receive(self, _sender: str, message: Message) -> None:
+        """Take one message from the bus; never blocks."""
+        match message:
+            case Event():
+                self._take_event(message)
+            case AtvHeartbeat(atv=agent) | MachineHeartbeat(machine=agent):
+                self._take_heartbeat(agent, message)
+            case _:
+                pass
+
+    async def written(self) -> None:
+        """Wait until everything that has been heard is written."""
+        await self._written.wait()
+
+    def _take_event(self, event: Event) -> None:
+        if len(self._events) >= self._queue_events:
+            self.lost += 1
+            return
+        self._gaps.note(event.agent, event.incarnation, event.number)
+        self._events.append(event)
+        self._wake()
+
+    def _take_heartbeat(self, agent: str, heartbeat: Heartbeat) -> None:
+        last_s = self._sampled_at_s.get(agent)
+        # A clock that went back is a new life of the plant.
+        if last_s is None or not last_s <= heartbeat.at_s < last_s + SAMPLE_EVERY_S:
+            self._sampled_at_s[agent] = heartbeat.at_s
+            self._samples.append(heartbeat)
+            self._wake()
+
+    def _wake(self) -> None:
+        self._written.clear()
+        self._arrived.set()
+
+    async def _write_on(self) -> None:
+        while not self._closing.is_set() or self._events or self._samples:
+            await self._arrived.wait()
+            await self._linger()
+            events, samples = self._take_batch()
+            await self._write_or_retry(events, samples)
+            if not self._events and not self._samples:
+                self._written.set()
+                if not self._closing.is_set():
+                    self._arrived.clear()
+
+    async def _linger(self) -> None:
+        if self._linger_s and not self._closing.is_set() and len(self._events) < BATCH_EVENTS:
+            await self._closed_within(self._linger_s)
+
+    async def _closed_within(self, wait_s: float) -> bool:
+        try:
+            async with asyncio.timeout(wait_s):
+                await self._closing.wait()
+        except TimeoutError:
+            return False
+        return True
+
+    def _take_batch(self) -> tuple[list[Event], list[Heartbeat]]:
+        count = min(len(self._events), BATCH_EVENTS)
+        events = [self._events.popleft() for _ in range(count)]
+        samples = list(self._samples)
+        self._samples.clear()
+        return events, samples
+
+    async def _write_or_retry(self, events: list[Event], samples: list[Heartbeat]) -> None:
+        wait_s = self._retry_s[0]
+        while True:
+            try:
+                await self._write(events, samples)
+            except (OperationalError, InterfaceError) as error:
+                if not self.failing:
+                    _log.warning("the database cannot be written (%s); trying again", error.orig)
+                self.failing = True
+                if await self._closed_within(wait_s):
+                    self.lost += len(events)
+                    _log.error("%d events were not written: the database failed to the end", len(events))
+                    return
+                wait_s = min(2 * wait_s, self._retry_s[1])
+            except DBAPIError as error:
+                await self._write_one_by_one(events, error)
+                return
+            else:
+                self.failing = False
+                return
+
+    async def _write_one_by_one(self, events: list[Event], error: DBAPIError) -> None:
+        """Save what can be saved of a batch in which something can never be written."""
+        if len(events) <= 1:
+            self.lost += len(events)
+            _log.warning("an event was refused by the database: %s: %r", error.orig, events)
+            return
+        for event in events:
+            await self._write_or_retry([event], [])
+
+    async def _write(self, events: Sequence[Event], samples: Sequence[Heartbeat]) -> None:
+        async with self._store.write() as work:
+            await work.events.add(events, self._to_wall_s)
+            await work.samples.add(samples, self._to_wall_s)
+            await self._follow(work, events)
+            self._unpruned += len(events) + len(samples)
+            if self._unpruned >= PRUNE_EVERY:
+                await work.events.prune(self._events_kept)
+                await work.samples.prune(self._samples_kept)
+                self._unpruned = 0
+
+    async def _follow(self, work: Work, events: Sequence[Event]) -> None:
+        """Bring goals and orders up to date with what these events tell."""
+        lives: dict[str, int] = {}
+        for event in events:
+            if accepted := accepted_order(event):
+                lives[accepted] = max(lives.get(accepted, 0), event.incarnation)
+        await work.orders.accept(lives)
+
+        told = [(goal, event) for event in events if (goal := goal_of(event))]
+        goals = await work.goals.many({goal for goal, _ in told}) if told else {}
+        for goal, event in told:
+            note(goals.setdefault(goal, Goal(goal)), event, self._to_wall_s)
+        await work.goals.put(goals.values())
+
+        touched = lives.keys() | {goal.order_id for goal in goals.values() if goal.order_id}
+        orders = await work.orders.many(touched)
+        goals_of = await work.goals.of_orders(order.id for order in orders)
+        for order in orders:
+            await work.orders.advance(
+                order, progress(order.quantities, goals_of[order.id], order.incarnation)
+            )

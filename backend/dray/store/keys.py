@@ -1,0 +1,47 @@
+"""Idempotency keys in SQL: what was answered to a request that may be repeated.
+
+The key is written in the transaction of the order itself, so there is never one without the other,
+whenever the process dies.
+"""
+
+from __future__ import annotations
+
+import msgspec
+from sqlalchemy import delete, insert, select
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from dray.store.tables import idempotency_keys
+
+
+class KeptAnswer(msgspec.Struct, frozen=True, gc=False):
+    """What was answered under a key."""
+
+    key: str
+    fingerprint: str
+    """Tells requests apart: a digest of what was asked."""
+    order_id: str
+    answer: str
+    """The body, as it was sent."""
+    at_s: float
+    """Wall clock."""
+
+
+class IdempotencyKeys:
+    """The keys, inside one transaction."""
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def get(self, key: str) -> KeptAnswer | None:
+        """What was answered under this key, or None."""
+        query = select(idempotency_keys).where(idempotency_keys.c.key == key)
+        row = (await self._connection.execute(query)).one_or_none()
+        return None if row is None else KeptAnswer(**row._mapping)  # noqa: SLF001 - SQLAlchemy's public name
+
+    async def add(self, answer: KeptAnswer) -> None:
+        """Keep an answer."""
+        await self._connection.execute(insert(idempotency_keys), [msgspec.structs.asdict(answer)])
+
+    async def forget_before(self, at_s: float) -> None:
+        """Forget answers older than this."""
+        await self._connection.execute(delete(idempotency_keys).where(idempotency_keys.c.at_s < at_s))

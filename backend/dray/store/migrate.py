@@ -1,0 +1,77 @@
+"""Migrations: bringing the tables up to date, or back.
+
+The scripts lie in `migrations/` at the top of a checkout, and inside this package in a wheel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from alembic import command
+from alembic.config import Config
+from alembic.script import ScriptDirectory
+from alembic.util import CommandError
+from sqlalchemy import Connection
+
+from dray.errors import UnavailableError
+from dray.store.database import Database
+
+CONNECTION = "connection"
+"""Under this name the migrations' `env.py` finds the connection to work on."""
+
+
+def migrations_folder() -> Path:
+    """Where the migration scripts are.
+
+    Raises:
+        UnavailableError: this installation lacks them.
+    """
+    here = Path(__file__).resolve()
+    for folder in (here.parent / "migrations", here.parents[3] / "migrations"):
+        if (folder / "env.py").is_file():
+            return folder
+    raise UnavailableError("migrations", f"there are none beside {here.parent}", "install Dray again")
+
+
+def configuration() -> Config:
+    """Alembic's configuration, made here so that no file of it has to be found."""
+    config = Config()
+    config.set_main_option("script_location", str(migrations_folder()).replace("%", "%%"))
+    return config
+
+
+async def upgrade(database: Database, revision: str = "head") -> None:
+    """Bring the tables up to `revision`; does nothing when they are.
+
+    Raises:
+        UnavailableError: the database was written by a newer Dray.
+    """
+    await _run(database, lambda config: command.upgrade(config, revision))
+
+
+async def downgrade(database: Database, revision: str) -> None:
+    """Take the tables back to `revision`; ``base`` removes them all."""
+    await _run(database, lambda config: command.downgrade(config, revision))
+
+
+def newest_revision() -> str | None:
+    """The revision that this software was written for."""
+    return ScriptDirectory.from_config(configuration()).get_current_head()
+
+
+async def _run(database: Database, order: Callable[[Config], None]) -> None:
+    def with_connection(connection: Connection) -> None:
+        config = configuration()
+        config.attributes[CONNECTION] = connection
+        order(config)
+
+    try:
+        async with database.write() as connection:
+            await connection.run_sync(with_connection)
+    except CommandError as error:
+        raise UnavailableError(
+            f"database {database.engine.url.database}",
+            f"its tables cannot be brought up to date: {error}",
+            "it may be of a newer Dray: install that one, or name another file with --db",
+        ) from error

@@ -1,0 +1,202 @@
+"""Orders in SQL: placing, finding, and moving them on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import msgspec
+from sqlalchemy import ColumnElement, Row, bindparam, func, insert, or_, select, tuple_, update
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from dray.store.progress import OPEN, OrderStatus, Progress
+from dray.store.tables import order_items, orders
+
+
+class Item(msgspec.Struct, gc=False):
+    """A line of an order."""
+
+    product: str
+    quantity: int
+    made: int = 0
+    delivered: int = 0
+
+
+class Order(msgspec.Struct, kw_only=True, gc=False):
+    """An order with its items. Times are wall clock seconds."""
+
+    id: str
+    status: OrderStatus
+    customer: str
+    token: str
+    """Names the customer's page; whoever knows it may see that page."""
+    items: tuple[Item, ...]
+    created_at_s: float
+    reference: str | None = None
+    due_at_s: float | None = None
+    released_at_s: float | None = None
+    cancelled_at_s: float | None = None
+    delivered_at_s: float | None = None
+    incarnation: int = 0
+    """The newest life of the strategist that has accepted it."""
+
+    @property
+    def quantities(self) -> tuple[int, ...]:
+        """Pieces ordered, per item."""
+        return tuple(item.quantity for item in self.items)
+
+    @property
+    def outstanding(self) -> tuple[int, ...]:
+        """Pieces still to be delivered, per item."""
+        return tuple(item.quantity - item.delivered for item in self.items)
+
+
+class OrderTotals(msgspec.Struct, frozen=True, gc=False):
+    """Counts over all orders there ever were."""
+
+    delivered: int
+    on_time: int
+    """Delivered by their due time; an order without one is never late."""
+
+
+class Orders:
+    """The orders, inside one transaction."""
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def add(self, order: Order) -> None:
+        """Keep a new order."""
+        row = msgspec.structs.asdict(order)
+        row.pop("items")
+        await self._connection.execute(insert(orders), [row])
+        await self._connection.execute(
+            insert(order_items),
+            [
+                {"order_id": order.id, "item": index, **msgspec.structs.asdict(item)}
+                for index, item in enumerate(order.items)
+            ],
+        )
+
+    async def get(self, order_id: str) -> Order | None:
+        """One order, or None."""
+        return next(iter(await self._select(orders.c.id == order_id)), None)
+
+    async def by_token(self, token: str) -> Order | None:
+        """The order whose customer's page has this token, or None."""
+        return next(iter(await self._select(orders.c.token == token)), None)
+
+    async def many(self, ids: Iterable[str]) -> list[Order]:
+        """Those of these orders that there are, in no particular order."""
+        wanted = list(ids)
+        return await self._select(orders.c.id.in_(wanted)) if wanted else []
+
+    async def open(self) -> list[Order]:
+        """All orders that the factory works at, oldest first."""
+        found = await self._select(orders.c.status.in_(OPEN))
+        return sorted(found, key=lambda order: (order.created_at_s, order.id))
+
+    async def page(
+        self, statuses: Sequence[OrderStatus], after: tuple[float, str] | None, limit: int
+    ) -> list[Order]:
+        """Newest first.
+
+        Args:
+            statuses: only these; empty for all.
+            after: `created_at_s` and `id` of the last order of the page before.
+            limit: how many at most.
+        """
+        conditions: list[ColumnElement[bool]] = []
+        if statuses:
+            conditions.append(orders.c.status.in_(statuses))
+        if after is not None:
+            conditions.append(tuple_(orders.c.created_at_s, orders.c.id) < tuple_(*after))
+        return await self._select(*conditions, limit=limit)
+
+    async def totals(self) -> OrderTotals:
+        """Count what was delivered."""
+        punctual = or_(orders.c.due_at_s.is_(None), orders.c.delivered_at_s <= orders.c.due_at_s)
+        row = (
+            await self._connection.execute(
+                select(func.count(), func.count().filter(punctual)).where(
+                    orders.c.status == OrderStatus.DELIVERED
+                )
+            )
+        ).one()
+        return OrderTotals(row[0], row[1])
+
+    async def release(self, order_id: str, at_s: float) -> None:
+        """Hand a stored order to the factory; any other stays as it is."""
+        await self._connection.execute(
+            update(orders)
+            .where(orders.c.id == order_id, orders.c.status == OrderStatus.STORED)
+            .values(status=OrderStatus.RELEASED, released_at_s=at_s)
+        )
+
+    async def cancel(self, order_id: str, at_s: float) -> None:
+        """Cancel an order that is not delivered yet; any other stays as it is."""
+        await self._connection.execute(
+            update(orders)
+            .where(orders.c.id == order_id, orders.c.status.in_([OrderStatus.STORED, *OPEN]))
+            .values(status=OrderStatus.CANCELLED, cancelled_at_s=at_s)
+        )
+
+    async def accept(self, incarnations: dict[str, int]) -> None:
+        """Note which life of the strategist has accepted which order; an older one changes nothing."""
+        if incarnations:
+            await self._connection.execute(
+                update(orders)
+                .where(orders.c.id == bindparam("of"), orders.c.incarnation < bindparam("life"))
+                .values(incarnation=bindparam("life")),
+                [{"of": order, "life": life} for order, life in incarnations.items()],
+            )
+
+    async def advance(self, order: Order, progress: Progress) -> None:
+        """Write how far an order has come; a stored or cancelled one keeps its status."""
+        status, delivered_at_s = order.status, order.delivered_at_s
+        if status not in {OrderStatus.STORED, OrderStatus.CANCELLED}:
+            status, delivered_at_s = progress.status, progress.delivered_at_s
+        if (status, delivered_at_s) != (order.status, order.delivered_at_s):
+            await self._connection.execute(
+                update(orders)
+                .where(orders.c.id == order.id)
+                .values(status=status, delivered_at_s=delivered_at_s)
+            )
+        changed = [
+            {"of": order.id, "at": index, "made": made, "delivered": delivered}
+            for index, (item, made, delivered) in enumerate(
+                zip(order.items, progress.made, progress.delivered, strict=True)
+            )
+            if (item.made, item.delivered) != (made, delivered)
+        ]
+        if changed:
+            await self._connection.execute(
+                update(order_items)
+                .where(order_items.c.order_id == bindparam("of"), order_items.c.item == bindparam("at"))
+                .values(made=bindparam("made"), delivered=bindparam("delivered")),
+                changed,
+            )
+
+    async def _select(self, *conditions: ColumnElement[bool], limit: int | None = None) -> list[Order]:
+        rows = (
+            await self._connection.execute(
+                select(orders)
+                .where(*conditions)
+                .order_by(orders.c.created_at_s.desc(), orders.c.id.desc())
+                .limit(limit)
+            )
+        ).all()
+        lines: dict[str, list[Item]] = {row.id: [] for row in rows}
+        if lines:
+            for line in await self._connection.execute(
+                select(order_items)
+                .where(order_items.c.order_id.in_(list(lines)))
+                .order_by(order_items.c.order_id, order_items.c.item)
+            ):
+                lines[line.order_id].append(Item(line.product, line.quantity, line.made, line.delivered))
+        return [_order(row, lines[row.id]) for row in rows]
+
+
+def _order(row: Row[tuple[object, ...]], items: list[Item]) -> Order:
+    fields = dict(row._mapping)  # noqa: SLF001 - SQLAlchemy's public name for it
+    fields["status"] = OrderStatus(fields["status"])
+    return Order(items=tuple(items), **fields)

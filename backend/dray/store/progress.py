@@ -1,0 +1,140 @@
+"""How far an order has come, computed from its goals. Pure: the historian and the panels share it.
+
+Facts come late, doubled and in any order, so a goal only ever keeps the most that was told of it,
+and an order is computed anew from all of its goals: the result does not depend on the order in
+which the facts came.
+
+A goal *counts as running* while the strategist's newest life knows it. What a lost life's goal had
+made but not delivered is gone; what it delivered stays delivered and is never made again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from enum import StrEnum
+
+import msgspec
+
+from dray.messages import Event
+from dray.messages.fact import GoalContracted, GoodsDelivered, OrderAccepted, PieceMade
+
+ToWall = Callable[[float], float]
+"""Plant clock to wall clock, both in seconds."""
+
+
+class OrderStatus(StrEnum):
+    """The life of an order (ISA-95's define, publish, and what the factory makes of it)."""
+
+    STORED = "stored"
+    RELEASED = "released"
+    IN_PRODUCTION = "in_production"
+    IN_DELIVERY = "in_delivery"
+    DELIVERED = "delivered"
+    CANCELLED = "cancelled"
+
+
+OPEN = (OrderStatus.RELEASED, OrderStatus.IN_PRODUCTION, OrderStatus.IN_DELIVERY)
+"""The factory works at these."""
+
+ENDED = (OrderStatus.DELIVERED, OrderStatus.CANCELLED)
+"""Nothing changes any more."""
+
+
+class Goal(msgspec.Struct, gc=False):
+    """What is known of one production goal. Fields are 0 or empty until a fact has told them."""
+
+    id: str
+    order_id: str | None = None
+    item: int | None = None
+    product: str = ""
+    quantity: int = 0
+    machine: str = ""
+    promised_at_s: float | None = None
+    incarnation: int = 0
+    """Life of the strategist that contracted it; 0 while the contract was not heard of."""
+    number: int = 0
+    """Which of that life's facts told it."""
+    made: int = 0
+    """Never falls."""
+    delivered: int = 0
+    """Never falls."""
+    delivered_at_s: float | None = None
+    """When the last delivery arrived (wall clock)."""
+
+
+class Progress(msgspec.Struct, frozen=True, gc=False):
+    """How far an order has come."""
+
+    status: OrderStatus
+    made: tuple[int, ...]
+    """Per item, at most its quantity."""
+    delivered: tuple[int, ...]
+    delivered_at_s: float | None
+    """When the last piece arrived; None before."""
+
+
+def goal_of(event: Event) -> str | None:
+    """The id of the goal that this event tells something about, if any."""
+    match event.fact:
+        case GoalContracted(goal=goal) | PieceMade(goal=goal) | GoodsDelivered(goal=goal):
+            return goal or None
+        case _:
+            return None
+
+
+def accepted_order(event: Event) -> str | None:
+    """The id of the order that this event tells the acceptance of, if any."""
+    return event.fact.order if isinstance(event.fact, OrderAccepted) else None
+
+
+def note(goal: Goal, event: Event, to_wall_s: ToWall) -> None:
+    """Add to a goal what an event tells about it; twice is once, and late is as good as early."""
+    match event.fact:
+        case GoalContracted() as fact:
+            goal.order_id, goal.item, goal.product = fact.order, fact.item, fact.product
+            if (event.incarnation, event.number) > (goal.incarnation, goal.number):
+                goal.incarnation, goal.number = event.incarnation, event.number
+                goal.quantity, goal.machine = fact.quantity, fact.machine
+                goal.promised_at_s = to_wall_s(fact.finish_s)
+        case PieceMade() as fact:
+            goal.product = fact.product
+            goal.made = max(goal.made, fact.made)
+        case GoodsDelivered() as fact:
+            goal.order_id, goal.item, goal.product = fact.order, fact.item, fact.product
+            goal.delivered = max(goal.delivered, fact.delivered)
+            goal.made = max(goal.made, fact.delivered)
+            goal.delivered_at_s = max(goal.delivered_at_s or 0.0, to_wall_s(event.at_s))
+        case _:
+            return
+
+
+def progress(quantities: Sequence[int], goals: Iterable[Goal], incarnation: int) -> Progress:
+    """Compute how far an order has come.
+
+    Args:
+        quantities: pieces ordered, per item.
+        goals: all goals of the order that are known.
+        incarnation: the newest life of the strategist that has accepted the order; 0 for none.
+    """
+    made, delivered = [0] * len(quantities), [0] * len(quantities)
+    running, last_s = False, 0.0
+    for goal in goals:
+        if goal.item is None or not 0 <= goal.item < len(quantities):
+            continue
+        alive = goal.incarnation >= incarnation
+        running = running or (alive and goal.incarnation > 0)
+        made[goal.item] += goal.made if alive else goal.delivered
+        delivered[goal.item] += goal.delivered
+        last_s = max(last_s, goal.delivered_at_s or 0.0)
+    made = [min(pair) for pair in zip(made, quantities, strict=True)]
+    delivered = [min(pair) for pair in zip(delivered, quantities, strict=True)]
+    if delivered == list(quantities):
+        status = OrderStatus.DELIVERED
+    elif any(delivered) or made == list(quantities):
+        status = OrderStatus.IN_DELIVERY
+    elif running or any(made):
+        status = OrderStatus.IN_PRODUCTION
+    else:
+        status = OrderStatus.RELEASED
+    ended_s = last_s if status is OrderStatus.DELIVERED else None
+    return Progress(status, tuple(made), tuple(delivered), ended_s)

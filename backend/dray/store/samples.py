@@ -1,0 +1,54 @@
+"""Sampled heartbeats in SQL: enough for reports about batteries, use and ways."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from sqlalchemy import delete, func, insert, select
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from dray.messages import AtvHeartbeat, Heartbeat
+from dray.store.progress import ToWall
+from dray.store.tables import heartbeat_samples
+
+
+class Samples:
+    """The samples, inside one transaction."""
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def add(self, heartbeats: Sequence[Heartbeat], to_wall_s: ToWall) -> None:
+        """Keep these."""
+        if heartbeats:
+            rows = [_row(heartbeat, to_wall_s) for heartbeat in heartbeats]
+            await self._connection.execute(insert(heartbeat_samples), rows)
+
+    async def count(self) -> int:
+        """How many there are."""
+        query = select(func.count()).select_from(heartbeat_samples)
+        return (await self._connection.execute(query)).scalar_one()
+
+    async def prune(self, keep: int) -> None:
+        """Forget all but the newest `keep` samples."""
+        newest = select(func.max(heartbeat_samples.c.position)).scalar_subquery()
+        await self._connection.execute(
+            delete(heartbeat_samples).where(heartbeat_samples.c.position <= newest - keep)
+        )
+
+
+def _row(heartbeat: Heartbeat, to_wall_s: ToWall) -> dict[str, Any]:
+    common = {
+        "at_s": to_wall_s(heartbeat.at_s),
+        "plant_s": heartbeat.at_s,
+        "status": heartbeat.status.value,
+    }
+    if isinstance(heartbeat, AtvHeartbeat):
+        return common | {
+            "agent": heartbeat.atv,
+            "battery_frac": heartbeat.battery_frac,
+            "x_m": heartbeat.pose.x_m,
+            "y_m": heartbeat.pose.y_m,
+        }
+    return common | {"agent": heartbeat.machine, "battery_frac": None, "x_m": None, "y_m": None}

@@ -1,0 +1,168 @@
+"""Tables: the shapes of what is kept. Queries live in the repositories beside this module.
+
+Times are seconds since 1970 on the wall clock, as double precision numbers: SQLite has no type for
+a moment, and PostgreSQL's would read back differently. `plant_s` is a time on the plant's clock.
+The first migration writes these very tables; a test compares the two.
+"""
+
+from __future__ import annotations
+
+from sqlalchemy import (
+    BigInteger,
+    Boolean,
+    CheckConstraint,
+    Column,
+    Double,
+    ForeignKey,
+    Index,
+    Integer,
+    MetaData,
+    String,
+    Table,
+    Text,
+    UniqueConstraint,
+    false,
+)
+
+metadata = MetaData(
+    naming_convention={
+        "ix": "ix_%(table_name)s_%(column_0_N_name)s",
+        "uq": "uq_%(table_name)s_%(column_0_N_name)s",
+        "ck": "ck_%(table_name)s_%(constraint_name)s",
+        "fk": "fk_%(table_name)s_%(column_0_N_name)s",
+        "pk": "pk_%(table_name)s",
+    }
+)
+
+Position = BigInteger().with_variant(Integer, "sqlite")
+"""A row number that grows: SQLite numbers rows by itself only in a plain INTEGER."""
+
+Id = String(128)
+"""Ids of agents have 32 characters at most; those of tasks and goals are made of up to three ids."""
+
+products = Table(
+    "products",
+    metadata,
+    Column("id", Id, primary_key=True),
+    Column("name", String(80), nullable=False),
+    Column("made_here", Boolean, nullable=False, server_default=false()),
+    comment="What could ever be ordered; a product that left the plant stays, for its orders' sake.",
+)
+
+orders = Table(
+    "orders",
+    metadata,
+    Column("id", Id, primary_key=True),
+    Column("status", String(16), nullable=False),
+    Column("customer", String(200), nullable=False),
+    Column("reference", String(200)),
+    Column("token", String(64), nullable=False),
+    Column("created_at_s", Double, nullable=False),
+    Column("due_at_s", Double),
+    Column("released_at_s", Double),
+    Column("cancelled_at_s", Double),
+    Column("delivered_at_s", Double),
+    Column("incarnation", Integer, nullable=False, server_default="0"),
+    CheckConstraint(
+        "status IN ('stored', 'released', 'in_production', 'in_delivery', 'delivered', 'cancelled')",
+        name="status",
+    ),
+    UniqueConstraint("token"),
+    Index(None, "created_at_s", "id"),
+    Index(None, "status", "created_at_s", "id"),
+    comment="Sales orders. incarnation: the newest life of the strategist that accepted the order.",
+)
+
+order_items = Table(
+    "order_items",
+    metadata,
+    Column("order_id", Id, ForeignKey("orders.id", ondelete="CASCADE"), primary_key=True),
+    Column("item", Integer, primary_key=True, autoincrement=False),
+    Column("product", Id, ForeignKey("products.id"), nullable=False),
+    Column("quantity", Integer, nullable=False),
+    Column("made", Integer, nullable=False, server_default="0"),
+    Column("delivered", Integer, nullable=False, server_default="0"),
+    CheckConstraint("quantity >= 1", name="quantity"),
+    comment="Lines of an order; item is the place in the order, from 0.",
+)
+
+# No foreign key to orders: facts come from the bus, in any order, and may be of another database.
+goals = Table(
+    "goals",
+    metadata,
+    Column("id", Id, primary_key=True),
+    Column("order_id", Id),
+    Column("item", Integer),
+    Column("product", Id, nullable=False),
+    Column("quantity", Integer, nullable=False, server_default="0"),
+    Column("machine", Id, nullable=False, server_default=""),
+    Column("promised_at_s", Double),
+    Column("incarnation", Integer, nullable=False, server_default="0"),
+    Column("number", Integer, nullable=False, server_default="0"),
+    Column("made", Integer, nullable=False, server_default="0"),
+    Column("delivered", Integer, nullable=False, server_default="0"),
+    Column("delivered_at_s", Double),
+    Index(None, "order_id"),
+    comment="Production goals. incarnation, number: the newest contract that was told about it.",
+)
+
+events = Table(
+    "events",
+    metadata,
+    Column("position", Position, primary_key=True, autoincrement=True),
+    Column("agent", Id, nullable=False),
+    Column("incarnation", Integer, nullable=False),
+    Column("number", Integer, nullable=False),
+    Column("at_s", Double, nullable=False),
+    Column("plant_s", Double, nullable=False),
+    Column("kind", String(32), nullable=False),
+    Column("task", Id),
+    Column("goal", Id),
+    Column("order_id", Id),
+    Column("fact", Text, nullable=False),
+    UniqueConstraint("agent", "incarnation", "number"),
+    Index(None, "kind", "position"),
+    Index(None, "agent", "position"),
+    Index(None, "task"),
+    Index(None, "goal"),
+    Index(None, "order_id"),
+    # Numbers of pruned rows must never be given again: readers go on after the last one they saw.
+    sqlite_autoincrement=True,
+    comment="Agents' numbered histories; fact is the JSON of what happened.",
+)
+
+heartbeat_samples = Table(
+    "heartbeat_samples",
+    metadata,
+    Column("position", Position, primary_key=True, autoincrement=True),
+    Column("agent", Id, nullable=False),
+    Column("at_s", Double, nullable=False),
+    Column("plant_s", Double, nullable=False),
+    Column("status", String(16), nullable=False),
+    Column("battery_frac", Double),
+    Column("x_m", Double),
+    Column("y_m", Double),
+    Index(None, "agent", "at_s"),
+    sqlite_autoincrement=True,
+    comment="Now and then one heartbeat of every agent, for reports.",
+)
+
+idempotency_keys = Table(
+    "idempotency_keys",
+    metadata,
+    Column("key", String(255), primary_key=True),
+    Column("fingerprint", String(64), nullable=False),
+    Column("order_id", Id, ForeignKey("orders.id", ondelete="CASCADE"), nullable=False),
+    Column("answer", Text, nullable=False),
+    Column("at_s", Double, nullable=False),
+    Index(None, "at_s"),
+    comment="What was answered to a request with an Idempotency-Key.",
+)
+
+incarnations = Table(
+    "incarnations",
+    metadata,
+    Column("plant", Id, primary_key=True),
+    Column("incarnation", Integer, nullable=False),
+    comment="How often the agents of a plant have been started.",
+)

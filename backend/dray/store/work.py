@@ -1,0 +1,83 @@
+"""One unit of work: all repositories in one transaction."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+from sqlalchemy import text
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from dray.store.database import Database
+from dray.store.events import Events
+from dray.store.goals import Goals
+from dray.store.incarnations import Incarnations
+from dray.store.keys import IdempotencyKeys
+from dray.store.migrate import upgrade
+from dray.store.orders import Orders
+from dray.store.products import Products
+from dray.store.samples import Samples
+
+
+class Work:
+    """The repositories, all in the transaction of `connection`."""
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+        self.products = Products(connection)
+        self.orders = Orders(connection)
+        self.goals = Goals(connection)
+        self.events = Events(connection)
+        self.samples = Samples(connection)
+        self.keys = IdempotencyKeys(connection)
+        self.incarnations = Incarnations(connection)
+
+    async def ping(self) -> None:
+        """Do nothing, in the database."""
+        await self._connection.execute(text("SELECT 1"))
+
+
+class Store:
+    """Hands out transactions over one open database."""
+
+    def __init__(self, database: Database) -> None:
+        self.database = database
+
+    @asynccontextmanager
+    async def read(self) -> AsyncIterator[Work]:
+        """A transaction that only reads."""
+        async with self.database.read() as connection:
+            yield Work(connection)
+
+    @asynccontextmanager
+    async def write(self) -> AsyncIterator[Work]:
+        """A transaction that is on disk when the block has ended, or undone when it raises."""
+        async with self.database.write() as connection:
+            yield Work(connection)
+
+    async def next_incarnation(self, plant: str) -> int:
+        """The number for agents of this plant that start now; call it once per start."""
+        async with self.write() as work:
+            return await work.incarnations.next(plant)
+
+    async def close(self) -> None:
+        """Close the database; harmless when done twice."""
+        await self.database.close()
+
+
+async def open_store(url: str) -> Store:
+    """Open the database and bring its tables up to date.
+
+    Args:
+        url: as `Settings.database_url`.
+
+    Raises:
+        UnavailableError: with a remedy, when it cannot be opened, written or upgraded.
+    """
+    database = await Database.open(url)
+    try:
+        await upgrade(database)
+    except BaseException:
+        await database.close()
+        raise
+    return Store(database)
