@@ -2,8 +2,10 @@
 
 A message travels as UTF-8 JSON in an envelope: ``{"v": 1, "from": "ATV-07", "m": {"type": "Bid", ...}}``.
 `v` is the wire version, `from` the sender. Fields that we do not know are ignored, so a newer software
-may add some; a *newer version* is refused, for we could misunderstand it. What the values may be is
-written on the fields in `dray.messages`; whether an utterance makes sense now is for the protocol.
+may add some; a *newer version* is refused, for we could misunderstand it.
+
+What the values may be is written on the fields in `dray.messages` and checked here; whether an utterance
+makes sense now is for the protocol.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ import msgspec
 
 from dray.errors import NewerVersion, WireError
 from dray.messages import WIRE_VERSION, AnyMessage, Message
+from dray.messages.base import Id
 
 MAX_BYTES = 64 * 1024
 """The longest message we read. The longest honest one, a machine's heartbeat with fifty open tasks,
@@ -24,7 +27,7 @@ class Envelope(msgspec.Struct, frozen=True, gc=False):
     """What goes over the wire."""
 
     v: int
-    sender: str = msgspec.field(name="from")
+    sender: Id = msgspec.field(name="from")
     m: AnyMessage
 
 

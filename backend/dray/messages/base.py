@@ -1,11 +1,44 @@
-"""What all messages have in common."""
+"""What all messages have in common, and the values that their fields may take.
+
+The bounds are checked where bytes are read (`dray.codec`); inside a process a struct is believed. They
+keep out what would do harm (a negative quantity, an id that is a wildcard), not what is merely odd.
+"""
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import msgspec
+from msgspec import Meta
 
 WIRE_VERSION = 1
 """Raised when a receiver of the older version could misunderstand; new optional fields do not raise it."""
+
+Id = Annotated[
+    str, Meta(pattern=r"^[^\s/*?#$]{1,128}(?!\n)$", description="Names one thing; a chunk of a key.")
+]
+"""Without what has a meaning in a key on the bus: its separator, its wildcards, and white space."""
+
+IdOrNone = Annotated[str, Meta(pattern=r"^[^\s/*?#$]{0,128}(?!\n)$", description="An id; empty for none.")]
+
+Text = Annotated[str, Meta(max_length=1000)]
+"""Words for people. What is longer than a page is no message."""
+
+Count = Annotated[int, Meta(ge=0, le=2**53)]
+"""Pieces and numbers in a sequence; up to what every JSON reader, a browser's too, holds exactly."""
+
+Seconds = Annotated[float, Meta(ge=-1e11, le=1e11)]
+"""A time on the plant's clock, or a length of time: three thousand years hold all that makes sense."""
+
+Metres = Annotated[float, Meta(ge=-1e6, le=1e6)]
+"""A place or a distance in the plant: a thousand kilometres are no plant any more."""
+
+MetresPerSecond = Annotated[float, Meta(ge=-100.0, le=100.0)]
+
+Radians = Annotated[float, Meta(ge=-1e3, le=1e3)]
+"""Not wrapped: a vehicle that has turned round often may say so."""
+
+Fraction = Annotated[float, Meta(ge=0.0, le=1.0)]
 
 
 class Part(msgspec.Struct, frozen=True, gc=False):

@@ -8,15 +8,15 @@ battery, else the smaller id. So the cost of finding a place does not grow with 
 
 from __future__ import annotations
 
-from dray.messages.base import Message
+from dray.messages.base import Fraction, Id, Message
 
 
 class BerthClaimed(Message, frozen=True):
     """I stand in this berth, or want to."""
 
-    berth: str
-    atv: str
-    battery_frac: float
+    berth: Id
+    atv: Id
+    battery_frac: Fraction
     """At the time of the first claim: it does not change while the claim stands."""
     standing: bool
     """True once it has arrived: an occupant is never driven out."""

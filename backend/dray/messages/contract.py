@@ -8,34 +8,37 @@ carriers of a task: it rises whenever the carrier changes, and the highest one i
 from __future__ import annotations
 
 from enum import StrEnum
+from typing import Annotated
 
-from dray.messages.base import Message, Part
+from msgspec import Meta
+
+from dray.messages.base import Count, Id, IdOrNone, Message, Metres, Part, Seconds, Text
 from dray.messages.heartbeat import Role
 
 
 class Transport(Part, tag_field="kind", tag="transport", frozen=True):
     """Carry `quantity` pieces of `item` from one of `sources` to `destination`."""
 
-    item: str
+    item: Id
     """A material on the way in, a product on the way out."""
-    quantity: int
-    sources: tuple[str, ...]
+    quantity: Count
+    sources: Annotated[tuple[Id, ...], Meta(min_length=1)]
     """Stations to choose from; never empty."""
-    destination: str
+    destination: Id
     """A station: a machine on the way in, a delivery warehouse on the way out."""
-    ability: str
+    ability: IdOrNone
     """What a vehicle must be able to carry."""
-    goal: str = ""
+    goal: IdOrNone = ""
     """The goal whose products these are, on the way out."""
 
 
 class Production(Part, tag_field="kind", tag="production", frozen=True):
     """Make `quantity` pieces of `product` for one item of an order."""
 
-    product: str
-    quantity: int
-    order: str
-    item: int
+    product: Id
+    quantity: Count
+    order: Id
+    item: Count
     """The index of the order's item."""
 
 
@@ -45,13 +48,13 @@ Work = Transport | Production
 class TransportCost(Part, tag_field="kind", tag="transport", frozen=True):
     """The parts of a vehicle's price, all in seconds so that they add up (paper, 4.1)."""
 
-    empty_way_s: float
+    empty_way_s: Seconds
     """Driving to the source."""
-    loaded_way_s: float
+    loaded_way_s: Seconds
     """Driving from the source to the destination."""
-    energy_s: float
+    energy_s: Seconds
     """Energy used, and how little is left after it, weighed as seconds."""
-    suitability_s: float
+    suitability_s: Seconds
     """What it costs the plant that this vehicle could do rarer work meanwhile."""
 
     @property
@@ -62,11 +65,11 @@ class TransportCost(Part, tag_field="kind", tag="transport", frozen=True):
 class ProductionCost(Part, tag_field="kind", tag="production", frozen=True):
     """The parts of a machine's price for a goal, in seconds."""
 
-    queue_s: float
+    queue_s: Seconds
     """Goals taken before."""
-    material_s: float
+    material_s: Seconds
     """Waiting for material that is not in the buffers yet."""
-    making_s: float
+    making_s: Seconds
     """Cycles."""
 
     @property
@@ -80,50 +83,50 @@ Cost = TransportCost | ProductionCost
 class TaskAnnounced(Message, frozen=True):
     """A coordinator asks for bids. Published to everybody within the radius."""
 
-    task: str
-    epoch: int
+    task: Id
+    epoch: Count
     """The epoch that the winner will carry."""
     role: Role
     """PRIMARY, or SECONDARY when a watch is to be elected anew."""
-    coordinator: str
+    coordinator: Id
     work: Work
-    deadline_s: float
+    deadline_s: Seconds
     """When the work should be done (plant clock)."""
-    x_m: float = 0.0
-    y_m: float = 0.0
+    x_m: Metres = 0.0
+    y_m: Metres = 0.0
     """The middle of the circle in which vehicles are asked: the coordinator's place."""
-    radius_m: float = 0.0
-    round: int = 1
-    bids_until_s: float = 0.0
+    radius_m: Metres = 0.0
+    round: Count = 1
+    bids_until_s: Seconds = 0.0
     """When the bidding window closes (plant clock)."""
-    primary: str = ""
+    primary: IdOrNone = ""
     """Whom to watch, when a SECONDARY is sought; that vehicle does not bid."""
 
 
 class Bid(Message, frozen=True):
     """A contractor's price, sent straight to the coordinator."""
 
-    task: str
-    epoch: int
+    task: Id
+    epoch: Count
     role: Role
-    round: int
+    round: Count
     cost: Cost
-    finish_s: float
+    finish_s: Seconds
     """When it promises to be done (plant clock)."""
-    source: str = ""
+    source: IdOrNone = ""
     """The source it would fetch from."""
 
 
 class Award(Message, frozen=True):
     """The coordinator asks one bidder to take the contract."""
 
-    task: str
-    epoch: int
+    task: Id
+    epoch: Count
     role: Role
     work: Work
-    deadline_s: float
-    source: str = ""
-    primary: str = ""
+    deadline_s: Seconds
+    source: IdOrNone = ""
+    primary: IdOrNone = ""
     """Whom to watch, when the role is SECONDARY."""
 
 
@@ -148,17 +151,17 @@ class Refusal(StrEnum):
 class Accepted(Message, frozen=True):
     """The contract stands."""
 
-    task: str
-    epoch: int
+    task: Id
+    epoch: Count
     role: Role
-    finish_s: float = 0.0
+    finish_s: Seconds = 0.0
 
 
 class Declined(Message, frozen=True):
     """Not available any more; the coordinator asks the next one."""
 
-    task: str
-    epoch: int
+    task: Id
+    epoch: Count
     role: Role
     reason: Refusal
 
@@ -166,27 +169,27 @@ class Declined(Message, frozen=True):
 class Release(Message, frozen=True):
     """The coordinator lets a contractor go; whoever is not bound ignores it."""
 
-    task: str
-    epoch: int
+    task: Id
+    epoch: Count
     role: Role
-    reason: str
+    reason: Text
 
 
 class Resigned(Message, frozen=True):
     """A contractor gives the contract back."""
 
-    task: str
-    epoch: int
+    task: Id
+    epoch: Count
     role: Role
-    reason: str
+    reason: Text
 
 
 class TakenOver(Message, frozen=True):
     """A secondary has become the carrier, with a higher epoch."""
 
-    task: str
-    epoch: int
-    primary: str
+    task: Id
+    epoch: Count
+    primary: Id
     """Whom it replaces."""
 
 
@@ -197,60 +200,60 @@ class Docked(Message, frozen=True):
     more never reaches a buffer.
     """
 
-    task: str
-    epoch: int
-    station: str
+    task: Id
+    epoch: Count
+    station: Id
 
 
 class DockOpened(Message, frozen=True):
     """Load or unload now."""
 
-    task: str
-    epoch: int
-    station: str
+    task: Id
+    epoch: Count
+    station: Id
 
 
 class DockHeld(Message, frozen=True):
     """Wait: the right vehicle at the right place, but there is no room or nothing to fetch yet."""
 
-    task: str
-    epoch: int
-    station: str
-    reason: str
+    task: Id
+    epoch: Count
+    station: Id
+    reason: Text
 
 
 class Handover(Message, frozen=True):
     """The load is down. Repeated until it is answered; handing over twice is harmless."""
 
-    task: str
-    epoch: int
-    quantity: int
+    task: Id
+    epoch: Count
+    quantity: Count
 
 
 class HandoverAccepted(Message, frozen=True):
     """The task is done; the vehicle is free."""
 
-    task: str
-    epoch: int
+    task: Id
+    epoch: Count
 
 
 class Superseded(Message, frozen=True):
     """Somebody else carries this task, or nobody needs to: your epoch is over."""
 
-    task: str
-    epoch: int
+    task: Id
+    epoch: Count
     """The epoch that is right now."""
 
 
 class Withdrawn(Message, frozen=True):
     """The coordinator does not need the task any more."""
 
-    task: str
-    epoch: int
-    reason: str
+    task: Id
+    epoch: Count
+    reason: Text
 
 
 class GoalClosed(Message, frozen=True):
     """The strategist has noted that a goal is delivered; the machine may forget it."""
 
-    goal: str
+    goal: Id

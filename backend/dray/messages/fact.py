@@ -7,7 +7,7 @@ itself did, decided or saw, and nothing about what others might think of it.
 
 from __future__ import annotations
 
-from dray.messages.base import Message, Part
+from dray.messages.base import Count, Id, IdOrNone, Message, Metres, Part, Seconds, Text
 from dray.messages.contract import Cost, Refusal, Work
 from dray.messages.heartbeat import AtvStatus, MachineStatus, Phase, Role
 
@@ -22,89 +22,89 @@ class Fact(Part, tag_field="kind", tag=True, frozen=True):
 class TaskOpened(Fact, frozen=True):
     """A round of bidding began (round 1 of epoch 1 is the birth of the task)."""
 
-    task: str
-    epoch: int
+    task: Id
+    epoch: Count
     role: Role
-    round: int
+    round: Count
     work: Work
-    radius_m: float
-    deadline_s: float
-    bids_until_s: float
+    radius_m: Metres
+    deadline_s: Seconds
+    bids_until_s: Seconds
 
 
 class BidReceived(Fact, frozen=True):
     """A bid came in time."""
 
-    task: str
-    epoch: int
+    task: Id
+    epoch: Count
     role: Role
-    round: int
-    bidder: str
+    round: Count
+    bidder: Id
     cost: Cost
-    total_s: float
-    finish_s: float
-    source: str = ""
+    total_s: Seconds
+    finish_s: Seconds
+    source: IdOrNone = ""
 
 
 class AwardGiven(Fact, frozen=True):
     """A bidder was asked to take the contract; `rank` is 1 for the cheapest."""
 
-    task: str
-    epoch: int
+    task: Id
+    epoch: Count
     role: Role
-    bidder: str
-    rank: int
+    bidder: Id
+    rank: Count
 
 
 class AwardAnswered(Fact, frozen=True):
     """What became of an award: accepted, declined with a reason, or silent."""
 
-    task: str
-    epoch: int
+    task: Id
+    epoch: Count
     role: Role
-    bidder: str
-    answer: str
+    bidder: Id
+    answer: Text
     """`accepted`, `silent`, or the reason of the decline."""
 
 
 class RoundFailed(Fact, frozen=True):
     """Nobody was contracted in this round; the next one begins at `next_round_s`."""
 
-    task: str
-    epoch: int
+    task: Id
+    epoch: Count
     role: Role
-    round: int
-    bids: int
-    next_round_s: float
+    round: Count
+    bids: Count
+    next_round_s: Seconds
 
 
 class WatchLost(Fact, frozen=True):
     """A task has no secondary any more; another one is sought."""
 
-    task: str
-    epoch: int
-    secondary: str
-    reason: str
+    task: Id
+    epoch: Count
+    secondary: IdOrNone
+    reason: Text
 
 
 class TaskClosed(Fact, frozen=True):
     """A task ended: `delivered` or `withdrawn` (invariant 1)."""
 
-    task: str
-    epoch: int
-    outcome: str
-    carrier: str
-    promised_s: float = 0.0
+    task: Id
+    epoch: Count
+    outcome: Text
+    carrier: IdOrNone
+    promised_s: Seconds = 0.0
     """When the carrier had promised to be done (plant clock); 0 when nobody had."""
 
 
 class PrimarySuspected(Fact, frozen=True):
     """Nothing was heard of a task's primary for longer than the suspicion bound."""
 
-    task: str
-    epoch: int
-    primary: str
-    silent_s: float
+    task: Id
+    epoch: Count
+    primary: Id
+    silent_s: Seconds
 
 
 # --- said by a contractor ------------------------------------------------------------------------
@@ -113,64 +113,64 @@ class PrimarySuspected(Fact, frozen=True):
 class BidSent(Fact, frozen=True):
     """The vehicle or machine made a bid; the bid itself is the coordinator's fact."""
 
-    task: str
-    epoch: int
+    task: Id
+    epoch: Count
     role: Role
-    total_s: float
+    total_s: Seconds
 
 
 class BidRefused(Fact, frozen=True):
     """It did not bid, and why (protocol, step 2)."""
 
-    task: str
-    epoch: int
+    task: Id
+    epoch: Count
     role: Role
     reason: Refusal
-    detail: str = ""
+    detail: Text = ""
 
 
 class ContractTaken(Fact, frozen=True):
     """It is bound now."""
 
-    task: str
-    epoch: int
+    task: Id
+    epoch: Count
     role: Role
-    coordinator: str
+    coordinator: Id
 
 
 class ContractEnded(Fact, frozen=True):
     """It is free of this contract: `handed_over`, `released`, `resigned`, `superseded`, `withdrawn`."""
 
-    task: str
-    epoch: int
+    task: Id
+    epoch: Count
     role: Role
-    reason: str
+    reason: Text
 
 
 class PhaseEntered(Fact, frozen=True):
     """A carriage went one step further."""
 
-    task: str
-    epoch: int
+    task: Id
+    epoch: Count
     phase: Phase
-    station: str = ""
+    station: IdOrNone = ""
 
 
 class AtvStatusChanged(Fact, frozen=True):
     """The vehicle's state machine took a step."""
 
     status: AtvStatus
-    reason: str = ""
+    reason: Text = ""
 
 
 class CommandObeyed(Fact, frozen=True):
     """A person's command was carried out, or refused with a reason."""
 
-    command: str
-    what: str
+    command: Id
+    what: Text
     done: bool
-    reason: str = ""
-    issued_by: str = ""
+    reason: Text = ""
+    issued_by: Text = ""
 
 
 # --- said by a machine ---------------------------------------------------------------------------
@@ -180,29 +180,29 @@ class MachineStatusChanged(Fact, frozen=True):
     """The machine began, starved, was blocked, broke or stopped."""
 
     status: MachineStatus
-    product: str = ""
-    reason: str = ""
+    product: IdOrNone = ""
+    reason: Text = ""
 
 
 class PieceMade(Fact, frozen=True):
     """One cycle ended well."""
 
-    goal: str
-    product: str
-    made: int
+    goal: Id
+    product: Id
+    made: Count
     """Of this goal, with this one."""
 
 
 class GoodsDelivered(Fact, frozen=True):
     """Finished goods of a goal reached the delivery warehouse."""
 
-    goal: str
-    order: str
-    item: int
-    product: str
-    quantity: int
+    goal: Id
+    order: Id
+    item: Count
+    product: Id
+    quantity: Count
     """In this transport."""
-    delivered: int
+    delivered: Count
     """Of this goal, with these."""
 
 
@@ -212,41 +212,41 @@ class GoodsDelivered(Fact, frozen=True):
 class OrderAccepted(Fact, frozen=True):
     """The strategist split an order into goals."""
 
-    order: str
-    goals: tuple[str, ...]
+    order: Id
+    goals: tuple[Id, ...]
 
 
 class GoalContracted(Fact, frozen=True):
     """A machine took a goal."""
 
-    goal: str
-    order: str
-    item: int
-    product: str
-    quantity: int
-    machine: str
-    finish_s: float
+    goal: Id
+    order: Id
+    item: Count
+    product: Id
+    quantity: Count
+    machine: Id
+    finish_s: Seconds
 
 
 class OrderProgressed(Fact, frozen=True):
     """How much of an order is made and delivered, over all its goals."""
 
-    order: str
-    made: int
-    delivered: int
-    quantity: int
+    order: Id
+    made: Count
+    delivered: Count
+    quantity: Count
 
 
 class OrderFulfilled(Fact, frozen=True):
     """All of an order is in the delivery warehouse."""
 
-    order: str
+    order: Id
 
 
 class OrderDropped(Fact, frozen=True):
     """A cancelled order left the strategist's books."""
 
-    order: str
+    order: Id
 
 
 AnyFact = (
@@ -279,9 +279,9 @@ AnyFact = (
 class Event(Message, frozen=True):
     """One numbered line of an agent's history."""
 
-    agent: str
-    incarnation: int
-    number: int
+    agent: Id
+    incarnation: Count
+    number: Count
     """1, 2, 3 ... in one incarnation, without a gap."""
-    at_s: float
+    at_s: Seconds
     fact: AnyFact

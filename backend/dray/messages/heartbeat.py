@@ -9,7 +9,19 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-from dray.messages.base import Message, Part
+from dray.messages.base import (
+    Count,
+    Fraction,
+    Id,
+    IdOrNone,
+    Message,
+    Metres,
+    MetresPerSecond,
+    Part,
+    Radians,
+    Seconds,
+    Text,
+)
 
 
 class AtvStatus(StrEnum):
@@ -70,24 +82,24 @@ class Phase(StrEnum):
 class Pose(Part, frozen=True):
     """Where a vehicle is in the plant's frame: x to the right, y up, heading from x towards y."""
 
-    x_m: float
-    y_m: float
-    heading_rad: float
+    x_m: Metres
+    y_m: Metres
+    heading_rad: Radians
 
 
 class Brief(Part, frozen=True):
     """A vehicle's own words about one task it is contracted for."""
 
-    task: str
-    epoch: int
+    task: Id
+    epoch: Count
     role: Role
-    coordinator: str
+    coordinator: Id
     phase: Phase | None = None
     """None for a secondary: it watches."""
-    item: str = ""
+    item: IdOrNone = ""
     """The material or product that is carried."""
-    quantity: int = 0
-    due_s: float | None = None
+    quantity: Count = 0
+    due_s: Seconds | None = None
     """When the vehicle now expects to hand over (plant clock)."""
 
 
@@ -97,75 +109,75 @@ class AtvHeartbeat(Message, frozen=True):
     Idle 0.2 Hz, working 1 Hz, and at once when the status changes.
     """
 
-    atv: str
-    incarnation: int
-    seq: int
-    at_s: float
+    atv: Id
+    incarnation: Count
+    seq: Count
+    at_s: Seconds
     """When it was true, on the plant's clock."""
     status: AtvStatus
     pose: Pose
-    node: str
+    node: Id
     """The last node that was passed."""
-    speed_mps: float
-    battery_frac: float
-    load: str = ""
+    speed_mps: MetresPerSecond
+    battery_frac: Fraction
+    load: IdOrNone = ""
     """What is on board; empty for nothing."""
-    load_quantity: int = 0
+    load_quantity: Count = 0
     link: Link = Link.WLAN
-    via: str = ""
+    via: IdOrNone = ""
     """The vehicle that passed this heartbeat on, when the link is MESH."""
     task: Brief | None = None
     """The task it is primary of: at most one (invariant 3)."""
     watches: tuple[Brief, ...] = ()
     """The tasks it is secondary of."""
-    way: tuple[str, ...] = ()
+    way: tuple[Id, ...] = ()
     """The nodes still ahead, in order; empty when it stands."""
-    berth: str = ""
+    berth: IdOrNone = ""
     """The charger or parking place that it holds or is driving to."""
-    speed_limit_frac: float = 1.0
+    speed_limit_frac: Fraction = 1.0
     """An operator's limit, as a part of the vehicle's own top speed."""
-    problem: str = ""
+    problem: Text = ""
     """What keeps it in ERROR, in words; empty otherwise."""
-    software: str = ""
+    software: Text = ""
 
 
 class BufferLevel(Part, frozen=True):
     """One material in front of a machine, or its finished goods."""
 
-    item: str
-    level: int
-    capacity: int
-    reorder_point: int = 0
+    item: Id
+    level: Count
+    capacity: Count
+    reorder_point: Count = 0
     """The level at which the machine asks for more; 0 for finished goods."""
-    on_order: int = 0
+    on_order: Count = 0
     """Pieces announced and not yet handed over."""
 
 
 class TaskBrief(Part, frozen=True):
     """A coordinator's own words about one of its open tasks."""
 
-    task: str
-    epoch: int
-    item: str
-    quantity: int
-    source: str
+    task: Id
+    epoch: Count
+    item: Id
+    quantity: Count
+    source: IdOrNone
     """The storage the primary chose; empty while nobody is contracted."""
-    destination: str
-    deadline_s: float
-    primary: str = ""
-    secondary: str = ""
-    round: int = 1
+    destination: Id
+    deadline_s: Seconds
+    primary: IdOrNone = ""
+    secondary: IdOrNone = ""
+    round: Count = 1
     """The bidding round it is in or was contracted in: a high one means that the machine waits."""
 
 
 class GoalBrief(Part, frozen=True):
     """A machine's own words about one production goal. Counts only ever grow."""
 
-    goal: str
-    product: str
-    quantity: int
-    made: int
-    delivered: int
+    goal: Id
+    product: Id
+    quantity: Count
+    made: Count
+    delivered: Count
 
 
 class MachineHeartbeat(Message, frozen=True):
@@ -175,12 +187,12 @@ class MachineHeartbeat(Message, frozen=True):
     the strategist has closed it, so that a strategist who was away misses nothing.
     """
 
-    machine: str
-    incarnation: int
-    seq: int
-    at_s: float
+    machine: Id
+    incarnation: Count
+    seq: Count
+    at_s: Seconds
     status: MachineStatus
-    product: str = ""
+    product: IdOrNone = ""
     """What is being made now; empty for nothing."""
     goals: tuple[GoalBrief, ...] = ()
     """In the order in which they are worked at."""
@@ -189,5 +201,5 @@ class MachineHeartbeat(Message, frozen=True):
     """Materials in the order of the plant file."""
     goods: tuple[BufferLevel, ...] = ()
     """Finished products that wait to be carried away."""
-    problem: str = ""
-    software: str = ""
+    problem: Text = ""
+    software: Text = ""

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-from dray.messages.base import Message, Part
+from dray.messages.base import Count, Fraction, Id, Message, Part, Seconds, Text
 
 
 class OrderItem(Part, frozen=True):
     """One line of an order: what is still to be delivered of it."""
 
-    product: str
-    quantity: int
+    product: Id
+    quantity: Count
 
 
 class OrderReleased(Message, frozen=True):
@@ -20,22 +20,22 @@ class OrderReleased(Message, frozen=True):
     `items` hold what is outstanding: after a restart less than was ordered.
     """
 
-    order: str
+    order: Id
     items: tuple[OrderItem, ...]
-    due_s: float
+    due_s: Seconds
     """When all of it should be in the delivery warehouse (plant clock)."""
 
 
 class OrderTaken(Message, frozen=True):
     """The strategist has the order and will see to it."""
 
-    order: str
+    order: Id
 
 
 class OrderCancelled(Message, frozen=True):
     """Stop working at this order: goals that no machine has begun are withdrawn."""
 
-    order: str
+    order: Id
 
 
 class CommandKind(StrEnum):
@@ -52,17 +52,17 @@ class CommandKind(StrEnum):
 class VehicleCommand(Message, frozen=True):
     """A person's command to one vehicle."""
 
-    command: str
+    command: Id
     """Names this command, so that its answer can be told from others."""
     kind: CommandKind
-    speed_frac: float | None = None
+    speed_frac: Fraction | None = None
     """For SET_SPEED: 0 to 1 of the vehicle's own top speed."""
-    issued_by: str = ""
+    issued_by: Text = ""
 
 
 class CommandAnswered(Message, frozen=True):
     """The vehicle's word on a command: done, or refused with a reason."""
 
-    command: str
+    command: Id
     done: bool
-    reason: str = ""
+    reason: Text = ""

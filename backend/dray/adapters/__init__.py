@@ -1,0 +1,1 @@
+"""The real world behind the ports: the computer's clock, the distributed bus."""
