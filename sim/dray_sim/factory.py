@@ -19,6 +19,7 @@ from dray.protocol.events import Agent
 from dray.protocol.machine import Machine
 from dray.protocol.strategist import Strategist
 from dray.worker import Worker
+from dray_sim.chargers import Chargers
 from dray_sim.loop import VirtualClock
 from dray_sim.network import WLAN, Latency, SimNetwork
 from dray_sim.stores import DeliveryWarehouse, Place, SourceWarehouse, Storage
@@ -83,9 +84,10 @@ class SimFactory:
         self.keys = Keys(plant.id)
         # One generator per concern, so that a change to one does not shift the chances of another.
         self.bus = SimNetwork(clock, Random(f"{seed} network"), latency, codec=codec, trace=ear)
-        self.source = SourceWarehouse()
+        self.source = SourceWarehouse(plant.source_warehouses[0], plant.materials)
         self.delivery: Mapping[str, DeliveryWarehouse] = {
-            warehouse: DeliveryWarehouse() for warehouse in plant.delivery_warehouses
+            warehouse: DeliveryWarehouse(warehouse, plant.products)
+            for warehouse in plant.delivery_warehouses
         }
         self.storages: Mapping[str, Storage] = {
             spec.id: Storage(spec, clock, self.source) for spec in plant.storages.values()
@@ -96,8 +98,9 @@ class SimFactory:
             for spec in plant.machines.values()
         }
         places: dict[str, Place] = {**self.storages, **self.workcells, **self.delivery}
+        chargers = Chargers()
         self.vehicles: Mapping[str, SimVehicle] = {
-            spec.id: SimVehicle(spec, plant.vehicle_types[spec.type], plant, clock, places)
+            spec.id: SimVehicle(spec, plant.vehicle_types[spec.type], plant, clock, places, chargers)
             for spec in plant.fleet.values()
         }
         self.workers: dict[str, Worker] = {}

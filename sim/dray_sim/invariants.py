@@ -7,6 +7,7 @@ ends the run and names the invariant, the moment and what was seen.
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Mapping
 
 from dray.body import VehicleState
 from dray.errors import DrayError
@@ -224,7 +225,8 @@ class MaterialConserved:
             state: VehicleState = vehicle.sense()
             if state.load:
                 total[state.load] += state.load_quantity
-        _add(total, factory.source.supplied, sign=-1)
+        for material in factory.plant.materials:
+            total[material] -= factory.source.supplied(material)
         return total
 
 
@@ -282,7 +284,7 @@ def _is_goal(fact: ContractTaken) -> bool:
     return fact.coordinator == "strategist"
 
 
-def _add(total: dict[str, int], pieces: dict[str, int], sign: int = 1) -> None:
+def _add(total: dict[str, int], pieces: Mapping[str, int], sign: int = 1) -> None:
     for item, count in pieces.items():
         total[item] = total.get(item, 0) + sign * count
 

@@ -159,7 +159,7 @@ def _empty_travel(factory: SimFactory) -> float:
 def _utilisation(factory: SimFactory) -> dict[str, float]:
     spent_s: dict[str, float] = {}
     for vehicle in factory.vehicles.values():
-        for activity, s in vehicle.odometer().spent_s.items():
+        for activity, s in vehicle.odometer().seconds.items():
             spent_s[activity] = spent_s.get(activity, 0.0) + s
     whole_s = sum(spent_s.values())
     return {activity: _part(s, whole_s) for activity, s in spent_s.items()}
