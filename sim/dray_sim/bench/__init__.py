@@ -1,0 +1,46 @@
+"""Benchmarks: every figure stands beside a baseline measured in the same run.
+
+Machines differ, and so does one machine from minute to minute; a ratio against a stated baseline is
+what can be compared. A benchmark is a function `measure(quick) -> list[Row]`, registered in `BENCHES`
+under the name that `dray bench NAME` knows.
+"""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Callable
+from dataclasses import asdict
+from typing import Any
+
+from dray_sim.bench import bus
+from dray_sim.bench.row import Row, best_rate
+
+__all__ = ["BENCHES", "Bench", "Row", "as_json", "best_rate", "run_benches"]
+
+Bench = Callable[[bool], list[Row]]
+"""Measures; True means quick: a tenth of the work, for a look and for tests."""
+
+
+BENCHES: dict[str, Bench] = {"bus": bus.measure}
+"""Name -> benchmark, in the order in which they run."""
+
+
+def run_benches(names: list[str], *, quick: bool) -> list[Row]:
+    """Run the named benchmarks, or all when none is named.
+
+    Raises:
+        KeyError: there is no benchmark of that name.
+    """
+    chosen = [BENCHES[name] for name in names or BENCHES]
+    return [row for bench in chosen for row in bench(quick)]
+
+
+def as_json(rows: list[Row]) -> str:
+    """The rows and the machine that they were measured on, as a JSON document."""
+    document: dict[str, Any] = {
+        "python": platform.python_version(),
+        "machine": platform.machine(),
+        "rows": [{**asdict(row), "ratio": row.ratio, "met": row.met} for row in rows],
+    }
+    return json.dumps(document, indent=2)
