@@ -1,0 +1,52 @@
+"""What a vehicle has done so far: metres and seconds, for the report of a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+
+class Activity(StrEnum):
+    """What a vehicle's time goes into; one at every moment."""
+
+    MOVING_EMPTY = "moving_empty"
+    MOVING_LOADED = "moving_loaded"
+    HANDLING = "handling"
+    """Loading or unloading."""
+    WAITING = "waiting"
+    """For the release of its way, or at a station for something to load."""
+    CHARGING = "charging"
+    HELD = "held"
+    """By a person, a breakdown or an empty battery."""
+    IDLE = "idle"
+
+
+@dataclass(slots=True)
+class Odometer:
+    """Sums that only ever grow."""
+
+    empty_m: float = 0.0
+    loaded_m: float = 0.0
+    seconds: dict[Activity, float] = field(default_factory=lambda: dict.fromkeys(Activity, 0.0))
+
+    @property
+    def metres_m(self) -> float:
+        """All metres."""
+        return self.empty_m + self.loaded_m
+
+    def copy(self) -> Odometer:
+        """The same sums, independent from now on."""
+        return Odometer(self.empty_m, self.loaded_m, dict(self.seconds))
+
+    def move(self, metres: float, seconds: float, loaded: bool) -> None:
+        """Add a stretch of way."""
+        if loaded:
+            self.loaded_m += metres
+            self.seconds[Activity.MOVING_LOADED] += seconds
+        else:
+            self.empty_m += metres
+            self.seconds[Activity.MOVING_EMPTY] += seconds
+
+    def stand(self, activity: Activity, seconds: float) -> None:
+        """Add time without movement."""
+        self.seconds[activity] += seconds

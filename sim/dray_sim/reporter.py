@@ -1,0 +1,59 @@
+"""The way of a body's reports to its agent: in order, and never inside an instruction.
+
+A body says things while it is in the middle of changing its own state. Whoever hears them may answer
+with an instruction, so they go out when the change is complete: at the end of a clock's callback at
+once, after an instruction by a callback of the clock at the same instant.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+
+from dray.body import Report
+from dray.ports import Clock
+
+
+class Reporter:
+    """Holds what a body says until it may be heard. What nobody is attached for is lost, as on a wire."""
+
+    __slots__ = ("_asked", "_clock", "_draining", "_hear", "_waiting")
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._waiting: deque[Report] = deque()
+        """Bounded by what one instruction or one instant can cause: a handful."""
+        self._hear: Callable[[Report], None] | None = None
+        self._asked = False
+        self._draining = False
+
+    def attach(self, hear: Callable[[Report], None]) -> None:
+        """Report to `hear` from now on, and to no other."""
+        self._hear = hear
+
+    def say(self, report: Report) -> None:
+        """Report this with the next `flush`."""
+        self._waiting.append(report)
+
+    def flush_soon(self) -> None:
+        """Let everything said be heard at this instant, but after the caller has returned."""
+        if self._waiting and not self._asked:
+            self._asked = True
+            self._clock.call_at(self._clock.now_s(), self._called)
+
+    def flush(self) -> None:
+        """Let everything said be heard now; for the end of a clock's callback."""
+        if self._draining:
+            return  # Somebody down the stack is at it, and will come to the newest report in its turn.
+        self._draining = True
+        try:
+            while self._waiting:
+                report = self._waiting.popleft()
+                if self._hear is not None:
+                    self._hear(report)
+        finally:
+            self._draining = False
+
+    def _called(self) -> None:
+        self._asked = False
+        self.flush()

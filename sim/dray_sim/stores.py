@@ -1,0 +1,221 @@
+"""Where material comes from and goods go to: storages and warehouses, and what every place offers.
+
+`Place` is what a vehicle sees of a station: it takes something out or puts something in, at once and
+wholly or not at all. Every place counts, so that material can be balanced over a whole run
+(invariant 2):
+
+    stock at the beginning + supplied = in storages + on board + in buffers + consumed + scrapped
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from typing import Protocol
+
+from dray.plant.model import Storage as StorageSpec
+from dray.ports import Clock
+
+REFILL_S = 120.0
+"""From a low stock to a full one. The paper leaves this way to somebody else (4.1: material "is supposed
+to be automatically distributed" to the storages); two minutes is a tugger train that is about."""
+
+REFILL_BELOW_FRAC = 0.5
+"""A stock below this part of its capacity is refilled."""
+
+NO_ROOM = "no room"
+TOO_LITTLE = "too little there"
+NOT_KEPT = "not kept here"
+
+
+class Place(Protocol):
+    """A station as a vehicle meets it.
+
+    Atomic: a transfer happens wholly at this instant, or not at all.
+    """
+
+    def take(self, vehicle: str, item: str, quantity: int) -> str:
+        """Give pieces to a vehicle. Returns "" when it has them, else why not."""
+        ...
+
+    def put(self, vehicle: str, item: str, quantity: int) -> str:
+        """Receive pieces from a vehicle. Returns "" when they are in, else why not."""
+        ...
+
+    def wait_for(self, item: str, quantity: int, then: Callable[[], None]) -> bool:
+        """Ask to be told when so much may be there.
+
+        Returns:
+            True when it comes by itself: `then` is called once, in the order of asking, and the
+            pieces may be gone again by the time of another `take`. False when waiting is in vain.
+        """
+        ...
+
+
+class SourceWarehouse:
+    """Unlimited material, counted as it leaves.
+
+    Args:
+        id_: the warehouse.
+        materials: ids of what it has.
+
+    Attributes:
+        left: pieces that went out, by vehicle or as a refill.
+        returned: pieces that vehicles brought back.
+    """
+
+    def __init__(self, id_: str, materials: Iterable[str]) -> None:
+        self.id = id_
+        self.left: Counter[str] = Counter()
+        self.returned: Counter[str] = Counter()
+        self._materials = frozenset(materials)
+
+    def supplied(self, material: str) -> int:
+        """Pieces that have come into the factory from here, on balance."""
+        return self.left[material] - self.returned[material]
+
+    def ship(self, material: str, quantity: int) -> None:
+        """Send pieces to a storage; counted as they arrive there, so that none is ever in between."""
+        self.left[material] += quantity
+
+    def take(self, vehicle: str, item: str, quantity: int) -> str:  # noqa: ARG002 - the same for all
+        """See `Place`."""
+        if item not in self._materials:
+            return NOT_KEPT
+        self.left[item] += quantity
+        return ""
+
+    def put(self, vehicle: str, item: str, quantity: int) -> str:  # noqa: ARG002 - the same for all
+        """See `Place`. A superseded vehicle may bring its load back."""
+        if item not in self._materials:
+            return NOT_KEPT
+        self.returned[item] += quantity
+        return ""
+
+    def wait_for(self, item: str, quantity: int, then: Callable[[], None]) -> bool:  # noqa: ARG002
+        """See `Place`. It is never short of anything, so there is nothing to wait for."""
+        return False
+
+
+class DeliveryWarehouse:
+    """Where finished products go, counted as they arrive.
+
+    Args:
+        id_: the warehouse.
+        products: ids of what it accepts.
+
+    Attributes:
+        arrived: pieces of every product.
+    """
+
+    def __init__(self, id_: str, products: Iterable[str]) -> None:
+        self.id = id_
+        self.arrived: Counter[str] = Counter()
+        self._products = frozenset(products)
+
+    def take(self, vehicle: str, item: str, quantity: int) -> str:  # noqa: ARG002 - nobody gets any
+        """See `Place`. What is delivered stays delivered."""
+        return NOT_KEPT
+
+    def put(self, vehicle: str, item: str, quantity: int) -> str:  # noqa: ARG002 - the same for all
+        """See `Place`."""
+        if item not in self._products:
+            return NOT_KEPT
+        self.arrived[item] += quantity
+        return ""
+
+    def wait_for(self, item: str, quantity: int, then: Callable[[], None]) -> bool:  # noqa: ARG002
+        """See `Place`."""
+        return False
+
+
+class Storage:
+    """An interim storage that keeps itself filled from the source warehouse.
+
+    Invariants: a stock is never negative and never above its capacity; of every material at most
+    one refill is on its way.
+
+    Args:
+        spec: which materials, and how many pieces of each.
+        clock: the plant's clock.
+        source: where refills come from.
+        refill_s: from the order of a refill to its arrival.
+        stock: pieces at the beginning; full where a material is not named.
+
+    Attributes:
+        stock: pieces of every material.
+    """
+
+    def __init__(
+        self,
+        spec: StorageSpec,
+        clock: Clock,
+        source: SourceWarehouse,
+        refill_s: float = REFILL_S,
+        stock: Mapping[str, int] | None = None,
+    ) -> None:
+        self.id = spec.id
+        self._clock = clock
+        self._source = source
+        self._refill_s = refill_s
+        self._capacity = {kept.material: kept.capacity for kept in spec.stocks}
+        begin = stock or {}
+        self.stock = {item: min(begin.get(item, room), room) for item, room in self._capacity.items()}
+        self._ordered: set[str] = set()
+        self._waiters: dict[str, list[Callable[[], None]]] = {item: [] for item in self.stock}
+        """Bounded by the fleet: a vehicle waits for one thing at a time."""
+        for item in self.stock:
+            self._order_if_low(item)
+
+    def take(self, vehicle: str, item: str, quantity: int) -> str:  # noqa: ARG002 - the same for all
+        """See `Place`."""
+        at_hand = self.stock.get(item)
+        if at_hand is None:
+            return NOT_KEPT
+        if quantity > at_hand:
+            return TOO_LITTLE
+        self.stock[item] = at_hand - quantity
+        self._order_if_low(item)
+        return ""
+
+    def put(self, vehicle: str, item: str, quantity: int) -> str:  # noqa: ARG002 - the same for all
+        """See `Place`. A superseded vehicle may bring its load back."""
+        at_hand = self.stock.get(item)
+        if at_hand is None:
+            return NOT_KEPT
+        if at_hand + quantity > self._capacity[item]:
+            return NO_ROOM
+        self.stock[item] = at_hand + quantity
+        self._tell(item)
+        return ""
+
+    def wait_for(self, item: str, quantity: int, then: Callable[[], None]) -> bool:
+        """See `Place`. Orders a refill, so that also a lot above half the capacity comes in time."""
+        if quantity > self._capacity.get(item, 0):
+            return False
+        self._waiters[item].append(then)
+        self._order(item)
+        return True
+
+    def _order_if_low(self, item: str) -> None:
+        if self.stock[item] < REFILL_BELOW_FRAC * self._capacity[item]:
+            self._order(item)
+
+    def _order(self, item: str) -> None:
+        if item not in self._ordered:
+            self._ordered.add(item)
+            self._clock.call_at(self._clock.now_s() + self._refill_s, lambda: self._refill(item))
+
+    def _refill(self, item: str) -> None:
+        """Fill up to the capacity as it is missing now: vehicles may have brought some back meanwhile."""
+        self._ordered.discard(item)
+        missing = self._capacity[item] - self.stock[item]
+        self._source.ship(item, missing)
+        self.stock[item] += missing
+        self._tell(item)
+
+    def _tell(self, item: str) -> None:
+        """Call all who wait; who comes too late for this time asks again and keeps its turn."""
+        waiters, self._waiters[item] = self._waiters[item], []
+        for then in waiters:
+            then()

@@ -1,0 +1,463 @@
+"""A simulated vehicle: it drives released ways, loads and unloads, charges, and can break down.
+
+It implements `dray.ports.Body`, behind which a real vehicle that speaks VDA 5050 can stand just as well:
+ways have a released part (base) and one that is not (horizon), picking and dropping are actions, and
+what cannot be done is reported. It leaves all decisions to its agent, and does not see other vehicles.
+
+Theory of operation. Nothing ticks. A moving vehicle has a speed profile (`dray_sim.travel`), a working
+one a time when the action ends; where it is and what its battery holds follow from the time in closed
+form. One call of the clock is open at a time, for the next node or the end of the action; it carries the
+number of the plan that it belongs to, and a change of plan makes it stale. Another watches the battery.
+
+    standing --Drive--> driving --WayDone--> standing --Pick, Drop, Charge--> acting --> standing
+    Hold, a breakdown and an empty battery stop either; the rest of the way or action is kept.
+
+An action needs a vehicle that stands at the station's node with its way finished. A new way ends an
+action: a charge as it should, a pick or drop with a failure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+
+from dray.body import (
+    ActionDone,
+    ActionFailed,
+    Charge,
+    Drive,
+    Drop,
+    Hold,
+    Instruction,
+    LimitSpeed,
+    NodePassed,
+    Pick,
+    ProblemCleared,
+    ProblemRaised,
+    ReleaseWay,
+    Report,
+    Unhold,
+    VehicleState,
+    WayDone,
+)
+from dray.plant import Plant
+from dray.plant.model import VehicleSpec, VehicleType
+from dray.ports import Clock
+from dray_sim.battery import Battery
+from dray_sim.chargers import Chargers
+from dray_sim.odometer import Activity, Odometer
+from dray_sim.reporter import Reporter
+from dray_sim.stores import Place
+from dray_sim.travel import NEVER_S, Travel
+from dray_sim.way import Way
+
+BATTERY_EMPTY = "battery empty"
+
+SLOWEST_FRAC = 0.01
+"""Of the top speed. A limit of nothing would be a hold that no resume ends."""
+
+EMPTY_FRAC = 1e-9
+"""Below this the battery is empty: milliseconds of an idle vehicle, and far above rounding."""
+
+WATCH_EXACT_S = 60.0
+"""A battery that lasts longer is looked at again after half of that time. So a vehicle keeps a handful
+of calls open, and not one for each time it has moved."""
+
+HALVINGS = 50
+"""Of a ride of minutes, to find when its battery ends: far below a nanosecond."""
+
+
+class SimVehicle:
+    """Implements `dray.ports.Body`.
+
+    Invariants: a held, broken or empty vehicle comes to a stand and does not start (invariant 5); the
+    load changes only by what a place gave or received; `battery_frac` is in 0..1.
+
+    Args:
+        spec: which vehicle, and where it stands at the beginning.
+        vehicle_type: what it can do.
+        plant: roads and stations.
+        clock: the plant's clock.
+        places: stations by id where it can load and unload.
+        chargers: who is plugged in where; shared by the fleet.
+
+    Attributes:
+        id: the vehicle's id.
+    """
+
+    def __init__(  # noqa: PLR0917 - what a vehicle is made of, each of another type
+        self,
+        spec: VehicleSpec,
+        vehicle_type: VehicleType,
+        plant: Plant,
+        clock: Clock,
+        places: Mapping[str, Place],
+        chargers: Chargers,
+    ) -> None:
+        self.id = spec.id
+        self._type = vehicle_type
+        self._plant = plant
+        self._clock = clock
+        self._places = places
+        self._chargers = chargers
+        self._reporter = Reporter(clock)
+        self._battery = Battery(vehicle_type)
+        self._travel = Travel(plant, vehicle_type, spec.node, clock.now_s())
+        self._load = ""
+        self._quantity = 0
+        self._held = False
+        self._fault = ""
+        self._empty = False
+        self._charger = ""
+        """Where it is plugged in."""
+        self._action: Pick | Drop | Charge | None = None
+        self._action_left_s = 0.0
+        self._out_of_stock = False
+        """The pick has come to its end, and there is nothing to take yet."""
+        # As of `_settled_s`:
+        self._level_frac = spec.battery_frac
+        self._sums = Odometer()
+        self._settled_s = clock.now_s()
+        self._settled_m = 0.0
+        self._plan = 0
+        """The number of the present plan: a call of the clock for another one is stale."""
+        self._watch_s = NEVER_S
+        """The next call that watches the battery; never after the battery is empty."""
+        self._watch_battery()
+
+    # --- Body ------------------------------------------------------------------------------------
+
+    def instruct(self, instruction: Instruction) -> None:
+        """See `dray.ports.Body`. What only a workcell can do is ignored: no report would fit it."""
+        self._settle()
+        match instruction:
+            case Drive():
+                self._drive(instruction)
+            case ReleaseWay(order, released):
+                if not self._travel.release(order, released, self._settled_s):
+                    self._fail(order, "this way is not driven")
+            case Pick() | Drop() | Charge():
+                self._act(instruction)
+            case Hold() | Unhold():
+                self._held = isinstance(instruction, Hold)
+                self._obey_stops()
+            case LimitSpeed(speed_frac):
+                frac = min(max(speed_frac, SLOWEST_FRAC), 1.0)
+                self._travel.limit(frac * self._type.max_speed_mps, self._settled_s)
+        self._schedule()
+        self._reporter.flush_soon()
+
+    def sense(self) -> VehicleState:
+        """See `dray.ports.Body`."""
+        now_s, travel = self._clock.now_s(), self._travel
+        return VehicleState(
+            pose=travel.pose(now_s),
+            node=travel.node,
+            next_node=travel.next_node(now_s),
+            next_node_s=travel.next_node_s(now_s),
+            speed_mps=travel.motion(now_s)[1],
+            battery_frac=self._level(now_s),
+            load=self._load,
+            load_quantity=self._quantity,
+            held=self._held,
+            charging=self._charging,
+        )
+
+    def attach(self, report: Callable[[Report], None]) -> None:
+        """See `dray.ports.Body`."""
+        self._reporter.attach(report)
+
+    # --- the world -------------------------------------------------------------------------------
+
+    @property
+    def problem(self) -> str:
+        """What keeps it from going on; empty for nothing."""
+        return self._fault or (BATTERY_EMPTY if self._empty else "")
+
+    def break_down(self, reason: str) -> None:
+        """Stop as if held, and say why. Another breakdown on top of it replaces the reason."""
+        self._settle()
+        self._fault = reason
+        self._reporter.say(ProblemRaised(reason=reason))
+        self._change_of_fortune()
+
+    def repair(self) -> None:
+        """Go on; harmless when nothing is broken. An empty battery is another problem, and stays."""
+        if not self._fault:
+            return
+        self._settle()
+        self._fault = ""
+        self._reporter.say(ProblemRaised(reason=BATTERY_EMPTY) if self._empty else ProblemCleared())
+        self._change_of_fortune()
+
+    def replace_battery(self, level_frac: float = 1.0) -> None:
+        """Put another battery in; an empty vehicle goes on with what it was doing."""
+        self._settle()
+        self._level_frac = level_frac
+        self._revive()
+        self._change_of_fortune()
+
+    def odometer(self) -> Odometer:
+        """Metres and seconds from the beginning until now."""
+        sums = self._sums.copy()
+        self._add_to(sums, self._clock.now_s())
+        return sums
+
+    # --- instructions ----------------------------------------------------------------------------
+
+    def _drive(self, drive: Drive) -> None:
+        travel, now_s = self._travel, self._settled_s
+        reason = travel.begin(drive.order, drive.nodes, drive.released, now_s)
+        if reason:
+            self._fail(drive.order, reason)
+            travel.cut(now_s)
+            return
+        if self._action is not None:
+            self._end_action("a new way was given")
+        self._chargers.unplug(self._charger, self.id)
+        self._charger = ""
+        way = travel.way
+        if way is not None and not way.lead:
+            self._pass_node(way, 0)
+
+    def _act(self, action: Pick | Drop | Charge) -> None:
+        if isinstance(self._action, Charge):
+            self._end_action("")
+        reason = self._refusal(action)
+        if reason:
+            self._fail(action.order, reason)
+            return
+        self._action, self._out_of_stock = action, False
+        if isinstance(action, Pick):
+            self._action_left_s = self._type.load_s
+        elif isinstance(action, Drop):
+            self._action_left_s = self._type.unload_s
+        else:
+            self._charger = action.charger
+            self._revive()
+            self._obey_stops()
+
+    def _refusal(self, action: Pick | Drop | Charge) -> str:
+        """Why an action cannot begin; empty when it can."""
+        if self._travel.way is not None:
+            return "the way is not finished"
+        if self._action is not None:
+            return "busy with another action"
+        if isinstance(action, Charge):
+            if action.charger not in self._plant.chargers:
+                return f"no charger {action.charger}"
+            if self._plant.node_of(action.charger) != self._travel.node:
+                return f"not at {action.charger}"
+            return self._chargers.plug(action.charger, self.id)
+        if action.station not in self._places:
+            return f"no station {action.station}"
+        if self._plant.node_of(action.station) != self._travel.node:
+            return f"not at {action.station}"
+        if isinstance(action, Drop):
+            return "" if self._load else "nothing on board"
+        return self._why_not_pick(action)
+
+    def _why_not_pick(self, pick: Pick) -> str:
+        """Why this vehicle can never pick this; empty when it can."""
+        item = self._plant.materials.get(pick.item) or self._plant.products.get(pick.item)
+        if self._load:
+            return f"{self._load} is on board"
+        if item is None:
+            return f"no item {pick.item}"
+        if item.ability not in self._type.abilities:
+            return f"cannot carry {item.ability}"
+        if not 1 <= pick.quantity <= item.lot:
+            return f"{pick.quantity} is not within a lot of {item.lot}"
+        return ""
+
+    # --- what happens at its time ----------------------------------------------------------------
+
+    def _due(self, plan: int) -> None:
+        """The next node is reached, or the action has ended."""
+        if plan != self._plan:
+            return
+        self._settle()
+        way = self._travel.way
+        if way is not None:
+            self._pass_node(way, self._travel.arrive())
+        elif isinstance(self._action, Charge):
+            self._level_frac = 1.0
+            self._complete(self._action.order)
+        elif self._action is not None:
+            self._transfer(self._action)
+        self._schedule()
+        self._reporter.flush()
+
+    def _pass_node(self, way: Way, index: int) -> None:
+        node = self._travel.node
+        report = NodePassed(order=way.order, node=node, index=index, battery_frac=self._level_frac)
+        self._reporter.say(report)
+        if self._travel.finish(self._settled_s):
+            self._reporter.say(WayDone(order=way.order, node=node))
+
+    def _transfer(self, action: Pick | Drop) -> None:
+        """The load changes hands at the end of the manoeuvre, at once and wholly."""
+        place = self._places[action.station]
+        if isinstance(action, Drop):
+            reason = place.put(self.id, self._load, self._quantity)
+            if not reason:
+                self._load, self._quantity = "", 0
+        else:
+            reason = place.take(self.id, action.item, action.quantity)
+            if not reason:
+                self._load, self._quantity = action.item, action.quantity
+            elif place.wait_for(action.item, action.quantity, partial(self._stocked, action.order)):
+                self._out_of_stock = True
+                return
+        if reason:
+            self._end_action(reason)
+        else:
+            self._complete(action.order)
+
+    def _stocked(self, order: int) -> None:
+        """What the pick has waited for may be there now."""
+        if not self._out_of_stock or self._action is None or self._action.order != order:
+            return
+        self._settle()
+        self._out_of_stock = False
+        if not self._stopped:
+            self._due(self._plan)
+
+    def _complete(self, order: int) -> None:
+        self._action = None
+        self._reporter.say(ActionDone(order=order))
+
+    def _end_action(self, reason: str) -> None:
+        """End the action without effect; a charge has had its effect and ends without a word."""
+        if self._action is not None and not isinstance(self._action, Charge):
+            self._fail(self._action.order, reason)
+        self._action, self._out_of_stock = None, False
+
+    def _fail(self, order: int, reason: str) -> None:
+        self._reporter.say(ActionFailed(order=order, reason=reason))
+
+    # --- stops and plans -------------------------------------------------------------------------
+
+    @property
+    def _stopped(self) -> bool:
+        return self._held or bool(self._fault) or self._empty
+
+    @property
+    def _charging(self) -> bool:
+        return isinstance(self._action, Charge) and not self._stopped
+
+    def _change_of_fortune(self) -> None:
+        """Something outside has changed: stop or go on, and tell."""
+        self._obey_stops()
+        self._schedule()
+        self._reporter.flush_soon()
+
+    def _obey_stops(self) -> None:
+        if self._stopped:
+            self._travel.halt(self._settled_s)
+        else:
+            self._travel.go_on(self._settled_s)
+
+    def _schedule(self) -> None:
+        """Ask to be called at the end of the present plan; calls for earlier plans are stale now."""
+        self._plan += 1
+        when_s = NEVER_S
+        if self._travel.way is not None:
+            when_s = self._travel.next_at_s
+        elif self._action is not None and not self._stopped and not self._out_of_stock:
+            charging_s = self._battery.charging_s(self._level_frac)
+            left_s = charging_s if isinstance(self._action, Charge) else self._action_left_s
+            when_s = self._settled_s + left_s
+        if when_s < NEVER_S:
+            self._clock.call_at(when_s, partial(self._due, self._plan))
+        self._watch_battery()
+
+    # --- the battery -----------------------------------------------------------------------------
+
+    def _level(self, now_s: float) -> float:
+        """The battery at a time not after the next plan."""
+        seconds = now_s - self._settled_s
+        if self._charging:
+            return self._battery.charged_frac(self._level_frac, seconds)
+        metres = self._travel.driven_m(now_s) - self._settled_m
+        return max(self._level_frac - self._battery.spent_frac(metres, bool(self._load), seconds), 0.0)
+
+    def _watch_battery(self) -> None:
+        """See to it that a call comes not later than the battery is empty."""
+        if self._empty or self._charging:
+            return
+        left_s = self._empties_at_s() - self._settled_s
+        when_s = self._settled_s + (left_s if left_s <= WATCH_EXACT_S else left_s / 2.0)
+        if self._settled_s + left_s < self._watch_s:
+            self._watch_s = when_s
+            self._clock.call_at(when_s, partial(self._look_at_battery, when_s))
+
+    def _empties_at_s(self) -> float:
+        """When the battery is empty if the vehicle stands after its next node or stop."""
+        begin_s = self._settled_s
+        end_s = max(min(self._travel.next_at_s, self._travel.moves_until_s), begin_s)
+        level_frac = self._level(end_s)
+        if level_frac > 0.0:
+            return end_s + self._battery.lasts_s(level_frac)
+        for _ in range(HALVINGS):
+            middle_s = 0.5 * (begin_s + end_s)
+            if self._level(middle_s) > 0.0:
+                begin_s = middle_s
+            else:
+                end_s = middle_s
+        return end_s
+
+    def _look_at_battery(self, when_s: float) -> None:
+        if when_s == self._watch_s:
+            self._watch_s = NEVER_S
+        if self._empty or self._charging:
+            return
+        self._settle()
+        if self._level_frac > EMPTY_FRAC:
+            self._watch_battery()
+            return
+        self._level_frac, self._empty = 0.0, True
+        self._travel.stop_dead(self._settled_s)
+        self._reporter.say(ProblemRaised(reason=BATTERY_EMPTY))
+        self._schedule()
+        self._reporter.flush()
+
+    def _revive(self) -> None:
+        """The battery gives power again."""
+        if self._empty:
+            self._empty = False
+            if not self._fault:
+                self._reporter.say(ProblemCleared())
+
+    # --- sums ------------------------------------------------------------------------------------
+
+    def _settle(self) -> None:
+        """Bring battery, odometer and action up to now."""
+        now_s = self._clock.now_s()
+        if now_s == self._settled_s:
+            return
+        self._add_to(self._sums, now_s)
+        self._level_frac = self._level(now_s)
+        if self._action is not None and not self._stopped:
+            self._action_left_s = max(self._action_left_s - (now_s - self._settled_s), 0.0)
+        self._settled_s, self._settled_m = now_s, self._travel.driven_m(now_s)
+
+    def _add_to(self, sums: Odometer, now_s: float) -> None:
+        """Add what happened since it was settled."""
+        begin_s = self._settled_s
+        stands_s = min(max(self._travel.moves_until_s, begin_s), now_s)
+        if stands_s > begin_s:
+            metres = max(self._travel.driven_m(now_s) - self._settled_m, 0.0)
+            sums.move(metres, stands_s - begin_s, loaded=bool(self._load))
+        if now_s > stands_s:
+            sums.stand(self._activity(), now_s - stands_s)
+
+    def _activity(self) -> Activity:
+        """What it does when it does not move."""
+        if self._stopped:
+            return Activity.HELD
+        if isinstance(self._action, Charge):
+            return Activity.CHARGING
+        if self._action is not None:
+            return Activity.WAITING if self._out_of_stock else Activity.HANDLING
+        return Activity.WAITING if self._travel.waits else Activity.IDLE
