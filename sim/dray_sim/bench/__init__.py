@@ -14,9 +14,9 @@ from dataclasses import asdict
 from typing import Any
 
 from dray_sim.bench import bus
-from dray_sim.bench.row import Row, best_rate
+from dray_sim.bench.row import Row, rates
 
-__all__ = ["BENCHES", "Bench", "Row", "as_json", "best_rate", "run_benches"]
+__all__ = ["BENCHES", "Bench", "Row", "as_json", "rates", "run_benches"]
 
 Bench = Callable[[bool], list[Row]]
 """Measures; True means quick: a tenth of the work, for a look and for tests."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import heapq
+from collections.abc import Callable
 from itertools import count
 from random import Random
 
@@ -17,7 +18,7 @@ from dray.messages import AtvHeartbeat, AtvStatus, Brief, Message, Phase, Pose, 
 from dray.messages.keys import Keys
 from dray.protocol.events import NEVER_S, Effect, Event, Publish, Subscribe, Woke
 from dray.worker import Worker
-from dray_sim.bench.row import Row, best_rate
+from dray_sim.bench.row import Row, rates
 from dray_sim.loop import clock, run
 from dray_sim.network import SimNetwork
 from dray_sim.trace import Trace
@@ -64,25 +65,19 @@ def measure(quick: bool) -> list[Row]:
         quick: a tenth of the work.
     """
     span_s = QUICK_SPAN_S if quick else SPAN_S
-    bare = best_rate(lambda: _bare_calls(int(span_s * 10_000)))
-    runs = [
-        ("network", lambda: _deliveries(span_s)),
-        ("network and trace", lambda: _deliveries(span_s, trace=Trace())),
-        ("network, trace and codec", lambda: _deliveries(span_s, trace=Trace(), codec=True)),
-        ("network and workers", lambda: _worker_events(span_s)),
+    calls = int(span_s * MACHINES * VEHICLES / PERIOD_S)
+    return [
+        _row("network", lambda: _deliveries(span_s), calls, TARGET_PER_S),
+        _row("network and trace", lambda: _deliveries(span_s, trace=Trace()), calls),
+        _row("network, trace and codec", lambda: _deliveries(span_s, trace=Trace(), codec=True), calls),
+        _row("network and workers", lambda: _worker_events(span_s), calls),
+        _codec_row(20_000 if quick else 200_000),
     ]
-    rows = [
-        Row(
-            name=f"bus: deliveries, {name}",
-            figure=best_rate(work),
-            unit="1/s",
-            baseline=bare,
-            baseline_name="bare heap of timed calls",
-            target=TARGET_PER_S if name == "network" else None,
-        )
-        for name, work in runs
-    ]
-    return [*rows, _codec_row(20_000 if quick else 200_000)]
+
+
+def _row(name: str, work: Callable[[], int], calls: int, target: float | None = None) -> Row:
+    figure, baseline = rates(work, lambda: _bare_calls(calls))
+    return Row(f"bus: deliveries, {name}", figure, "1/s", baseline, "bare heap of timed calls", target)
 
 
 def _bare_calls(calls: int) -> int:
@@ -188,10 +183,5 @@ def _codec_row(messages: int) -> Row:
             encode("ATV-07", HEARTBEAT)
         return messages
 
-    return Row(
-        name="bus: heartbeats written and read",
-        figure=best_rate(there_and_back),
-        unit="1/s",
-        baseline=best_rate(write),
-        baseline_name="writing alone",
-    )
+    figure, baseline = rates(there_and_back, write)
+    return Row("bus: heartbeats written and read", figure, "1/s", baseline, "writing alone")

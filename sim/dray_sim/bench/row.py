@@ -42,18 +42,24 @@ class Row:
         return self.target is None or self.figure >= self.target
 
 
-def best_rate(work: Callable[[], int], repeats: int = REPEATS) -> float:
-    """How often per second `work` does whatever it counts.
+def rates(
+    work: Callable[[], int], baseline: Callable[[], int], repeats: int = REPEATS
+) -> tuple[float, float]:
+    """How often per second each of the two does whatever it counts.
+
+    They take turns, so that both have the same share of whatever else the machine is doing.
 
     Args:
         work: does it, and returns how many times.
-        repeats: the best of so many runs is taken.
+        baseline: likewise.
+        repeats: the best of so many runs of each is taken.
     """
-    best = 0.0
+    best = [0.0, 0.0]
     for _ in range(repeats):
-        # What the run before left behind must not be cleaned up on this one's time.
-        gc.collect()
-        start_s = time.perf_counter()
-        done = work()
-        best = max(best, done / (time.perf_counter() - start_s))
-    return best
+        for place, run in enumerate((work, baseline)):
+            # What the run before left behind must not be cleaned up on this one's time.
+            gc.collect()
+            start_s = time.perf_counter()
+            done = run()
+            best[place] = max(best[place], done / (time.perf_counter() - start_s))
+    return best[0], best[1]
