@@ -1,0 +1,62 @@
+"""The `dray` command: the composition root. Only here are concrete classes chosen.
+
+    dray up             the simulated factory, the gateway and the panels in one process
+    dray sim ...        named scenarios in virtual time
+    dray bench          benchmarks
+    dray plant ...      plant files
+    dray db ...         the database
+
+One module per group. What a command needs is imported when it runs, so that `dray --help` answers at
+once. What a command prints on stdout is its result; everything else goes to stderr.
+
+Exit codes: 0 done; 1 a broken invariant, or something outside is not there; 2 input that cannot be used.
+"""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated
+
+import typer
+
+from dray import __version__
+from dray.cli import bench, db, plant, sim, up
+from dray.errors import DrayError, InputError
+
+app = typer.Typer(
+    name="dray",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+app.command("up")(up.up)
+app.command("bench")(bench.bench)
+app.add_typer(sim.app, name="sim")
+app.add_typer(plant.app, name="plant")
+app.add_typer(db.app, name="db")
+
+
+def show_version(wanted: bool) -> None:
+    """Print the version and leave."""
+    if wanted:
+        typer.echo(f"dray {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def dray(
+    version: Annotated[
+        bool, typer.Option("--version", callback=show_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Material flow of a factory with no dispatcher: machines hire the vehicles that feed them."""
+
+
+def main() -> None:
+    """Run the command line; an error of ours becomes one clear line on stderr and an exit code."""
+    try:
+        app()
+    except DrayError as error:
+        typer.echo(f"dray: {error}", err=True)
+        sys.exit(2 if isinstance(error, InputError) else 1)

@@ -1,0 +1,48 @@
+"""`dray bench`: benchmarks, each figure beside a baseline of the same run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from dray_sim.bench import Row
+
+
+def bench(
+    names: Annotated[
+        list[str] | None, typer.Argument(help="Which ones; all by default.", show_default=False)
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Less work: less exact, for a first look.")] = False,
+    json: Annotated[Path | None, typer.Option(help="Write the figures here too.")] = None,
+) -> None:
+    """Measure; every figure stands beside a baseline that was measured in the same run."""
+    from rich.console import Console
+
+    from dray.cli.output import one_of, table, write_text
+    from dray_sim.bench import BENCHES, as_json
+
+    chosen = {name: one_of(BENCHES, name, "benchmark") for name in names or BENCHES}
+    rows: list[Row] = []
+    progress = Console(stderr=True)
+    for name, measure in chosen.items():
+        with progress.status(f"measuring {name}"):
+            rows += measure(quick)
+    table(("benchmark", "figure", "times the baseline", "aim"), [_cells(row) for row in rows])
+    if json is not None:
+        write_text(json, as_json(rows) + "\n")
+
+
+def _cells(row: Row) -> tuple[str, ...]:
+    return (
+        row.name,
+        f"{_number(row.figure)} {row.unit}",
+        f"{row.ratio:.3g} x {row.baseline_name}",
+        "" if row.target is None else f"{_number(row.target)} {'met' if row.met else 'MISSED'}",
+    )
+
+
+def _number(value: float) -> str:
+    return f"{value:,.0f}" if abs(value) >= 100 else f"{value:.3g}"

@@ -1,0 +1,21 @@
+"""Command line options that become settings."""
+
+from __future__ import annotations
+
+from dray.errors import SettingsError
+from dray.settings import Settings
+
+OPTIONS = {"--database-url": "--db"}
+"""Options whose name is not that of the setting."""
+
+
+def load_settings(**options: object) -> Settings:
+    """The environment, overridden by the options that were given.
+
+    Raises:
+        SettingsError: names the option as the user typed it.
+    """
+    try:
+        return Settings.load(**options)
+    except SettingsError as error:
+        raise SettingsError(OPTIONS.get(error.name, error.name), error.reason) from None

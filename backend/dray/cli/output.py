@@ -1,0 +1,61 @@
+"""What commands have in common: tables, JSON files, choices by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TypeVar
+
+import msgspec
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from dray.errors import SettingsError, UnavailableError
+
+T = TypeVar("T")
+
+FILE_WIDTH = 120
+"""Columns of a table that goes to a file or a pipe: as wide as a code review shows."""
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Print a table on stdout; the first column never wraps."""
+    shown = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for index, title in enumerate(head):
+        shown.add_column(title, no_wrap=index == 0)
+    for row in rows:
+        shown.add_row(*row)
+    console = Console()
+    if not console.is_terminal:
+        console.width = FILE_WIDTH
+    console.print(shown)
+
+
+def one_of(choices: Mapping[str, T], name: str, kind: str) -> T:
+    """The choice of this name.
+
+    Raises:
+        SettingsError: there is none; it says which there are.
+    """
+    if name not in choices:
+        raise SettingsError(kind, f"there is no {name!r}; choose one of {', '.join(choices)}")
+    return choices[name]
+
+
+def write_json(file: Path, content: object) -> None:
+    """Write JSON for people and machines; see `write_text`."""
+    write_text(file, msgspec.json.format(msgspec.json.encode(content), indent=2).decode() + "\n")
+
+
+def write_text(file: Path, text: str) -> None:
+    """Write what --json asks for.
+
+    Raises:
+        UnavailableError: the file cannot be written.
+    """
+    try:
+        file.write_text(text, encoding="utf-8")
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise UnavailableError(str(file), reason, "choose another file for --json") from None

@@ -1,0 +1,25 @@
+"""`dray plant`: plant files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(no_args_is_help=True, help="Plant files.")
+
+
+@app.callback()
+def plant() -> None:
+    """Plant files."""
+
+
+@app.command()
+def check(
+    file: Annotated[Path, typer.Argument(help="A plant file (YAML).")],
+) -> None:
+    """Validate a plant file; every fault is named by line and field, and the exit code is 2."""
+    from dray.plant import check_plant
+
+    typer.echo(check_plant(file))

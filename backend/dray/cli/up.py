@@ -1,0 +1,46 @@
+"""`dray up`: the simulated factory, the gateway and the panels in one process."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def up(
+    host: Annotated[
+        str | None,
+        typer.Option(help="Address to serve on; else DRAY_HOST, else 127.0.0.1: this machine only."),
+    ] = None,
+    port: Annotated[
+        int | None,
+        typer.Option(min=0, max=65_535, help="Port; 0 for any free one; else DRAY_PORT, else 8000."),
+    ] = None,
+    db: Annotated[
+        str | None,
+        typer.Option(help="URL of the database; else DRAY_DATABASE_URL, else sqlite:///dray.db."),
+    ] = None,
+    plant: Annotated[
+        Path | None, typer.Option(help="A plant file; else the default plant of 12 machines and 8 vehicles.")
+    ] = None,
+    speed: Annotated[float, typer.Option(help="Factory seconds per real second.")] = 1.0,
+    seed: Annotated[int, typer.Option(help="Everything that is left to chance follows from it.")] = 1,
+    demand: Annotated[
+        bool, typer.Option("--demand/--no-demand", help="Place orders, so that there is something to see.")
+    ] = True,
+) -> None:
+    """Run a simulated factory with its panels; Ctrl-C stops it."""
+    if not (math.isfinite(speed) and speed > 0):
+        raise typer.BadParameter("must be above 0", param_hint="--speed")
+
+    import asyncio
+
+    from dray.cli.options import load_settings
+    from dray.cli.service import Service, run_service
+    from dray.plant import default_plant, load_plant
+
+    settings = load_settings(host=host, port=port, database_url=db)
+    chosen = default_plant() if plant is None else load_plant(plant)
+    asyncio.run(run_service(Service(settings, chosen, speed=speed, seed=seed, demand=demand)))

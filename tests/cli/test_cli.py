@@ -1,0 +1,200 @@
+"""The command line: exit codes and messages. What the commands do is tested in their own rooms."""
+
+from __future__ import annotations
+
+import json
+import socket
+import sqlite3
+import subprocess
+import sys
+from importlib.resources import files
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from dray import __version__
+from dray.cli import main
+from dray_sim import scenarios
+from dray_sim.report import Report
+
+PLANT_FILE = Path(str(files("dray.plant") / "default.yaml"))
+
+
+class Outcome:
+    def __init__(self, code: int, out: str, err: str) -> None:
+        self.code, self.out, self.err = code, out, err
+
+
+@pytest.fixture
+def dray(monkeypatch, capsys, tmp_path):
+    """Run the command line in this process, in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "160")
+
+    def run(*args: str | Path) -> Outcome:
+        monkeypatch.setattr(sys, "argv", ["dray", *map(str, args)])
+        try:
+            main()
+        except SystemExit as end:
+            code = end.code if isinstance(end.code, int) else 0
+        else:
+            code = 0
+        captured = capsys.readouterr()
+        return Outcome(code, captured.out, captured.err)
+
+    return run
+
+
+def test_the_version_is_told(dray) -> None:
+    assert dray("--version").out == f"dray {__version__}\n"
+
+
+def test_help_names_every_command_and_loads_nothing_heavy() -> None:
+    """A cold process: what help needs is seen in `sys.modules`."""
+    script = (
+        "import sys; sys.argv = ['dray', '--help']\n"
+        "from dray.cli import main\n"
+        "try: main()\n"
+        "except SystemExit: pass\n"
+        "print([name for name in ('fastapi', 'sqlalchemy', 'uvicorn', 'asyncio', 'msgspec') if name in sys.modules])"
+    )
+    out = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
+    for command in ("up", "bench", "sim", "plant", "db"):
+        assert f" {command} " in out
+    assert out.splitlines()[-1] == "[]"
+
+
+def test_an_unknown_command_is_refused_with_exit_code_2(dray) -> None:
+    assert dray("fly").code == 2
+
+
+# --- plant check -------------------------------------------------------------------------------------
+
+
+def test_a_good_plant_is_described(dray) -> None:
+    done = dray("plant", "check", PLANT_FILE)
+    assert done.code == 0, done.err
+    assert "12 machines" in done.out
+
+
+def test_every_fault_of_a_plant_is_named_with_exit_code_2(dray, tmp_path) -> None:
+    broken = tmp_path / "broken.yaml"
+    text = PLANT_FILE.read_text()
+    broken.write_text(text.replace("width_m: 60", "width_m: -60").replace("height_m: 40", "height_m: high"))
+    done = dray("plant", "check", broken)
+    assert done.code == 2
+    assert done.out == ""
+    assert "width_m" in done.err
+    assert "height_m" in done.err
+    assert f"{broken}:" in done.err
+    assert "Traceback" not in done.err
+
+
+def test_a_plant_file_that_is_not_there_is_named(dray) -> None:
+    done = dray("plant", "check", "nowhere.yaml")
+    assert done.code == 2
+    assert "nowhere.yaml" in done.err
+
+
+# --- sim ---------------------------------------------------------------------------------------------
+
+
+def test_scenarios_are_listed(dray) -> None:
+    done = dray("sim", "list")
+    assert done.code == 0
+    assert "day" in done.out
+
+
+def test_an_unknown_scenario_names_those_that_there_are(dray) -> None:
+    done = dray("sim", "run", "night")
+    assert done.code == 2
+    assert "'night'" in done.err
+    assert "day" in done.err
+
+
+def test_a_report_that_cannot_be_written_is_said_in_one_line(dray, monkeypatch) -> None:
+    stub_scenario(monkeypatch, "held")
+    done = dray("sim", "run", "stub", "--json", "no/such/folder/report.json")
+    assert done.code == 1
+    assert done.err.count("\n") == 1
+
+
+def test_a_report_is_printed_and_written_as_json(dray, monkeypatch, tmp_path) -> None:
+    stub_scenario(monkeypatch, "held")
+    done = dray("sim", "run", "stub", "--seed", "7", "--json", "report.json")
+    assert done.code == 0
+    assert "invariants" in done.out
+    assert json.loads((tmp_path / "report.json").read_text())["seed"] == 7
+
+
+def test_a_broken_invariant_ends_with_exit_code_1_and_the_command_that_replays_it(dray, monkeypatch) -> None:
+    stub_scenario(monkeypatch, "invariant 2 is broken")
+    done = dray("sim", "run", "stub", "--seed", "7")
+    assert done.code == 1
+    assert "dray sim run stub --seed 7" in done.err
+
+
+def stub_scenario(monkeypatch, invariants: str) -> None:
+    fields = msgspec.structs.fields(Report)
+    blank = {field.name: field.type() if field.type in {str, int, float} else {} for field in fields}
+    monkeypatch.setattr(
+        scenarios,
+        "SCENARIOS",
+        {"stub": lambda seed: Report(**{**blank, "seed": seed, "invariants": invariants})},
+    )
+
+
+# --- db ----------------------------------------------------------------------------------------------
+
+
+def test_a_database_is_created_and_upgrading_it_again_changes_nothing(dray, tmp_path) -> None:
+    for _ in range(2):
+        done = dray("db", "upgrade", "--db", "sqlite:///new.db")
+        assert done.code == 0, done.err
+        assert "up to date" in done.out
+    tables = sqlite3.connect(tmp_path / "new.db").execute("select name from sqlite_master").fetchall()
+    assert ("orders",) in tables
+
+
+def test_a_database_that_cannot_be_written_is_said_with_a_remedy(dray) -> None:
+    done = dray("db", "upgrade", "--db", "sqlite:///no/such/folder/dray.db")
+    assert done.code == 1
+    assert "no/such/folder/dray.db" in done.err
+    assert "--db" in done.err
+    assert "Traceback" not in done.err
+
+
+def test_a_url_of_no_database_names_the_option(dray) -> None:
+    done = dray("db", "upgrade", "--db", "mongo:///x")
+    assert done.code == 2
+    assert done.err.startswith("dray: --db:")
+
+
+# --- up ----------------------------------------------------------------------------------------------
+
+
+def test_a_port_in_use_is_said_before_anything_starts(dray) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        done = dray("up", "--port", str(port))
+    assert done.code == 1
+    assert str(port) in done.err
+    assert "--port" in done.err
+    assert not Path("dray.db").exists()
+
+
+@pytest.mark.parametrize(
+    ("option", "value"), [("--speed", "0"), ("--speed", "-1"), ("--speed", "nan"), ("--port", "70000")]
+)
+def test_an_option_out_of_range_is_refused(dray, option, value) -> None:
+    done = dray("up", option, value)
+    assert done.code == 2
+    assert option in done.err
+
+
+def test_up_refuses_a_broken_plant_file(dray, tmp_path) -> None:
+    (tmp_path / "broken.yaml").write_text("plant: [")
+    done = dray("up", "--plant", "broken.yaml", "--port", "0")
+    assert done.code == 2
+    assert "broken.yaml" in done.err

@@ -1,0 +1,157 @@
+"""What all tests share: a skipped test is never overlooked.
+
+On a developer's machine a test may be skipped, for want of a browser say; the run then ends with a loud
+line that names it. Under CI (`CI=true`) nothing may be skipped: what would be, fails.
+"""
+
+from __future__ import annotations
+
+import os
+import queue
+import re
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Generator, Iterator
+from pathlib import Path
+from typing import TypeVar
+
+import pytest
+
+UNDER_CI = os.environ.get("CI", "").lower() in {"1", "true", "yes"}
+
+
+Report = TypeVar("Report", pytest.TestReport, pytest.CollectReport)
+
+
+def reason_of(report: pytest.TestReport | pytest.CollectReport) -> str:
+    """Why a test was skipped, in one line."""
+    if isinstance(report.longrepr, tuple):
+        return str(report.longrepr[2]).removeprefix("Skipped: ")
+    return str(report.longrepr)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    report = yield
+    return fail_when_skipped(report)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report() -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
+    report = yield
+    return fail_when_skipped(report)
+
+
+def fail_when_skipped(report: Report) -> Report:
+    """Under CI, turn a skip into a failure; an expected failure stays what it is."""
+    if UNDER_CI and report.skipped and not hasattr(report, "wasxfail"):
+        report.longrepr = f"skipped, which CI does not allow: {reason_of(report)}"
+        report.outcome = "failed"
+    return report
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    skipped = terminalreporter.stats.get("skipped", [])
+    if skipped:
+        terminalreporter.write_sep("!", f"{len(skipped)} TESTS WERE SKIPPED", red=True, bold=True)
+        for report in skipped:
+            terminalreporter.write_line(f"!!! {report.nodeid}: {reason_of(report)}", red=True, bold=True)
+
+
+# --- `dray up` as a process --------------------------------------------------------------------------
+
+READY_S = 60.0
+"""Longest wait for the line that names the panel: a cold start on a slow machine takes some 5 s."""
+
+STOP_S = 20.0
+"""Longest wait for a clean stop: connections get 3 s, the simulation one instant."""
+
+
+class DrayProcess:
+    """`dray up` in a process of its own.
+
+    Attributes:
+        url: where the panel is, without a slash at the end.
+        lines: what it has printed so far, stdout and stderr together.
+    """
+
+    def __init__(self, python: Path | str, *options: str, cwd: Path) -> None:
+        command = [str(python), "-m", "dray", "up", *options]
+        env = {**os.environ, "PYTHONUNBUFFERED": "1", "COLUMNS": "200", "NO_COLOR": "1"}
+        self.process = subprocess.Popen(
+            command, cwd=cwd, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        )
+        self.lines: list[str] = []
+        self._arrived: queue.Queue[str | None] = queue.Queue()
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+        try:
+            self.url = self._await_url()
+        except BaseException:
+            self.process.kill()
+            self.process.wait()
+            self._close()
+            raise
+
+    def stop(self) -> int:
+        """Ask it to stop, as a terminal or a service manager does; its exit code."""
+        if self.process.poll() is None:
+            self.process.terminate()
+        try:
+            return self.process.wait(STOP_S)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
+            pytest.fail(f"dray up did not stop within {STOP_S} s:\n{self.output()}")
+        finally:
+            self._close()
+
+    def output(self) -> str:
+        """Everything it has printed."""
+        return "".join(self.lines)
+
+    def _read(self) -> None:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.lines.append(line)
+            self._arrived.put(line)
+        self._arrived.put(None)
+
+    def _await_url(self) -> str:
+        ends_s = time.monotonic() + READY_S
+        while True:
+            try:
+                line = self._arrived.get(timeout=max(0.0, ends_s - time.monotonic()))
+            except queue.Empty:
+                pytest.fail(f"dray up was not ready within {READY_S} s:\n{self.output()}")
+            if line is None:
+                pytest.fail(f"dray up ended with {self.process.wait()}:\n{self.output()}")
+            if found := re.search(r"panel\s+(http://\S+?)/?\s*$", line, re.IGNORECASE):
+                return found[1]
+
+    def _close(self) -> None:
+        self._reader.join(STOP_S)
+        if self.process.stdout is not None:
+            self.process.stdout.close()
+
+
+StartDray = Callable[..., DrayProcess]
+
+
+@pytest.fixture(scope="session")
+def start_dray(tmp_path_factory: pytest.TempPathFactory) -> Iterator[StartDray]:
+    """Start `dray up` on a free port with a database of its own; whatever still runs at the end is stopped."""
+    started: list[DrayProcess] = []
+
+    def start(*options: str, python: Path | str = sys.executable) -> DrayProcess:
+        home = tmp_path_factory.mktemp("dray")
+        database = f"sqlite+aiosqlite:///{home / 'dray.db'}"
+        dray = DrayProcess(python, "--port", "0", "--db", database, *options, cwd=home)
+        started.append(dray)
+        return dray
+
+    yield start
+    for dray in started:
+        dray.stop()
