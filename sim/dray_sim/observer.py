@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from dray.messages import Event, MachineStatus, Message, Production, Role, Transport
+from dray.messages import Event, Heartbeat, MachineStatus, Message, Role, Transport
 from dray.messages.fact import (
     AwardAnswered,
     BidReceived,
@@ -71,6 +71,8 @@ class Observer:
         self.watches_taken = 0
         self.watches_lost = 0
         self.messages = 0
+        self.negotiation = 0
+        """Messages that are neither heartbeats nor history: what the contracts cost."""
         self.machines: dict[str, MachineTimes] = {}
         self._transport_tasks: dict[str, None] = {}
 
@@ -79,6 +81,8 @@ class Observer:
         self.messages += 1
         if type(message) is Event:
             self._note(message.fact, sender, at_s)
+        elif not isinstance(message, Heartbeat):
+            self.negotiation += 1
 
     def close(self, now_s: float) -> None:
         """The run is over: count the time of what still goes on."""

@@ -40,6 +40,7 @@ class Report(msgspec.Struct, frozen=True):
     bids_per_task: float
     rounds_per_task: float
     messages_per_task: float
+    """Of the negotiation: heartbeats and history not counted."""
     watches_taken: int
     watches_lost: int
     answers: dict[str, int]
@@ -92,7 +93,7 @@ def make_report(
         utilisation_frac=_utilisation(factory),
         bids_per_task=observer.bids / tasks,
         rounds_per_task=observer.rounds / tasks,
-        messages_per_task=observer.messages / tasks,
+        messages_per_task=observer.negotiation / tasks,
         watches_taken=observer.watches_taken,
         watches_lost=observer.watches_lost,
         answers=dict(sorted(observer.answers.items())),
@@ -120,7 +121,7 @@ def describe(report: Report) -> str:
         _line("vehicles' time", _shares(report.utilisation_frac)),
         _line("empty travel", f"{report.empty_travel_frac:.1%} of all metres"),
         _line("bids / rounds per transport", f"{report.bids_per_task:.1f} / {report.rounds_per_task:.2f}"),
-        _line("messages per transport", f"{report.messages_per_task:.0f}"),
+        _line("negotiation per transport", f"{report.messages_per_task:.0f} messages"),
         _line("watches taken / lost", f"{report.watches_taken} / {report.watches_lost}"),
         _line("awards", _counts(report.answers)),
         _line("refusals", _counts(report.refusals)),

@@ -6,8 +6,8 @@ from dray.plant import default_plant
 from dray_sim.report import Report
 from dray_sim.scenario import Shift, run_shift
 
-DAY = Shift(name="day", duration_s=8 * 3600.0, load=0.7)
-"""Seven tenths of the machines' time: a good day, with room for a peak."""
+DAY = Shift(name="day", duration_s=8 * 3600.0, load=0.85)
+"""Of the machines' time: a good day, with a little room for whatever comes between."""
 
 
 def run_day(seed: int) -> Report:

@@ -1,0 +1,91 @@
+"""A coordinator's dock: who may load or unload now, and whose handover counts.
+
+This is where the epoch fences. A carrier asks before every transfer (`Docked`), and its word that the
+load is down (`Handover`) is taken once per task, from the carrier of the present epoch. Whoever is not
+that carrier hears `Superseded` with the epoch that is right, and brings its load back.
+"""
+
+from __future__ import annotations
+
+from typing import cast
+
+from dray.body import OpenDock
+from dray.messages import (
+    Docked,
+    DockHeld,
+    DockOpened,
+    Handover,
+    HandoverAccepted,
+    Message,
+    Superseded,
+    Transport,
+)
+from dray.protocol.coordinator import Coordinator, OpenTask
+from dray.protocol.events import Effect, Instruct, Send
+from dray.protocol.supply import Supply
+
+
+class Dock:
+    """The dock of one machine.
+
+    Args:
+        machine: whose dock.
+        tasks: its open transports.
+        supply: its buffers and goods.
+        out: where effects go.
+    """
+
+    def __init__(self, machine: str, tasks: Coordinator, supply: Supply, out: list[Effect]) -> None:
+        self._machine = machine
+        self._tasks = tasks
+        self._supply = supply
+        self._out = out
+
+    def hear_docked(self, sender: str, message: Docked, _now_s: float) -> None:
+        """Somebody asks to load or to unload."""
+        task = self._tasks.get(message.task)
+        if task is None or message.epoch != task.epoch or sender != task.primary:
+            self._supersede(sender, message.task)
+            return
+        work = cast(Transport, task.work)
+        here = message.station == self._machine
+        held = self._why_held(work) if here else ""
+        answer: Message
+        if held:
+            answer = DockHeld(task=task.id, epoch=task.epoch, station=message.station, reason=held)
+        else:
+            answer = DockOpened(task=task.id, epoch=task.epoch, station=message.station)
+            if here:
+                opening = OpenDock(vehicle=sender, item=work.item, quantity=work.quantity)
+                self._out.append(Instruct(opening))
+        self._out.append(Send(sender, answer))
+
+    def hear_handover(self, sender: str, message: Handover) -> OpenTask | None:
+        """Somebody says that its load is down.
+
+        Returns:
+            The task that has just been delivered by it, closed; None when this was no news.
+        """
+        task = self._tasks.get(message.task)
+        if task is not None and message.epoch == task.epoch and sender == task.primary:
+            self._accept(sender, message)
+            self._tasks.close(task, "delivered")
+            return task
+        closed = self._tasks.closed(message.task)
+        if closed is not None and closed.carrier == sender and closed.outcome == "delivered":
+            self._accept(sender, message)
+        else:
+            self._supersede(sender, message.task)
+        return None
+
+    def _why_held(self, work: Transport) -> str:
+        if work.goal:
+            return "" if self._supply.level(work.item) >= work.quantity else "the goods are not ready"
+        return "" if self._supply.room(work.item) >= work.quantity else "the buffer is full"
+
+    def _accept(self, sender: str, message: Handover) -> None:
+        self._out.append(Send(sender, HandoverAccepted(task=message.task, epoch=message.epoch)))
+
+    def _supersede(self, sender: str, task_id: str) -> None:
+        known = self._tasks.get(task_id) or self._tasks.closed(task_id)
+        self._out.append(Send(sender, Superseded(task=task_id, epoch=known.epoch if known else 0)))
