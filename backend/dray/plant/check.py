@@ -123,34 +123,35 @@ def _values(file: PlantFile) -> Iterator[Fault]:
 
 def _items(file: PlantFile) -> Iterator[Fault]:
     """Materials and products: how much, who can carry them, who makes them."""
-    fleet_types = {vehicle.type for vehicle in file.fleet}
-    abilities = {
-        ability for kind in file.vehicle_types if kind.id in fleet_types for ability in kind.abilities
-    }
+    kinds = {kind.id: kind for kind in file.vehicle_types}
+    types = {vehicle.type for vehicle in file.fleet}
+    abilities = {ability for name in types & kinds.keys() for ability in kinds[name].abilities}
     stored = {stock.material for storage in file.storages for stock in storage.stocks}
     made = {making.product for machine in file.machines for making in machine.makes}
     materials = {material.id: material for material in file.materials}
+    # Something unknown among them may be the misspelt one that is looked for: reported already.
+    all_types = types <= kinds.keys()
+    all_stored = stored <= materials.keys()
+    all_made = made <= {product.id for product in file.products}
+    items: list[tuple[str, Material | Product]] = [
+        *((f"materials[{index}]", material) for index, material in enumerate(file.materials)),
+        *((f"products[{index}]", product) for index, product in enumerate(file.products)),
+    ]
+    for where, item in items:
+        if all_types and item.ability not in abilities:
+            reason = f"no vehicle of the fleet can carry {item.ability}: {item.id} would never move"
+            yield f"{where}.ability", reason
     for index, material in enumerate(file.materials):
         where = f"materials[{index}]"
-        yield from _carried(material, where, abilities)
         if material.lot > material.buffer:
             yield f"{where}.lot", f"a lot of {material.lot} does not fit into a buffer of {material.buffer}"
-        if material.id not in stored:
+        if all_stored and material.id not in stored:
             yield where, f"no storage keeps {material.id}: add it to the `stocks` of one"
     for index, product in enumerate(file.products):
         where = f"products[{index}]"
-        yield from _carried(product, where, abilities)
-        if product.id not in made:
+        if all_made and product.id not in made:
             yield where, f"no machine makes {product.id}: add it to the `makes` of one"
         yield from _bill(product, where, materials)
-
-
-def _carried(item: Material | Product, where: str, abilities: Collection[str]) -> Iterator[Fault]:
-    if item.ability not in abilities:
-        yield (
-            f"{where}.ability",
-            f"no vehicle of the fleet can carry {item.ability}: {item.id} would never move",
-        )
 
 
 def _bill(product: Product, where: str, materials: Mapping[str, Material]) -> Iterator[Fault]:

@@ -114,7 +114,10 @@ def _starts(file: PlantFile) -> Iterator[tuple[str, str]]:
 def _unreachable(file: PlantFile) -> Iterator[tuple[str, str]]:
     """Everybody must be able to get from every dock to every other, or vehicles strand."""
     nodes = {node.id for node in file.nodes}
-    roads = Roads(file.nodes, (lane for lane in file.lanes if lane.start in nodes and lane.end in nodes))
+    if not all(lane.start in nodes and lane.end in nodes for lane in file.lanes):
+        # Reported already; which docks the misspelt lane was to join is anybody's guess.
+        return
+    roads = Roads(file.nodes, file.lanes)
     docks = [
         (f"{section}[{index}].node", spec.id, spec.node)
         for section in ("warehouses", "storages", "chargers", "parkings", "machines", "fleet")

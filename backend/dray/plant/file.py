@@ -6,6 +6,7 @@ every entry (`model`), and how the entries fit together (`check`).
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from functools import cache
 from importlib.resources import files
@@ -26,6 +27,12 @@ MAX_BYTES = 8 * 1024 * 1024
 
 MAX_FAULTS = 100
 """Faults that are spelt out; whoever has more corrects these first."""
+
+OUR_WORDS = (
+    (re.compile("^Object missing required field (`.*`)$"), r"\1 is missing: add it"),
+    (re.compile("^Object contains unknown field (`.*`)$"), r"\1 is no field of this: check its spelling"),
+)
+"""Where msgspec does not say what to do."""
 
 DEFAULT_PLANT = "default.yaml"
 """The factory of the paper's Figure 1, part of the package."""
@@ -130,35 +137,41 @@ def _shape_faults(data: dict[str, object]) -> Iterator[tuple[str, str]]:
 
     Entries are tried one by one because msgspec stops at the first fault that it meets.
     """
-    try:
-        msgspec.convert(data, PlantFile)
-    except msgspec.ValidationError as error:
-        whole = _located(error, "")
-    else:
+    sections = {section.name: section for section in msgspec.structs.fields(PlantFile)}
+    for name, section in sections.items():
+        if name in data:
+            yield from _section_faults(name, data[name], section.type)
+        elif section.required:
+            yield "", f"`{name}` is missing: add it"
+    for name in data:
+        if name not in sections:
+            yield name, "there is no such section: check its spelling"
+
+
+def _section_faults(name: str, value: object, kind: object) -> Iterator[tuple[str, str]]:
+    fault = _misfit(name, value, kind)
+    if fault is None:
         return
-    found = list(_entry_faults(data))
-    # What is wrong with the file as a whole (an unknown or missing section) shows only there.
-    yield from found if whole in found else [whole, *found]
+    entry = _entry_type(kind)
+    if entry is None or not isinstance(value, list) or fault[0] == name:
+        yield fault
+        return
+    for index, item in enumerate(value):
+        fault = _misfit(f"{name}[{index}]", item, entry)
+        if fault is not None:
+            yield fault
 
 
-def _entry_faults(data: dict[str, object]) -> Iterator[tuple[str, str]]:
-    for field in msgspec.structs.fields(PlantFile):
-        if field.name not in data:
-            continue
-        value = data[field.name]
-        try:
-            msgspec.convert(value, field.type)
-        except msgspec.ValidationError as error:
-            fault = _located(error, field.name)
-            entry = _entry_type(field.type)
-            if entry is None or not isinstance(value, list) or fault[0] == field.name:
-                yield fault
-                continue
-            for index, item in enumerate(value):
-                try:
-                    msgspec.convert(item, entry)
-                except msgspec.ValidationError as item_error:
-                    yield _located(item_error, f"{field.name}[{index}]")
+def _misfit(field: str, value: object, kind: object) -> tuple[str, str] | None:
+    """Why a value is not of a kind, as msgspec's ``reason - at `$.path` `` split into field and reason."""
+    try:
+        msgspec.convert(value, kind)
+    except msgspec.ValidationError as error:
+        reason, _, path = str(error).partition(" - at `$")
+        for form, ours in OUR_WORDS:
+            reason = form.sub(ours, reason)
+        return field + path.rstrip("`"), reason[:1].lower() + reason[1:]
+    return None
 
 
 def _entry_type(section: object) -> object | None:
@@ -166,9 +179,3 @@ def _entry_type(section: object) -> object | None:
     while get_origin(section) not in (None, tuple):
         section = get_args(section)[0]
     return get_args(section)[0] if get_args(section) else None
-
-
-def _located(error: msgspec.ValidationError, prefix: str) -> tuple[str, str]:
-    """Split msgspec's ``reason - at `$.path` `` into the field and the reason."""
-    reason, _, path = str(error).partition(" - at `$")
-    return (prefix + path.rstrip("`")).lstrip("."), reason[:1].lower() + reason[1:]
