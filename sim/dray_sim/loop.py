@@ -205,7 +205,6 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         self.pace = pace
         self.lag_s = 0.0
         self.steps = 0
-        self._limit = MAX_STEPS_PER_INSTANT
         self._cancelled_timers = 0
         self._wall_s = wall_s
         self._start_s = start_s
@@ -274,7 +273,7 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         """Run until stopped. The hot path of every simulation: one loop, no calls but the callbacks'."""
         clock, ready, pop = self.clock, self._ready, heapq.heappop
         heap = clock.heap
-        steps, limit = self.steps, self._limit
+        steps, limit = self.steps, self.steps + MAX_STEPS_PER_INSTANT
         try:
             while not self._stopping:
                 if ready:
@@ -300,11 +299,16 @@ class VirtualLoop(asyncio.SelectorEventLoop):
                     if steps > limit:
                         raise StandstillError(clock.time_s, callback)
         finally:
-            self.steps, self._limit = steps, limit
+            self.steps = steps
 
     def _keep_pace(self) -> None:
         """Sleep until something is due or comes from outside, then work for one burst at most."""
-        self._process_events(self._selector.select(self._sleep_s()))
+        was_idle = not self._ready
+        come = self._selector.select(self._sleep_s())
+        if was_idle:
+            # Whatever has come from outside has come now. Tasks of an instant still see that instant.
+            self._move_on()
+        self._process_events(come)
         burst_ends_s = self._wall_s() + BURST_S
         while self._step_paced() and not self._stopping and self._wall_s() < burst_ends_s:
             pass
@@ -322,14 +326,14 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         """The virtual time that belongs to this real moment (paced loops); callable from any thread."""
         return self._start_s + (self._wall_s() - self._start_wall_s) * self.pace.speed
 
+    def _move_on(self) -> None:
+        # Never past an instant that has not run yet: a loop that is behind catches up, it skips nothing.
+        next_s = self.clock.heap[0][0] if self.clock.heap else math.inf
+        self.clock.time_s = max(self.clock.time_s, min(self.due_s(), next_s))
+
     def _step_paced(self) -> bool:
         """Run what is ready, else one due instant; False when there was neither."""
         clock, heap, ready = self.clock, self.clock.heap, self._ready
-        due_s = self.due_s()
-        next_s = heap[0][0] if heap else math.inf
-        # Never past an instant that has not run yet: a loop that is behind catches up, it skips nothing.
-        clock.time_s = max(clock.time_s, min(due_s, next_s))
-        self.lag_s = max(0.0, due_s - next_s) / self.pace.speed
         if ready:
             self.steps += len(ready)
             for _ in range(len(ready)):
@@ -337,6 +341,9 @@ class VirtualLoop(asyncio.SelectorEventLoop):
                 if not handle._cancelled:
                     handle._run()
             return True
+        due_s = self.due_s()
+        next_s = heap[0][0] if heap else math.inf
+        self.lag_s = max(0.0, due_s - next_s) / self.pace.speed
         if next_s > due_s + TICK_S:
             return False
         clock.time_s = next_s
