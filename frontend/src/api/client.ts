@@ -1,0 +1,94 @@
+/** Requests to the gateway, with its problems (RFC 9457) as values. */
+import type { PlantFile } from "./types";
+
+export interface FieldError {
+  readonly field: string;
+  readonly reason: string;
+}
+
+/** Why a request did not succeed. `status` 0: no answer came. */
+export class Problem extends Error {
+  constructor(
+    readonly status: number,
+    title: string,
+    readonly errors: readonly FieldError[] = [],
+  ) {
+    super(title);
+    this.name = "Problem";
+  }
+}
+
+export interface NewOrder {
+  customer: string;
+  items: { product: string; quantity: number }[];
+  due_at?: string;
+  reference?: string;
+  release: boolean;
+}
+
+export interface PlacedOrder {
+  id: string;
+  status: string;
+}
+
+/** Longer than the gateway ever needs to write an order down. */
+const PATIENCE_MS = 10_000;
+
+export async function fetchPlant(): Promise<PlantFile> {
+  return (await request("GET", "/api/plant")) as PlantFile;
+}
+
+/** @param key the same for every try at the same order: however often it is sent, it is placed once */
+export async function placeOrder(order: NewOrder, key: string): Promise<PlacedOrder> {
+  return (await request("POST", "/api/orders", order, { "Idempotency-Key": key })) as PlacedOrder;
+}
+
+export async function releaseOrder(id: string): Promise<void> {
+  await request("POST", `/api/orders/${encodeURIComponent(id)}/release`);
+}
+
+export async function cancelOrder(id: string): Promise<void> {
+  await request("POST", `/api/orders/${encodeURIComponent(id)}/cancel`);
+}
+
+async function request(
+  method: string,
+  path: string,
+  body?: unknown,
+  headers: Record<string, string> = {},
+): Promise<unknown> {
+  const init: RequestInit = {
+    method,
+    headers: { Accept: "application/json", ...headers },
+    signal: AbortSignal.timeout(PATIENCE_MS),
+  };
+  if (body !== undefined) {
+    init.body = JSON.stringify(body);
+    init.headers = { ...init.headers, "Content-Type": "application/json" };
+  }
+  const response = await fetch(path, init).catch(() => {
+    throw new Problem(0, "");
+  });
+  const answer: unknown = await response.json().catch(() => null);
+  if (!response.ok) throw problemOf(response.status, answer);
+  return answer;
+}
+
+/** Whatever the answer holds, it becomes a problem: a proxy may send HTML. */
+export function problemOf(status: number, answer: unknown): Problem {
+  const body = (typeof answer === "object" && answer !== null ? answer : {}) as Record<string, unknown>;
+  const title = [body.detail, body.title].find((text) => typeof text === "string" && text !== "");
+  const errors = Array.isArray(body.errors) ? body.errors.filter(isFieldError) : [];
+  return new Problem(status, typeof title === "string" ? title : `HTTP ${status}`, errors);
+}
+
+function isFieldError(value: unknown): value is FieldError {
+  const error = value as Partial<Record<string, unknown>> | null;
+  return typeof error?.field === "string" && typeof error.reason === "string";
+}
+
+/** An idempotency key; also where the page is not on HTTPS and `randomUUID` is missing. */
+export function newKey(): string {
+  const bytes = crypto.getRandomValues(new Uint8Array(16));
+  return Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
+}

@@ -1,0 +1,24 @@
+import { t } from "../text";
+import { FleetView } from "./fleet/FleetView";
+import { OrdersView } from "./orders/OrdersView";
+import { PlantView } from "./plantview/PlantView";
+import { TasksView } from "./tasks/TasksView";
+import { NewsBanner } from "./topbar/NewsBanner";
+import { TopBar } from "./topbar/TopBar";
+import { view } from "./views";
+
+const SHOWN = { plant: PlantView, orders: OrdersView, fleet: FleetView, tasks: TasksView };
+
+export function App() {
+  const View = SHOWN[view.value];
+  return (
+    <div class="app">
+      <a class="skip" href="#plant-map">
+        {t("skip.toPlant")}
+      </a>
+      <TopBar />
+      <NewsBanner />
+      <View />
+    </div>
+  );
+}

@@ -1,0 +1,118 @@
+import type { AtvView, TaskView } from "../../api/types";
+import { Card } from "../../parts/Card";
+import { Fact, Facts } from "../../parts/Facts";
+import { Link } from "../../parts/Link";
+import { Meter } from "../../parts/Meter";
+import { Tag, toneOfAtv } from "../../parts/Tag";
+import { isLost } from "../../plant/silence";
+import { selection } from "../../selection/selection";
+import { nowS, world } from "../../stream/stream";
+import { format, t, word } from "../../text";
+import { names, plant } from "../state";
+import { doingText } from "./doing";
+import { Promise as PromiseFact } from "./Promise";
+
+/** Bottom right: the chosen vehicle. */
+export function ChosenAtv() {
+  const atv = world.value?.atvs.get(selection.value.atv ?? "");
+  if (atv) return <AtvCard atv={atv} />;
+  return (
+    <Card title={t("atv.title")} class="atv">
+      <p class="empty">{t("atv.none")}</p>
+    </Card>
+  );
+}
+
+function AtvCard({ atv }: { atv: AtvView }) {
+  const type = plant.value?.vehicle_types.find((each) => each.id === atv.type);
+  const task = atv.task && world.value?.tasks.get(atv.task.task);
+  const lost = isLost(atv, nowS.value, world.value?.factory.speed ?? 1);
+  const most = format.number((type?.max_speed_mps ?? 0) * atv.speed_limit_frac, 1);
+  return (
+    <Card
+      title={
+        <>
+          {atv.id} <span class="title-more">{type?.name}</span>
+        </>
+      }
+      aside={<Status atv={atv} lost={lost} />}
+      class={`atv ${lost ? "past" : ""}`}
+    >
+      {atv.problem && <p class="problem">{atv.problem}</p>}
+      <Facts>
+        <Fact name={t("atv.status")}>{doingText(atv)}</Fact>
+        <TaskFacts atv={atv} task={task ?? undefined} />
+        <WatchFacts atv={atv} task={task ?? undefined} />
+        <Fact name={t("atv.load")}>
+          {atv.load === ""
+            ? t("atv.empty")
+            : t("atv.loadOf", { quantity: format.count(atv.load_quantity), item: names.value(atv.load) })}
+        </Fact>
+        <Fact name={t("atv.speed")}>{t("atv.speedOf", { speed: format.number(atv.speed_mps, 1), most })}</Fact>
+        <Fact name={t("atv.heartbeat")}>{t("machine.ago", { age: format.age(nowS.value - atv.seen_at_s) })}</Fact>
+      </Facts>
+      <div class="stock-row battery">
+        <span>{t("atv.battery")}</span>
+        <Meter
+          frac={atv.battery_frac}
+          label={format.percent(atv.battery_frac)}
+          tone={atv.battery_frac < 0.2 ? "warn" : "normal"}
+        />
+        <span class="num">{format.percent(atv.battery_frac)}</span>
+      </div>
+    </Card>
+  );
+}
+
+function Status({ atv, lost }: { atv: AtvView; lost: boolean }) {
+  return (
+    <>
+      {atv.link === "mesh" && <Tag tone="warn">{t("atv.mesh", { via: atv.via })}</Tag>}
+      {lost ? <Tag tone="alarm">{t("atv.lost")}</Tag> : <Tag tone={toneOfAtv(atv.status)}>{word("atv", atv.status)}</Tag>}
+    </>
+  );
+}
+
+function TaskFacts({ atv, task }: { atv: AtvView; task: TaskView | undefined }) {
+  const brief = atv.task;
+  if (!brief) return <Fact name={t("atv.task")}>{t("atv.noTask")}</Fact>;
+  const quantity = format.count(brief.quantity);
+  return (
+    <>
+      <Fact name={t("atv.task")}>
+        <Link kind="task" id={brief.task} /> · {t("auction.epoch", { epoch: brief.epoch })}
+      </Fact>
+      <Fact name={t("atv.for")}>
+        <Link kind="machine" id={brief.coordinator} /> · {t("atv.loadOf", { quantity, item: names.value(brief.item) })}
+      </Fact>
+      <PromiseFact dueAtS={brief.due_at_s} promisedAtS={task?.promised_at_s ?? null} />
+    </>
+  );
+}
+
+function WatchFacts({ atv, task }: { atv: AtvView; task: TaskView | undefined }) {
+  const watcher = world.value?.atvs.get(task?.secondary ?? "");
+  return (
+    <>
+      {task && (
+        <Fact name={t("atv.watchedBy")}>
+          {watcher ? (
+            <>
+              <Link kind="atv" id={watcher.id} /> · {t("machine.ago", { age: format.age(nowS.value - watcher.seen_at_s) })}
+            </>
+          ) : (
+            t("atv.nobody")
+          )}
+        </Fact>
+      )}
+      <Fact name={t("atv.watches")}>
+        {atv.watches.length === 0 ? t("atv.nothing") : atv.watches.map((brief) => <Watched key={brief.task} id={brief.task} />)}
+      </Fact>
+    </>
+  );
+}
+
+function Watched({ id }: { id: string }) {
+  const primary = world.value?.tasks.get(id)?.primary ?? "";
+  return <span class="line">{primary === "" ? <Link kind="task" id={id} /> : <Link kind="atv" id={primary} />}</span>;
+}

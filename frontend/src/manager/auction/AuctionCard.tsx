@@ -1,0 +1,107 @@
+import { signal, useComputed } from "@preact/signals";
+import type { TaskView } from "../../api/types";
+import { Card } from "../../parts/Card";
+import { Tag } from "../../parts/Tag";
+import { selection } from "../../selection/selection";
+import { world } from "../../stream/stream";
+import { format, n, t, word } from "../../text";
+import { names } from "../state";
+import { auctionOf, shownTask } from "./auction";
+import { BidLine } from "./BidLine";
+import { RefusalLine } from "./RefusalLine";
+import { taskTimes } from "./times";
+import { whyText } from "./why-text";
+
+const follow = signal<"chosen" | "newest">("chosen");
+
+/** The height of the card is fixed, so that the map above it never moves. */
+const MOST_ROWS = 4;
+
+/** Bottom middle: who bid, who refused, and why this vehicle. */
+export function AuctionCard() {
+  const task = useComputed(() =>
+    world.value ? shownTask(world.value, selection.value, follow.value) : null,
+  ).value;
+  return (
+    <Card title={<Title task={task} />} aside={<Aside task={task} />} class="auction">
+      {task ? <Bids task={task} /> : <p class="empty">{t("auction.none")}</p>}
+    </Card>
+  );
+}
+
+function Title({ task }: { task: TaskView | null }) {
+  if (!task) return <>{t("auction.title")}</>;
+  const what = t("auction.what", { quantity: format.count(task.quantity), item: names.value(task.item) });
+  const source = task.source || task.sources.join(" / ");
+  return (
+    <>
+      {t("auction.title")} {task.id}
+      <span class="title-more">
+        {what}
+        {task.destination && `, ${t("auction.way", { source, destination: task.destination })}`}
+      </span>
+    </>
+  );
+}
+
+function Aside({ task }: { task: TaskView | null }) {
+  return (
+    <>
+      {task && task.round > 1 && <Tag>{t("auction.round", { round: task.round })}</Tag>}
+      {task && task.epoch > 1 && <Tag>{t("auction.epoch", { epoch: task.epoch })}</Tag>}
+      {task && <Tag>{word("state", task.state)}</Tag>}
+      <div class="segments" role="group" aria-label={t("auction.follow")}>
+        {(["chosen", "newest"] as const).map((each) => (
+          <button
+            key={each}
+            type="button"
+            aria-pressed={follow.value === each}
+            onClick={() => {
+              follow.value = each;
+            }}
+          >
+            {t(each === "chosen" ? "auction.ofChosen" : "auction.newest")}
+          </button>
+        ))}
+      </div>
+    </>
+  );
+}
+
+function Bids({ task }: { task: TaskView }) {
+  const { mostS, parts, refusals, rows } = auctionOf(task);
+  const bids = rows.slice(0, Math.max(2, MOST_ROWS - Math.min(1, refusals.length)));
+  const refused = refusals.slice(0, Math.max(0, MOST_ROWS - bids.length));
+  const moreBids = rows.length - bids.length;
+  const moreRefusals = refusals.length - refused.length;
+  return (
+    <>
+      <ul class="bids">
+        {bids.map((row) => (
+          <BidLine key={row.bid.bidder} row={row} parts={parts} mostS={mostS} />
+        ))}
+        {refused.map((refusal) => (
+          <RefusalLine key={refusal.agent} refusal={refusal} />
+        ))}
+      </ul>
+      <p class="why">{whyText(task)}</p>
+      <footer class="bids-foot">
+        <span class="legend">
+          {parts.map((part) => (
+            <span key={part}>
+              <i class={`swatch part-${part}`} aria-hidden="true" />
+              {word("part", part)}
+            </span>
+          ))}
+        </span>
+        <span class="faint">
+          {[
+            ...(moreBids > 0 ? [n("auction.moreBids", moreBids)] : []),
+            ...(moreRefusals > 0 ? [n("auction.moreRefusals", moreRefusals)] : []),
+            ...taskTimes(task, world.value?.factory.speed ?? 1),
+          ].join(" · ")}
+        </span>
+      </footer>
+    </>
+  );
+}

@@ -1,0 +1,16 @@
+import type { RefusalView } from "../../api/types";
+import { Link } from "../../parts/Link";
+import { t, word } from "../../text";
+
+/** Who did not bid, and why. */
+export function RefusalLine({ refusal }: { refusal: RefusalView }) {
+  return (
+    <li class="bid bid-refused">
+      <Link kind="atv" id={refusal.agent} />
+      <span class="bid-note bid-reason">
+        {t("auction.refused", { reason: word("reason", refusal.reason) })}
+        {refusal.detail && <span class="faint"> · {refusal.detail}</span>}
+      </span>
+    </li>
+  );
+}

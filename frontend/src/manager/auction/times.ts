@@ -1,0 +1,20 @@
+/** The ledger of one task: when it was due, what was promised, what came of it. */
+import type { TaskView } from "../../api/types";
+import { format, t } from "../../text";
+
+export function taskTimes(task: TaskView, speed: number): string[] {
+  const { closed_at_s: closed, promised_at_s: promised, state } = task;
+  const times: string[] = [];
+  if (state === "delivered" && closed !== null) {
+    times.push(t("auction.delivered", { at: format.clock(closed) }));
+    if (promised !== null) {
+      const lateS = (closed - promised) * speed;
+      const by = format.duration(Math.abs(lateS));
+      times.push(t(lateS > 0 ? "auction.late" : "auction.early", { by }));
+    }
+    return times;
+  }
+  if (promised !== null) times.push(t("auction.promised", { at: format.clock(promised) }));
+  times.push(t("auction.due", { at: format.clock(task.deadline_at_s) }));
+  return times;
+}

@@ -1,0 +1,36 @@
+/** What is shown before anybody has chosen: a carriage under way, so that the panel explains itself. */
+import { effect } from "@preact/signals";
+import { NOTHING, selection } from "../selection/selection";
+import { world } from "../stream/stream";
+import type { World } from "../stream/world";
+import { newest } from "./auction/auction";
+
+export function chooseAtFirst(): void {
+  const stop = effect(() => {
+    const known = world.value;
+    if (selection.value !== NOTHING) {
+      queueMicrotask(() => {
+        stop();
+      });
+      return;
+    }
+    const first = known && firstLook(known);
+    if (first) selection.value = first;
+  });
+}
+
+export function firstLook(world: World) {
+  const task = newest(
+    [...world.tasks.values()].filter(
+      ({ coordinator, primary, state }) =>
+        state === "contracted" && world.machines.has(coordinator) && world.atvs.has(primary),
+    ),
+  );
+  if (!task) return null;
+  return {
+    atv: task.primary,
+    place: { kind: "machine", id: task.coordinator } as const,
+    task: null,
+    latest: "atv" as const,
+  };
+}

@@ -1,0 +1,51 @@
+import { useComputed } from "@preact/signals";
+import type { AtvView } from "../../api/types";
+import { Meter } from "../../parts/Meter";
+import { Table } from "../../parts/Table";
+import { Tag, toneOfAtv } from "../../parts/Tag";
+import { isLost } from "../../plant/silence";
+import { byId } from "../../plant/places";
+import { nowS, world } from "../../stream/stream";
+import { format, t, word } from "../../text";
+import { doingText } from "../atv/doing";
+import { ShowLink } from "../ShowLink";
+import { names } from "../state";
+
+/** Every vehicle: what it does, its battery, and when it was heard last. */
+export function FleetView() {
+  const atvs = useComputed(() => [...(world.value?.atvs.values() ?? [])].sort(byId)).value;
+  const heads = ["vehicle", "status", "task", "load", "battery", "link", "heartbeat"] as const;
+  return (
+    <Table title={t("fleet.title")} heads={heads.map((head) => t(`fleet.${head}`))} empty={t("factory.none")}>
+      {atvs.map((atv) => (
+        <Row key={atv.id} atv={atv} />
+      ))}
+    </Table>
+  );
+}
+
+function Row({ atv }: { atv: AtvView }) {
+  const lost = isLost(atv, nowS.value, world.value?.factory.speed ?? 1);
+  const percent = format.percent(atv.battery_frac);
+  return (
+    <tr class={lost ? "past" : ""}>
+      <th scope="row">
+        <ShowLink chosen={{ kind: "atv", id: atv.id }} label={t("fleet.show", { id: atv.id })} />
+      </th>
+      <td>
+        <Tag tone={lost ? "alarm" : toneOfAtv(atv.status)}>{lost ? t("atv.lost") : word("atv", atv.status)}</Tag>{" "}
+        <span class="muted">{atv.problem || (atv.task ? doingText(atv) : "")}</span>
+      </td>
+      <td>{atv.task ? atv.task.task : ""}</td>
+      <td>{atv.load && `${format.count(atv.load_quantity)} ${names.value(atv.load)}`}</td>
+      <td>
+        <span class="order-progress">
+          <Meter frac={atv.battery_frac} label={percent} tone={atv.battery_frac < 0.2 ? "warn" : "normal"} />
+          <span class="num">{percent}</span>
+        </span>
+      </td>
+      <td>{atv.link === "mesh" ? <Tag tone="warn">{t("atv.mesh", { via: atv.via })}</Tag> : t("atv.wlan")}</td>
+      <td class="num">{t("machine.ago", { age: format.age(nowS.value - atv.seen_at_s) })}</td>
+    </tr>
+  );
+}

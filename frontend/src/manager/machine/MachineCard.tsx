@@ -1,0 +1,82 @@
+import type { MachineSpec, MachineView, OpenTaskView } from "../../api/types";
+import { Card } from "../../parts/Card";
+import { Fact, Facts } from "../../parts/Facts";
+import { Link } from "../../parts/Link";
+import { Meter } from "../../parts/Meter";
+import { Tag, toneOfMachine } from "../../parts/Tag";
+import { nowS } from "../../stream/stream";
+import { format, n, t, word } from "../../text";
+import { names } from "../state";
+import { Stock } from "./Stock";
+
+/** The chosen machine: what it makes, what it needs, who brings it. */
+export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: MachineView | undefined }) {
+  const status = machine?.status;
+  return (
+    <Card
+      title={
+        <>
+          {spec.id} <span class="title-more">{spec.name}</span>
+        </>
+      }
+      aside={status && <Tag tone={toneOfMachine(status)}>{word("machine", status)}</Tag>}
+      class="machine"
+    >
+      {machine?.problem && <p class="problem">{machine.problem}</p>}
+      <Facts>
+        <Goal machine={machine} />
+        <Task machine={machine} />
+        <Fact name={t("machine.heartbeat")}>
+          {machine ? t("machine.ago", { age: format.age(nowS.value - machine.seen_at_s) }) : t("machine.never")}
+        </Fact>
+      </Facts>
+      <Stock title={t("machine.buffers")} buffers={machine?.buffers ?? []} />
+      <Stock title={t("machine.goods")} buffers={machine?.goods ?? []} />
+    </Card>
+  );
+}
+
+function Goal({ machine }: { machine: MachineView | undefined }) {
+  const goal = machine?.goals[0];
+  const more = (machine?.goals.length ?? 0) - 1;
+  if (!goal) return <Fact name={t("machine.goal")}>{t("machine.noGoal")}</Fact>;
+  const made = t("machine.goalOf", { made: format.count(goal.made), quantity: format.count(goal.quantity) });
+  return (
+    <Fact name={t("machine.goal")}>
+      {names.value(goal.product)} · {made}
+      <Meter frac={goal.delivered / goal.quantity} behind={goal.made / goal.quantity} label={made} tone="done" />
+      {more > 0 && <small>{n("machine.moreGoals", more)}</small>}
+    </Fact>
+  );
+}
+
+/** The most urgent transport; the others are counted. */
+function Task({ machine }: { machine: MachineView | undefined }) {
+  const tasks = [...(machine?.tasks ?? [])].sort((a, b) => a.deadline_at_s - b.deadline_at_s);
+  const task = tasks[0];
+  if (!machine || !task) return <Fact name={t("machine.needs")}>{t("machine.needsNothing")}</Fact>;
+  const out = task.destination !== machine.id;
+  return (
+    <>
+      <Fact name={t(out ? "machine.sends" : "machine.needs")}>
+        {t("machine.needsBy", {
+          quantity: format.count(task.quantity),
+          item: names.value(task.item),
+          by: format.clock(task.deadline_at_s),
+        })}
+        {tasks.length > 1 && <small>{n("machine.moreTasks", tasks.length - 1)}</small>}
+      </Fact>
+      <Contractors task={task} />
+    </>
+  );
+}
+
+function Contractors({ task }: { task: OpenTaskView }) {
+  const who = (id: string) => (id === "" ? t("machine.nobody") : <Link kind="atv" id={id} />);
+  return (
+    <>
+      <Fact name={t("machine.primary")}>{who(task.primary)}</Fact>
+      <Fact name={t("machine.secondary")}>{who(task.secondary)}</Fact>
+    </>
+  );
+}

@@ -1,0 +1,45 @@
+/** The management panel's page. */
+import "@fontsource-variable/inter/wght.css";
+import "../styles/tokens.css";
+import "../styles/base.css";
+import "../styles/parts.css";
+import "../styles/topbar.css";
+import "../styles/plant.css";
+import "../styles/cards.css";
+import { render } from "preact";
+import { fetchPlant, Problem } from "../api/client";
+import { start } from "../stream/stream";
+import { t } from "../text";
+import { followTheme } from "../theme/theme";
+import { App } from "./App";
+import { chooseAtFirst } from "./first-look";
+import { problemText } from "./problem-text";
+import { plant, plantFailed } from "./state";
+import { followAddress } from "./views";
+
+/** The gateway may come up after the page. */
+const RETRY_MS = 3000;
+
+async function loadPlant(): Promise<void> {
+  try {
+    plant.value = await fetchPlant();
+    plantFailed.value = null;
+  } catch (error) {
+    if (error instanceof Problem && error.status === 401) {
+      location.assign(`/login?next=${encodeURIComponent(location.pathname)}`);
+      return;
+    }
+    plantFailed.value = problemText(error);
+    setTimeout(() => void loadPlant(), RETRY_MS);
+  }
+}
+
+document.title = t("app.title");
+followTheme();
+followAddress();
+chooseAtFirst();
+start();
+void loadPlant();
+
+const root = document.getElementById("app");
+if (root) render(<App />, root);

@@ -1,0 +1,49 @@
+import { useComputed } from "@preact/signals";
+import type { OrderView } from "../../api/types";
+import { Card } from "../../parts/Card";
+import { world } from "../../stream/stream";
+import { n, t, word } from "../../text";
+import { names } from "../state";
+import { DueText } from "./DueText";
+import { OrderActions } from "./OrderActions";
+import { OrderProgress } from "./OrderProgress";
+import { inOrder, isClosed } from "./progress";
+
+/** The card holds the open ones and the last that closed; the view Orders has them all. */
+const MOST = 30;
+
+export function OrdersCard() {
+  const orders = useComputed(() => inOrder(world.value?.orders.values() ?? [])).value;
+  const open = orders.filter((order) => !isClosed(order)).length;
+  return (
+    <Card
+      title={t("orders.title")}
+      aside={<a href="#orders" class="quiet-link">{n("orders.open", open)}</a>}
+      class="orders"
+    >
+      {orders.length === 0 && <p class="empty">{t("orders.none")}</p>}
+      <ul class="order-list">
+        {orders.slice(0, MOST).map((order) => (
+          <OrderRow key={order.id} order={order} />
+        ))}
+      </ul>
+    </Card>
+  );
+}
+
+function OrderRow({ order }: { order: OrderView }) {
+  const what = order.items.map((item) => names.value(item.product)).join(", ");
+  return (
+    <li class={`order ${isClosed(order) ? "closed" : ""}`}>
+      <div class="order-line">
+        <b>{what}</b>
+        <span class="order-status">{word("order", order.status)}</span>
+      </div>
+      <OrderProgress order={order} />
+      <div class="order-line small muted">
+        <span class="clip">{[order.reference, order.customer].filter(Boolean).join(" · ")}</span>
+        {order.status === "stored" ? <OrderActions order={order} /> : <DueText order={order} />}
+      </div>
+    </li>
+  );
+}

@@ -1,0 +1,33 @@
+/** How far an order is, over all its items. */
+import type { OrderView } from "../../api/types";
+
+export interface Progress {
+  readonly quantity: number;
+  readonly made: number;
+  readonly delivered: number;
+}
+
+export function progressOf(order: OrderView): Progress {
+  return order.items.reduce(
+    (sum, item) => ({
+      quantity: sum.quantity + item.quantity,
+      made: sum.made + item.made,
+      delivered: sum.delivered + item.delivered,
+    }),
+    { quantity: 0, made: 0, delivered: 0 },
+  );
+}
+
+export function isClosed(order: OrderView): boolean {
+  return order.status === "delivered" || order.status === "cancelled";
+}
+
+/** Open ones by due time, those without one after them; then the closed, the newest first. */
+export function inOrder(orders: Iterable<OrderView>): OrderView[] {
+  return [...orders].sort((a, b) => {
+    const closed = Number(isClosed(a)) - Number(isClosed(b));
+    if (closed !== 0) return closed;
+    if (isClosed(a)) return (b.delivered_at_s ?? b.created_at_s) - (a.delivered_at_s ?? a.created_at_s);
+    return (a.due_at_s ?? Infinity) - (b.due_at_s ?? Infinity) || a.created_at_s - b.created_at_s || 0;
+  });
+}

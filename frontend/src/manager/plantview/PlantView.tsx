@@ -1,0 +1,39 @@
+import { PlantMap } from "../../plant/PlantMap";
+import { t } from "../../text";
+import { ChosenAtv } from "../atv/AtvCard";
+import { AuctionCard } from "../auction/AuctionCard";
+import { FactoryCard } from "../factory/FactoryCard";
+import { ChosenPlace } from "../machine/ChosenPlace";
+import { OrdersCard } from "../orders/OrdersCard";
+import { PublishCard } from "../publish/PublishCard";
+import { plant, plantFailed } from "../state";
+
+/** The paper's Figure 4: the factory in the middle, what is chosen around it. */
+export function PlantView() {
+  return (
+    <main class="plant-view">
+      <div class="column left">
+        <FactoryCard />
+        <OrdersCard />
+        <PublishCard />
+      </div>
+      <div class="column middle">
+        {plant.value ? <PlantMap plant={plant.value} /> : <Waiting />}
+        <AuctionCard />
+      </div>
+      <div class="column right">
+        <ChosenPlace />
+        <ChosenAtv />
+      </div>
+    </main>
+  );
+}
+
+function Waiting() {
+  const reason = plantFailed.value;
+  return (
+    <section class="map card map-waiting" role="status">
+      {reason === null ? t("map.loading") : t("map.failed", { reason })}
+    </section>
+  );
+}

@@ -1,0 +1,9 @@
+/** What a person reads when a request failed. */
+import { Problem } from "../api/client";
+import { t } from "../text";
+
+export function problemText(error: unknown): string {
+  if (!(error instanceof Problem)) return String(error);
+  if (error.status === 0) return t("publish.unreachable");
+  return error.status === 401 ? t("publish.login") : error.message;
+}

@@ -1,0 +1,53 @@
+import { useComputed } from "@preact/signals";
+import type { TaskView } from "../../api/types";
+import { Table } from "../../parts/Table";
+import { world } from "../../stream/stream";
+import { format, t, word } from "../../text";
+import { isOpen, latestBids } from "../auction/auction";
+import { ShowLink } from "../ShowLink";
+import { names } from "../state";
+
+/** Every task of the stream with its promise and what became of it: the promise ledger. */
+export function TasksView() {
+  const tasks = useComputed(() => inOrder(world.value?.tasks.values() ?? [])).value;
+  const heads = ["task", "what", "way", "state", "primary", "secondary", "bids", "promise", "result"] as const;
+  return (
+    <Table title={t("tasks.title")} heads={heads.map((head) => t(`tasks.${head}`))} empty={t("tasks.none")}>
+      {tasks.map((task) => (
+        <Row key={task.id} task={task} />
+      ))}
+    </Table>
+  );
+}
+
+function inOrder(tasks: Iterable<TaskView>): TaskView[] {
+  return [...tasks].sort((a, b) => Number(isOpen(b)) - Number(isOpen(a)) || b.opened_at_s - a.opened_at_s);
+}
+
+function Row({ task }: { task: TaskView }) {
+  const source = task.source || task.sources.join(" / ");
+  return (
+    <tr>
+      <th scope="row">
+        <ShowLink chosen={{ kind: "task", id: task.id }} label={t("tasks.open", { id: task.id })} />
+      </th>
+      <td>{t("auction.what", { quantity: format.count(task.quantity), item: names.value(task.item) })}</td>
+      <td>{task.destination && t("auction.way", { source, destination: task.destination })}</td>
+      <td>{task.phase && isOpen(task) ? word("phase", task.phase) : word("state", task.state)}</td>
+      <td>{task.primary}</td>
+      <td>{task.secondary}</td>
+      <td class="num">{format.count(latestBids(task.bids).length)}</td>
+      <td class="num">{task.promised_at_s !== null && format.clock(task.promised_at_s)}</td>
+      <td>
+        <Result task={task} />
+      </td>
+    </tr>
+  );
+}
+
+function Result({ task }: { task: TaskView }) {
+  if (task.state !== "delivered" || task.closed_at_s === null || task.promised_at_s === null) return null;
+  const lateS = (task.closed_at_s - task.promised_at_s) * (world.value?.factory.speed ?? 1);
+  const by = format.duration(Math.abs(lateS));
+  return lateS > 0 ? <span class="tone-warn">{t("tasks.broken", { by })}</span> : <span>{t("tasks.kept", { by })}</span>;
+}

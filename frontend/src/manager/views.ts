@@ -1,0 +1,21 @@
+/** The views of the panel and their addresses. */
+import { signal } from "@preact/signals";
+
+export const VIEWS = ["plant", "orders", "fleet", "tasks"] as const;
+export type ViewName = (typeof VIEWS)[number];
+
+export const view = signal<ViewName>(viewFrom(location.hash));
+
+export function viewFrom(hash: string): ViewName {
+  return VIEWS.find((each) => `#${each}` === hash) ?? "plant";
+}
+
+export function followAddress(): void {
+  addEventListener("hashchange", () => {
+    view.value = viewFrom(location.hash);
+  });
+}
+
+export function go(to: ViewName): void {
+  location.hash = to;
+}

@@ -1,0 +1,242 @@
+/** What never moves: floor, areas, lanes and the places that only stand there. */
+import type { Box, Lane, PlantFile } from "../../api/types";
+import type { Place, Roads } from "../../motion/roads";
+import { boxOnScreen, toScreenX, toScreenY } from "../geometry";
+import { type Brush, setFont, textPx } from "./brush";
+
+export interface FloorPlan {
+  readonly plant: PlantFile;
+  readonly roads: Roads;
+  readonly showAreas: boolean;
+  readonly showLabels: boolean;
+  /** Id of the chosen place. */
+  readonly chosen: string | null;
+}
+
+/** A lane's drawn width: a vehicle and some air. */
+const LANE_M = 1.5;
+/** Slower lanes are spurs to docks, and drawn as such. */
+const SPUR_MPS = 1;
+const SPUR_M = 1;
+
+export function drawFloor(brush: Brush, plan: FloorPlan): void {
+  drawGround(brush, plan.plant);
+  if (plan.showAreas) drawAreas(brush, plan.plant);
+  drawLanes(brush, plan);
+  drawParkings(brush, plan);
+  drawChargers(brush, plan.plant);
+  for (const warehouse of plan.plant.warehouses) {
+    drawBox(brush, warehouse.box, "wall", plan.showLabels ? warehouse.name : "", 1.05);
+  }
+  for (const storage of plan.plant.storages) {
+    drawBox(brush, storage.box, "panel", plan.showLabels ? storage.id : "", 0.95);
+  }
+  const { warehouses, storages, chargers } = plan.plant;
+  const chosen = [...warehouses, ...storages, ...chargers].find(({ id }) => id === plan.chosen);
+  if (chosen) drawFrame(brush, chosen.box);
+}
+
+function drawGround(brush: Brush, plant: PlantFile): void {
+  const { ctx, view, palette } = brush;
+  const box = {
+    x_m: plant.width_m / 2,
+    y_m: plant.height_m / 2,
+    width_m: plant.width_m,
+    depth_m: plant.height_m,
+  };
+  const { left, top, right, bottom } = boxOnScreen(view, box);
+  ctx.beginPath();
+  ctx.roundRect(left, top, right - left, bottom - top, Math.min(14, view.scale));
+  ctx.fillStyle = palette.floor;
+  ctx.fill();
+  ctx.strokeStyle = palette.line;
+  ctx.lineWidth = 1;
+  ctx.stroke();
+}
+
+function drawAreas(brush: Brush, plant: PlantFile): void {
+  const { ctx, view, palette } = brush;
+  const px = textPx(view.scale, 0.9, 11, 16);
+  plant.areas.forEach((area, i) => {
+    ctx.beginPath();
+    for (const point of area.polygon) {
+      ctx.lineTo(toScreenX(view, point.x_m), toScreenY(view, point.y_m));
+    }
+    ctx.closePath();
+    if (i % 2 === 0) {
+      ctx.globalAlpha = 0.55;
+      ctx.fillStyle = palette["chosen-soft"];
+      ctx.fill();
+      ctx.globalAlpha = 1;
+    }
+    ctx.setLineDash([2, 4]);
+    ctx.strokeStyle = palette.steel;
+    ctx.stroke();
+    ctx.setLineDash([]);
+    const left = Math.min(...area.polygon.map((point) => point.x_m));
+    const top = Math.max(...area.polygon.map((point) => point.y_m));
+    setFont(brush, px, 550);
+    ctx.fillStyle = palette["ink-2"];
+    ctx.textAlign = "left";
+    ctx.textBaseline = "top";
+    ctx.fillText(area.name, toScreenX(view, left) + 8, toScreenY(view, top) + 7);
+  });
+}
+
+function drawLanes(brush: Brush, plan: FloorPlan): void {
+  const { ctx, view, palette } = brush;
+  ctx.strokeStyle = palette.lane;
+  ctx.lineCap = "round";
+  for (const spurs of [true, false]) {
+    ctx.beginPath();
+    for (const lane of plan.plant.lanes) {
+      if (lane.speed_limit_mps < SPUR_MPS === spurs) traceLane(brush, plan.roads, lane);
+    }
+    ctx.lineWidth = Math.max(1.5, (spurs ? SPUR_M : LANE_M) * view.scale);
+    ctx.stroke();
+  }
+  ctx.lineCap = "butt";
+  if (brush.detail.laneMarks) drawLaneMarks(brush, plan);
+}
+
+function traceLane({ ctx, view }: Brush, roads: Roads, lane: Lane): void {
+  const a = roads.places.get(lane.start);
+  const b = roads.places.get(lane.end);
+  if (!a || !b) return;
+  ctx.moveTo(toScreenX(view, a.x), toScreenY(view, a.y));
+  ctx.lineTo(toScreenX(view, b.x), toScreenY(view, b.y));
+}
+
+/** A dashed middle where both ways are open, an arrow where only one is. */
+function drawLaneMarks(brush: Brush, plan: FloorPlan): void {
+  const { ctx, view, palette } = brush;
+  ctx.strokeStyle = palette["lane-mark"];
+  ctx.lineWidth = Math.max(1, 0.06 * view.scale);
+  ctx.setLineDash([0.5 * view.scale, 0.5 * view.scale]);
+  ctx.beginPath();
+  for (const lane of plan.plant.lanes) {
+    if (lane.both_ways && lane.speed_limit_mps >= SPUR_MPS) traceLane(brush, plan.roads, lane);
+  }
+  ctx.stroke();
+  ctx.setLineDash([]);
+  ctx.beginPath();
+  for (const lane of plan.plant.lanes) {
+    const a = plan.roads.places.get(lane.start);
+    const b = plan.roads.places.get(lane.end);
+    if (!lane.both_ways && a && b) traceArrow(brush, a, b);
+  }
+  ctx.stroke();
+}
+
+function traceArrow({ ctx, view }: Brush, a: Place, b: Place): void {
+  const x = toScreenX(view, (a.x + b.x) / 2);
+  const y = toScreenY(view, (a.y + b.y) / 2);
+  const angle = Math.atan2(a.y - b.y, b.x - a.x);
+  const arm = 0.3 * view.scale;
+  for (const side of [-1, 1]) {
+    ctx.moveTo(x, y);
+    ctx.lineTo(x - arm * Math.cos(angle + side * 0.7), y - arm * Math.sin(angle + side * 0.7));
+  }
+}
+
+function drawParkings(brush: Brush, plan: FloorPlan): void {
+  const { ctx, view, palette, detail } = brush;
+  const half = 1.05 * view.scale;
+  ctx.lineWidth = 1.25;
+  ctx.strokeStyle = palette["lane-mark"];
+  ctx.fillStyle = palette.lane;
+  for (const parking of plan.plant.parkings) {
+    const at = plan.roads.places.get(parking.node);
+    if (!at) continue;
+    const x = toScreenX(view, at.x);
+    const y = toScreenY(view, at.y);
+    ctx.beginPath();
+    ctx.roundRect(x - half, y - half, 2 * half, 2 * half, Math.min(5, half / 3));
+    ctx.fill();
+    if (!detail.machineParts) continue;
+    ctx.stroke();
+    write(brush, "P", x, y, textPx(view.scale, 0.85, 9, 22), "ink-3");
+  }
+}
+
+function drawChargers(brush: Brush, plant: PlantFile): void {
+  const { ctx, view, palette } = brush;
+  for (const charger of plant.chargers) {
+    const x = toScreenX(view, charger.box.x_m);
+    const y = toScreenY(view, charger.box.y_m);
+    const r = (charger.box.width_m * view.scale) / 2;
+    ctx.beginPath();
+    ctx.arc(x, y, r, 0, 2 * Math.PI);
+    ctx.fillStyle = palette.floor;
+    ctx.fill();
+    ctx.lineWidth = Math.max(1.25, 0.1 * view.scale);
+    ctx.strokeStyle = palette.steel;
+    ctx.stroke();
+    ctx.fillStyle = palette.steel;
+    ctx.beginPath();
+    traceBolt(ctx, x, y, r * 0.62);
+    ctx.fill();
+  }
+}
+
+/** A lightning bolt of the given half height. */
+export function traceBolt(ctx: CanvasRenderingContext2D, x: number, y: number, half: number): void {
+  ctx.moveTo(x + 0.2 * half, y - half);
+  ctx.lineTo(x - 0.6 * half, y + 0.15 * half);
+  ctx.lineTo(x - 0.02 * half, y + 0.15 * half);
+  ctx.lineTo(x - 0.2 * half, y + half);
+  ctx.lineTo(x + 0.6 * half, y - 0.2 * half);
+  ctx.lineTo(x + 0.05 * half, y - 0.2 * half);
+  ctx.closePath();
+}
+
+function drawFrame({ ctx, view, palette }: Brush, box: Box): void {
+  const { left, top, right, bottom } = boxOnScreen(view, box);
+  ctx.beginPath();
+  ctx.roundRect(left - 4, top - 4, right - left + 8, bottom - top + 8, 8);
+  ctx.lineWidth = 2.5;
+  ctx.strokeStyle = palette.chosen;
+  ctx.stroke();
+}
+
+type BoxFill = "wall" | "panel";
+
+function drawBox(
+  brush: Brush,
+  box: Box,
+  fill: BoxFill,
+  name: string,
+  textM: number,
+): void {
+  const { ctx, view, palette, detail } = brush;
+  const { left, top, right, bottom } = boxOnScreen(view, box);
+  ctx.beginPath();
+  ctx.roundRect(left, top, right - left, bottom - top, Math.min(6, 0.35 * view.scale));
+  ctx.fillStyle = palette[fill];
+  ctx.fill();
+  if (fill === "panel") {
+    ctx.lineWidth = Math.max(1, 0.11 * view.scale);
+    ctx.strokeStyle = palette.steel;
+    ctx.stroke();
+  }
+  if (!name || !detail.placeLabels) return;
+  const px = textPx(view.scale, textM, 9, 20);
+  write(brush, name, (left + right) / 2, (top + bottom) / 2, px, "steel-ink", right - left - 4);
+}
+
+function write(
+  brush: Brush,
+  text: string,
+  x: number,
+  y: number,
+  px: number,
+  colour: "steel-ink" | "ink-3",
+  maxPx?: number,
+): void {
+  const { ctx, palette } = brush;
+  setFont(brush, px, 600);
+  ctx.fillStyle = palette[colour];
+  ctx.textAlign = "center";
+  ctx.textBaseline = "middle";
+  ctx.fillText(text, x, y + px * 0.06, maxPx);
+}

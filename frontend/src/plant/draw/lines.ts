@@ -1,0 +1,73 @@
+/** Lines between things: planned ways, who works for whom, who watches whom, who relays for whom. */
+import type { Place } from "../../motion/roads";
+import { toScreenX, toScreenY } from "../geometry";
+import type { Brush } from "./brush";
+
+/** @param ways the points still ahead of each vehicle, from where it is shown */
+export function drawWays(brush: Brush, ways: readonly (readonly Place[])[]): void {
+  const { ctx, palette } = brush;
+  ctx.beginPath();
+  for (const points of ways) tracePoints(brush, points);
+  ctx.globalAlpha = 0.5;
+  stroke(ctx, palette.steel, 1.75);
+  ctx.globalAlpha = 1;
+}
+
+export function drawChosenWay(brush: Brush, points: readonly Place[]): void {
+  const { ctx, view, palette } = brush;
+  const end = points.at(-1);
+  if (points.length < 2 || !end) return;
+  ctx.beginPath();
+  tracePoints(brush, points);
+  stroke(ctx, palette.chosen, Math.max(3, 0.28 * view.scale));
+  ctx.beginPath();
+  ctx.arc(toScreenX(view, end.x), toScreenY(view, end.y), Math.max(4, 0.35 * view.scale), 0, 2 * Math.PI);
+  ctx.fillStyle = palette.floor;
+  ctx.fill();
+  stroke(ctx, palette.chosen, 2.5);
+}
+
+export interface Line {
+  readonly from: Place;
+  readonly to: Place;
+}
+
+export type LineStyle = "primary" | "secondary" | "mesh";
+
+/**
+ * @param strong for the chosen ones; everybody else's are faint
+ */
+export function drawLinks(brush: Brush, lines: readonly Line[], style: LineStyle, strong: boolean): void {
+  if (lines.length === 0) return;
+  const { ctx, palette } = brush;
+  ctx.beginPath();
+  for (const line of lines) tracePoints(brush, [line.from, line.to]);
+  ctx.globalAlpha = strong ? 1 : 0.55;
+  if (style === "mesh") {
+    ctx.lineCap = "round";
+    ctx.setLineDash([0.1, 5]);
+    stroke(ctx, palette.warn, 2.5);
+  } else {
+    ctx.setLineDash(style === "secondary" ? [6, 4] : []);
+    stroke(ctx, strong ? palette.chosen : palette.steel, strong ? 1.75 : 1);
+  }
+  ctx.setLineDash([]);
+  ctx.lineCap = "butt";
+  ctx.globalAlpha = 1;
+}
+
+function tracePoints({ ctx, view }: Brush, points: readonly Place[]): void {
+  points.forEach((point, i) => {
+    const x = toScreenX(view, point.x);
+    const y = toScreenY(view, point.y);
+    if (i === 0) ctx.moveTo(x, y);
+    else ctx.lineTo(x, y);
+  });
+}
+
+function stroke(ctx: CanvasRenderingContext2D, colour: string, width: number): void {
+  ctx.strokeStyle = colour;
+  ctx.lineWidth = width;
+  ctx.lineJoin = "round";
+  ctx.stroke();
+}

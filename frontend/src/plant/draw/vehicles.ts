@@ -1,0 +1,158 @@
+/** Vehicles: a disc with a nose, what it carries, its battery, and what is wrong with it. */
+import type { AtvView } from "../../api/types";
+import type { ShownVehicle } from "../../motion/fleet-motion";
+import { overlaps, type Rect, toScreenX, toScreenY } from "../geometry";
+import type { Brush } from "./brush";
+import { setFont } from "./brush";
+import { traceBolt } from "./floor";
+
+/** Below this a vehicle has to think of a charger. */
+const LOW_BATTERY = 0.2;
+
+export type Look = "chosen" | "alarm" | "lost" | "charging" | "normal";
+
+export function lookOf(view: AtvView, chosen: boolean, lost: boolean): Look {
+  if (view.status === "error" || view.status === "stopped") return "alarm";
+  if (chosen) return "chosen";
+  if (lost) return "lost";
+  return view.status === "charging" ? "charging" : "normal";
+}
+
+const BODY = {
+  chosen: "chosen",
+  alarm: "raised",
+  lost: "steel",
+  charging: "steel",
+  normal: "steel-ink",
+} as const;
+
+/** Thousands of dots are quickest as one path per colour. */
+export function drawDots(brush: Brush, vehicles: readonly ShownVehicle[], look: Look): void {
+  const { ctx, view, palette, detail } = brush;
+  if (vehicles.length === 0) return;
+  const r = detail.vehiclePx;
+  ctx.beginPath();
+  for (const vehicle of vehicles) {
+    const x = toScreenX(view, vehicle.x);
+    const y = toScreenY(view, vehicle.y);
+    ctx.moveTo(x + r, y);
+    ctx.arc(x, y, r, 0, 2 * Math.PI);
+  }
+  ctx.fillStyle = palette[BODY[look]];
+  ctx.fill();
+  if (look !== "alarm") return;
+  ctx.strokeStyle = palette.alarm;
+  ctx.lineWidth = 2;
+  ctx.stroke();
+}
+
+export function drawVehicle(brush: Brush, vehicle: ShownVehicle, look: Look, chosen: boolean): void {
+  const { ctx, view, palette, detail } = brush;
+  const x = toScreenX(view, vehicle.x);
+  const y = toScreenY(view, vehicle.y);
+  const r = detail.vehiclePx;
+  ctx.globalAlpha = look === "lost" ? 0.45 : 1;
+  if (chosen) drawHalo(brush, x, y, r);
+  const ink = look === "alarm" ? palette.alarm : palette[BODY[look]];
+  drawNose(brush, x, y, r, vehicle.heading, ink);
+  ctx.beginPath();
+  ctx.arc(x, y, r, 0, 2 * Math.PI);
+  ctx.fillStyle = palette[BODY[look]];
+  ctx.fill();
+  ctx.lineWidth = look === "alarm" ? Math.max(2, r * 0.24) : Math.max(1, r * 0.14);
+  ctx.strokeStyle = look === "alarm" ? palette.alarm : palette.floor;
+  ctx.stroke();
+  drawInside(brush, x, y, r, vehicle.view, look);
+  drawBattery(brush, x, y, r, vehicle.view);
+  ctx.globalAlpha = 1;
+}
+
+function drawHalo({ ctx, palette }: Brush, x: number, y: number, r: number): void {
+  ctx.beginPath();
+  ctx.arc(x, y, r + 7, 0, 2 * Math.PI);
+  ctx.fillStyle = palette["chosen-soft"];
+  ctx.fill();
+  ctx.lineWidth = 2;
+  ctx.strokeStyle = palette.chosen;
+  ctx.stroke();
+}
+
+function drawNose(brush: Brush, x: number, y: number, r: number, heading: number, ink: string): void {
+  const { ctx } = brush;
+  const cos = Math.cos(heading);
+  const sin = -Math.sin(heading);
+  ctx.beginPath();
+  ctx.moveTo(x + cos * r * 1.62, y + sin * r * 1.62);
+  ctx.lineTo(x + (cos * 0.86 - sin * 0.55) * r, y + (sin * 0.86 + cos * 0.55) * r);
+  ctx.lineTo(x + (cos * 0.86 + sin * 0.55) * r, y + (sin * 0.86 - cos * 0.55) * r);
+  ctx.closePath();
+  ctx.fillStyle = ink;
+  ctx.fill();
+}
+
+/** One sign at a time, the most urgent first: trouble, charging, load. */
+function drawInside(brush: Brush, x: number, y: number, r: number, view: AtvView, look: Look): void {
+  const { ctx, palette } = brush;
+  ctx.beginPath();
+  if (view.status === "error") {
+    ctx.fillStyle = palette.alarm;
+    ctx.roundRect(x - r * 0.13, y - r * 0.58, r * 0.26, r * 0.68, r * 0.1);
+    ctx.roundRect(x - r * 0.13, y + r * 0.28, r * 0.26, r * 0.26, r * 0.1);
+  } else if (view.status === "stopped") {
+    ctx.fillStyle = palette.alarm;
+    ctx.rect(x - r * 0.45, y - r * 0.45, r * 0.3, r * 0.9);
+    ctx.rect(x + r * 0.15, y - r * 0.45, r * 0.3, r * 0.9);
+  } else if (view.status === "charging") {
+    ctx.fillStyle = palette.floor;
+    traceBolt(ctx, x, y, r * 0.62);
+  } else if (view.load) {
+    ctx.fillStyle = look === "chosen" ? palette["on-chosen"] : palette.floor;
+    ctx.roundRect(x - r * 0.42, y - r * 0.42, r * 0.84, r * 0.84, r * 0.16);
+  } else {
+    return;
+  }
+  ctx.fill();
+}
+
+/** Only shown where it matters, or where there is room for it. */
+function drawBattery(brush: Brush, x: number, y: number, r: number, view: AtvView): void {
+  const low = view.battery_frac < LOW_BATTERY;
+  if (!low && r < 11 && view.status !== "charging") return;
+  const { ctx, palette } = brush;
+  const start = -Math.PI / 2;
+  ctx.beginPath();
+  ctx.arc(x, y, r + 2.5, start, start + 2 * Math.PI * view.battery_frac);
+  ctx.lineWidth = Math.max(2, r * 0.16);
+  ctx.strokeStyle = low ? palette.warn : palette.steel;
+  ctx.stroke();
+}
+
+/**
+ * Names above the vehicles. Two vehicles side by side would write over one another, so whoever comes
+ * later in the list stays without a name.
+ */
+export function drawVehicleLabels(
+  brush: Brush,
+  vehicles: readonly { vehicle: ShownVehicle; look: Look; chosen: boolean }[],
+): void {
+  const { ctx, view, palette, detail } = brush;
+  const px = detail.vehiclePx >= 11 ? 11.5 : 10;
+  const taken: Rect[] = [];
+  setFont(brush, px, 600);
+  ctx.textAlign = "center";
+  ctx.textBaseline = "alphabetic";
+  ctx.lineWidth = 3;
+  ctx.lineJoin = "round";
+  ctx.strokeStyle = palette.floor;
+  for (const { vehicle, look, chosen } of vehicles) {
+    const x = toScreenX(view, vehicle.x);
+    const y = toScreenY(view, vehicle.y) - detail.vehiclePx - (chosen ? 10 : 6);
+    const half = vehicle.view.id.length * px * 0.32;
+    const rect = { left: x - half, right: x + half, top: y - px, bottom: y };
+    if (taken.some((other) => overlaps(rect, other))) continue;
+    taken.push(rect);
+    ctx.strokeText(vehicle.view.id, x, y);
+    ctx.fillStyle = palette[look === "alarm" ? "alarm" : chosen ? "chosen" : "ink-2"];
+    ctx.fillText(vehicle.view.id, x, y);
+  }
+}

@@ -1,0 +1,99 @@
+/** From metres on the floor (y up) to pixels on the screen (y down), and what lies under a finger. */
+import type { Box } from "../api/types";
+
+export interface Size {
+  readonly width: number;
+  readonly height: number;
+}
+
+/** What d3-zoom keeps: scale 1 and no shift is the whole plant, fitted. */
+export interface Zoom {
+  readonly k: number;
+  readonly x: number;
+  readonly y: number;
+}
+
+export interface View {
+  /** Pixels per metre. */
+  readonly scale: number;
+  /** Pixels of the point (0 m, 0 m). */
+  readonly x0: number;
+  readonly y0: number;
+}
+
+export interface Rect {
+  readonly left: number;
+  readonly top: number;
+  readonly right: number;
+  readonly bottom: number;
+}
+
+/** The view in which the whole floor fits, centred. */
+export function fitView(floor: { width_m: number; height_m: number }, size: Size, pad: Rect): View {
+  const width = Math.max(1, size.width - pad.left - pad.right);
+  const height = Math.max(1, size.height - pad.top - pad.bottom);
+  const scale = Math.min(width / floor.width_m, height / floor.height_m);
+  return {
+    scale,
+    x0: pad.left + (width - floor.width_m * scale) / 2,
+    y0: pad.top + (height + floor.height_m * scale) / 2,
+  };
+}
+
+export function zoomed(fit: View, zoom: Zoom): View {
+  return {
+    scale: fit.scale * zoom.k,
+    x0: fit.x0 * zoom.k + zoom.x,
+    y0: fit.y0 * zoom.k + zoom.y,
+  };
+}
+
+export function toScreenX(view: View, xM: number): number {
+  return view.x0 + xM * view.scale;
+}
+
+export function toScreenY(view: View, yM: number): number {
+  return view.y0 - yM * view.scale;
+}
+
+export function toFloor(view: View, x: number, y: number): { x: number; y: number } {
+  return { x: (x - view.x0) / view.scale, y: (view.y0 - y) / view.scale };
+}
+
+/** The zoom that brings a point of the floor to the middle, at a scale of the fitted view. */
+export function centredOn(fit: View, size: Size, point: { x: number; y: number }, k: number): Zoom {
+  return {
+    k,
+    x: size.width / 2 - toScreenX(fit, point.x) * k,
+    y: size.height / 2 - toScreenY(fit, point.y) * k,
+  };
+}
+
+export function boxOnScreen(view: View, box: Box): Rect {
+  const x = toScreenX(view, box.x_m);
+  const y = toScreenY(view, box.y_m);
+  const w = (box.width_m * view.scale) / 2;
+  const h = (box.depth_m * view.scale) / 2;
+  return { left: x - w, top: y - h, right: x + w, bottom: y + h };
+}
+
+export function contains(rect: Rect, x: number, y: number, slack = 0): boolean {
+  return (
+    x >= rect.left - slack &&
+    x <= rect.right + slack &&
+    y >= rect.top - slack &&
+    y <= rect.bottom + slack
+  );
+}
+
+export function overlaps(a: Rect, b: Rect): boolean {
+  return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+}
+
+/** A round length that takes about `targetPx` on the screen, for the scale bar. */
+export function scaleBar(scale: number, targetPx: number): { metres: number; px: number } {
+  const raw = targetPx / scale;
+  const power = 10 ** Math.floor(Math.log10(raw));
+  const metres = ([5, 2, 1].find((step) => step * power <= raw) ?? 1) * power;
+  return { metres, px: metres * scale };
+}

@@ -1,0 +1,27 @@
+/** Which layers of the map are shown; remembered in this browser. */
+import { effect, signal } from "@preact/signals";
+import { recall, remember } from "../memory";
+
+export const LAYERS = ["ways", "watch", "mesh", "areas", "labels"] as const;
+export type Layer = (typeof LAYERS)[number];
+export type Layers = Readonly<Record<Layer, boolean>>;
+
+const KEY = "dray.layers";
+const FIRST: Layers = { ways: true, watch: true, mesh: true, areas: false, labels: true };
+
+export const layers = signal<Layers>(layersFrom(recall(KEY)));
+
+export function toggleLayer(layer: Layer): void {
+  layers.value = { ...layers.value, [layer]: !layers.value[layer] };
+}
+
+effect(() => {
+  remember(KEY, LAYERS.filter((layer) => layers.value[layer]).join(" "));
+});
+
+/** From the remembered names; without memory, what is useful at first sight. */
+export function layersFrom(stored: string | null): Layers {
+  if (stored === null) return FIRST;
+  const on = new Set(stored.split(" "));
+  return Object.fromEntries(LAYERS.map((layer) => [layer, on.has(layer)])) as Layers;
+}

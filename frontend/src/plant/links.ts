@@ -1,0 +1,54 @@
+/** Which lines connect whom, from the open tasks and the vehicles' links. */
+import type { TaskView } from "../api/types";
+import type { Place } from "../motion/roads";
+import type { Line } from "./draw/lines";
+
+export interface Links {
+  /** Carrier and the coordinator that it works for. */
+  readonly primary: readonly Line[];
+  /** Watcher and the carrier that it watches. */
+  readonly secondary: readonly Line[];
+}
+
+interface Watchful {
+  readonly atv: string | null;
+  readonly machine: string | null;
+}
+
+type Find = (id: string) => Place | undefined;
+
+/**
+ * @param find where a vehicle or machine is shown
+ * @param only the chosen ones; null for everybody
+ */
+export function watchLinks(tasks: Iterable<TaskView>, find: Find, only: Watchful | null): Links {
+  const primary: Line[] = [];
+  const secondary: Line[] = [];
+  for (const task of tasks) {
+    if (task.state !== "contracted" || task.kind !== "transport") continue;
+    if (only && !concerns(task, only)) continue;
+    add(primary, find(task.primary), find(task.coordinator));
+    add(secondary, find(task.secondary), find(task.primary));
+  }
+  return { primary, secondary };
+}
+
+function concerns(task: TaskView, { atv, machine }: Watchful): boolean {
+  if (atv !== null && (task.primary === atv || task.secondary === atv)) return true;
+  return machine !== null && task.coordinator === machine;
+}
+
+export function meshLinks(
+  vehicles: Iterable<{ x: number; y: number; view: { link: string; via: string } }>,
+  find: Find,
+): Line[] {
+  const lines: Line[] = [];
+  for (const vehicle of vehicles) {
+    if (vehicle.view.link === "mesh") add(lines, vehicle, find(vehicle.view.via));
+  }
+  return lines;
+}
+
+function add(lines: Line[], from: Place | undefined, to: Place | undefined): void {
+  if (from && to) lines.push({ from, to });
+}

@@ -1,0 +1,272 @@
+/**
+ * Three canvases over one another: the floor (drawn anew on zoom, size and theme), the machines (when
+ * one of them changes) and everything that moves (while something moves). Knows nothing of the page:
+ * it is told what to show, and asks for the next picture only while one is needed.
+ */
+import type { MachineView, PlantFile, TaskView } from "../api/types";
+import { FleetMotion, type ShownVehicle } from "../motion/fleet-motion";
+import { delayS, Playback } from "../motion/playback";
+import { type Place, type Roads, roadsOf } from "../motion/roads";
+import type { Frame, World } from "../stream/world";
+import { type Detail, detailOf } from "./detail";
+import type { Brush } from "./draw/brush";
+import { drawFloor } from "./draw/floor";
+import { drawChosenWay, drawLinks, drawWays } from "./draw/lines";
+import { drawMachine } from "./draw/machines";
+import { drawDots, drawVehicle, drawVehicleLabels, type Look, lookOf } from "./draw/vehicles";
+import { fitView, type Size, toScreenX, toScreenY, type View, type Zoom, zoomed } from "./geometry";
+import type { Layers } from "./layers";
+import { meshLinks, watchLinks } from "./links";
+import type { Palette } from "./palette";
+import { isLost } from "./silence";
+
+export interface Canvases {
+  readonly floor: HTMLCanvasElement;
+  readonly machines: HTMLCanvasElement;
+  readonly moving: HTMLCanvasElement;
+}
+
+/** Room for the layer switches above the floor and the scale below it. */
+const PAD = { left: 14, right: 14, top: 56, bottom: 34 };
+
+/** What the map is told from outside. */
+export interface Shown {
+  readonly layers: Layers;
+  readonly palette: Palette;
+  readonly atv: string | null;
+  readonly place: string | null;
+}
+
+export class PlantRenderer {
+  readonly plant: PlantFile;
+  readonly fleet: FleetMotion;
+  /** Called after the scale has changed. */
+  onZoom: () => void = () => undefined;
+  readonly #canvases: Canvases;
+  readonly #roads: Roads;
+  readonly #playback = new Playback();
+  readonly #serverNowS: () => number;
+  readonly #productNames: ReadonlyMap<string, string>;
+  #shown: Shown;
+  #world: World | null = null;
+  #size: Size = { width: 1, height: 1 };
+  #zoom: Zoom = { k: 1, x: 0, y: 0 };
+  #smooth = true;
+  #frame: number | null = null;
+  #drawnAtMs = 0;
+  #stale = { floor: true, machines: true };
+
+  constructor(plant: PlantFile, canvases: Canvases, shown: Shown, serverNowS: () => number) {
+    this.plant = plant;
+    this.#canvases = canvases;
+    this.#shown = shown;
+    this.#serverNowS = serverNowS;
+    this.#roads = roadsOf(plant);
+    this.#productNames = new Map(plant.products.map((product) => [product.id, product.name]));
+    this.fleet = new FleetMotion(this.#roads);
+  }
+
+  /** The whole plant in this much room; the zoom is relative to it. */
+  get fit(): View {
+    return fitView(this.plant, this.#size, PAD);
+  }
+
+  get view(): View {
+    return zoomed(this.fit, this.#zoom);
+  }
+
+  get size(): Size {
+    return this.#size;
+  }
+
+  /** Begins with everything as it stands: at first, and after a snapshot. */
+  begin(world: World): void {
+    this.#playback.reset();
+    this.fleet.reset(world.atvs.values());
+    this.#know(world);
+  }
+
+  take(frame: Frame, world: World): void {
+    if (frame.type === "snapshot") {
+      this.begin(world);
+      return;
+    }
+    this.fleet.observe(frame.atvs, this.#playback.shownS);
+    for (const id of frame.gone) if (id.startsWith("atv:")) this.fleet.forget(id.slice(4));
+    this.#know(world);
+  }
+
+  #know(world: World): void {
+    if (world.machines !== this.#world?.machines) this.#stale.machines = true;
+    this.#world = world;
+    this.#ask();
+  }
+
+  show(shown: Shown): void {
+    const { palette, layers, place } = this.#shown;
+    if (shown.palette !== palette || shown.layers !== layers || shown.place !== place) {
+      this.#stale = { floor: true, machines: true };
+    }
+    this.#shown = shown;
+    this.#ask();
+  }
+
+  resize(size: Size): void {
+    this.#size = size;
+    const ratio = Math.min(2, devicePixelRatio);
+    for (const canvas of Object.values(this.#canvases) as HTMLCanvasElement[]) {
+      canvas.width = Math.round(size.width * ratio);
+      canvas.height = Math.round(size.height * ratio);
+      canvas.getContext("2d")?.setTransform(ratio, 0, 0, ratio, 0, 0);
+    }
+    this.redraw();
+  }
+
+  zoomTo(zoom: Zoom): void {
+    this.#zoom = zoom;
+    this.redraw();
+    this.onZoom();
+  }
+
+  /** @param smooth false for people who asked for less motion: positions change with the news only */
+  setSmooth(smooth: boolean): void {
+    this.#smooth = smooth;
+    this.#ask();
+  }
+
+  /** Everything anew: size, zoom, or fonts that have arrived. */
+  redraw(): void {
+    this.#stale = { floor: true, machines: true };
+    this.#ask();
+  }
+
+  stop(): void {
+    if (this.#frame !== null) cancelAnimationFrame(this.#frame);
+    this.#frame = null;
+  }
+
+  #ask(): void {
+    this.#frame ??= requestAnimationFrame((ms) => {
+      this.#frame = null;
+      this.#draw(ms);
+    });
+  }
+
+  #draw(ms: number): void {
+    const speed = this.#world?.factory.speed ?? 1;
+    const passedS = Math.min(0.25, (ms - this.#drawnAtMs) / 1000);
+    this.#drawnAtMs = ms;
+    const nowS = this.#serverNowS();
+    const atS = this.#smooth ? this.#playback.at(nowS, delayS(speed)) : nowS;
+    const moving = this.fleet.play(atS, this.#smooth ? passedS : 1);
+    const vehicles = this.#inSight();
+    const detail = detailOf(this.view.scale, vehicles.length);
+    if (this.#stale.floor) this.#drawFloor(detail);
+    if (this.#stale.machines) this.#drawMachines(detail);
+    this.#stale = { floor: false, machines: false };
+    this.#drawMoving(detail, vehicles, atS, nowS);
+    if (moving && this.#smooth) this.#ask();
+  }
+
+  #brush(canvas: HTMLCanvasElement, detail: Detail): Brush | null {
+    const ctx = canvas.getContext("2d");
+    if (!ctx) return null;
+    ctx.clearRect(0, 0, this.#size.width, this.#size.height);
+    return { ctx, view: this.view, palette: this.#shown.palette, detail };
+  }
+
+  #drawFloor(detail: Detail): void {
+    const brush = this.#brush(this.#canvases.floor, detail);
+    if (!brush) return;
+    const { areas, labels } = this.#shown.layers;
+    drawFloor(brush, {
+      plant: this.plant,
+      roads: this.#roads,
+      showAreas: areas,
+      showLabels: labels,
+      chosen: this.#shown.place,
+    });
+  }
+
+  #drawMachines(detail: Detail): void {
+    const brush = this.#brush(this.#canvases.machines, detail);
+    if (!brush) return;
+    for (const spec of this.plant.machines) {
+      const view: MachineView | undefined = this.#world?.machines.get(spec.id);
+      const product = this.#productNames.get(view?.product ?? "") ?? "";
+      drawMachine(brush, { spec, view, product, chosen: spec.id === this.#shown.place });
+    }
+  }
+
+  #drawMoving(detail: Detail, vehicles: readonly ShownVehicle[], atS: number, nowS: number): void {
+    const brush = this.#brush(this.#canvases.moving, detail);
+    const world = this.#world;
+    if (!brush || !world) return;
+    const { layers, atv } = this.#shown;
+    if (layers.ways && detail.everybody) {
+      const others = vehicles.filter(({ view }) => view.way.length > 0 && view.id !== atv);
+      drawWays(brush, others.map(({ view }) => this.fleet.ahead(view.id, atS)));
+    }
+    if (layers.watch) this.#drawWatch(brush, world.tasks);
+    if (layers.mesh) drawLinks(brush, meshLinks(vehicles, this.#find), "mesh", false);
+    if (layers.ways && atv !== null) drawChosenWay(brush, this.fleet.ahead(atv, atS));
+    this.#drawVehicles(brush, vehicles, nowS);
+  }
+
+  #drawWatch(brush: Brush, tasks: ReadonlyMap<string, TaskView>): void {
+    const { atv, place } = this.#shown;
+    if (brush.detail.everybody) {
+      const all = watchLinks(tasks.values(), this.#find, null);
+      drawLinks(brush, all.secondary, "secondary", false);
+    }
+    const chosen = watchLinks(tasks.values(), this.#find, { atv, machine: place });
+    drawLinks(brush, chosen.primary, "primary", true);
+    drawLinks(brush, chosen.secondary, "secondary", true);
+  }
+
+  #drawVehicles(brush: Brush, vehicles: readonly ShownVehicle[], nowS: number): void {
+    const speed = this.#world?.factory.speed ?? 1;
+    const looks = vehicles.map((vehicle) => {
+      const chosen = vehicle.view.id === this.#shown.atv;
+      const look = lookOf(vehicle.view, chosen, isLost(vehicle.view, nowS, speed));
+      return { vehicle, look, chosen };
+    });
+    // Whoever matters is drawn last, and so on top; and named first.
+    looks.sort((a, b) => URGENCY[b.look] - URGENCY[a.look]);
+    if (brush.detail.vehicleParts) {
+      for (const { vehicle, look, chosen } of looks) drawVehicle(brush, vehicle, look, chosen);
+    } else {
+      for (const look of ["lost", "charging", "normal", "alarm"] as const) {
+        drawDots(brush, looks.filter((each) => each.look === look).map(({ vehicle }) => vehicle), look);
+      }
+      const chosen = looks.find((each) => each.chosen);
+      if (chosen) drawVehicle(brush, chosen.vehicle, chosen.look, true);
+    }
+    const named = brush.detail.vehicleLabels && this.#shown.layers.labels;
+    drawVehicleLabels(brush, looks.toReversed().filter((each) => named || each.chosen));
+  }
+
+  #inSight(): ShownVehicle[] {
+    const { view, size } = this;
+    const slack = 30;
+    const seen: ShownVehicle[] = [];
+    for (const vehicle of this.fleet.all()) {
+      const x = toScreenX(view, vehicle.x);
+      const y = toScreenY(view, vehicle.y);
+      if (x > -slack && x < size.width + slack && y > -slack && y < size.height + slack) {
+        seen.push(vehicle);
+      }
+    }
+    return seen;
+  }
+
+  /** Where somebody is drawn: a vehicle as it moves, a machine in the middle of its box. */
+  readonly #find = (id: string): Place | undefined => {
+    const vehicle = this.fleet.get(id);
+    if (vehicle) return vehicle;
+    const box = this.plant.machines.find((machine) => machine.id === id)?.box;
+    return box && { x: box.x_m, y: box.y_m };
+  };
+}
+
+const URGENCY: Readonly<Record<Look, number>> = { chosen: 0, alarm: 1, normal: 2, charging: 3, lost: 4 };

@@ -1,0 +1,117 @@
+/**
+ * Keeps one websocket open: connects, hands on frames, reconnects with growing waits, and asks for a
+ * fresh snapshot (by connecting anew) when a frame is missing or makes no sense.
+ */
+import { waitBeforeS } from "./backoff";
+import { advance, type Frame, type World } from "./world";
+
+/** The part of a WebSocket that is used, so that tests can stand in for it. */
+export interface Socket {
+  onopen: (() => void) | null;
+  onmessage: ((event: { data: unknown }) => void) | null;
+  onclose: (() => void) | null;
+  close(): void;
+}
+
+export interface Surroundings {
+  open: () => Socket;
+  /** Calls back after a while; what it returns cancels. */
+  later: (seconds: number, call: () => void) => () => void;
+  chance: () => number;
+}
+
+export interface Listener {
+  /** A frame was taken in; `world` is what it led to. */
+  frame: (frame: Frame, world: World) => void;
+  connected: (yes: boolean) => void;
+}
+
+/** How long a socket may take to open before it is given up. */
+const OPEN_WITHIN_S = 6;
+
+export class Connection {
+  readonly #around: Surroundings;
+  readonly #listener: Listener;
+  #socket: Socket | null = null;
+  #world: World | null = null;
+  #failures = 0;
+  #cancelTimer: () => void = () => undefined;
+
+  constructor(around: Surroundings, listener: Listener) {
+    this.#around = around;
+    this.#listener = listener;
+  }
+
+  /** Connects now, whatever wait was running: at the start, and when the network came back. */
+  connect(): void {
+    this.#drop();
+    this.#world = null;
+    const socket = this.#around.open();
+    this.#socket = socket;
+    socket.onopen = () => {
+      this.#cancelTimer();
+      this.#listener.connected(true);
+    };
+    socket.onmessage = (event) => {
+      this.#take(event.data);
+    };
+    socket.onclose = () => {
+      this.#lost();
+    };
+    this.#cancelTimer = this.#around.later(OPEN_WITHIN_S, () => {
+      this.#lost();
+    });
+  }
+
+  /** Whether frames are coming; false while it waits for its next try. */
+  get isOpen(): boolean {
+    return this.#world !== null;
+  }
+
+  close(): void {
+    this.#drop();
+  }
+
+  #take(data: unknown): void {
+    const frame = parse(data);
+    const world = frame && advance(this.#world, frame);
+    if (!frame || !world) {
+      this.#lost();
+      return;
+    }
+    this.#world = world;
+    this.#failures = 0;
+    this.#listener.frame(frame, world);
+  }
+
+  #lost(): void {
+    this.#drop();
+    this.#world = null;
+    this.#listener.connected(false);
+    const wait = waitBeforeS(this.#failures, this.#around.chance());
+    this.#failures += 1;
+    this.#cancelTimer = this.#around.later(wait, () => {
+      this.connect();
+    });
+  }
+
+  #drop(): void {
+    this.#cancelTimer();
+    const socket = this.#socket;
+    this.#socket = null;
+    if (!socket) return;
+    // A closing socket may still deliver; nothing it says counts any more.
+    socket.onopen = socket.onmessage = socket.onclose = null;
+    socket.close();
+  }
+}
+
+function parse(data: unknown): Frame | null {
+  if (typeof data !== "string") return null;
+  try {
+    const frame = JSON.parse(data) as Frame;
+    return typeof frame.number === "number" ? frame : null;
+  } catch {
+    return null;
+  }
+}

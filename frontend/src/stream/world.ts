@@ -1,0 +1,94 @@
+/**
+ * What the stream has told so far, as plain data, and how a frame changes it. Pure: a frame in, a new
+ * world out. Who reads the socket, and when a panel redraws, is decided elsewhere.
+ */
+import type {
+  AtvView,
+  Delta,
+  FactoryView,
+  MachineView,
+  OrderView,
+  Snapshot,
+  TaskView,
+} from "../api/types";
+
+export type Frame = Snapshot | Delta;
+
+export interface World {
+  /** Number of the frame that this world is the result of. */
+  readonly number: number;
+  /** The server's clock when it sent that frame, seconds since 1970. */
+  readonly atS: number;
+  readonly plant: string;
+  readonly factory: FactoryView;
+  readonly atvs: ReadonlyMap<string, AtvView>;
+  readonly machines: ReadonlyMap<string, MachineView>;
+  readonly tasks: ReadonlyMap<string, TaskView>;
+  readonly orders: ReadonlyMap<string, OrderView>;
+}
+
+/** The prefix of an id in `Delta.gone`, and the collection that it leaves. */
+const GONE = { atv: "atvs", machine: "machines", task: "tasks", order: "orders" } as const;
+
+export function worldOf(frame: Snapshot): World {
+  return {
+    number: frame.number,
+    atS: frame.at_s,
+    plant: frame.plant,
+    factory: frame.factory,
+    atvs: byId(frame.atvs),
+    machines: byId(frame.machines),
+    tasks: byId(frame.tasks),
+    orders: byId(frame.orders),
+  };
+}
+
+/**
+ * The world after a frame, or null where the frame does not follow: a number is missing, or the
+ * stream began without a snapshot. Then only a fresh snapshot helps.
+ */
+export function advance(world: World | null, frame: Frame): World | null {
+  if (frame.type === "snapshot") return worldOf(frame);
+  if (world === null || frame.number !== world.number + 1) return null;
+  const gone = goneByKind(frame.gone);
+  return {
+    ...world,
+    number: frame.number,
+    atS: frame.at_s,
+    factory: frame.factory ?? world.factory,
+    atvs: changed(world.atvs, frame.atvs, gone.atvs),
+    machines: changed(world.machines, frame.machines, gone.machines),
+    tasks: changed(world.tasks, frame.tasks, gone.tasks),
+    orders: changed(world.orders, frame.orders, gone.orders),
+  };
+}
+
+function byId<T extends { id: string }>(views: readonly T[]): Map<string, T> {
+  return new Map(views.map((view) => [view.id, view]));
+}
+
+/** The same map when nothing changed, so that whoever compares by identity need not look again. */
+function changed<T extends { id: string }>(
+  before: ReadonlyMap<string, T>,
+  views: readonly T[],
+  gone: readonly string[],
+): ReadonlyMap<string, T> {
+  if (views.length === 0 && gone.length === 0) return before;
+  const after = new Map(before);
+  for (const view of views) after.set(view.id, view);
+  for (const id of gone) after.delete(id);
+  return after;
+}
+
+type Kind = (typeof GONE)[keyof typeof GONE];
+
+function goneByKind(ids: readonly string[]): Record<Kind, string[]> {
+  const gone: Record<Kind, string[]> = { atvs: [], machines: [], tasks: [], orders: [] };
+  for (const id of ids) {
+    const cut = id.indexOf(":");
+    const prefix = id.slice(0, cut);
+    // A kind that this version does not show is no concern of ours.
+    if (prefix in GONE) gone[GONE[prefix as keyof typeof GONE]].push(id.slice(cut + 1));
+  }
+  return gone;
+}

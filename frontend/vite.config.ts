@@ -1,0 +1,23 @@
+import { defineConfig } from "vitest/config";
+
+/**
+ * The panels are built into the gateway's package, with a manifest from which the server's
+ * templates learn the hashed names. Nothing is loaded from elsewhere at run time.
+ */
+export default defineConfig({
+  base: "/static/",
+  publicDir: "public",
+  build: {
+    outDir: "../backend/dray/gateway/static",
+    emptyOutDir: true,
+    manifest: true,
+    modulePreload: false,
+    target: "es2022",
+    // Fonts and icons stay files: a data: URL would need an exception in the content policy.
+    assetsInlineLimit: 0,
+    rolldownOptions: {
+      input: ["src/theme/init.ts", "src/manager/main.tsx"],
+    },
+  },
+  test: { include: ["src/**/*.test.ts"] },
+});
