@@ -21,13 +21,9 @@ from dray.body import (
     ActionDone,
     ActionFailed,
     BodyState,
-    Charge,
-    Hold,
-    LimitSpeed,
     NodePassed,
     ProblemCleared,
     ProblemRaised,
-    Unhold,
     VehicleState,
     WayDone,
 )
@@ -38,7 +34,6 @@ from dray.messages import (
     AtvStatus,
     Award,
     BerthClaimed,
-    CommandAnswered,
     CommandKind,
     Declined,
     DockHeld,
@@ -53,10 +48,9 @@ from dray.messages import (
     VehicleCommand,
     Withdrawn,
 )
-from dray.messages.fact import AtvStatusChanged, CommandObeyed, ContractEnded, ContractTaken
+from dray.messages.fact import AtvStatusChanged, ContractEnded, ContractTaken
 from dray.messages.keys import Keys
 from dray.plant import Plant
-from dray.protocol import berths
 from dray.protocol.bidding import Bidder, Standing
 from dray.protocol.carriage import ASK, Carriage
 from dray.protocol.driving import Driver
@@ -64,7 +58,6 @@ from dray.protocol.events import (
     Effect,
     Event,
     Heard,
-    Instruct,
     Publish,
     Record,
     Reported,
@@ -74,27 +67,16 @@ from dray.protocol.events import (
     Unsubscribe,
     Woke,
 )
+from dray.protocol.obedience import Obedience
 from dray.protocol.pricing import Quote, Unable
+from dray.protocol.resting import TIMERS as REST_TIMERS
+from dray.protocol.resting import Rest
 from dray.protocol.supervision import Following
 from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
 from dray.protocol.timers import Timers
 from dray.protocol.watching import WATCH_VIGIL, Watches
 
 BEAT = "beat"
-SETTLE = "settle"
-CLAIM = "claim"
-
-SETTLE_S = 4.0
-"""An idle vehicle waits this long for work near by before it drives to a berth."""
-
-SEEK_AGAIN_S = 30.0
-"""When every berth was taken."""
-
-CHARGE_BELOW_FRAC = 0.6
-"""An idle vehicle charges early: a charge in a quiet minute costs nothing."""
-
-CHARGED_FRAC = 0.95
-"""It leaves the charger to others then: the rest would come slowly."""
 
 
 class Atv:
@@ -130,17 +112,15 @@ class Atv:
         self._following = Following(self._keys.atv_heartbeat, self._out)
         self._watches = Watches(self._following, self._timers, self._out)
         self._bidder = Bidder(atv, plant, self._type, self._out)
-        self._berths = berths.Berths(atv, plant, self._type, self._keys, self._out)
+        self._rest = Rest(
+            atv, plant, self._type, self._keys, self._driver, self._timers, self._out
+        )
+        self._obedience = Obedience(self._out)
         self._carriage: Carriage | None = None
         self._status = AtvStatus.IDLE
         self._battery_frac = 1.0
         self._load = ("", 0)
-        self._held = False
-        self._acknowledged = False
         self._problem = ""
-        self._charge_order = 0
-        """The order number of the running charge; 0 for none."""
-        self._speed_frac = 1.0
         self._seq = 0
         self._cell = ""
         contract = self._hear_of_contract
@@ -194,12 +174,8 @@ class Atv:
     def _start(self, body: BodyState | None, now_s: float) -> None:
         self._sense(body)
         self._attend()
-        for berth in self._plant.berths:
-            if self._plant.node_of(berth) == self._driver.node:
-                self._berths.stand(berth, self._battery_frac)
-                break
+        self._rest.start(self._battery_frac, now_s)
         self._timers.set(BEAT, now_s)
-        self._timers.set(SETTLE, now_s + SETTLE_S)
 
     def _wake(self, body: BodyState | None, now_s: float) -> None:
         self._sense(body)
@@ -210,10 +186,11 @@ class Atv:
                 if self._carriage is not None:
                     self._carriage.wake(now_s)
                     self._after_carriage(now_s)
-            elif name == SETTLE:
-                self._settle(now_s)
-            elif name == CLAIM:
-                self._take_berth(now_s)
+            elif name in REST_TIMERS:
+                if self._may_rest():
+                    self._rest.wake(name, self._battery_frac, now_s)
+                    self._update_status(now_s, self._rest.berth)
+                    self._timers.set(BEAT, now_s)
             else:
                 kind, task = cast(tuple[str, str], name)
                 if kind != WATCH_VIGIL:
@@ -246,8 +223,8 @@ class Atv:
             task=carriage.brief() if carriage is not None else None,
             watches=self._watches.briefs() if self._watches else (),
             way=self._driver.ahead,
-            berth=self._berths.berth,
-            speed_limit_frac=self._speed_frac,
+            berth=self._rest.berth,
+            speed_limit_frac=self._obedience.speed_frac,
             problem=self._problem,
             software=self._software,
         )
@@ -257,8 +234,8 @@ class Atv:
             # Agents that start together must not beat together for ever.
             interval_s *= 0.5 + crc32(self.id.encode()) % 1000 / 2000
         self._timers.set(BEAT, now_s + interval_s)
-        if carriage is None and self._wants_charge() and not self._is_settling():
-            self._timers.set(SETTLE, now_s)
+        if carriage is None:
+            self._rest.check_battery(self._battery_frac, now_s)
 
     # --- the body reports ---
 
@@ -273,31 +250,26 @@ class Atv:
         if self._carriage is not None:
             self._carriage.arrived(now_s)
             self._after_carriage(now_s)
-        elif self._berths.hold is berths.Hold.CLAIMED:
-            self._berths.arrive()
-            self._begin_charge(now_s)
+        else:
+            self._rest.arrived()
+            self._update_status(now_s, self._rest.berth)
         self._timers.set(BEAT, now_s)
 
     def _action_done(self, report: ActionDone, now_s: float) -> None:
-        if report.order == self._charge_order:
-            self._charge_order = 0
+        if self._rest.action_done(report.order, now_s):
             self._update_status(now_s, "charged")
-            self._timers.set(SETTLE, now_s)
         elif self._carriage is not None:
             self._carriage.action_done(report.order, now_s)
             self._after_carriage(now_s)
 
     def _action_failed(self, report: ActionFailed, now_s: float) -> None:
-        if report.order == self._charge_order:
-            self._charge_order = 0
-            self._berths.leave()
+        if self._rest.action_failed(report.order, now_s):
             self._update_status(now_s, report.reason)
-            self._timers.set(SETTLE, now_s + SETTLE_S)
         elif self._driver.hear_failed(report):
             if self._carriage is not None:
                 self._carriage.way_refused(now_s)
             else:
-                self._timers.set(SETTLE, now_s + SETTLE_S)
+                self._rest.soon(now_s)
         elif self._carriage is not None:
             self._carriage.action_failed(report.order, now_s)
             self._after_carriage(now_s)
@@ -310,14 +282,14 @@ class Atv:
     def _problem_cleared(self, _report: ProblemCleared, now_s: float) -> None:
         self._problem = ""
         self._update_status(now_s, "problem cleared")
-        self._timers.set(SETTLE, now_s + SETTLE_S)
+        self._rest.soon(now_s)
 
     # --- contracts ---
 
     def _standing(self, now_s: float) -> Standing:
         driver = self._driver
         x_m, y_m = driver.position_m
-        unfit = self._problem or ("stopped by an operator" if self._held else "")
+        unfit = self._problem or ("stopped by an operator" if self._obedience.stopped else "")
         return Standing(
             node=driver.next_node,
             node_at_s=driver.next_node_at_s(now_s),
@@ -386,10 +358,7 @@ class Atv:
         )
         self._out.append(Record(taken))
         self._watches.resign("has work of its own")
-        self._berths.leave()
-        self._charge_order = 0
-        self._timers.clear(SETTLE)
-        self._timers.clear(CLAIM)
+        self._rest.stop()
         self._update_status(now_s, award.task)
         self._carriage.begin(now_s)
         self._timers.set(BEAT, now_s)
@@ -426,118 +395,35 @@ class Atv:
         self._out.append(Record(ended))
         self._carriage = None
         self._update_status(now_s, carriage.ended)
-        self._timers.set(SETTLE, now_s + SETTLE_S)
+        self._rest.soon(now_s)
 
-    # --- charging and parking ---
+    # --- rest, and people ---
 
-    def _wants_charge(self) -> bool:
-        return self._battery_frac < CHARGE_BELOW_FRAC and not self._charge_order
-
-    def _is_settling(self) -> bool:
-        claimed = self._berths.hold is berths.Hold.CLAIMED
-        return claimed or self._timers.is_set(SETTLE) or self._timers.is_set(CLAIM)
-
-    def _settle(self, now_s: float) -> None:
-        """Without work: go where it is useful to stand."""
-        if self._carriage is not None or self._held or self._problem or self._charge_order:
-            return
-        wants_charge = self._wants_charge()
-        stands = self._berths.hold is berths.Hold.STANDING
-        full = self._battery_frac >= CHARGED_FRAC
-        if stands and self._berths.is_charger and not full:
-            self._begin_charge(now_s)
-            return
-        if stands and not wants_charge and not self._berths.is_charger:
-            return
-        found = self._berths.seek(
-            charger=wants_charge,
-            node=self._driver.next_node,
-            battery_frac=self._battery_frac,
-            now_s=now_s,
-        )
-        if found:
-            self._timers.set(CLAIM, now_s + berths.CONTEST_S)
-        else:
-            self._timers.set(SETTLE, now_s + SEEK_AGAIN_S)
-
-    def _take_berth(self, now_s: float) -> None:
-        """Nobody has objected: drive to the berth that was claimed."""
-        if self._carriage is not None or self._held or self._problem or not self._berths.berth:
-            return
-        if not self._driver.go(self._plant.node_of(self._berths.berth), now_s):
-            self._berths.arrive()
-            self._begin_charge(now_s)
-        self._timers.set(BEAT, now_s)
-
-    def _begin_charge(self, now_s: float) -> None:
-        if not self._berths.is_charger:
-            return
-        self._charge_order = self._driver.next_order()
-        charger = self._berths.berth
-        self._driver.act(Charge(order=self._charge_order, charger=charger))
-        self._update_status(now_s, charger)
+    def _may_rest(self) -> bool:
+        return self._carriage is None and not self._obedience.stopped and not self._problem
 
     def _hear_claim(self, _sender: str, message: BerthClaimed, now_s: float) -> None:
-        if self._berths.hear(message, now_s):
-            self._timers.clear(CLAIM)
-            self._timers.set(SETTLE, now_s)
-
-    # --- people's commands (paper, case 5) ---
+        self._rest.hear_claim(message, now_s)
 
     def _hear_command(self, sender: str, command: VehicleCommand, now_s: float) -> None:
-        refused = ""
-        if command.kind is CommandKind.STOP:
-            self._held, self._acknowledged = True, False
-            self._out.append(Instruct(Hold()))
-            self._watches.resign("stopped by an operator")
-        elif command.kind is CommandKind.ACKNOWLEDGE:
-            refused = "" if self._held else "it is not stopped"
-            self._acknowledged = self._held
-        elif command.kind is CommandKind.RESUME:
-            refused = self._resume(now_s)
-        else:
-            refused = self._limit_speed(command.speed_frac)
+        if self._obedience.hear(sender, command):
+            if command.kind is CommandKind.STOP:
+                self._watches.resign("stopped by an operator")
+            elif command.kind is CommandKind.RESUME and self._carriage is None:
+                self._rest.soon(now_s)
         self._update_status(now_s, command.kind.value)
         self._timers.set(BEAT, now_s)
-        answer = CommandAnswered(command=command.command, done=not refused, reason=refused)
-        fact = CommandObeyed(
-            command=command.command,
-            what=command.kind.value,
-            done=not refused,
-            reason=refused,
-            issued_by=command.issued_by,
-        )
-        self._out += (Send(sender, answer), Record(fact))
-
-    def _resume(self, now_s: float) -> str:
-        """Go on after a stop; returns why not, or nothing."""
-        if not self._held:
-            return "it is not stopped"
-        if not self._acknowledged:
-            return "acknowledge the stop first"
-        self._held = False
-        self._out.append(Instruct(Unhold()))
-        if self._carriage is None:
-            self._timers.set(SETTLE, now_s + SETTLE_S)
-        return ""
-
-    def _limit_speed(self, speed_frac: float | None) -> str:
-        if speed_frac is None or not 0.0 < speed_frac <= 1.0:
-            return "a speed is above 0 and at most 1 of the vehicle's own; use stop to stop it"
-        self._speed_frac = speed_frac
-        self._out.append(Instruct(LimitSpeed(speed_frac=speed_frac)))
-        return ""
 
     # --- what others see ---
 
     def _update_status(self, now_s: float, reason: str) -> None:
-        if self._held:
+        if self._obedience.stopped:
             status = AtvStatus.STOPPED
         elif self._problem:
             status = AtvStatus.ERROR
         elif self._carriage is not None:
             status = AtvStatus.WORKING
-        elif self._charge_order:
+        elif self._rest.charging:
             status = AtvStatus.CHARGING
         else:
             status = AtvStatus.IDLE

@@ -1,0 +1,71 @@
+"""People's commands to a vehicle: stop, acknowledge, resume, slow down (paper, case 5).
+
+A stop holds against everything else until the fault was acknowledged and then a resume was given, as
+two deliberate acts (invariant 5).
+"""
+
+from __future__ import annotations
+
+from dray.body import Hold, LimitSpeed, Unhold
+from dray.messages import CommandAnswered, CommandKind, VehicleCommand
+from dray.messages.fact import CommandObeyed
+from dray.protocol.events import Effect, Instruct, Record, Send
+
+
+class Obedience:
+    """What people have told one vehicle.
+
+    Args:
+        out: where effects go.
+    """
+
+    def __init__(self, out: list[Effect]) -> None:
+        self._out = out
+        self._acknowledged = False
+        self.stopped = False
+        self.speed_frac = 1.0
+        """The limit, as a part of the vehicle's own top speed."""
+
+    def hear(self, sender: str, command: VehicleCommand) -> bool:
+        """Carry a command out or refuse it, and answer.
+
+        Returns:
+            Whether it was carried out.
+        """
+        refused = self._try(command)
+        answer = CommandAnswered(command=command.command, done=not refused, reason=refused)
+        fact = CommandObeyed(
+            command=command.command,
+            what=command.kind.value,
+            done=not refused,
+            reason=refused,
+            issued_by=command.issued_by,
+        )
+        self._out += (Send(sender, answer), Record(fact))
+        return not refused
+
+    def _try(self, command: VehicleCommand) -> str:
+        """Why not, or nothing."""
+        if command.kind is CommandKind.STOP:
+            self.stopped, self._acknowledged = True, False
+            self._out.append(Instruct(Hold()))
+            return ""
+        if command.kind is CommandKind.SET_SPEED:
+            return self._limit_speed(command.speed_frac)
+        if not self.stopped:
+            return "it is not stopped"
+        if command.kind is CommandKind.ACKNOWLEDGE:
+            self._acknowledged = True
+            return ""
+        if not self._acknowledged:
+            return "acknowledge the stop first"
+        self.stopped = False
+        self._out.append(Instruct(Unhold()))
+        return ""
+
+    def _limit_speed(self, speed_frac: float | None) -> str:
+        if speed_frac is None or not 0.0 < speed_frac <= 1.0:
+            return "a speed is above 0 and at most 1 of the vehicle's own; use stop to stop it"
+        self.speed_frac = speed_frac
+        self._out.append(Instruct(LimitSpeed(speed_frac=speed_frac)))
+        return ""

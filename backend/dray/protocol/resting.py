@@ -1,0 +1,184 @@
+"""What a vehicle does without work: go where it is useful to stand, and charge in time.
+
+    settle ----> berth claimed ----> driving there ----> standing, charging if it is a charger
+       ^            (CONTEST_S)
+       +---- work ended, berth lost, charge ended, battery low
+
+A vehicle that rests goes on bidding; `stop` ends the rest at once when it wins.
+"""
+
+from __future__ import annotations
+
+from dray.body import Charge
+from dray.messages import BerthClaimed
+from dray.messages.keys import Keys
+from dray.plant import Plant
+from dray.protocol.berths import CONTEST_S, Berths, Hold
+from dray.protocol.driving import Driver
+from dray.protocol.events import Effect
+from dray.protocol.timers import Timers
+
+SETTLE = "settle"
+CLAIM = "claim"
+TIMERS = frozenset({SETTLE, CLAIM})
+
+SETTLE_S = 4.0
+"""An idle vehicle waits this long for work near by before it drives to a berth."""
+
+SEEK_AGAIN_S = 30.0
+"""When every berth was taken."""
+
+CHARGE_BELOW_FRAC = 0.6
+"""An idle vehicle charges early: a charge in a quiet minute costs nothing."""
+
+CHARGED_FRAC = 0.95
+"""It leaves the charger to others then: the rest would come slowly."""
+
+
+class Rest:
+    """The rest of one vehicle.
+
+    Args:
+        atv: the vehicle.
+        plant: where the berths are.
+        vehicle_type: id of the vehicle's type.
+        keys: the plant's bus keys.
+        driver: the vehicle's place on the lanes.
+        timers: the vehicle's alarms; this class uses `TIMERS`.
+        out: where effects go.
+    """
+
+    def __init__(
+        self,
+        atv: str,
+        plant: Plant,
+        vehicle_type: str,
+        keys: Keys,
+        driver: Driver,
+        timers: Timers,
+        out: list[Effect],
+    ) -> None:
+        self._plant = plant
+        self._driver = driver
+        self._timers = timers
+        self._berths = Berths(atv, plant, vehicle_type, keys, out)
+        self._charge_order = 0
+        """The order number of the running charge; 0 for none."""
+
+    @property
+    def berth(self) -> str:
+        """The berth it stands in or drives to; empty for none."""
+        return self._berths.berth
+
+    @property
+    def charging(self) -> bool:
+        return self._charge_order != 0
+
+    # --- beginning and end ---
+
+    def start(self, battery_frac: float, now_s: float) -> None:
+        """The vehicle has been switched on, perhaps in a berth."""
+        for berth in self._plant.berths:
+            if self._plant.node_of(berth) == self._driver.node:
+                self._berths.stand(berth, battery_frac)
+                break
+        self.soon(now_s)
+
+    def soon(self, now_s: float) -> None:
+        """There is no work: look for a place in a moment."""
+        self._timers.set(SETTLE, now_s + SETTLE_S)
+
+    def stop(self) -> None:
+        """There is work."""
+        self._berths.leave()
+        self._charge_order = 0
+        self._timers.clear(SETTLE)
+        self._timers.clear(CLAIM)
+
+    # --- time passes ---
+
+    def wake(self, name: object, battery_frac: float, now_s: float) -> None:
+        """One of `TIMERS` has come."""
+        if name == SETTLE:
+            self._settle(battery_frac, now_s)
+        elif self._berths.berth:
+            self._take_berth(now_s)
+
+    def check_battery(self, battery_frac: float, now_s: float) -> None:
+        """A vehicle that has parked looks for a charger when its battery gets low."""
+        seeking = (
+            self._berths.hold is Hold.CLAIMED
+            or self._timers.is_set(SETTLE)
+            or self._timers.is_set(CLAIM)
+        )
+        if self._wants_charge(battery_frac) and not seeking:
+            self._timers.set(SETTLE, now_s)
+
+    # --- the body reports ---
+
+    def arrived(self) -> None:
+        """The vehicle stands where it was sent."""
+        if self._berths.hold is Hold.CLAIMED:
+            self._berths.arrive()
+            self._charge()
+
+    def action_done(self, order: int, now_s: float) -> bool:
+        """A charge has filled the battery; False when the action was another."""
+        if order != self._charge_order:
+            return False
+        self._charge_order = 0
+        self._timers.set(SETTLE, now_s)
+        return True
+
+    def action_failed(self, order: int, now_s: float) -> bool:
+        """A charge was not possible; False when the action was another."""
+        if order != self._charge_order:
+            return False
+        self._charge_order = 0
+        self._berths.leave()
+        self.soon(now_s)
+        return True
+
+    # --- others ---
+
+    def hear_claim(self, claim: BerthClaimed, now_s: float) -> None:
+        """Somebody wants a berth, perhaps this one."""
+        if self._berths.hear(claim, now_s):
+            self._timers.clear(CLAIM)
+            self._timers.set(SETTLE, now_s)
+
+    # --- how it is done ---
+
+    def _wants_charge(self, battery_frac: float) -> bool:
+        return battery_frac < CHARGE_BELOW_FRAC and not self.charging
+
+    def _settle(self, battery_frac: float, now_s: float) -> None:
+        if self.charging:
+            return
+        wants_charge = self._wants_charge(battery_frac)
+        if self._berths.hold is Hold.STANDING:
+            if self._berths.is_charger and battery_frac < CHARGED_FRAC:
+                self._charge()
+                return
+            if not self._berths.is_charger and not wants_charge:
+                return
+        found = self._berths.seek(
+            charger=wants_charge,
+            node=self._driver.next_node,
+            battery_frac=battery_frac,
+            now_s=now_s,
+        )
+        if found:
+            self._timers.set(CLAIM, now_s + CONTEST_S)
+        else:
+            self._timers.set(SETTLE, now_s + SEEK_AGAIN_S)
+
+    def _take_berth(self, now_s: float) -> None:
+        """Nobody has objected: drive there."""
+        if not self._driver.go(self._plant.node_of(self._berths.berth), now_s):
+            self.arrived()
+
+    def _charge(self) -> None:
+        if self._berths.is_charger:
+            self._charge_order = self._driver.next_order()
+            self._driver.act(Charge(order=self._charge_order, charger=self._berths.berth))
