@@ -18,6 +18,9 @@ from dray.errors import PlantError
 MAX_DEPTH = 16
 """Levels of lists and mappings; a plant needs six (`machines[0].makes[0].product`)."""
 
+MAX_VALUES = 1_000_000
+"""Numbers, texts, lists and mappings: twenty times a plant of 500 vehicles, and some 300 MB to read."""
+
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 """libyaml where PyYAML was built with it: ten times as fast on a plant of 500 vehicles."""
 
@@ -116,6 +119,8 @@ class _Reader:
             raise self._fault(field, f"the tag {event.tag} is not allowed: write the plain value", event)
         if depth >= MAX_DEPTH:
             raise self._fault(field, f"nested more than {MAX_DEPTH} levels deep", event)
+        if len(self.lines) > MAX_VALUES:
+            raise self._fault("", f"holds more than {MAX_VALUES} values: this is no plant file", event)
         if isinstance(event, yaml.MappingStartEvent):
             return self._mapping(events, field, depth)
         if isinstance(event, yaml.ScalarEvent):
