@@ -1,0 +1,347 @@
+"""The conformance suite of `dray.ports.Bus`: every bus runs all of it.
+
+A new bus is one more world: something that runs a test with a bus, and can tell when all that was said
+has arrived.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from abc import ABC, abstractmethod
+from collections.abc import Coroutine
+from random import Random
+from typing import Any
+
+import pytest
+
+from dray.messages import Message, OrderTaken
+from dray.ports import Bus, Session
+from dray_sim.bridge import BridgedBus, SimThread
+from dray_sim.loop import VirtualLoop, clock, paced, run
+from dray_sim.network import WLAN, SimNetwork
+
+
+class World(ABC):
+    """A bus, and the loop on which it is used.
+
+    Attributes:
+        bus: there while `run` runs.
+    """
+
+    bus: Bus
+
+    @abstractmethod
+    def run(self, test: Coroutine[Any, Any, None]) -> None:
+        """Run a test with the bus."""
+
+    @abstractmethod
+    async def settle(self) -> None:
+        """Wait until all that was asked for before has taken effect, and all that was said has arrived."""
+
+
+class InProcess(World):
+    def __init__(self, *, codec: bool = False) -> None:
+        self._codec = codec
+
+    def run(self, test: Coroutine[Any, Any, None]) -> None:
+        async def main() -> None:
+            self.bus = SimNetwork(clock(), Random(7), codec=self._codec)
+            await test
+
+        run(main())
+
+    async def settle(self) -> None:
+        await asyncio.sleep(WLAN.cap_s)
+
+
+class Bridged(World):
+    """The agents of the test live on an ordinary loop, the network in a thread on virtual time."""
+
+    SPEED = 1e6
+    """A second in a microsecond: paced, and yet nobody waits."""
+
+    def run(self, test: Coroutine[Any, Any, None]) -> None:
+        async def live_inside(ready: Any) -> None:
+            ready(SimNetwork(clock(), Random(7)))
+            await asyncio.Event().wait()
+
+        async def main() -> None:
+            thread: SimThread[SimNetwork] = SimThread(live_inside, paced(self.SPEED))
+            network = thread.start(timeout_s=10.0)
+            try:
+                self.loop: VirtualLoop = thread.loop
+                self.bus = self.bridge = BridgedBus(network, thread.loop, asyncio.get_running_loop())
+                await test
+            finally:
+                thread.stop()
+
+        asyncio.run(main())
+
+    async def settle(self) -> None:
+        # A marker that goes the way of all that was said before it, with the longest delay of all.
+        settled = asyncio.Event()
+        inside = self.loop.clock
+
+        def come_back() -> None:
+            self.bridge.outbound.order(settled.set)
+
+        def wait_inside() -> None:
+            inside.call_at(inside.now_s() + WLAN.cap_s, come_back)
+
+        self.bridge.inbound.order(wait_inside)
+        await settled.wait()
+
+
+WORLDS = {
+    "in-process": InProcess,
+    "in-process, on the wire format": lambda: InProcess(codec=True),
+    "bridged": Bridged,
+}
+
+
+@pytest.fixture(params=list(WORLDS.values()), ids=list(WORLDS))
+def world(request: pytest.FixtureRequest) -> World:
+    made: World = request.param()
+    return made
+
+
+class Peer:
+    """An agent that remembers what it has heard, as (sender, order)."""
+
+    def __init__(self, world: World, name: str, *subscriptions: str) -> None:
+        self.heard: list[tuple[str, str]] = []
+        self.session: Session = world.bus.join(name, self._receive)
+        for key in subscriptions:
+            self.session.subscribe(key)
+
+    def _receive(self, sender: str, message: Message) -> None:
+        assert isinstance(message, OrderTaken)
+        self.heard.append((sender, message.order))
+
+
+def say(order: int | str) -> OrderTaken:
+    return OrderTaken(order=str(order))
+
+
+# --- delivery --------------------------------------------------------------------------------------
+
+
+async def test_a_publication_reaches_all_that_listen_on_its_key(world: World) -> None:
+    first, second, other = Peer(world, "A", "p/k"), Peer(world, "B", "p/k"), Peer(world, "C", "p/other")
+    speaker = Peer(world, "S")
+    await world.settle()
+    speaker.session.publish("p/k", say(1))
+    await world.settle()
+    assert first.heard == second.heard == [("S", "1")]
+    assert other.heard == speaker.heard == []
+
+
+@pytest.mark.parametrize(
+    ("pattern", "key", "matches"),
+    [
+        ("p/hb/atv/A1", "p/hb/atv/A1", True),
+        ("p/hb/atv/A1", "p/hb/atv/A11", False),
+        ("p/hb/atv/A1", "p/hb/atv", False),
+        ("p/event/*", "p/event/M1", True),
+        ("p/event/*", "p/event/M1/x", False),
+        ("p/event/*", "p/event", False),
+        ("p/*/atv", "p/hb/atv", True),
+        ("p/*/atv", "p/hb/machine", False),
+        ("p/hb/**", "p/hb/atv/A1", True),
+        ("p/hb/**", "p/hb/machine/M1", True),
+        ("p/hb/**", "p/hb", True),
+        ("p/hb/**", "p/hbx/atv", False),
+        ("p/**/A1", "p/A1", True),
+        ("p/**/A1", "p/hb/atv/A1", True),
+        ("p/**/A1", "p/hb/atv/A2", False),
+        ("**", "p/hb/atv/A1", True),
+        ("p.q/*", "p.q/a", True),
+        ("p.q/*", "pxq/a", False),
+    ],
+)
+async def test_one_star_is_one_chunk_and_two_are_any_number(
+    world: World, pattern: str, key: str, matches: bool
+) -> None:
+    listener, speaker = Peer(world, "A", pattern), Peer(world, "S")
+    await world.settle()
+    speaker.session.publish(key, say(1))
+    await world.settle()
+    assert listener.heard == ([("S", "1")] if matches else [])
+
+
+async def test_what_is_sent_reaches_one_agent_alone(world: World) -> None:
+    receiver, eavesdropper = Peer(world, "A"), Peer(world, "B", "**", "p/agent/A")
+    speaker = Peer(world, "S")
+    await world.settle()
+    speaker.session.send("A", say(1))
+    await world.settle()
+    assert receiver.heard == [("S", "1")]
+    assert eavesdropper.heard == []
+
+
+async def test_sending_to_an_unknown_agent_is_silence(world: World) -> None:
+    speaker = Peer(world, "S")
+    speaker.session.send("nobody", say(1))
+    await world.settle()
+    assert speaker.heard == []
+
+
+async def test_an_agent_hears_itself_when_it_subscribes(world: World) -> None:
+    deaf, listening = Peer(world, "A"), Peer(world, "B", "p/k")
+    await world.settle()
+    deaf.session.publish("p/k", say(1))
+    listening.session.publish("p/k", say(2))
+    await world.settle()
+    assert deaf.heard == []
+    assert sorted(listening.heard) == [("A", "1"), ("B", "2")]
+
+
+async def test_nothing_is_received_inside_a_call(world: World) -> None:
+    peer = Peer(world, "A", "p/k")
+    await world.settle()
+    peer.session.publish("p/k", say(1))
+    peer.session.send("A", say(2))
+    assert peer.heard == []
+    await world.settle()
+    assert len(peer.heard) == 2
+
+
+async def test_a_message_arrives_as_it_was_said(world: World) -> None:
+    heard: list[Message] = []
+    world.bus.join("A", lambda _, message: heard.append(message))
+    speaker = Peer(world, "S")
+    speaker.session.send("A", say("o-7"))
+    await world.settle()
+    assert heard == [say("o-7")]
+
+
+# --- order -----------------------------------------------------------------------------------------
+
+
+async def test_publications_of_one_agent_arrive_in_the_order_said(world: World) -> None:
+    listeners = [Peer(world, "A", "p/k"), Peer(world, "B", "p/*")]
+    speaker = Peer(world, "S")
+    await world.settle()
+    for number in range(300):
+        speaker.session.publish("p/k", say(number))
+    await world.settle()
+    for listener in listeners:
+        assert listener.heard == [("S", str(number)) for number in range(300)]
+
+
+async def test_what_one_agent_sends_to_another_arrives_in_the_order_said(world: World) -> None:
+    receiver, speakers = Peer(world, "A"), [Peer(world, "S"), Peer(world, "T")]
+    for number in range(300):
+        for speaker in speakers:
+            speaker.session.send("A", say(number))
+    await world.settle()
+    for name in ("S", "T"):
+        assert [order for sender, order in receiver.heard if sender == name] == [str(n) for n in range(300)]
+
+
+# --- subscriptions ---------------------------------------------------------------------------------
+
+
+async def test_subscribing_twice_is_once(world: World) -> None:
+    listener, speaker = Peer(world, "A", "p/k", "p/k", "p/x/*", "p/x/*"), Peer(world, "S")
+    await world.settle()
+    speaker.session.publish("p/k", say(1))
+    speaker.session.publish("p/x/y", say(2))
+    await world.settle()
+    assert sorted(listener.heard) == [("S", "1"), ("S", "2")]
+    listener.session.unsubscribe("p/k")
+    await world.settle()
+    speaker.session.publish("p/k", say(3))
+    await world.settle()
+    assert len(listener.heard) == 2
+
+
+async def test_a_subscription_begins_when_it_is_made(world: World) -> None:
+    listener, speaker = Peer(world, "A"), Peer(world, "S")
+    speaker.session.publish("p/k", say(1))
+    await world.settle()
+    listener.session.subscribe("p/k")
+    await world.settle()
+    speaker.session.publish("p/k", say(2))
+    await world.settle()
+    assert listener.heard == [("S", "2")]
+
+
+@pytest.mark.parametrize("pattern", ["p/k", "p/*", "**"])
+async def test_an_unsubscribed_agent_hears_it_no_longer(world: World, pattern: str) -> None:
+    leaving, staying, speaker = Peer(world, "A", pattern), Peer(world, "B", pattern), Peer(world, "S")
+    await world.settle()
+    speaker.session.publish("p/k", say(1))
+    await world.settle()
+    leaving.session.unsubscribe(pattern)
+    leaving.session.unsubscribe("p/never/subscribed")
+    await world.settle()
+    speaker.session.publish("p/k", say(2))
+    await world.settle()
+    assert leaving.heard == [("S", "1")]
+    assert staying.heard == [("S", "1"), ("S", "2")]
+
+
+# --- coming and going ------------------------------------------------------------------------------
+
+
+async def test_nothing_is_received_after_leaving_not_even_what_is_under_way(world: World) -> None:
+    leaving, staying, speaker = Peer(world, "A", "p/k"), Peer(world, "B", "p/k"), Peer(world, "S")
+    await world.settle()
+    speaker.session.publish("p/k", say(1))
+    speaker.session.send("A", say(2))
+    leaving.session.leave()
+    await world.settle()
+    speaker.session.send("A", say(3))
+    await world.settle()
+    assert leaving.heard == []
+    assert staying.heard == [("S", "1")]
+
+
+async def test_who_has_left_says_nothing_any_more_and_may_leave_twice(world: World) -> None:
+    listener, leaving = Peer(world, "A", "p/k"), Peer(world, "S")
+    await world.settle()
+    leaving.session.leave()
+    leaving.session.leave()
+    leaving.session.publish("p/k", say(1))
+    leaving.session.send("A", say(2))
+    leaving.session.subscribe("p/k")
+    leaving.session.unsubscribe("p/k")
+    await world.settle()
+    assert listener.heard == leaving.heard == []
+
+
+async def test_a_second_join_under_one_name_replaces_the_first(world: World) -> None:
+    before, speaker = Peer(world, "A", "p/k"), Peer(world, "S")
+    await world.settle()
+    after = Peer(world, "A")
+    await world.settle()
+    speaker.session.send("A", say(1))
+    speaker.session.publish("p/k", say(2))
+    await world.settle()
+    assert before.heard == []
+    assert after.heard == [("S", "1")]
+
+
+async def test_the_end_of_a_replaced_session_does_not_touch_its_successor(world: World) -> None:
+    before, speaker = Peer(world, "A"), Peer(world, "S")
+    after = Peer(world, "A", "p/k")
+    before.session.leave()
+    await world.settle()
+    speaker.session.send("A", say(1))
+    speaker.session.publish("p/k", say(2))
+    await world.settle()
+    assert before.heard == []
+    assert sorted(after.heard) == [("S", "1"), ("S", "2")]
+
+
+async def test_many_agents_may_come_and_go(world: World) -> None:
+    speaker = Peer(world, "S")
+    for round_number in range(20):
+        peers = [Peer(world, f"A{number}", "p/k") for number in range(10)]
+        await world.settle()
+        speaker.session.publish("p/k", say(round_number))
+        await world.settle()
+        assert all(peer.heard == [("S", str(round_number))] for peer in peers)
+        for peer in peers[::2]:
+            peer.session.leave()
