@@ -30,7 +30,7 @@ def bench(
     for name, measure in chosen.items():
         with progress.status(f"measuring {name}"):
             rows += measure(quick)
-    table(("benchmark", "figure", "times the baseline", "aim"), [_cells(row) for row in rows])
+    table(("benchmark", "figure", "times the baseline", "aim", ""), [_cells(row) for row in rows])
     if json is not None:
         write_text(json, as_json(rows) + "\n")
 
@@ -41,6 +41,7 @@ def _cells(row: Row) -> tuple[str, ...]:
         f"{_number(row.figure)} {row.unit}",
         f"{row.ratio:.3g} x {row.baseline_name}",
         "" if row.target is None else f"{_number(row.target)} {'met' if row.met else 'MISSED'}",
+        row.note,
     )
 
 

@@ -22,6 +22,7 @@ class Row:
         baseline: the same work done in the plainest way, or what is required.
         baseline_name: what the baseline is.
         target: what we want to reach, or None where only the ratio says something.
+        note: what else was seen in the same run.
     """
 
     name: str
@@ -30,6 +31,7 @@ class Row:
     baseline: float
     baseline_name: str
     target: float | None = None
+    note: str = ""
 
     @property
     def ratio(self) -> float:
