@@ -1,0 +1,417 @@
+"""What the tests of agents share: rigs that run one agent as a plain function, with a body of paper.
+
+A rig stands for the worker and for the world. It keeps the time, wakes its agent when the agent wants to
+be woken, and keeps everything that the agent wants done until a test asks for it. Nothing moves by itself:
+a test says when a vehicle has arrived, a cycle has ended, an answer has come.
+"""
+
+from __future__ import annotations
+
+from typing import Any, TypeVar
+
+import msgspec
+
+from dray.body import (
+    ActionDone,
+    ActionFailed,
+    BodyState,
+    Charge,
+    CycleDone,
+    Drive,
+    Drop,
+    NodePassed,
+    Pick,
+    Report,
+    StartCycle,
+    StockChanged,
+    VehicleState,
+    WayDone,
+    WorkcellState,
+)
+from dray.messages import (
+    Accepted,
+    AtvHeartbeat,
+    AtvStatus,
+    Award,
+    Bid,
+    Brief,
+    Declined,
+    GoalBrief,
+    MachineHeartbeat,
+    MachineStatus,
+    Message,
+    Pose,
+    Production,
+    ProductionCost,
+    Refusal,
+    Role,
+    TaskAnnounced,
+    Transport,
+    TransportCost,
+)
+from dray.messages.keys import Keys
+from dray.plant import default_plant
+from dray.protocol.atv import Atv
+from dray.protocol.events import (
+    NEVER_S,
+    Agent,
+    Effect,
+    Event,
+    Heard,
+    Instruct,
+    Publish,
+    Record,
+    Reported,
+    Send,
+    Started,
+    Subscribe,
+    Unsubscribe,
+    Woke,
+)
+from dray.protocol.machine import Machine
+from dray.protocol.strategist import Strategist
+
+PLANT = default_plant()
+KEYS = Keys(PLANT.id)
+
+WAKES_PER_INSTANT = 100
+"""More than any agent has alarms: one that wants to be woken more often without time passing spins."""
+
+T = TypeVar("T")
+
+# --- reading effects -----------------------------------------------------------------------------
+
+
+def sent(effects: list[Effect], kind: type[T], to: str | None = None) -> list[T]:
+    """Messages of one kind that were sent to one agent, or to anybody."""
+    return [
+        effect.message
+        for effect in effects
+        if isinstance(effect, Send) and isinstance(effect.message, kind) and to in (None, effect.to)
+    ]
+
+
+def published(effects: list[Effect], kind: type[T]) -> list[T]:
+    """Messages of one kind that were published; one that went to several keys counts once."""
+    found: list[T] = []
+    for effect in effects:
+        if isinstance(effect, Publish) and isinstance(effect.message, kind) and effect.message not in found:
+            found.append(effect.message)
+    return found
+
+
+def facts(effects: list[Effect], kind: type[T]) -> list[T]:
+    """Facts of one kind that were recorded."""
+    return [effect.fact for effect in effects if isinstance(effect, Record) and isinstance(effect.fact, kind)]
+
+
+def instructed(effects: list[Effect], kind: type[T]) -> list[T]:
+    """Instructions of one kind that the body was given."""
+    return [
+        effect.instruction
+        for effect in effects
+        if isinstance(effect, Instruct) and isinstance(effect.instruction, kind)
+    ]
+
+
+def listening(effects: list[Effect]) -> set[str]:
+    """The keys that were subscribed and not unsubscribed again."""
+    keys: set[str] = set()
+    for effect in effects:
+        if isinstance(effect, Subscribe):
+            keys.add(effect.key)
+        elif isinstance(effect, Unsubscribe):
+            keys.discard(effect.key)
+    return keys
+
+
+# --- things to say -------------------------------------------------------------------------------
+
+
+def transport(**changes: Any) -> Transport:
+    """Forty shafts from S3 to M8, unless told otherwise."""
+    work = Transport(item="shaft", quantity=40, sources=("S3",), destination="M8", ability="tote")
+    return msgspec.structs.replace(work, **changes)
+
+
+def production(**changes: Any) -> Production:
+    """A lot of pumps for order O1, unless told otherwise."""
+    return msgspec.structs.replace(Production(product="pump-p3", quantity=24, order="O1", item=0), **changes)
+
+
+def announcement(**changes: Any) -> TaskAnnounced:
+    """M8 asks the whole plant for a carrier of `transport()`, unless told otherwise."""
+    x_m, y_m = PLANT.position_of("M8")
+    message = TaskAnnounced(
+        task="M8-1",
+        epoch=1,
+        role=Role.PRIMARY,
+        coordinator="M8",
+        work=transport(),
+        deadline_s=3600.0,
+        x_m=x_m,
+        y_m=y_m,
+        radius_m=PLANT.diameter_m,
+    )
+    return msgspec.structs.replace(message, **changes)
+
+
+def award(**changes: Any) -> Award:
+    """M8 awards M8-1 to a primary, unless told otherwise."""
+    message = Award(task="M8-1", epoch=1, role=Role.PRIMARY, work=transport(), deadline_s=3600.0)
+    return msgspec.structs.replace(message, **changes)
+
+
+def bid(
+    cost_s: float,
+    *,
+    task: str = "T1",
+    epoch: int = 1,
+    role: Role = Role.PRIMARY,
+    round: int = 1,  # noqa: A002
+    finish_s: float = 100.0,
+    source: str = "S3",
+) -> Bid:
+    """A bid for a transport at a price."""
+    cost = TransportCost(empty_way_s=cost_s, loaded_way_s=0.0, energy_s=0.0, suitability_s=0.0)
+    return Bid(task=task, epoch=epoch, role=role, round=round, cost=cost, finish_s=finish_s, source=source)
+
+
+def goal_bid(goal: str, cost_s: float) -> Bid:
+    """A machine's bid for a goal at a price."""
+    cost = ProductionCost(queue_s=0.0, material_s=0.0, making_s=cost_s)
+    return Bid(task=goal, epoch=1, role=Role.PRIMARY, round=1, cost=cost, finish_s=cost_s)
+
+
+def accepted(task: str = "T1", *, epoch: int = 1, role: Role = Role.PRIMARY) -> Accepted:
+    return Accepted(task=task, epoch=epoch, role=role, finish_s=100.0)
+
+
+def declined(
+    task: str = "T1", *, epoch: int = 1, role: Role = Role.PRIMARY, reason: Refusal = Refusal.BUSY
+) -> Declined:
+    return Declined(task=task, epoch=epoch, role=role, reason=reason)
+
+
+def rhb(atv: str, seq: int, at_s: float, *, task: str = "", coordinator: str = "M8") -> AtvHeartbeat:
+    """A vehicle's heartbeat: working at a task, or idle."""
+    brief = Brief(task=task, epoch=1, role=Role.PRIMARY, coordinator=coordinator) if task else None
+    return AtvHeartbeat(
+        atv=atv,
+        incarnation=1,
+        seq=seq,
+        at_s=at_s,
+        status=AtvStatus.WORKING if task else AtvStatus.IDLE,
+        pose=Pose(x_m=0.0, y_m=0.0, heading_rad=0.0),
+        node="a1",
+        speed_mps=0.0,
+        battery_frac=0.9,
+        task=brief,
+    )
+
+
+def mhb(machine: str, *goals: GoalBrief, seq: int = 1) -> MachineHeartbeat:
+    """A machine's heartbeat that tells of its goals."""
+    return MachineHeartbeat(
+        machine=machine, incarnation=1, seq=seq, at_s=0.0, status=MachineStatus.PRODUCING, goals=goals
+    )
+
+
+# --- rigs ----------------------------------------------------------------------------------------
+
+
+class Rig:
+    """One agent, its time, and everything it wanted done."""
+
+    def __init__(self, agent: Agent) -> None:
+        self.agent = agent
+        self.now_s = 0.0
+        self.all: list[Effect] = []
+        """Every effect from the beginning."""
+
+    def sense(self) -> BodyState | None:
+        """What the agent's body would tell of itself now."""
+        return None
+
+    def handle(self, event: Event) -> list[Effect]:
+        """Let one thing happen; what the agent wants done about it."""
+        effects = self.agent.handle(event, self.now_s)
+        self.all += effects
+        return effects
+
+    def start(self) -> list[Effect]:
+        return self.handle(Started(self.sense()))
+
+    def hear(self, sender: str, message: Message) -> list[Effect]:
+        return self.handle(Heard(sender, message))
+
+    def report(self, report: Report) -> list[Effect]:
+        return self.handle(Reported(report))
+
+    def wake(self) -> list[Effect]:
+        return self.handle(Woke(self.sense()))
+
+    def run(self, until_s: float) -> list[Effect]:
+        """Let time pass, waking the agent whenever it wants to be woken."""
+        effects: list[Effect] = []
+        wakes = 0
+        while self.agent.wake_at_s <= until_s:
+            at_s = max(self.now_s, self.agent.wake_at_s)
+            wakes = wakes + 1 if at_s == self.now_s else 0
+            assert wakes < WAKES_PER_INSTANT, f"{self.agent.id} spins at {at_s} s"
+            self.now_s = at_s
+            effects += self.wake()
+        self.now_s = max(self.now_s, until_s)
+        return effects
+
+    def heartbeats(self, kind: type[T]) -> list[T]:
+        """All heartbeats so far."""
+        return published(self.all, kind)
+
+
+class VehicleRig(Rig):
+    """A vehicle that stands where it was put until the test lets it arrive."""
+
+    def __init__(
+        self, atv: str = "ATV1", *, kind: str = "light", node: str = "p3", battery_frac: float = 0.9
+    ) -> None:
+        super().__init__(Atv(atv, PLANT, vehicle_type=kind))
+        self.node = node
+        self.battery_frac = battery_frac
+        self.load = ("", 0)
+        self.held = False
+
+    def sense(self) -> VehicleState:
+        spot = PLANT.nodes[self.node]
+        return VehicleState(
+            pose=Pose(x_m=spot.x_m, y_m=spot.y_m, heading_rad=0.0),
+            node=self.node,
+            next_node=self.node,
+            next_node_s=0.0,
+            speed_mps=0.0,
+            battery_frac=self.battery_frac,
+            load=self.load[0],
+            load_quantity=self.load[1],
+            held=self.held,
+            charging=False,
+        )
+
+    def last(self, kind: type[T]) -> T:
+        """The newest instruction of a kind."""
+        return instructed(self.all, kind)[-1]
+
+    def arrive(self) -> list[Effect]:
+        """The newest way is driven to its end."""
+        way = self.last(Drive)
+        self.node = way.nodes[-1]
+        index = len(way.nodes) - 1
+        passed = NodePassed(order=way.order, node=self.node, index=index, battery_frac=self.battery_frac)
+        return self.report(passed) + self.report(WayDone(order=way.order, node=self.node))
+
+    def picked(self) -> list[Effect]:
+        """The newest pick has ended well."""
+        pick = self.last(Pick)
+        self.load = (pick.item, pick.quantity)
+        return self.report(ActionDone(order=pick.order))
+
+    def dropped(self) -> list[Effect]:
+        """The newest drop has ended well."""
+        self.load = ("", 0)
+        return self.report(ActionDone(order=self.last(Drop).order))
+
+    def charged(self) -> list[Effect]:
+        """The newest charge has filled the battery."""
+        self.battery_frac = 1.0
+        return self.report(ActionDone(order=self.last(Charge).order))
+
+    def failed(self, kind: type[Drive | Pick | Drop | Charge], reason: str = "no") -> list[Effect]:
+        """The newest instruction of a kind was refused or failed."""
+        return self.report(ActionFailed(order=self.last(kind).order, reason=reason))
+
+
+class MachineRig(Rig):
+    """A machine with its workcell: cycles take material at once and end when the test says so."""
+
+    def __init__(self, machine: str = "M7", stock: dict[str, int] | None = None, **options: Any) -> None:
+        super().__init__(Machine(machine, PLANT, **options))
+        self.stock = dict.fromkeys(PLANT.materials_of(machine), 0) | dict(stock or {})
+        self.broken = ""
+        self._cycles = 0
+
+    def sense(self) -> WorkcellState:
+        return WorkcellState(stock=dict(self.stock), cycling="", broken=self.broken)
+
+    def handle(self, event: Event) -> list[Effect]:
+        effects = super().handle(event)
+        for cycle in instructed(effects, StartCycle):
+            for line in PLANT.products[cycle.product].bill:
+                self.stock[line.material] -= line.quantity
+                assert self.stock[line.material] >= 0, f"a cycle took {line.material} that is not there"
+        return effects
+
+    def take_goal(self, goal: str, work: Production, deadline_s: float = 3600.0) -> list[Effect]:
+        """The strategist awards a goal."""
+        message = Award(task=goal, epoch=1, role=Role.PRIMARY, work=work, deadline_s=deadline_s)
+        return self.hear("STRATEGIST", message)
+
+    def cycle(self) -> list[Effect]:
+        """The running cycle ends."""
+        product = instructed(self.all, StartCycle)[-1].product
+        self._cycles += 1
+        started = len(instructed(self.all, StartCycle))
+        assert self._cycles <= started, "no cycle runs"
+        self.stock[product] = self.stock.get(product, 0) + 1
+        return self.report(CycleDone(product=product))
+
+    def cycles(self, count: int) -> list[Effect]:
+        """The running cycle ends, and the ones that follow it."""
+        return [effect for _ in range(count) for effect in self.cycle()]
+
+    @property
+    def is_cycling(self) -> bool:
+        return len(instructed(self.all, StartCycle)) > self._cycles
+
+    def stocked(self, item: str, change: int, vehicle: str = "") -> list[Effect]:
+        """Something is put in, or taken out."""
+        self.stock[item] = self.stock.get(item, 0) + change
+        return self.report(StockChanged(item=item, change=change, vehicle=vehicle))
+
+    def hire(self, task: str, atv: str, *, cost_s: float = 50.0) -> list[Effect]:
+        """A vehicle bids alone for a task that is announced now, and gets it."""
+        epoch = 1
+        effects = self.hear(atv, bid(cost_s, task=task, epoch=epoch))
+        effects += self.run(self.now_s + 20.0)
+        return effects + self.hear(atv, accepted(task, epoch=epoch))
+
+
+class StrategistRig(Rig):
+    """A strategist; it has no body."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(Strategist(PLANT, **options))
+
+
+__all__ = [
+    "KEYS",
+    "NEVER_S",
+    "PLANT",
+    "MachineRig",
+    "Rig",
+    "StrategistRig",
+    "VehicleRig",
+    "accepted",
+    "announcement",
+    "award",
+    "bid",
+    "declined",
+    "facts",
+    "goal_bid",
+    "instructed",
+    "listening",
+    "mhb",
+    "production",
+    "published",
+    "rhb",
+    "sent",
+    "transport",
+]
