@@ -1,0 +1,525 @@
+"""The worker: what comes in reaches the agent in order, what the agent wants is done in order."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Coroutine
+from random import Random
+from typing import Any
+
+import pytest
+
+from dray import messages
+from dray import worker as worker_module
+from dray.body import (
+    CycleDone,
+    Instruction,
+    Report,
+    StartCycle,
+    WorkcellState,
+)
+from dray.errors import ProtocolViolation
+from dray.messages import AtvHeartbeat, AtvStatus, OrderTaken, Pose
+from dray.messages.fact import OrderFulfilled
+from dray.messages.keys import Keys
+from dray.protocol.events import (
+    NEVER_S,
+    Effect,
+    Event,
+    Heard,
+    Instruct,
+    Publish,
+    Record,
+    Reported,
+    Send,
+    Started,
+    Subscribe,
+    Unsubscribe,
+    Woke,
+)
+from dray.worker import Worker
+from dray_sim.loop import clock, run
+from dray_sim.network import SimNetwork
+
+KEYS = Keys("p")
+
+HEARTBEAT = AtvHeartbeat(
+    atv="A1",
+    incarnation=1,
+    seq=1,
+    at_s=0.0,
+    status=AtvStatus.IDLE,
+    pose=Pose(0.0, 0.0, 0.0),
+    node="n1",
+    speed_mps=0.0,
+    battery_frac=1.0,
+)
+
+Answer = Callable[[Event, float], list[Effect]]
+
+
+class Scripted:
+    """An agent that notes its events and answers as the test says."""
+
+    incarnation = 3
+
+    def __init__(self, name: str, answer: Answer | None = None, wake_at_s: float = NEVER_S) -> None:
+        self.id = name
+        self.wake_at_s = wake_at_s
+        self.events: list[tuple[float, Event]] = []
+        self._answer = answer
+
+    def handle(self, event: Event, now_s: float) -> list[Effect]:
+        self.events.append((now_s, event))
+        return self._answer(event, now_s) if self._answer else []
+
+    def heard(self) -> list[str]:
+        return [
+            event.message.order
+            for _, event in self.events
+            if isinstance(event, Heard) and isinstance(event.message, OrderTaken)
+        ]
+
+
+class Cell:
+    """A body that notes its instructions and answers each with a report, at once."""
+
+    def __init__(self) -> None:
+        self.instructions: list[Instruction] = []
+        self.report: Callable[[Report], None] = lambda _: None
+        self.made = 0
+
+    def instruct(self, instruction: Instruction) -> None:
+        self.instructions.append(instruction)
+        self.made += 1
+        self.report(CycleDone(product=str(self.made)))
+
+    def sense(self) -> WorkcellState:
+        return WorkcellState(stock={"made": self.made}, cycling="", broken="")
+
+    def attach(self, report: Callable[[Report], None]) -> None:
+        self.report = report
+
+
+class Stage:
+    """One network; agents come on it as workers, and strangers without."""
+
+    def __init__(self) -> None:
+        self.network = SimNetwork(clock(), Random(1))
+        self.tasks: dict[str, asyncio.Task[None]] = {}
+
+    def start(self, agent: Scripted, body: Cell | None = None) -> Worker:
+        worker = Worker(agent, bus=self.network, clock=clock(), keys=KEYS, body=body)
+        self.tasks[agent.id] = asyncio.create_task(worker.run())
+        return worker
+
+
+def play(story: Callable[[Stage], Coroutine[Any, Any, None]]) -> None:
+    async def main() -> None:
+        await story(Stage())
+
+    run(main())
+
+
+def say(order: int | str) -> OrderTaken:
+    return OrderTaken(order=str(order))
+
+
+# --- what comes in ---------------------------------------------------------------------------------
+
+
+def test_an_agents_life_begins_with_what_its_body_senses() -> None:
+    async def story(stage: Stage) -> None:
+        agent = Scripted("M1")
+        stage.start(agent, Cell())
+        stage.start(bodiless := Scripted("S"))
+        await asyncio.sleep(0.001)
+        assert agent.events == [(0.0, Started(WorkcellState(stock={"made": 0}, cycling="", broken="")))]
+        assert bodiless.events == [(0.0, Started(None))]
+
+    play(story)
+
+
+def test_messages_reach_the_agent_with_their_sender_and_the_time() -> None:
+    async def story(stage: Stage) -> None:
+        agent = Scripted("A1")
+        stage.start(agent)
+        stranger = stage.network.join("S", lambda *_: None)
+        await asyncio.sleep(1.0)
+        stranger.send("A1", say(1))
+        await asyncio.sleep(1.0)
+        _, (at_s, event) = agent.events
+        assert event == Heard("S", say(1))
+        assert 1.0 < at_s < 1.25
+
+    play(story)
+
+
+def test_all_that_waits_in_the_inbox_is_handled_in_the_order_of_its_coming() -> None:
+    async def story(stage: Stage) -> None:
+        agent = Scripted("A1")
+        stage.start(agent)
+        stranger = stage.network.join("S", lambda *_: None)
+        await asyncio.sleep(0)
+        for number in range(100):
+            stranger.send("A1", say(number))
+        await asyncio.sleep(1.0)
+        assert agent.heard() == [str(number) for number in range(100)]
+
+    play(story)
+
+
+def test_reports_of_the_body_reach_the_agent_in_order_also_those_given_at_once() -> None:
+    def answer(event: Event, _: float) -> list[Effect]:
+        return [Instruct(StartCycle("a")), Instruct(StartCycle("b"))] if isinstance(event, Started) else []
+
+    async def story(stage: Stage) -> None:
+        agent, cell = Scripted("M1", answer), Cell()
+        stage.start(agent, cell)
+        await asyncio.sleep(0.001)
+        assert cell.instructions == [StartCycle("a"), StartCycle("b")]
+        assert [event for _, event in agent.events[1:]] == [
+            Reported(CycleDone("1")),
+            Reported(CycleDone("2")),
+        ]
+
+    play(story)
+
+
+# --- the timer -------------------------------------------------------------------------------------
+
+
+def wakes(agent: Scripted) -> list[float]:
+    return [at_s for at_s, event in agent.events if isinstance(event, Woke)]
+
+
+def test_an_agent_is_woken_when_it_wants_and_senses_its_body_then() -> None:
+    def answer(event: Event, now_s: float) -> list[Effect]:
+        if isinstance(event, Woke):
+            agent.wake_at_s = now_s + 2.0
+        return []
+
+    agent = Scripted("M1", answer, wake_at_s=1.0)
+
+    async def story(stage: Stage) -> None:
+        cell = Cell()
+        stage.start(agent, cell)
+        await asyncio.sleep(3.5)
+        cell.made = 7
+        await asyncio.sleep(2.0)
+        assert wakes(agent) == [1.0, 3.0, 5.0]
+        assert agent.events[-1][1] == Woke(WorkcellState(stock={"made": 7}, cycling="", broken=""))
+
+    play(story)
+
+
+def test_an_agent_that_wants_to_sleep_longer_is_not_woken_before() -> None:
+    def answer(event: Event, now_s: float) -> list[Effect]:
+        agent.wake_at_s = (
+            5.0 if isinstance(event, Heard) else now_s + 100.0 if isinstance(event, Woke) else 1.0
+        )
+        return []
+
+    agent = Scripted("A1", answer)
+
+    async def story(stage: Stage) -> None:
+        stage.start(agent)
+        await asyncio.sleep(0)
+        stage.network.join("S", lambda *_: None).send("A1", say(1))
+        await asyncio.sleep(50.0)
+        assert wakes(agent) == [5.0]
+
+    play(story)
+
+
+def test_an_agent_that_wants_to_be_woken_earlier_is() -> None:
+    def answer(event: Event, now_s: float) -> list[Effect]:
+        if isinstance(event, Heard):
+            agent.wake_at_s = 2.0
+        elif isinstance(event, Woke):
+            agent.wake_at_s = 10.0 if now_s < 10.0 else NEVER_S
+        return []
+
+    agent = Scripted("A1", answer, wake_at_s=10.0)
+
+    async def story(stage: Stage) -> None:
+        stage.start(agent)
+        await asyncio.sleep(0)
+        stage.network.join("S", lambda *_: None).send("A1", say(1))
+        await asyncio.sleep(50.0)
+        assert wakes(agent) == [2.0, 10.0]
+
+    play(story)
+
+
+def test_changing_its_mind_does_not_pile_up_calls_of_the_clock() -> None:
+    def answer(event: Event, now_s: float) -> list[Effect]:
+        # Every message makes it hurry for a moment; afterwards it waits for its far goal again.
+        agent.wake_at_s = now_s + 0.001 if isinstance(event, Heard) else 1000.0
+        return []
+
+    agent = Scripted("A1", answer, wake_at_s=1000.0)
+
+    async def story(stage: Stage) -> None:
+        stage.start(agent)
+        stranger = stage.network.join("S", lambda *_: None)
+        await asyncio.sleep(0)
+        for number in range(500):
+            stranger.send("A1", say(number))
+            await asyncio.sleep(0.1)
+        await asyncio.sleep(1.0)
+        assert len(agent.heard()) == 500
+        assert len(clock().heap) <= 2
+
+    play(story)
+
+
+def test_a_wake_up_time_that_is_past_means_at_once() -> None:
+    def answer(event: Event, now_s: float) -> list[Effect]:
+        agent.wake_at_s = now_s - 1.0 if isinstance(event, Heard) else NEVER_S
+        return []
+
+    agent = Scripted("A1", answer)
+
+    async def story(stage: Stage) -> None:
+        stage.start(agent)
+        await asyncio.sleep(5.0)
+        stage.network.join("S", lambda *_: None).send("A1", say(1))
+        await asyncio.sleep(1.0)
+        heard_s = agent.events[-2][0]
+        assert wakes(agent) == [heard_s]
+
+    play(story)
+
+
+# --- what goes out ---------------------------------------------------------------------------------
+
+
+def test_effects_are_carried_out_one_after_another_as_given() -> None:
+    def answer(event: Event, _: float) -> list[Effect]:
+        if not isinstance(event, Started):
+            return []
+        return [
+            Subscribe("p/k"),
+            Publish("p/k", say("heard by itself")),
+            Unsubscribe("p/k"),
+            Publish("p/k", say("not heard any more")),
+            Send("S", say("sent")),
+        ]
+
+    async def story(stage: Stage) -> None:
+        received: list[messages.Message] = []
+        stranger = stage.network.join("S", lambda _, message: received.append(message))
+        stranger.subscribe("p/k")
+        agent = Scripted("A1", answer)
+        stage.start(agent)
+        await asyncio.sleep(1.0)
+        assert agent.heard() == ["heard by itself"]
+        assert received == [say("heard by itself"), say("not heard any more"), say("sent")]
+
+    play(story)
+
+
+def test_facts_are_numbered_published_and_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(worker_module, "HISTORY_FACTS", 3)
+
+    def answer(event: Event, _: float) -> list[Effect]:
+        return (
+            [Record(OrderFulfilled("o1")), Record(OrderFulfilled("o2"))] if isinstance(event, Heard) else []
+        )
+
+    async def story(stage: Stage) -> None:
+        written: list[messages.Event] = []
+
+        def write(_: str, message: messages.Message) -> None:
+            assert isinstance(message, messages.Event)
+            written.append(message)
+
+        historian = stage.network.join("H", write)
+        historian.subscribe(KEYS.all_events)
+        worker = stage.start(Scripted("A1", answer))
+        await asyncio.sleep(0)
+        historian.send("A1", say(1))
+        historian.send("A1", say(2))
+        await asyncio.sleep(1.0)
+        assert [event.number for event in written] == [1, 2, 3, 4]
+        assert {(event.agent, event.incarnation) for event in written} == {("A1", 3)}
+        assert [event.fact for event in written[:2]] == [OrderFulfilled("o1"), OrderFulfilled("o2")]
+        assert all(0.0 < event.at_s < 1.0 for event in written)
+        assert list(worker.history) == written[1:]
+
+    play(story)
+
+
+def test_an_agent_without_a_body_cannot_instruct_one() -> None:
+    async def story(stage: Stage) -> None:
+        stage.start(Scripted("S", lambda *_: [Instruct(StartCycle("a"))]))
+        with pytest.raises(ProtocolViolation, match=r"S has no body and wants StartCycle"):
+            await stage.tasks["S"]
+
+    play(story)
+
+
+# --- a flood ---------------------------------------------------------------------------------------
+
+
+class FullStage(Stage):
+    """A stage on which agents are flooded."""
+
+    async def flood(self, worker: Worker, *flood: messages.Message) -> None:
+        # Straight into the inbox, as a bus does that delivers more than the worker gets turns for.
+        for message in flood:
+            worker._hear("S", message)
+        await asyncio.sleep(0.01)
+
+
+@pytest.fixture
+def small_inbox(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Room for 8, the last 2 not for heartbeats."""
+    monkeypatch.setattr(worker_module, "INBOX", 8)
+    monkeypatch.setattr(worker_module, "HEARTBEAT_ROOM", 6)
+
+
+def flooded(*flood: messages.Message) -> tuple[Worker, Scripted]:
+    agent = Scripted("A1")
+    workers: list[Worker] = []
+
+    async def main() -> None:
+        stage = FullStage()
+        workers.append(stage.start(agent))
+        await asyncio.sleep(0.01)
+        await stage.flood(workers[0], *flood)
+
+    run(main())
+    return workers[0], agent
+
+
+@pytest.mark.usefixtures("small_inbox")
+def test_a_filling_inbox_drops_heartbeats_first() -> None:
+    worker, agent = flooded(*[HEARTBEAT] * 10, say(1), say(2))
+    assert agent.heard() == ["1", "2"]
+    assert worker.handled == 1 + 6 + 2
+    assert (worker.dropped_heartbeats, worker.dropped_messages) == (4, 0)
+
+
+@pytest.mark.usefixtures("small_inbox")
+def test_a_full_inbox_drops_the_oldest_message() -> None:
+    worker, agent = flooded(*[say(number) for number in range(11)])
+    assert agent.heard() == [str(number) for number in range(3, 11)]
+    assert (worker.dropped_heartbeats, worker.dropped_messages) == (0, 3)
+
+
+@pytest.mark.usefixtures("small_inbox")
+def test_a_full_inbox_never_drops_what_the_body_reports() -> None:
+    agent, cell = Scripted("A1"), Cell()
+
+    async def main() -> None:
+        stage = FullStage()
+        worker = stage.start(agent, cell)
+        await asyncio.sleep(0.01)
+        for number in range(12):
+            cell.report(CycleDone(str(number)))
+        await stage.flood(worker, say("no room"))
+        assert worker.dropped_messages == 1
+
+    run(main())
+    assert [event for _, event in agent.events[1:]] == [
+        Reported(CycleDone(str(number))) for number in range(12)
+    ]
+
+
+# --- the end ---------------------------------------------------------------------------------------
+
+
+def is_there(stage: Stage, name: str) -> bool:
+    missed = stage.network.missed
+    stage.network.join("probe", lambda *_: None).send(name, say("probe"))
+    return stage.network.missed == missed
+
+
+@pytest.mark.parametrize("way", ["stop", "cancel"])
+def test_a_worker_that_ends_leaves_the_bus_and_its_body(way: str) -> None:
+    async def story(stage: Stage) -> None:
+        agent, cell = Scripted("M1", wake_at_s=10.0), Cell()
+        worker = stage.start(agent, cell)
+        await asyncio.sleep(1.0)
+        assert is_there(stage, "M1")
+        if way == "stop":
+            worker.stop()
+            worker.stop()
+            await stage.tasks["M1"]
+        else:
+            stage.tasks["M1"].cancel()
+            with pytest.raises(asyncio.CancelledError):
+                await stage.tasks["M1"]
+        assert not is_there(stage, "M1")
+        events = len(agent.events)
+        cell.report(CycleDone("late"))
+        await asyncio.sleep(20.0)
+        assert len(agent.events) == events
+
+    play(story)
+
+
+def test_a_worker_stopped_in_the_middle_of_its_inbox_handles_no_more() -> None:
+    def answer(event: Event, _: float) -> list[Effect]:
+        if isinstance(event, Heard):
+            workers[0].stop()
+        return []
+
+    agent = Scripted("A1", answer)
+    workers: list[Worker] = []
+
+    async def main() -> None:
+        stage = FullStage()
+        workers.append(stage.start(agent))
+        await asyncio.sleep(0.01)
+        await stage.flood(workers[0], say(1), say(2))
+        await stage.tasks["A1"]
+
+    run(main())
+    assert agent.heard() == ["1"]
+
+
+def test_an_agent_with_a_bug_ends_and_says_so_and_others_go_on() -> None:
+    def answer(event: Event, _: float) -> list[Effect]:
+        if isinstance(event, Heard):
+            raise ProtocolViolation("a state that cannot be")
+        return []
+
+    async def story(stage: Stage) -> None:
+        other = Scripted("A2")
+        stage.start(Scripted("A1", answer))
+        stage.start(other)
+        stranger = stage.network.join("S", lambda *_: None)
+        await asyncio.sleep(0)
+        stranger.send("A1", say(1))
+        with pytest.raises(ProtocolViolation, match="cannot be"):
+            await stage.tasks["A1"]
+        assert not is_there(stage, "A1")
+        stranger.send("A2", say(2))
+        await asyncio.sleep(1.0)
+        assert other.heard() == ["2"]
+
+    play(story)
+
+
+def test_a_flood_on_one_agent_does_not_keep_the_others_from_their_turn() -> None:
+    turns: list[str] = []
+
+    def endless(event: Event, _: float) -> list[Effect]:
+        turns.append("flooded")
+        # Its body answers each instruction at once, so its inbox is never empty.
+        return [Instruct(StartCycle("a"))] if len(turns) < 50 else []
+
+    def other(event: Event, _: float) -> list[Effect]:
+        turns.append("other")
+        return []
+
+    async def story(stage: Stage) -> None:
+        stage.start(Scripted("M1", endless), Cell())
+        stage.start(Scripted("A1", other))
+        await asyncio.sleep(0.01)
+        assert turns.index("other") < 5
+
+    play(story)
