@@ -150,6 +150,19 @@ class Plant:
         point = Point(x_m, y_m)
         return tuple(area.id for area in self.areas.values() if inside(point, area.polygon))
 
+    def closest(self, node: str, places: Iterable[str], count: int) -> tuple[str, ...]:
+        """The `count` places whose docks are closest to a node as the crow flies, closest first.
+
+        A short list for whoever compares ways: in a large plant most places are out of the question.
+        """
+        here = self.nodes[node]
+
+        def distance_m(place: str) -> float:
+            there = self.nodes[self._node_of[place]]
+            return hypot(there.x_m - here.x_m, there.y_m - here.y_m)
+
+        return tuple(sorted(places, key=distance_m)[:count])
+
     def routes(self, vehicle_type: str) -> Routes:
         """The ways of a type of vehicle; the same object for the same type."""
         routes = self._routes.get(vehicle_type)

@@ -24,6 +24,9 @@ heard, on the way."""
 TAKEN_MEMORY_S = 60.0
 """How long a berth that was lost is not asked for again."""
 
+COMPARED = 4
+"""Berths whose ways are compared: the nearest by way is among the nearest as the crow flies."""
+
 
 class Hold(Enum):
     NONE = "none"
@@ -83,9 +86,8 @@ class Berths:
         free = [berth for berth in kind if berth not in self._taken_until_s]
         if not free:
             return False
-        nearest = min(
-            free, key=lambda berth: self._routes.duration_s(node, self._plant.node_of(berth))
-        )
+        near = self._plant.closest(node, free, COMPARED)
+        nearest, _ = self._routes.nearest(node, near)
         self.leave()
         self._claim(nearest, battery_frac, Hold.CLAIMED)
         return True

@@ -102,6 +102,8 @@ class Machine:
         self._out: list[Effect] = []
         self._timers = Timers()
         self._products = tuple(making.product for making in self._spec.makes)
+        node = plant.node_of(machine)
+        self._delivery = plant.closest(node, plant.delivery_warehouses, 1)[0]
         self._goals = GoalBook(machine, plant)
         self._supply = Supply(machine, plant, self._goals)
         self._bidder = GoalBidder(self._products, self._goals, self._supply, self._out)
@@ -291,7 +293,7 @@ class Machine:
                 item=product.id,
                 quantity=quantity,
                 sources=(self.id,),
-                destination=self._plant.delivery_warehouses[0],
+                destination=self._delivery,
                 ability=product.ability,
                 goal=goal.id,
             )

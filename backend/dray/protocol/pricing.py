@@ -32,6 +32,9 @@ SPARE_ABILITY_S = 10.0
 RESERVE_FRAC = 0.10
 """Battery that no promise may touch: ways around obstacles, and ageing."""
 
+COMPARED = 4
+"""Chargers whose ways are compared, the closest as the crow flies."""
+
 
 class Quote(msgspec.Struct, frozen=True):
     """What a vehicle can offer."""
@@ -61,7 +64,6 @@ class Pricer:
         self._plant = plant
         self._type = plant.vehicle_types[vehicle_type]
         self._routes = plant.routes(vehicle_type)
-        self._charger_nodes = tuple(charger.node for charger in plant.chargers.values())
         self._to_charger_wh: dict[str, float] = {}
 
     def quote(
@@ -129,8 +131,9 @@ class Pricer:
         """Energy to the nearest charger (Wh)."""
         wh = self._to_charger_wh.get(node)
         if wh is None:
-            lengths_m = [self._routes.length_m(node, charger) for charger in self._charger_nodes]
-            wh = min(lengths_m) * self._type.drive_wh_per_m
+            near = self._plant.closest(node, self._plant.chargers, COMPARED)
+            _, way = self._routes.nearest(node, near)
+            wh = way.length_m * self._type.drive_wh_per_m
             self._to_charger_wh[node] = wh
         return wh
 

@@ -1,0 +1,74 @@
+"""Whole shifts in virtual time: what a seed decides, and what must hold."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import subprocess
+import sys
+
+import pytest
+
+from dray.plant import default_plant
+from dray_sim.report import Report, describe
+from dray_sim.scenario import HELD, run_shift
+from dray_sim.scenarios.day import DAY
+
+HOUR = dataclasses.replace(DAY, duration_s=3600.0)
+
+PRINT_AN_HOUR = """
+import dataclasses
+from dray.plant import default_plant
+from dray_sim.report import describe
+from dray_sim.scenario import run_shift
+from dray_sim.scenarios.day import DAY
+print(describe(run_shift(dataclasses.replace(DAY, duration_s=3600.0), default_plant(), 7)))
+"""
+
+
+@pytest.fixture(scope="module")
+def hour() -> Report:
+    return run_shift(HOUR, default_plant(), 7)
+
+
+def test_the_invariants_hold(hour: Report) -> None:
+    assert hour.invariants == HELD
+
+
+def test_goods_are_made_and_delivered(hour: Report) -> None:
+    assert hour.transports > 20
+    assert hour.pieces_delivered > 200
+    assert hour.orders_delivered >= 3
+
+
+def test_most_transports_are_watched(hour: Report) -> None:
+    assert hour.watches_taken > 0.8 * hour.transports
+
+
+@pytest.mark.parametrize("hash_seed", ["0", "1", "4711"])
+def test_the_same_seed_gives_the_same_report_in_another_process(hour: Report, hash_seed: str) -> None:
+    environment = {**os.environ, "PYTHONHASHSEED": hash_seed}
+    printed = subprocess.run(
+        [sys.executable, "-c", PRINT_AN_HOUR], env=environment, capture_output=True, text=True, check=True
+    )
+    assert printed.stdout == describe(hour) + "\n"
+
+
+def test_another_seed_gives_another_trace(hour: Report) -> None:
+    other = run_shift(dataclasses.replace(HOUR, duration_s=600.0), default_plant(), 8)
+    first = run_shift(dataclasses.replace(HOUR, duration_s=600.0), default_plant(), 7)
+    assert other.trace != first.trace
+
+
+def test_a_day_through_the_codec_leaves_the_same_trace(hour: Report) -> None:
+    through_codec = run_shift(dataclasses.replace(HOUR, codec=True), default_plant(), 7)
+    assert through_codec.trace == hour.trace
+    assert describe(through_codec) == describe(hour)
+
+
+@pytest.mark.slow
+def test_at_least_95_percent_of_a_day_is_on_time() -> None:
+    report = run_shift(DAY, default_plant(), 1)
+    assert report.invariants == HELD
+    assert report.orders_due > 50
+    assert report.on_time_frac >= 0.95
