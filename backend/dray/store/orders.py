@@ -96,7 +96,7 @@ class Orders:
         return sorted(found, key=lambda order: (order.created_at_s, order.id))
 
     async def page(
-        self, statuses: Sequence[OrderStatus], after: tuple[float, str] | None, limit: int
+        self, statuses: Sequence[OrderStatus], after: tuple[float, str] | None, limit: int | None
     ) -> list[Order]:
         """Newest first.
 

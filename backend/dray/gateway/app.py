@@ -1,0 +1,137 @@
+"""The gateway put together: one FastAPI application for one plant."""
+
+from __future__ import annotations
+
+import asyncio
+import time as clock
+from collections.abc import AsyncIterator, Callable
+from contextlib import AsyncExitStack, asynccontextmanager
+
+from fastapi import FastAPI
+
+from dray import __version__
+from dray.gateway import openapi, problems
+from dray.gateway.commands import Commands
+from dray.gateway.desk import Desk
+from dray.gateway.panels import PREFIX, STATIC, BuiltFiles, Panels
+from dray.gateway.parts import Parts
+from dray.gateway.peer import Peer
+from dray.gateway.projection import Projection
+from dray.gateway.projection.orders import ENDED_KEPT
+from dray.gateway.routes import API, REST
+from dray.gateway.shields import BodyLimit, SameOrigin, SecurityHeaders
+from dray.gateway.stream import Hub
+from dray.gateway.timescale import TimeScale
+from dray.messages.keys import Keys
+from dray.plant.model import PlantFile
+from dray.ports import Bus
+from dray.settings import Settings
+from dray.store import Historian, Store
+from dray.store.progress import ENDED, OPEN, OrderStatus
+
+UNENDED = (OrderStatus.STORED, *OPEN)
+
+
+def create_app(
+    *,
+    settings: Settings,
+    plant: PlantFile,
+    bus: Bus,
+    store: Store,
+    time: TimeScale,
+    incarnation: int = 1,
+    historian: Historian | None = None,
+    panels: Panels | None = None,
+    wall_s: Callable[[], float] = clock.time,
+) -> FastAPI:
+    """Put a gateway together. It joins the bus when the server starts, and leaves it when it ends.
+
+    Args:
+        settings: limits and rates.
+        plant: a plant file without faults.
+        bus: where the agents meet; it must call us on the server's event loop.
+        store: open and up to date; whoever opened it closes it.
+        time: the two clocks.
+        incarnation: how often this plant's agents have been started (`Store.next_incarnation`).
+        historian: runs as long as the application does, when given.
+        panels: templates and built files, when not the ones that came with this package.
+        wall_s: the wall clock.
+    """
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        peer = Peer(bus, Keys(plant.plant))
+        products = frozenset(product.id for product in plant.products)
+        projection = Projection(plant, time)
+        parts = Parts(
+            settings=settings,
+            plant=plant,
+            store=store,
+            historian=historian,
+            wall_s=wall_s,
+            projection=projection,
+            desk=Desk(send=peer.send, time=time, wall_s=wall_s, products=products),
+            commands=Commands(peer.send, f"gateway.{incarnation}", settings.command_timeout_s),
+            hub=Hub(
+                projection,
+                wall_s=wall_s,
+                rate_hz=settings.stream_rate_hz,
+                queue_frames=settings.stream_queue_frames,
+                clients=settings.stream_clients,
+            ),
+            peer=peer,
+            panels=panels or Panels(),
+            keys_at_work=set(),
+        )
+        await _remember(parts)
+        app.state.parts = parts
+        async with AsyncExitStack() as stack:
+            if historian is not None:
+                await stack.enter_async_context(historian.running())
+            stack.callback(peer.leave)
+            peer.join(projection, parts.desk, parts.commands)
+            tasks = await stack.enter_async_context(asyncio.TaskGroup())
+            running = [tasks.create_task(parts.desk.run()), tasks.create_task(parts.hub.run())]
+            async with store.read() as work:
+                parts.desk.begin(await work.orders.open())
+            yield
+            for task in running:
+                task.cancel()
+
+    app = FastAPI(
+        title="Dray",
+        version=__version__,
+        lifespan=lifespan,
+        openapi_url="/api/openapi.json",
+        # FastAPI's pages load their scripts from elsewhere; ours is in `routes.docs`.
+        docs_url=None,
+        redoc_url=None,
+        redirect_slashes=False,
+    )
+    for module in API:
+        app.include_router(module.router, prefix="/api")
+    for module in REST:
+        inside = module.__name__.rpartition(".")[2] in {"docs", "stream"}
+        app.include_router(module.router, prefix="/api" if inside else "")
+    app.mount(PREFIX.rstrip("/"), BuiltFiles(directory=STATIC, check_dir=False), "static")
+    problems.install(app)
+    openapi.install(app)
+    # The last one added is the outermost.
+    app.add_middleware(BodyLimit, limit_bytes=settings.body_limit_bytes)
+    app.add_middleware(SameOrigin)
+    app.add_middleware(SecurityHeaders)
+    return app
+
+
+async def _remember(parts: Parts) -> None:
+    """Learn from SQL what panels show, and tell SQL what this plant makes."""
+    async with parts.store.write() as work:
+        await work.products.replace(parts.plant.products)
+    async with parts.store.read() as work:
+        orders = await work.orders.page(UNENDED, None, None) + await work.orders.page(ENDED, None, ENDED_KEPT)
+        goals = await work.goals.of_orders(order.id for order in orders)
+        parts.projection.orders.begin(
+            # Oldest first, so that the oldest ended one leaves first.
+            [(order, goals[order.id]) for order in reversed(orders)],
+            await work.orders.totals(),
+        )

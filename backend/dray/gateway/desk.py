@@ -1,0 +1,160 @@
+"""The order desk: brings released orders to the strategist, and cancellations too.
+
+The bus promises nothing, so both are repeated with growing pauses until they are answered. Nothing is
+remembered here that SQL does not know: at the start all open orders are sent again, with what is
+still to be delivered; to a strategist who has them already that is no news.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Collection, Iterable
+from contextlib import suppress
+
+from dray.gateway.timescale import TimeScale
+from dray.messages import Message, OrderCancelled, OrderItem, OrderReleased
+from dray.store.orders import Order
+
+STRATEGIST = "strategist"
+"""The strategist's name on the bus (protocol, "Who")."""
+
+PAUSE_S = (0.5, 15.0)
+"""Wall seconds before the first repetition, and between later ones at most; it doubles. The strategist
+may be away for hours, and should have its orders soon after it is back."""
+
+CANCEL_TRIES = 60
+"""A strategist who never had an order does not answer its cancellation: some 15 minutes are enough."""
+
+NO_DUE_S = 8 * 3600.0
+"""Factory seconds within which an order without a due time is wanted: a shift."""
+
+_log = logging.getLogger(__name__)
+
+
+class Reminder:
+    """Something to be said until it is answered."""
+
+    __slots__ = ("due_s", "message", "pause_s", "tries_left")
+
+    def __init__(self, message: Message, tries_left: int | None, now_s: float) -> None:
+        self.message, self.tries_left = message, tries_left
+        self.due_s, self.pause_s = now_s + PAUSE_S[0], 2 * PAUSE_S[0]
+
+
+class Reminders:
+    """What is to be said again, and when. Pure; bounded by the open orders.
+
+    All times are on a clock of the caller's choice that never goes back.
+    """
+
+    def __init__(self) -> None:
+        self._reminders: dict[str, Reminder] = {}
+
+    def __contains__(self, order: str) -> bool:
+        return order in self._reminders
+
+    def add(self, order: str, message: Message, now_s: float, tries: int | None = None) -> None:
+        """It was said now: say it again until it is answered, or `tries` times; replaces an older one."""
+        self._reminders[order] = Reminder(message, tries, now_s)
+
+    def answered(self, order: str, kind: type[Message]) -> bool:
+        """The strategist has answered; returns whether something of this kind was waiting for it."""
+        reminder = self._reminders.get(order)
+        if reminder is None or not isinstance(reminder.message, kind):
+            return False
+        del self._reminders[order]
+        return True
+
+    def due(self, now_s: float) -> list[Message]:
+        """What is to be said at this moment; the next time is set."""
+        due: list[Message] = []
+        for order, reminder in list(self._reminders.items()):
+            if reminder.due_s > now_s:
+                continue
+            due.append(reminder.message)
+            reminder.due_s = now_s + reminder.pause_s
+            reminder.pause_s = min(2 * reminder.pause_s, PAUSE_S[1])
+            if reminder.tries_left is not None:
+                reminder.tries_left -= 1
+                if reminder.tries_left <= 0:
+                    del self._reminders[order]
+        return due
+
+    def next_s(self) -> float | None:
+        """When something is to be said again; None for never."""
+        return min((reminder.due_s for reminder in self._reminders.values()), default=None)
+
+
+class Desk:
+    """Sends orders.
+
+    Args:
+        send: says something to one agent.
+        time: the two clocks.
+        wall_s: the wall clock.
+        products: what this plant can make.
+    """
+
+    def __init__(
+        self,
+        *,
+        send: Callable[[str, Message], None],
+        time: TimeScale,
+        wall_s: Callable[[], float],
+        products: Collection[str],
+    ) -> None:
+        self._send, self._time, self._wall_s, self._products = send, time, wall_s, products
+        self._reminders = Reminders()
+        self._news = asyncio.Event()
+
+    def begin(self, orders: Iterable[Order]) -> None:
+        """Send all open orders of an earlier life again."""
+        for order in orders:
+            self.release(order)
+
+    def release(self, order: Order) -> None:
+        """Let the strategist have an order, with what is still to be delivered of it."""
+        missing = {item.product for item in order.items} - set(self._products)
+        if missing:
+            _log.error("order %s waits: this plant does not make %s", order.id, ", ".join(sorted(missing)))
+            return
+        items = zip(order.items, order.outstanding, strict=True)
+        wanted_s = order.due_at_s
+        due_s = self._time.to_plant_s(self._wall_s() if wanted_s is None else wanted_s)
+        message = OrderReleased(
+            order=order.id,
+            # An item that is delivered keeps its place: goals name items by their index.
+            items=tuple(OrderItem(item.product, outstanding) for item, outstanding in items),
+            due_s=due_s + (NO_DUE_S if wanted_s is None else 0.0),
+        )
+        self._say(order.id, message, None)
+
+    def cancel(self, order: str) -> None:
+        """Let the strategist drop an order."""
+        self._say(order, OrderCancelled(order=order), CANCEL_TRIES)
+
+    def taken(self, order: str) -> None:
+        """The strategist has the order."""
+        self._reminders.answered(order, OrderReleased)
+
+    def dropped(self, order: str) -> None:
+        """The strategist has dropped the order."""
+        self._reminders.answered(order, OrderCancelled)
+
+    async def run(self) -> None:
+        """Repeat what is not answered, until cancelled."""
+        clock = asyncio.get_running_loop()
+        while True:
+            self._news.clear()
+            next_s = self._reminders.next_s()
+            with suppress(TimeoutError):
+                async with asyncio.timeout_at(next_s):
+                    await self._news.wait()
+            for message in self._reminders.due(clock.time()):
+                self._send(STRATEGIST, message)
+
+    def _say(self, order: str, message: Message, tries: int | None) -> None:
+        self._reminders.add(order, message, asyncio.get_running_loop().time(), tries)
+        self._send(STRATEGIST, message)
+        self._news.set()

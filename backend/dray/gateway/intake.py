@@ -1,0 +1,261 @@
+"""The intake: takes an order, once, however often it is sent.
+
+The order and its idempotency key are written in one transaction, and the answer follows the commit:
+an order that was answered is on disk, and one that was not can be sent again under its key.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from datetime import UTC, datetime
+from http import HTTPStatus
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
+
+from dray.gateway.bodies import Line
+from dray.gateway.orderids import new_order_id, new_token
+from dray.gateway.parts import Parts
+from dray.gateway.problems import FieldError, Problem, unusable
+from dray.store.keys import KeptAnswer
+from dray.store.orders import Item, Order
+from dray.store.progress import OrderStatus
+from dray.store.work import Work
+
+MAX_ITEMS = 50
+"""Lines of one order: more than a person reads; larger orders come as several."""
+
+MAX_QUANTITY = 10_000
+"""Pieces of one line: some weeks of the default plant; a slip of the keyboard should not block it."""
+
+MAX_OPEN_ORDERS = 10_000
+"""Orders that have not ended: months of work. They are kept in memory and sent to every new panel."""
+
+KEYS_KEPT_S = 7 * 86_400.0
+"""How long an Idempotency-Key is remembered: longer than any client tries again."""
+
+
+def _written_moment(value: Any) -> datetime:
+    if not isinstance(value, str):
+        raise ValueError("write it as text, as 2030-05-17T14:30:00Z")  # noqa: TRY004 - pydantic wants it
+    try:
+        moment = datetime.fromisoformat(value)
+    except ValueError:
+        raise ValueError("it is no ISO 8601 time; write it as 2030-05-17T14:30:00Z") from None
+    if moment.tzinfo is None:
+        raise ValueError("it lacks its time zone; add Z or an offset, as 2030-05-17T14:30:00+02:00")
+    return moment
+
+
+def _in_utc(moment: datetime) -> datetime:
+    try:
+        return moment.astimezone(UTC)
+    except (OverflowError, ValueError):
+        raise ValueError("it is out of the calendar") from None
+
+
+Moment = Annotated[
+    datetime,
+    BeforeValidator(_written_moment),
+    AfterValidator(_in_utc),
+    WithJsonSchema({"type": "string", "format": "date-time"}),
+]
+"""A moment with its time zone, as ISO 8601 writes it; numbers are refused, for nobody knows their unit."""
+
+
+class ItemDraft(BaseModel):
+    """A line of a new order."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    product: Annotated[str, Field(min_length=1, max_length=32, pattern=r"^[A-Za-z][A-Za-z0-9_.-]*$")]
+    """A product's id; `GET /api/products` lists them."""
+    quantity: Annotated[int, Field(strict=True, ge=1, le=MAX_QUANTITY)]
+    """Pieces."""
+
+
+class OrderDraft(BaseModel):
+    """A new order. One product may stand in several lines; they are delivered as they are written."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    customer: Line
+    items: Annotated[list[ItemDraft], Field(min_length=1, max_length=MAX_ITEMS)]
+    due_at: Moment | None = None
+    """When all of it should be in the delivery warehouse, with a time zone; not in the past."""
+    reference: Line | None = None
+    """The customer's own number."""
+    release: Annotated[bool, Field(strict=True)] = True
+    """False: only store it; `POST /api/orders/{id}/release` starts it."""
+
+
+async def place(
+    gateway: Parts, draft: OrderDraft, key: str | None, render: Callable[[Order], bytes]
+) -> tuple[str, bytes, bool]:
+    """Take an order.
+
+    Args:
+        gateway: where to.
+        draft: a body that has the right shape.
+        key: the Idempotency-Key, if one was sent.
+        render: writes the answer.
+
+    Returns:
+        The order's id, the answer, and whether it is the repetition of an earlier one.
+
+    Raises:
+        Problem: what the order names does not exist or is past, or the key is used for another body.
+    """
+    fingerprint = hashlib.sha256(draft.model_dump_json().encode()).hexdigest()
+    async with _alone(gateway.keys_at_work, key), gateway.store.write() as work:
+        kept = await work.keys.get(key) if key else None
+        if kept is not None:
+            return _repeated(kept, fingerprint)
+        order = await _written(gateway, work, draft)
+        answer = render(order)
+        if key:
+            await work.keys.forget_before(order.created_at_s - KEYS_KEPT_S)
+            await work.keys.add(KeptAnswer(key, fingerprint, order.id, answer.decode(), order.created_at_s))
+    gateway.projection.orders.put(order)
+    if order.status is OrderStatus.RELEASED:
+        gateway.desk.release(order)
+    return order.id, answer, False
+
+
+async def release(gateway: Parts, order_id: str) -> Order | None:
+    """Hand a stored order to the factory; one that is there already stays as it is.
+
+    Returns:
+        The order as it is now; None when there is none.
+
+    Raises:
+        Problem: 409, it has ended.
+    """
+    async with gateway.store.write() as work:
+        before = await work.orders.get(order_id)
+        if before is None:
+            return None
+        if before.status is OrderStatus.CANCELLED:
+            raise _ended(before, "place it again")
+        await work.orders.release(order_id, gateway.wall_s())
+        after = await work.orders.get(order_id)
+    if after is not None and before.status is OrderStatus.STORED:
+        gateway.projection.orders.put(after)
+        gateway.desk.release(after)
+    return after
+
+
+async def cancel(gateway: Parts, order_id: str) -> Order | None:
+    """Cancel an order; one that is cancelled already stays so.
+
+    Returns:
+        The order as it is now; None when there is none.
+
+    Raises:
+        Problem: 409, it is delivered.
+    """
+    async with gateway.store.write() as work:
+        before = await work.orders.get(order_id)
+        if before is None:
+            return None
+        if before.status is OrderStatus.DELIVERED:
+            raise _ended(before, "there is nothing left to cancel")
+        await work.orders.cancel(order_id, gateway.wall_s())
+        after = await work.orders.get(order_id)
+    if after is not None and before.status is not OrderStatus.CANCELLED:
+        gateway.projection.orders.put(after)
+        gateway.desk.cancel(order_id)
+    return after
+
+
+@asynccontextmanager
+async def _alone(at_work: set[str], key: str | None) -> AsyncIterator[None]:
+    """Let only one request at a time work under a key."""
+    if key is None:
+        yield
+        return
+    if key in at_work:
+        raise Problem(
+            HTTPStatus.CONFLICT,
+            "key-at-work",
+            "A request with this Idempotency-Key is still being answered",
+            "wait for its answer, or send the same request again in a second",
+            headers={"Retry-After": "1"},
+        )
+    at_work.add(key)
+    try:
+        yield
+    finally:
+        at_work.discard(key)
+
+
+def _repeated(kept: KeptAnswer, fingerprint: str) -> tuple[str, bytes, bool]:
+    if kept.fingerprint != fingerprint:
+        reason = f"it was used for another order ({kept.order_id}); take a new key for a new order"
+        raise Problem(
+            HTTPStatus.UNPROCESSABLE_ENTITY,
+            "key-used",
+            "The Idempotency-Key was used for another body",
+            f"Idempotency-Key: {reason}",
+            errors=(FieldError("Idempotency-Key", reason),),
+        )
+    return kept.order_id, kept.answer.encode(), True
+
+
+async def _written(gateway: Parts, work: Work, draft: OrderDraft) -> Order:
+    now_s = gateway.wall_s()
+    _refuse_nonsense(gateway, draft, now_s)
+    if gateway.projection.orders.open >= MAX_OPEN_ORDERS:
+        raise Problem(
+            HTTPStatus.SERVICE_UNAVAILABLE,
+            "too-many-orders",
+            "Too many orders are open",
+            f"{MAX_OPEN_ORDERS} orders have not ended; cancel some, or try again later",
+            headers={"Retry-After": "600"},
+        )
+    order = Order(
+        id=new_order_id(now_s),
+        status=OrderStatus.RELEASED if draft.release else OrderStatus.STORED,
+        customer=draft.customer,
+        token=new_token(),
+        items=tuple(Item(item.product, item.quantity) for item in draft.items),
+        created_at_s=now_s,
+        reference=draft.reference,
+        due_at_s=None if draft.due_at is None else draft.due_at.timestamp(),
+        released_at_s=now_s if draft.release else None,
+    )
+    await work.orders.add(order)
+    return order
+
+
+def _refuse_nonsense(gateway: Parts, draft: OrderDraft, now_s: float) -> None:
+    """Refuse what has the right shape and still means nothing here.
+
+    Raises:
+        Problem: names every field.
+    """
+    known = {product.id for product in gateway.plant.products}
+    errors = [
+        FieldError(
+            f"items[{index}].product",
+            f"this plant does not make {item.product!r}; it makes {', '.join(sorted(known))}",
+        )
+        for index, item in enumerate(draft.items)
+        if item.product not in known
+    ]
+    if draft.due_at is not None and draft.due_at.timestamp() <= now_s:
+        now = datetime.fromtimestamp(now_s, UTC).isoformat(timespec="seconds")
+        errors.append(FieldError("due_at", f"it is past: here it is {now}; give a later time"))
+    if errors:
+        raise unusable(*errors)
+
+
+def _ended(order: Order, what_to_do: str) -> Problem:
+    return Problem(
+        HTTPStatus.CONFLICT,
+        "order-ended",
+        "The order has ended",
+        f"order {order.id} is {order.status.value}; {what_to_do}",
+    )

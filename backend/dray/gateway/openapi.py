@@ -1,0 +1,86 @@
+"""The OpenAPI document: what FastAPI knows of the routers, and the shapes of our structs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+from fastapi import FastAPI
+from fastapi.openapi.utils import get_openapi
+
+from dray import __version__
+from dray.gateway.problems import ProblemDetails
+from dray.gateway.routes.atvs import CommandAnswer
+from dray.gateway.routes.events import EventAnswer
+from dray.gateway.routes.orders import OrderAnswer
+from dray.gateway.routes.products import ProductAnswer
+from dray.gateway.routes.track import TrackAnswer
+from dray.gateway.views import AtvView, FactoryView, MachineView, TaskView
+from dray.plant.model import PlantFile
+
+SHAPES = (
+    AtvView,
+    CommandAnswer,
+    EventAnswer,
+    FactoryView,
+    MachineView,
+    OrderAnswer,
+    PlantFile,
+    ProblemDetails,
+    ProductAnswer,
+    TaskView,
+    TrackAnswer,
+)
+"""Structs that routers answer with."""
+
+DESCRIPTION = """\
+Orders for a factory without a dispatcher, and everything that can be seen of it.
+
+* Lists come as `{"items": [...], "next_cursor": ...}`; ask again with `cursor` until it is null.
+* Errors are `application/problem+json` (RFC 9457): `title`, `detail`, and `errors` per field.
+* Times that end in `_at_s` are seconds since 1970 on the wall clock; `created_at`, `due_at` and
+  `delivered_at` are the same in ISO 8601.
+* `/api/stream` is a websocket: one snapshot, then numbered deltas.
+"""
+
+PROBLEM = {"application/problem+json": {"schema": {"$ref": "#/components/schemas/ProblemDetails"}}}
+
+
+def install(app: FastAPI) -> None:
+    """Let `app` tell of itself in this way."""
+
+    def document() -> dict[str, Any]:
+        if app.openapi_schema is None:
+            app.openapi_schema = _document(app)
+        return app.openapi_schema
+
+    app.openapi = document  # type: ignore[method-assign]  # FastAPI's documented way
+
+
+def _document(app: FastAPI) -> dict[str, Any]:
+    document = get_openapi(title="Dray", version=__version__, description=DESCRIPTION, routes=app.routes)
+    _, shapes = msgspec.json.schema_components(SHAPES, ref_template="#/components/schemas/{name}")
+    schemas = document.setdefault("components", {}).setdefault("schemas", {})
+    for replaced in ("HTTPValidationError", "ValidationError"):
+        schemas.pop(replaced, None)
+    schemas.update(shapes)
+    for path in document["paths"].values():
+        for method, operation in path.items():
+            _tell_problems(method, operation)
+    return document
+
+
+def _tell_problems(method: str, operation: dict[str, Any]) -> None:
+    """Every operation may refuse its input; those with a body have more ways to."""
+    refusals = {"422": "Some fields cannot be used"} if "parameters" in operation else {}
+    if method == "post":
+        refusals |= {"403": "Another site's page asked", "413": "The body is too large"}
+    if "requestBody" in operation:
+        refusals |= {
+            "400": "The body is not JSON",
+            "415": "The body is not called JSON",
+            "422": "Some fields cannot be used",
+        }
+    operation["responses"].pop("422", None)
+    for status, description in refusals.items():
+        operation["responses"][status] = {"description": description, "content": PROBLEM}

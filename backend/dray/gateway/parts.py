@@ -1,0 +1,49 @@
+"""What routers need: the parts of one running gateway, and how a request gets at them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, cast
+
+from fastapi import Depends
+from starlette.requests import HTTPConnection
+
+from dray.gateway.commands import Commands
+from dray.gateway.desk import Desk
+from dray.gateway.panels import Panels
+from dray.gateway.peer import Peer
+from dray.gateway.projection import Projection
+from dray.gateway.stream import Hub
+from dray.plant.model import PlantFile
+from dray.settings import Settings
+from dray.store import Historian, Store
+
+
+@dataclass(frozen=True)
+class Parts:
+    """One running gateway."""
+
+    settings: Settings
+    plant: PlantFile
+    store: Store
+    historian: Historian | None
+    """None where it runs elsewhere."""
+    wall_s: Callable[[], float]
+    projection: Projection
+    desk: Desk
+    commands: Commands
+    hub: Hub
+    peer: Peer
+    panels: Panels
+    keys_at_work: set[str]
+    """Idempotency keys of requests that are being answered at this moment."""
+
+
+def parts_of(connection: HTTPConnection) -> Parts:
+    """The gateway that this request came to."""
+    return cast(Parts, connection.app.state.parts)
+
+
+Gateway = Annotated[Parts, Depends(parts_of)]
+"""A router's parameter."""

@@ -1,0 +1,64 @@
+"""The gateway's place on the bus: whom it listens to, and who in it hears what."""
+
+from __future__ import annotations
+
+from dray.gateway.commands import Commands
+from dray.gateway.desk import STRATEGIST, Desk
+from dray.gateway.projection import Projection
+from dray.messages import CommandAnswered, Event, Message, OrderTaken
+from dray.messages.fact import OrderDropped
+from dray.messages.keys import Keys
+from dray.ports import Bus, Session
+
+AGENT = "gateway"
+"""Its name on the bus."""
+
+
+class Peer:
+    """Takes part in the bus.
+
+    Args:
+        bus: where agents meet.
+        keys: the plant's.
+    """
+
+    def __init__(self, bus: Bus, keys: Keys) -> None:
+        self._bus, self._keys = bus, keys
+        self._session: Session | None = None
+        self.ignored = 0
+        """Messages that nobody here waits for. Normal."""
+
+    @property
+    def joined(self) -> bool:
+        """Whether it takes part at this moment."""
+        return self._session is not None
+
+    def join(self, projection: Projection, desk: Desk, commands: Commands) -> None:
+        """Take part, and hand on what is heard."""
+
+        def receive(sender: str, message: Message) -> None:
+            match message:
+                case OrderTaken(order=order):
+                    if sender == STRATEGIST:
+                        desk.taken(order)
+                case CommandAnswered():
+                    self.ignored += not commands.answered(sender, message)
+                case _:
+                    if isinstance(message, Event) and isinstance(message.fact, OrderDropped):
+                        desk.dropped(message.fact.order)
+                    projection.fold(message)
+
+        self._session = self._bus.join(AGENT, receive)
+        self._session.subscribe(self._keys.all_heartbeats)
+        self._session.subscribe(self._keys.all_events)
+
+    def send(self, to: str, message: Message) -> None:
+        """Say it to one agent; lost while it does not take part."""
+        if self._session is not None:
+            self._session.send(to, message)
+
+    def leave(self) -> None:
+        """Take part no longer; harmless when done twice."""
+        if self._session is not None:
+            self._session.leave()
+            self._session = None

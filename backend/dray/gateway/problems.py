@@ -1,0 +1,202 @@
+"""Problems: every error that leaves the gateway, as RFC 9457 has it.
+
+Each says what was wrong (`title`), where (`detail`, `errors`) and what to do. `type` names the kind of
+problem, so that a program can tell them apart without reading.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping, Sequence
+from http import HTTPStatus
+from typing import Any
+
+import msgspec
+from fastapi import FastAPI, Request, Response
+from fastapi.exceptions import RequestValidationError
+from starlette.exceptions import HTTPException
+
+from dray.errors import DrayError
+
+MEDIA_TYPE = "application/problem+json"
+
+MAX_FIELD_ERRORS = 50
+"""Single faults told at once: more of them have one cause."""
+
+_log = logging.getLogger(__name__)
+
+
+class FieldError(msgspec.Struct, frozen=True):
+    """One field that cannot be used."""
+
+    field: str
+    """As `items[0].quantity`."""
+    reason: str
+    """What is wrong with it, and what would be right."""
+
+
+class ProblemDetails(msgspec.Struct, frozen=True, omit_defaults=True):
+    """What went wrong (RFC 9457)."""
+
+    type: str
+    """`urn:dray:problem:` and the kind of problem."""
+    title: str
+    """The kind of problem, in words; always the same for one type."""
+    status: int
+    """The HTTP status."""
+    detail: str
+    """What was wrong this time, and what to do."""
+    instance: str = ""
+    """The path that was asked for."""
+    errors: tuple[FieldError, ...] = ()
+    """The single faults, if there are any."""
+
+
+class Problem(DrayError):
+    """An error for the one who asked.
+
+    Args:
+        status: the HTTP status.
+        kind: a short name, as `unknown-order`.
+        title: the kind in words.
+        detail: what was wrong this time, and what to do.
+        errors: single faults.
+        headers: for the answer.
+    """
+
+    def __init__(
+        self,
+        status: int,
+        kind: str,
+        title: str,
+        detail: str,
+        *,
+        errors: Sequence[FieldError] = (),
+        headers: Mapping[str, str] | None = None,
+    ) -> None:
+        self.status, self.kind, self.title, self.detail = status, kind, title, detail
+        self.errors, self.headers = tuple(errors), dict(headers or {})
+        super().__init__(f"{title}: {detail}")
+
+    def response(self, path: str) -> Response:
+        """The answer to a request for `path`."""
+        details = ProblemDetails(
+            type=f"urn:dray:problem:{self.kind}",
+            title=self.title,
+            status=self.status,
+            detail=self.detail,
+            instance=path,
+            errors=self.errors,
+        )
+        return Response(
+            msgspec.json.encode(details), self.status, headers=self.headers, media_type=MEDIA_TYPE
+        )
+
+
+def unusable(*errors: FieldError) -> Problem:
+    """The request was understood, but some fields cannot be used."""
+    first = errors[0]
+    more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
+    return Problem(
+        HTTPStatus.UNPROCESSABLE_ENTITY,
+        "unusable-fields",
+        "Some fields cannot be used",
+        f"{first.field}: {first.reason}{more}",
+        errors=errors,
+    )
+
+
+def not_found(noun: str, name: str, where: str) -> Problem:
+    """There is no such thing.
+
+    Args:
+        noun: as `order`.
+        name: the id that was asked for.
+        where: the list in which all of them can be found.
+    """
+    return Problem(
+        HTTPStatus.NOT_FOUND,
+        f"unknown-{noun}",
+        f"There is no such {noun}",
+        f"no {noun} has the id {name[:64]!r}; {where} lists those there are",
+    )
+
+
+def install(app: FastAPI) -> None:
+    """Let every error of `app` leave as a problem."""
+    app.add_exception_handler(Problem, _on_problem)
+    app.add_exception_handler(RequestValidationError, _on_validation)
+    app.add_exception_handler(HTTPException, _on_http)
+    app.add_exception_handler(Exception, _on_bug)
+
+
+async def _on_problem(request: Request, error: Exception) -> Response:
+    assert isinstance(error, Problem)  # noqa: S101 - it was registered for these only
+    return error.response(request.url.path)
+
+
+async def _on_validation(request: Request, error: Exception) -> Response:
+    assert isinstance(error, RequestValidationError)  # noqa: S101 - it was registered for these only
+    faults = error.errors()
+    for fault in faults:
+        if fault["type"] == "json_invalid":
+            return _not_json(fault).response(request.url.path)
+    errors = [FieldError(_field(fault["loc"]), _reason(fault)) for fault in faults[:MAX_FIELD_ERRORS]]
+    return unusable(*errors).response(request.url.path)
+
+
+async def _on_http(request: Request, error: Exception) -> Response:
+    assert isinstance(error, HTTPException)  # noqa: S101 - it was registered for these only
+    path = request.url.path
+    status = HTTPStatus(error.status_code)
+    match status:
+        case HTTPStatus.NOT_FOUND:
+            detail = f"there is nothing at {path}; /api/docs tells what there is"
+        case HTTPStatus.METHOD_NOT_ALLOWED:
+            allowed = (error.headers or {}).get("Allow", "another method")
+            detail = f"{path} does not know {request.method}; use {allowed}"
+        case HTTPStatus.BAD_REQUEST:
+            detail = "the body cannot be read as JSON in UTF-8; see /api/docs"
+        case _:
+            detail = str(error.detail)
+    kind = status.phrase.lower().replace(" ", "-")
+    return Problem(status, kind, status.phrase, detail, headers=error.headers).response(path)
+
+
+async def _on_bug(request: Request, error: Exception) -> Response:
+    """Our own bug: it is logged, and the one who asked learns no more than that."""
+    _log.error("bug while answering %s %s", request.method, request.url.path, exc_info=error)
+    return Problem(
+        HTTPStatus.INTERNAL_SERVER_ERROR,
+        "bug",
+        "Dray has made a mistake",
+        "it is in the log; try again, and report it if it happens again",
+    ).response(request.url.path)
+
+
+def _not_json(fault: Mapping[str, Any]) -> Problem:
+    place, why = fault["loc"][-1], fault.get("ctx", {}).get("error", "it cannot be read")
+    return Problem(
+        HTTPStatus.BAD_REQUEST,
+        "not-json",
+        "The body is not JSON",
+        f"at character {place}: {why}; send one JSON object in UTF-8",
+    )
+
+
+def _field(location: Sequence[str | int]) -> str:
+    """The place of a fault, as `items[0].quantity`."""
+    _where, *path = location
+    text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
+    return text.removeprefix(".") or "body"
+
+
+def _reason(fault: Mapping[str, Any]) -> str:
+    match fault["type"]:
+        case "missing":
+            return "it is missing"
+        case "extra_forbidden":
+            return "there is no such field; see /api/docs"
+        case _:
+            message = str(fault["msg"]).removeprefix("Value error, ")
+            return message[:1].lower() + message[1:]

@@ -1,0 +1,112 @@
+"""ATVs as panels see them: the last heartbeat of each."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from typing import Any
+
+from dray.gateway.projection.changes import Changes
+from dray.gateway.views import AtvView, BriefView
+from dray.messages import AtvHeartbeat, Brief
+from dray.plant.model import VehicleSpec
+from dray.store.progress import ToWall
+
+MAX_ATVS = 10_000
+"""Vehicles that are remembered: ten times the largest plant. A peer that invents ids ends here."""
+
+
+class Atvs:
+    """The fleet.
+
+    Args:
+        fleet: the plant's vehicles; others may come.
+        to_wall_s: plant clock to wall clock.
+    """
+
+    def __init__(self, fleet: Iterable[VehicleSpec], to_wall_s: ToWall) -> None:
+        self._types = {vehicle.id: vehicle.type for vehicle in fleet}
+        self._to_wall_s = to_wall_s
+        self._last: dict[str, AtvHeartbeat] = {}
+        self.changes = Changes("atv")
+        self.by_status: Counter[str] = Counter()
+
+    def __contains__(self, atv: str) -> bool:
+        """Whether the plant has it, or it was heard of."""
+        return atv in self._types or atv in self._last
+
+    def fold(self, heartbeat: AtvHeartbeat) -> bool:
+        """Take a heartbeat in.
+
+        Returns:
+            False when it is older than the last one, or of one vehicle too many.
+        """
+        last = self._last.get(heartbeat.atv)
+        if last is None:
+            if len(self._last) >= MAX_ATVS:
+                return False
+        elif (heartbeat.incarnation, heartbeat.seq) <= (last.incarnation, last.seq):
+            return False
+        if last is None or last.status is not heartbeat.status:
+            self.by_status[heartbeat.status.value] += 1
+            if last is not None:
+                self.by_status[last.status.value] -= 1
+        self._last[heartbeat.atv] = heartbeat
+        self.changes.mark(heartbeat.atv)
+        return True
+
+    def view(self, atv: str) -> AtvView | None:
+        """One vehicle, or None when it was never heard."""
+        heartbeat = self._last.get(atv)
+        return None if heartbeat is None else self._view(heartbeat)
+
+    def views(self) -> tuple[AtvView, ...]:
+        """All of them, by id."""
+        return tuple(self._view(self._last[atv]) for atv in sorted(self._last))
+
+    def take_changed(self) -> tuple[AtvView, ...]:
+        """Those that have changed since the last call."""
+        return tuple(self._view(self._last[atv]) for atv in self.changes.take_changed())
+
+    def _view(self, heartbeat: AtvHeartbeat) -> AtvView:
+        pose = heartbeat.pose
+        return AtvView(
+            id=heartbeat.atv,
+            type=self._types.get(heartbeat.atv, ""),
+            status=plain(heartbeat.status),
+            x_m=pose.x_m,
+            y_m=pose.y_m,
+            heading_rad=pose.heading_rad,
+            speed_mps=heartbeat.speed_mps,
+            node=heartbeat.node,
+            way=heartbeat.way,
+            battery_frac=heartbeat.battery_frac,
+            load=heartbeat.load,
+            load_quantity=heartbeat.load_quantity,
+            link=plain(heartbeat.link),
+            via=heartbeat.via,
+            task=None if heartbeat.task is None else self._brief(heartbeat.task),
+            watches=tuple(self._brief(brief) for brief in heartbeat.watches),
+            berth=heartbeat.berth,
+            speed_limit_frac=heartbeat.speed_limit_frac,
+            problem=heartbeat.problem,
+            software=heartbeat.software,
+            seen_at_s=self._to_wall_s(heartbeat.at_s),
+        )
+
+    def _brief(self, brief: Brief) -> BriefView:
+        return BriefView(
+            task=brief.task,
+            epoch=brief.epoch,
+            role=plain(brief.role),
+            coordinator=brief.coordinator,
+            phase=None if brief.phase is None else brief.phase.value,
+            item=brief.item,
+            quantity=brief.quantity,
+            due_at_s=None if brief.due_s is None else self._to_wall_s(brief.due_s),
+        )
+
+
+def plain(word: Any) -> Any:
+    """An enumeration's word as the plain text that views have; both lists of words are the same."""
+    return word.value

@@ -1,0 +1,40 @@
+"""Which entities have changed, and which have left, since somebody last asked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+
+class Changes:
+    """Ids of one kind of entity."""
+
+    __slots__ = ("_changed", "_gone", "_kind")
+
+    def __init__(self, kind: str) -> None:
+        self._kind = kind
+        # Dicts for their order: the first one that changed comes first.
+        self._changed: dict[str, None] = {}
+        self._gone: dict[str, None] = {}
+
+    def __bool__(self) -> bool:
+        return bool(self._changed or self._gone)
+
+    def mark(self, entity: str) -> None:
+        """It has changed, or come."""
+        self._changed[entity] = None
+        self._gone.pop(entity, None)
+
+    def drop(self, entity: str) -> None:
+        """It has left."""
+        self._changed.pop(entity, None)
+        self._gone[entity] = None
+
+    def take_changed(self) -> Iterable[str]:
+        """Those that have changed; forgets them."""
+        changed, self._changed = self._changed, {}
+        return changed
+
+    def take_gone(self) -> Iterable[str]:
+        """Those that have left, as `kind:id`; forgets them."""
+        gone, self._gone = self._gone, {}
+        return (f"{self._kind}:{entity}" for entity in gone)

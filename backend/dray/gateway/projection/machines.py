@@ -1,0 +1,143 @@
+"""Machines as panels see them: the last heartbeat of each."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+
+from dray.gateway.projection.atvs import plain
+from dray.gateway.projection.changes import Changes
+from dray.gateway.projection.window import Window
+from dray.gateway.views import BufferView, GoalView, MachineView, OpenTaskView
+from dray.messages import BufferLevel, GoalBrief, MachineHeartbeat, MachineStatus, TaskBrief
+from dray.plant.model import MachineSpec
+from dray.store.progress import ToWall
+
+MAX_MACHINES = 2_000
+"""Machines that are remembered: some times the largest plant. A peer that invents ids ends here."""
+
+SILENCE_S = 15.0
+"""Factory seconds after a heartbeat for which its status counts: three times the slowest rate."""
+
+STARVATION_SLOTS = (60.0, 60)
+"""An hour of factory time, by minutes: length of a slot in seconds, and how many."""
+
+
+class Machines:
+    """The machines.
+
+    Args:
+        machines: the plant's; others may come.
+        to_wall_s: plant clock to wall clock.
+    """
+
+    def __init__(self, machines: Iterable[MachineSpec], to_wall_s: ToWall) -> None:
+        self._names = {machine.id: machine.name for machine in machines}
+        self._to_wall_s = to_wall_s
+        self._last: dict[str, MachineHeartbeat] = {}
+        self._with_goal, self._starved = Window(*STARVATION_SLOTS), Window(*STARVATION_SLOTS)
+        self.changes = Changes("machine")
+        self.by_status: Counter[str] = Counter()
+
+    def fold(self, heartbeat: MachineHeartbeat) -> bool:
+        """Take a heartbeat in.
+
+        Returns:
+            False when it is older than the last one, or of one machine too many.
+        """
+        last = self._last.get(heartbeat.machine)
+        if last is None:
+            if len(self._last) >= MAX_MACHINES:
+                return False
+            self.by_status[heartbeat.status.value] += 1
+        else:
+            if (heartbeat.incarnation, heartbeat.seq) <= (last.incarnation, last.seq):
+                return False
+            self._spend(last, heartbeat.at_s)
+            if last.status is not heartbeat.status:
+                self.by_status[heartbeat.status.value] += 1
+                self.by_status[last.status.value] -= 1
+        self._last[heartbeat.machine] = heartbeat
+        self.changes.mark(heartbeat.machine)
+        return True
+
+    def starved_frac(self, now_s: float) -> float | None:
+        """Part of the last hour's time with a goal in which material was missing; None without any.
+
+        Args:
+            now_s: plant clock.
+        """
+        (with_goal_s,) = self._with_goal.sums(now_s, 1)
+        (starved_s,) = self._starved.sums(now_s, 1)
+        return starved_s / with_goal_s if with_goal_s > 0 else None
+
+    def view(self, machine: str) -> MachineView | None:
+        """One machine, or None when it was never heard."""
+        heartbeat = self._last.get(machine)
+        return None if heartbeat is None else self._view(heartbeat)
+
+    def views(self) -> tuple[MachineView, ...]:
+        """All of them, by id."""
+        return tuple(self._view(self._last[machine]) for machine in sorted(self._last))
+
+    def take_changed(self) -> tuple[MachineView, ...]:
+        """Those that have changed since the last call."""
+        return tuple(self._view(self._last[machine]) for machine in self.changes.take_changed())
+
+    def _spend(self, last: MachineHeartbeat, until_s: float) -> None:
+        """Count the time since the last heartbeat, in the status that it told."""
+        spent_s = min(until_s - last.at_s, SILENCE_S)
+        if spent_s <= 0 or last.status is MachineStatus.IDLE or not last.goals:
+            return
+        self._with_goal.add(until_s, spent_s)
+        if last.status is MachineStatus.STARVED:
+            self._starved.add(until_s, spent_s)
+
+    def _view(self, heartbeat: MachineHeartbeat) -> MachineView:
+        return MachineView(
+            id=heartbeat.machine,
+            name=self._names.get(heartbeat.machine, heartbeat.machine),
+            status=plain(heartbeat.status),
+            product=heartbeat.product,
+            goals=tuple(_goal(goal) for goal in heartbeat.goals),
+            tasks=tuple(self._task(task) for task in heartbeat.tasks),
+            buffers=tuple(_buffer(level) for level in heartbeat.buffers),
+            goods=tuple(_buffer(level) for level in heartbeat.goods),
+            problem=heartbeat.problem,
+            software=heartbeat.software,
+            seen_at_s=self._to_wall_s(heartbeat.at_s),
+        )
+
+    def _task(self, task: TaskBrief) -> OpenTaskView:
+        return OpenTaskView(
+            task=task.task,
+            epoch=task.epoch,
+            item=task.item,
+            quantity=task.quantity,
+            source=task.source,
+            destination=task.destination,
+            deadline_at_s=self._to_wall_s(task.deadline_s),
+            primary=task.primary,
+            secondary=task.secondary,
+            round=task.round,
+        )
+
+
+def _goal(goal: GoalBrief) -> GoalView:
+    return GoalView(
+        goal=goal.goal,
+        product=goal.product,
+        quantity=goal.quantity,
+        made=goal.made,
+        delivered=goal.delivered,
+    )
+
+
+def _buffer(level: BufferLevel) -> BufferView:
+    return BufferView(
+        item=level.item,
+        level=level.level,
+        capacity=level.capacity,
+        reorder_point=level.reorder_point,
+        on_order=level.on_order,
+    )

@@ -1,0 +1,172 @@
+"""Orders as panels see them. Kept from what REST tells and from facts, not read from SQL."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from dray.gateway.projection.changes import Changes
+from dray.gateway.views import OrderItemView, OrderView
+from dray.messages import Event
+from dray.store.orders import Order, OrderTotals
+from dray.store.progress import (
+    ENDED,
+    Goal,
+    OrderStatus,
+    ToWall,
+    accepted_order,
+    goal_of,
+    note,
+    progress,
+)
+
+ENDED_KEPT = 50
+"""Ended orders that panels still show; all of them are in SQL."""
+
+
+class Orders:
+    """The orders.
+
+    Args:
+        to_wall_s: plant clock to wall clock.
+    """
+
+    def __init__(self, to_wall_s: ToWall) -> None:
+        self._to_wall_s = to_wall_s
+        self._orders: dict[str, Order] = {}
+        self._goals: dict[str, dict[str, Goal]] = {}
+        """Per order that is kept here, its goals by id."""
+        self._order_of: dict[str, str] = {}
+        """Per goal that is kept here, its order."""
+        self._ended: dict[str, None] = {}
+        """Ended orders, oldest first."""
+        self.delivered, self.on_time = 0, 0
+        """Over all orders there ever were."""
+        self.changes = Changes("order")
+
+    @property
+    def open(self) -> int:
+        """How many have not ended."""
+        return len(self._orders) - len(self._ended)
+
+    def begin(self, orders: Iterable[tuple[Order, Iterable[Goal]]], totals: OrderTotals) -> None:
+        """Start from what SQL knows."""
+        for order, goals in orders:
+            self._keep(order)
+            for goal in goals:
+                self._adopt(order.id, goal)
+        self.delivered, self.on_time = totals.delivered, totals.on_time
+
+    def put(self, order: Order) -> None:
+        """An order was placed, released or cancelled."""
+        known = self._orders.get(order.id)
+        if known is not None and known.status in ENDED:
+            return
+        if known is not None and order.status is not OrderStatus.CANCELLED:
+            # What SQL said may lag behind what the factory has told since.
+            order = self._advanced(order)
+        self._keep(order)
+
+    def fold(self, event: Event) -> bool:
+        """Take an event in.
+
+        Returns:
+            False when it tells nothing new about an order that is kept here.
+        """
+        order = self._orders.get(self._subject(event) or "")
+        if order is None or order.status is OrderStatus.STORED:
+            return False
+        if accepted_order(event):
+            order.incarnation = max(order.incarnation, event.incarnation)
+        advanced = self._advanced(order)
+        if advanced == order:
+            return False
+        if advanced.status is OrderStatus.DELIVERED and order.status is not OrderStatus.DELIVERED:
+            self._count(advanced)
+        self._keep(advanced)
+        return True
+
+    def get(self, order: str) -> Order | None:
+        """One order, if it is kept here."""
+        return self._orders.get(order)
+
+    def views(self) -> tuple[OrderView, ...]:
+        """The open ones, and the last that ended."""
+        return tuple(order_view(order) for order in self._orders.values())
+
+    def take_changed(self) -> tuple[OrderView, ...]:
+        """Those that have changed since the last call."""
+        return tuple(order_view(self._orders[order]) for order in self.changes.take_changed())
+
+    def _subject(self, event: Event) -> str | None:
+        """Note what the event tells about a goal; returns the order that it is about."""
+        name = goal_of(event)
+        if name is None:
+            return accepted_order(event)
+        order = self._order_of.get(name) or getattr(event.fact, "order", None)
+        if order is None or order not in self._orders:
+            return None
+        goals = self._goals.setdefault(order, {})
+        if name not in goals:
+            self._adopt(order, Goal(name))
+        note(goals[name], event, self._to_wall_s)
+        return order
+
+    def _adopt(self, order: str, goal: Goal) -> None:
+        self._goals.setdefault(order, {})[goal.id] = goal
+        self._order_of[goal.id] = order
+
+    def _advanced(self, order: Order) -> Order:
+        """The order, as far as its goals say that it has come."""
+        known = self._orders.get(order.id, order)
+        reached = progress(
+            order.quantities,
+            self._goals.get(order.id, {}).values(),
+            max(order.incarnation, known.incarnation),
+        )
+        items = tuple(
+            type(item)(item.product, item.quantity, made, delivered)
+            for item, made, delivered in zip(order.items, reached.made, reached.delivered, strict=True)
+        )
+        fields = {name: getattr(order, name) for name in order.__struct_fields__}
+        fields["items"] = items
+        if order.status not in {OrderStatus.STORED, OrderStatus.CANCELLED}:
+            fields["status"], fields["delivered_at_s"] = reached.status, reached.delivered_at_s
+        return Order(**fields)
+
+    def _count(self, order: Order) -> None:
+        self.delivered += 1
+        if order.due_at_s is None or (order.delivered_at_s or 0.0) <= order.due_at_s:
+            self.on_time += 1
+
+    def _keep(self, order: Order) -> None:
+        self._orders[order.id] = order
+        self.changes.mark(order.id)
+        if order.status in ENDED and order.id not in self._ended:
+            self._ended[order.id] = None
+            if len(self._ended) > ENDED_KEPT:
+                self._forget(next(iter(self._ended)))
+
+    def _forget(self, order: str) -> None:
+        del self._ended[order], self._orders[order]
+        for goal in self._goals.pop(order, {}):
+            del self._order_of[goal]
+        self.changes.drop(order)
+
+
+def order_view(order: Order) -> OrderView:
+    """An order, as panels see it."""
+    return OrderView(
+        id=order.id,
+        customer=order.customer,
+        reference=order.reference,
+        status=order.status.value,
+        items=tuple(
+            OrderItemView(
+                product=item.product, quantity=item.quantity, made=item.made, delivered=item.delivered
+            )
+            for item in order.items
+        ),
+        created_at_s=order.created_at_s,
+        due_at_s=order.due_at_s,
+        delivered_at_s=order.delivered_at_s,
+    )

@@ -1,0 +1,104 @@
+"""The whole projection: where messages go in, and frames come out."""
+
+from __future__ import annotations
+
+from dray.gateway.projection.atvs import Atvs
+from dray.gateway.projection.machines import Machines
+from dray.gateway.projection.orders import Orders
+from dray.gateway.projection.tasks import Tasks
+from dray.gateway.timescale import TimeScale
+from dray.gateway.views import Delta, FactoryView, Snapshot
+from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, Message
+from dray.plant.model import PlantFile
+
+
+class Projection:
+    """Everything that panels see.
+
+    Args:
+        plant: names and types of what stands in it.
+        time: the two clocks.
+    """
+
+    def __init__(self, plant: PlantFile, time: TimeScale) -> None:
+        self._plant, self._time = plant.plant, time
+        self.atvs = Atvs(plant.fleet, time.to_wall_s)
+        self.machines = Machines(plant.machines, time.to_wall_s)
+        self.tasks = Tasks(time.to_wall_s)
+        self.orders = Orders(time.to_wall_s)
+        self._all = (self.atvs.changes, self.machines.changes, self.tasks.changes, self.orders.changes)
+        self.heard = 0
+        """Messages that told something."""
+        self.ignored = 0
+        """Messages that told nothing new: late, doubled, stale, or about something else. Normal."""
+
+    @property
+    def changed(self) -> bool:
+        """Whether there is something to tell since the last delta."""
+        return any(self._all)
+
+    def fold(self, message: Message) -> None:
+        """Take one message in; never raises for what a peer may say."""
+        match message:
+            case AtvHeartbeat():
+                told = self.atvs.fold(message)
+            case MachineHeartbeat():
+                told = self.machines.fold(message)
+            case Event():
+                # Both look: GoalContracted is about an order, TaskOpened about a task.
+                told = self.tasks.fold(message) | self.orders.fold(message)
+            case _:
+                told = False
+        if told:
+            self.heard += 1
+        else:
+            self.ignored += 1
+
+    def factory(self, wall_s: float) -> FactoryView:
+        """The factory's figures at this moment."""
+        now_s = self._time.to_plant_s(wall_s)
+        orders, transports = self.orders, self.tasks.transports
+        return FactoryView(
+            orders_open=orders.open,
+            orders_delivered=orders.delivered,
+            on_time_frac=orders.on_time / orders.delivered if orders.delivered else None,
+            starved_frac=self.machines.starved_frac(now_s),
+            transport_p50_s=transports.quantile_s(0.5),
+            transport_p95_s=transports.quantile_s(0.95),
+            deliveries_per_hour=transports.per_hour(now_s),
+            atvs_by_status=dict(+self.atvs.by_status),
+            machines_by_status=dict(+self.machines.by_status),
+            speed=self._time.speed,
+        )
+
+    def snapshot(self, number: int, wall_s: float) -> Snapshot:
+        """Everything there is; leaves what the next delta will tell as it is."""
+        return Snapshot(
+            number=number,
+            at_s=wall_s,
+            plant=self._plant,
+            factory=self.factory(wall_s),
+            atvs=self.atvs.views(),
+            machines=self.machines.views(),
+            tasks=self.tasks.views(),
+            orders=self.orders.views(),
+        )
+
+    def delta(self, number: int, wall_s: float, factory: FactoryView | None) -> Delta:
+        """What has changed since the last delta."""
+        return Delta(
+            number=number,
+            at_s=wall_s,
+            factory=factory,
+            atvs=self.atvs.take_changed(),
+            machines=self.machines.take_changed(),
+            tasks=self.tasks.take_changed(),
+            orders=self.orders.take_changed(),
+            gone=tuple(name for changes in self._all for name in changes.take_gone()),
+        )
+
+    def discard_changes(self) -> None:
+        """Nobody is looking: the next delta begins from here."""
+        for changes in self._all:
+            changes.take_changed()
+            changes.take_gone()

@@ -1,0 +1,298 @@
+"""Tasks as panels see them: every auction, from the announcement to the end.
+
+The coordinator's facts are the truth about a task; a contractor's facts add who refused and how far
+the carriage has come. Facts of different agents may overtake one another, so what a contractor says
+of a task that nobody has opened yet is kept for a while. What tells of an epoch that is over is
+ignored.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+from dray.gateway.projection.atvs import plain
+from dray.gateway.projection.changes import Changes
+from dray.gateway.projection.transports import Transports
+from dray.gateway.views import BidView, RefusalView, TaskView
+from dray.messages import Cost, Event, Production, Role, Transport, TransportCost
+from dray.messages.fact import (
+    AwardAnswered,
+    AwardGiven,
+    BidReceived,
+    BidRefused,
+    ContractTaken,
+    PhaseEntered,
+    RoundFailed,
+    TaskClosed,
+    TaskOpened,
+    WatchLost,
+)
+from dray.store.progress import ToWall
+
+CLOSED_KEPT = 50
+"""Ended tasks that panels still show; the whole history is in the events."""
+
+MAX_OPEN = 5_000
+"""Open tasks at once: five per vehicle of the largest plant. The oldest leaves first."""
+
+MAX_BIDS = 64
+"""Bids kept per task, newest last, and as many refusals: a person reads no more, and a task that waits
+for days would gather them without end."""
+
+EARLY_KEPT = 512
+"""Facts kept that came before their task was opened: some seconds of a plant of 1,000 vehicles."""
+
+
+class Tasks:
+    """The tasks.
+
+    Args:
+        to_wall_s: plant clock to wall clock.
+    """
+
+    def __init__(self, to_wall_s: ToWall) -> None:
+        self._to_wall_s = to_wall_s
+        self._open: dict[str, TaskView] = {}
+        self._closed: dict[str, TaskView] = {}
+        """Oldest first."""
+        self._early: deque[Event] = deque(maxlen=EARLY_KEPT)
+        self._on: dict[type, Callable[[TaskView, Event, Any], bool]] = {
+            BidReceived: self._bid,
+            BidRefused: _refusal,
+            AwardGiven: _award,
+            AwardAnswered: self._answer,
+            RoundFailed: _failed,
+            WatchLost: _watch_lost,
+            ContractTaken: _taken,
+            PhaseEntered: _phase,
+        }
+        self.changes = Changes("task")
+        self.transports = Transports()
+
+    def fold(self, event: Event) -> bool:
+        """Take an event in.
+
+        Returns:
+            False when it tells nothing new about a task.
+        """
+        fact = event.fact
+        if isinstance(fact, TaskOpened):
+            return self._opened(event, fact)
+        if isinstance(fact, TaskClosed):
+            return self._ended(event, fact)
+        handler = self._on.get(type(fact))
+        if handler is None:
+            return False
+        name: str = fact.task  # type: ignore[union-attr]  # every fact with a handler is about a task
+        task = self._open.get(name)
+        if task is None:
+            if name not in self._closed:
+                self._early.append(event)
+            return False
+        if not handler(task, event, fact):
+            return False
+        self.changes.mark(name)
+        return True
+
+    def view(self, task: str) -> TaskView | None:
+        """One task, open or lately ended."""
+        return self._open.get(task) or self._closed.get(task)
+
+    def views(self) -> tuple[TaskView, ...]:
+        """The open ones, and the last that ended."""
+        return (*self._open.values(), *self._closed.values())
+
+    def take_changed(self) -> tuple[TaskView, ...]:
+        """Those that have changed since the last call."""
+        return tuple(task for name in self.changes.take_changed() if (task := self.view(name)))
+
+    # --- the coordinator's facts ---
+
+    def _opened(self, event: Event, fact: TaskOpened) -> bool:
+        if fact.task in self._closed:
+            return False
+        task = self._open.get(fact.task)
+        if task is None:
+            task = self._born(event, fact)
+        if fact.epoch < task.epoch:
+            return False
+        if fact.role is Role.PRIMARY:
+            task.epoch, task.round, task.radius_m = fact.epoch, fact.round, fact.radius_m
+            task.state, task.primary, task.phase = "bidding", "", ""
+            task.deadline_at_s = self._to_wall_s(fact.deadline_s)
+        self.changes.mark(task.id)
+        return True
+
+    def _born(self, event: Event, fact: TaskOpened) -> TaskView:
+        if len(self._open) >= MAX_OPEN:
+            oldest = next(iter(self._open))
+            del self._open[oldest]
+            self.transports.forget(oldest)
+            self.changes.drop(oldest)
+        task = _new_task(event, fact, self._to_wall_s)
+        self._open[fact.task] = task
+        if task.kind == "transport":
+            self.transports.opened(fact.task, event.at_s)
+        waiting = [early for early in self._early if getattr(early.fact, "task", "") == fact.task]
+        if waiting:
+            self._early = deque((e for e in self._early if e not in waiting), maxlen=EARLY_KEPT)
+            for early in waiting:
+                self.fold(early)
+        return task
+
+    def _bid(self, task: TaskView, _event: Event, fact: BidReceived) -> bool:
+        if fact.epoch < task.epoch:
+            return False
+        bid = BidView(
+            bidder=fact.bidder,
+            role=plain(fact.role),
+            round=fact.round,
+            total_s=fact.total_s,
+            parts_s=_parts(fact.cost),
+            finish_at_s=self._to_wall_s(fact.finish_s),
+            source=fact.source,
+        )
+        same = (fact.bidder, bid.role, fact.round)
+        others = [other for other in task.bids if (other.bidder, other.role, other.round) != same]
+        task.bids = (*others[1 - MAX_BIDS :], bid)
+        return True
+
+    def _answer(self, task: TaskView, event: Event, fact: AwardAnswered) -> bool:
+        if fact.epoch < task.epoch:
+            return False
+        bid = _last_bid(task, fact.bidder, fact.role)
+        if bid is not None:
+            bid.answer = fact.answer
+        if fact.answer != "accepted":
+            return True
+        if fact.role is Role.SECONDARY:
+            task.secondary = fact.bidder
+            return True
+        task.epoch, task.primary, task.state = fact.epoch, fact.bidder, "contracted"
+        task.contracted_at_s = self._to_wall_s(event.at_s)
+        if bid is not None:
+            task.promised_at_s, task.source = bid.finish_at_s, bid.source
+        return True
+
+    def _ended(self, event: Event, fact: TaskClosed) -> bool:
+        task = self._open.pop(fact.task, None)
+        if task is None:
+            return False
+        task.epoch = max(task.epoch, fact.epoch)
+        task.state = "delivered" if fact.outcome == "delivered" else "withdrawn"
+        task.primary = fact.carrier or task.primary
+        task.closed_at_s = self._to_wall_s(event.at_s)
+        task.phase = ""
+        if fact.promised_s > 0:
+            task.promised_at_s = self._to_wall_s(fact.promised_s)
+        if task.kind == "transport":
+            self.transports.closed(task.id, event.at_s, delivered=task.state == "delivered")
+        self._closed[task.id] = task
+        self.changes.mark(task.id)
+        if len(self._closed) > CLOSED_KEPT:
+            oldest = next(iter(self._closed))
+            del self._closed[oldest]
+            self.changes.drop(oldest)
+        return True
+
+
+def _new_task(event: Event, fact: TaskOpened, to_wall_s: ToWall) -> TaskView:
+    work = fact.work
+    task = TaskView(
+        id=fact.task,
+        kind="transport" if isinstance(work, Transport) else "production",
+        coordinator=event.agent,
+        item="",
+        quantity=work.quantity,
+        epoch=fact.epoch,
+        round=fact.round,
+        radius_m=fact.radius_m,
+        opened_at_s=to_wall_s(event.at_s),
+        deadline_at_s=to_wall_s(fact.deadline_s),
+    )
+    match work:
+        case Transport():
+            task.item, task.goal = work.item, work.goal
+            task.sources, task.destination = work.sources, work.destination
+        case Production():
+            # A production goal is known by the name of the task that gives it out.
+            task.item, task.goal, task.order = work.product, fact.task, work.order
+    return task
+
+
+def _parts(cost: Cost) -> dict[str, float]:
+    if isinstance(cost, TransportCost):
+        return {
+            "empty_way": cost.empty_way_s,
+            "loaded_way": cost.loaded_way_s,
+            "energy": cost.energy_s,
+            "suitability": cost.suitability_s,
+        }
+    return {"queue": cost.queue_s, "material": cost.material_s, "making": cost.making_s}
+
+
+def _last_bid(task: TaskView, bidder: str, role: Role) -> BidView | None:
+    for bid in reversed(task.bids):
+        if bid.bidder == bidder and bid.role == role.value:
+            return bid
+    return None
+
+
+def _award(task: TaskView, _event: Event, fact: AwardGiven) -> bool:
+    bid = _last_bid(task, fact.bidder, fact.role)
+    if fact.epoch < task.epoch or bid is None:
+        return False
+    bid.answer = "asked"
+    return True
+
+
+def _failed(task: TaskView, _event: Event, fact: RoundFailed) -> bool:
+    if fact.epoch < task.epoch or fact.role is Role.SECONDARY:
+        return False
+    task.round = max(task.round, fact.round)
+    return True
+
+
+def _watch_lost(task: TaskView, _event: Event, fact: WatchLost) -> bool:
+    if fact.epoch < task.epoch or task.secondary != fact.secondary:
+        return False
+    task.secondary = ""
+    return True
+
+
+# --- a contractor's facts ------------------------------------------------------------------------
+
+
+def _refusal(task: TaskView, event: Event, fact: BidRefused) -> bool:
+    if fact.epoch < task.epoch:
+        return False
+    refusal = RefusalView(
+        agent=event.agent,
+        role=plain(fact.role),
+        round=task.round,
+        reason=fact.reason.value,
+        detail=fact.detail,
+    )
+    same = (refusal.agent, refusal.role, refusal.round)
+    others = [other for other in task.refusals if (other.agent, other.role, other.round) != same]
+    task.refusals = (*others[1 - MAX_BIDS :], refusal)
+    return True
+
+
+def _taken(task: TaskView, event: Event, fact: ContractTaken) -> bool:
+    """A carrier with a higher epoch has taken over: it may say so before the coordinator does."""
+    if fact.role is Role.SECONDARY or fact.epoch <= task.epoch:
+        return False
+    task.epoch, task.primary, task.state = fact.epoch, event.agent, "contracted"
+    if task.secondary == event.agent:
+        task.secondary = ""
+    return True
+
+
+def _phase(task: TaskView, event: Event, fact: PhaseEntered) -> bool:
+    if fact.epoch < task.epoch:
+        return False
+    task.epoch, task.phase, task.primary = fact.epoch, fact.phase.value, event.agent
+    return True

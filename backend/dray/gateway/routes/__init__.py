@@ -1,0 +1,26 @@
+"""Routers, one per noun. They say what a request and its answer look like, and leave the rest to others."""
+
+from __future__ import annotations
+
+from dray.gateway.routes import (
+    atvs,
+    docs,
+    events,
+    health,
+    kpis,
+    machines,
+    orders,
+    pages,
+    plant,
+    products,
+    stream,
+    tasks,
+    track,
+)
+
+API = (orders, track, products, machines, atvs, tasks, events, kpis, plant)
+"""Those that OpenAPI tells of."""
+
+REST = (docs, stream, health, pages)
+
+__all__ = ["API", "REST"]

@@ -1,0 +1,89 @@
+"""ATVs: how they are, and what a person asks of them."""
+
+from __future__ import annotations
+
+from typing import Annotated, Self
+
+import msgspec
+from fastapi import APIRouter, Depends
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from dray.gateway.answers import PAGE, Cursor, Json, Limit, described, list_of, page, problems
+from dray.gateway.bodies import json_only
+from dray.gateway.parts import Gateway
+from dray.gateway.problems import not_found
+from dray.gateway.views import AtvView
+from dray.messages import CommandKind
+
+router = APIRouter(tags=["factory"])
+
+
+class CommandRequest(BaseModel):
+    """A command to one vehicle."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={"examples": [{"kind": "stop"}, {"kind": "set_speed", "speed_frac": 0.5}]},
+    )
+
+    kind: CommandKind
+    speed_frac: Annotated[float | None, Field(strict=True, gt=0, le=1)] = None
+    """For `set_speed` only: a part of the vehicle's own top speed."""
+
+    @model_validator(mode="after")
+    def _speed_belongs_to_set_speed(self) -> Self:
+        if (self.speed_frac is not None) != (self.kind is CommandKind.SET_SPEED):
+            raise ValueError("speed_frac is given with kind set_speed, and with no other")
+        return self
+
+
+class CommandAnswer(msgspec.Struct, frozen=True):
+    """The vehicle's word on a command."""
+
+    command: str
+    done: bool
+    """False when the vehicle refused it."""
+    reason: str
+    """Why it was refused; empty when it was done."""
+
+
+@router.get("/atvs", responses={200: list_of(AtvView, "ATVs, by id")}, response_class=Json)
+async def list_atvs(gateway: Gateway, cursor: Cursor = None, limit: Limit = PAGE) -> Json:
+    """ATVs that have been heard."""
+    return page(gateway.projection.atvs.views(), lambda atv: atv.id, cursor, limit)
+
+
+@router.get(
+    "/atvs/{atv}",
+    responses={200: described(AtvView, "The ATV"), **problems(p404="There is no such ATV")},
+    response_class=Json,
+)
+async def get_atv(gateway: Gateway, atv: str) -> Json:
+    """One ATV."""
+    view = gateway.projection.atvs.view(atv)
+    if view is None:
+        raise not_found("atv", atv, "GET /api/atvs")
+    return Json(view)
+
+
+@router.post(
+    "/atvs/{atv}/commands",
+    dependencies=[Depends(json_only)],
+    responses={
+        200: described(
+            CommandAnswer, "The vehicle's word", CommandAnswer("gateway.1-7", done=True, reason="")
+        ),
+        **problems(
+            p404="There is no such ATV",
+            p503="Too many commands wait for an answer",
+            p504="The vehicle has not confirmed in time",
+        ),
+    },
+    response_class=Json,
+)
+async def command_atv(gateway: Gateway, atv: str, command: CommandRequest) -> Json:
+    """Stop a vehicle, acknowledge, let it go on, or limit its speed; waits for the vehicle's word."""
+    if atv not in gateway.projection.atvs:
+        raise not_found("atv", atv, "GET /api/atvs")
+    answer = await gateway.commands.order(atv, command.kind, command.speed_frac)
+    return Json(CommandAnswer(answer.command, answer.done, answer.reason))

@@ -1,0 +1,215 @@
+"""Orders: placing, finding, releasing and cancelling them."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from http import HTTPStatus
+from typing import Annotated
+
+import msgspec
+from fastapi import APIRouter, Depends, Header, Query, Request
+
+from dray.gateway import intake
+from dray.gateway.answers import (
+    PAGE,
+    Cursor,
+    Json,
+    Limit,
+    described,
+    list_of,
+    listing,
+    problems,
+    read_cursor,
+    write_cursor,
+)
+from dray.gateway.bodies import json_only
+from dray.gateway.intake import OrderDraft
+from dray.gateway.parts import Gateway
+from dray.gateway.problems import Problem, not_found
+from dray.gateway.projection.orders import order_view
+from dray.gateway.views import OrderItemView, OrderView
+from dray.store.orders import Order
+from dray.store.progress import OrderStatus
+
+router = APIRouter(tags=["orders"])
+
+Key = Annotated[
+    str | None,
+    Header(
+        alias="Idempotency-Key",
+        min_length=1,
+        max_length=255,
+        pattern=r"^[\x21-\x7e]+$",
+        description="Any text that is new for a new order. Sent again with the same body it gets the same "
+        "answer, so an order can be sent until it is answered.",
+    ),
+]
+
+
+class OrderAnswer(OrderView, kw_only=True):
+    """An order, with its times also in ISO 8601 and the address of the customer's page."""
+
+    created_at: str
+    due_at: str | None = None
+    delivered_at: str | None = None
+    tracking_url: str
+
+
+EXAMPLE = OrderAnswer(
+    id="O-1M9K3X2A4-K7QM",
+    customer="Muster GmbH",
+    reference="4711",
+    status="released",
+    items=(OrderItemView(product="P1", quantity=5),),
+    created_at_s=1_893_456_000.0,
+    due_at_s=1_893_463_200.0,
+    created_at="2030-01-01T00:00:00Z",
+    due_at="2030-01-01T02:00:00Z",
+    tracking_url="http://127.0.0.1:8000/track/Vb2n-0yqk4QmJ8cA1xRZ7uTLw9sEhGdf",
+)
+
+DRAFTS = {
+    "soon": {
+        "summary": "Five pieces, as soon as possible",
+        "value": {"customer": "Muster GmbH", "items": [{"product": "P1", "quantity": 5}]},
+    },
+    "later": {
+        "summary": "Stored, with a due time",
+        "value": {
+            "customer": "Muster GmbH",
+            "items": [{"product": "P1", "quantity": 5}, {"product": "P2", "quantity": 20}],
+            "due_at": "2030-01-01T02:00:00Z",
+            "reference": "4711",
+            "release": False,
+        },
+    },
+}
+
+
+@router.post(
+    "/orders",
+    status_code=HTTPStatus.CREATED,
+    dependencies=[Depends(json_only)],
+    responses={
+        201: described(OrderAnswer, "The order is on disk", EXAMPLE)
+        | {
+            "headers": {
+                "Location": {"description": "The order", "schema": {"type": "string"}},
+                "Idempotency-Replayed": {
+                    "description": "`true` when this is the answer to an earlier request",
+                    "schema": {"type": "string"},
+                },
+            }
+        },
+        **problems(
+            p409="A request with this key is still being answered",
+            p503="Too many orders are open",
+        ),
+    },
+    openapi_extra={"requestBody": {"content": {"application/json": {"examples": DRAFTS}}}},
+    response_class=Json,
+)
+async def place_order(gateway: Gateway, request: Request, draft: OrderDraft, key: Key = None) -> Json:
+    """Place an order."""
+    base = str(request.base_url)
+    order_id, answer, replayed = await intake.place(
+        gateway, draft, key, lambda order: msgspec.json.encode(order_answer(order, base))
+    )
+    headers = {"Location": f"/api/orders/{order_id}"}
+    if replayed:
+        headers["Idempotency-Replayed"] = "true"
+    return Json(answer, HTTPStatus.CREATED, headers=headers)
+
+
+@router.get("/orders", responses={200: list_of(OrderAnswer, "Orders, newest first")}, response_class=Json)
+async def list_orders(
+    gateway: Gateway,
+    request: Request,
+    status: Annotated[list[OrderStatus] | None, Query(description="Only these; may be repeated")] = None,
+    cursor: Cursor = None,
+    limit: Limit = PAGE,
+) -> Json:
+    """All orders there ever were."""
+    after = read_cursor(cursor, tuple[float, str])
+    async with gateway.store.read() as work:
+        orders = await work.orders.page(status or [], after, limit + 1)
+    last = orders[limit - 1] if len(orders) > limit else None
+    base = str(request.base_url)
+    return listing(
+        [order_answer(order, base) for order in orders[:limit]],
+        None if last is None else write_cursor(last.created_at_s, last.id),
+    )
+
+
+@router.get(
+    "/orders/{order}",
+    responses={
+        200: described(OrderAnswer, "The order", EXAMPLE),
+        **problems(p404="There is no such order"),
+    },
+    response_class=Json,
+)
+async def get_order(gateway: Gateway, request: Request, order: str) -> Json:
+    """One order."""
+    async with gateway.store.read() as work:
+        found = await work.orders.get(order)
+    return _answer(found, order, request)
+
+
+@router.post(
+    "/orders/{order}/release",
+    responses={
+        200: described(OrderAnswer, "The order, released", EXAMPLE),
+        **problems(p404="There is no such order", p409="It is cancelled"),
+    },
+    response_class=Json,
+)
+async def release_order(gateway: Gateway, request: Request, order: str) -> Json:
+    """Hand a stored order to the factory; doing it twice is harmless."""
+    return _answer(await intake.release(gateway, order), order, request)
+
+
+@router.post(
+    "/orders/{order}/cancel",
+    responses={
+        200: described(OrderAnswer, "The order, cancelled", EXAMPLE),
+        **problems(p404="There is no such order", p409="It is delivered"),
+    },
+    response_class=Json,
+)
+async def cancel_order(gateway: Gateway, request: Request, order: str) -> Json:
+    """Cancel an order; doing it twice is harmless. What is made already is not taken apart."""
+    return _answer(await intake.cancel(gateway, order), order, request)
+
+
+def order_answer(order: Order, base_url: str) -> OrderAnswer:
+    """An order, as REST shows it.
+
+    Args:
+        order: the order.
+        base_url: where this gateway is asked at, with a slash at the end.
+    """
+    view = order_view(order)
+    fields = {name: getattr(view, name) for name in view.__struct_fields__}
+    return OrderAnswer(
+        **fields,
+        created_at=iso(order.created_at_s),
+        due_at=None if order.due_at_s is None else iso(order.due_at_s),
+        delivered_at=None if order.delivered_at_s is None else iso(order.delivered_at_s),
+        tracking_url=f"{base_url}track/{order.token}",
+    )
+
+
+def iso(wall_s: float) -> str:
+    """A moment in ISO 8601, in UTC."""
+    return datetime.fromtimestamp(wall_s, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+
+
+def _answer(order: Order | None, order_id: str, request: Request) -> Json:
+    if order is None:
+        raise _unknown(order_id)
+    return Json(order_answer(order, str(request.base_url)))
+
+
+def _unknown(order_id: str) -> Problem:
+    return not_found("order", order_id, "GET /api/orders")

@@ -1,0 +1,37 @@
+"""Pages: what a browser shows. The panels themselves are built from `frontend/`."""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+
+from fastapi import APIRouter
+from fastapi.responses import HTMLResponse, PlainTextResponse, RedirectResponse, Response
+
+from dray.gateway.panels import NotBuilt
+from dray.gateway.parts import Gateway
+
+router = APIRouter(include_in_schema=False)
+
+NOT_BUILT = """\
+The panels are not built.
+
+Dray itself is running: the API is documented at /api/docs.
+To build the panels, run `make panels` in the checkout and load this page again.
+"""
+
+
+@router.get("/")
+async def manager(gateway: Gateway) -> Response:
+    """The management panel."""
+    try:
+        page = gateway.panels.render("manager.html", plant=gateway.plant)
+    except NotBuilt:
+        return PlainTextResponse(NOT_BUILT, HTTPStatus.SERVICE_UNAVAILABLE)
+    # The page names the built scripts: an old page would ask for scripts that are gone.
+    return HTMLResponse(page, headers={"Cache-Control": "no-store"})
+
+
+@router.get("/track/{token}")
+async def track(token: str) -> Response:
+    """The customer's page; until it has a face of its own, what the API tells."""
+    return RedirectResponse(f"/api/track/{token}", headers={"X-Robots-Tag": "noindex"})

@@ -1,0 +1,67 @@
+"""Tasks: every auction with its bids, and what came of it."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Query
+
+from dray.gateway.answers import (
+    PAGE,
+    Cursor,
+    Json,
+    Limit,
+    described,
+    list_of,
+    listing,
+    problems,
+    read_cursor,
+    write_cursor,
+)
+from dray.gateway.parts import Gateway
+from dray.gateway.problems import not_found
+from dray.gateway.views import TaskView
+
+router = APIRouter(tags=["factory"])
+
+State = Literal["bidding", "contracted", "delivered", "withdrawn"]
+
+
+@router.get(
+    "/tasks",
+    responses={200: list_of(TaskView, "Open tasks and those that ended last, newest first")},
+    response_class=Json,
+)
+async def list_tasks(
+    gateway: Gateway,
+    state: Annotated[list[State] | None, Query(description="Only tasks in these states")] = None,
+    cursor: Cursor = None,
+    limit: Limit = PAGE,
+) -> Json:
+    """Open tasks and the last fifty that ended; the whole history is in `/api/events`."""
+    after = read_cursor(cursor, tuple[float, str])
+    tasks = sorted(gateway.projection.tasks.views(), key=_place, reverse=True)
+    wanted = [
+        task
+        for task in tasks
+        if (not state or task.state in state) and (after is None or _place(task) < after)
+    ]
+    last = wanted[limit - 1] if len(wanted) > limit else None
+    return listing(wanted[:limit], None if last is None else write_cursor(*_place(last)))
+
+
+@router.get(
+    "/tasks/{task}",
+    responses={200: described(TaskView, "The task"), **problems(p404="There is no such task")},
+    response_class=Json,
+)
+async def get_task(gateway: Gateway, task: str) -> Json:
+    """One task, open or lately ended."""
+    view = gateway.projection.tasks.view(task)
+    if view is None:
+        raise not_found("task", task, "GET /api/tasks")
+    return Json(view)
+
+
+def _place(task: TaskView) -> tuple[float, str]:
+    return task.opened_at_s, task.id

@@ -1,0 +1,150 @@
+"""Shields: what every request passes before it reaches a router.
+
+Too large a body, a page of another site that lets its visitor's browser ask us, and what browsers may
+do with our answers.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from http import HTTPStatus
+from urllib.parse import urlsplit
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from dray.gateway.problems import Problem
+
+CONTENT_POLICY = "; ".join(
+    (
+        "default-src 'self'",
+        # Older browsers do not count the stream of the same host as 'self'.
+        "connect-src 'self' ws: wss:",
+        "img-src 'self' data:",
+        "object-src 'none'",
+        "base-uri 'none'",
+        "form-action 'self'",
+        "frame-ancestors 'none'",
+    )
+)
+"""No script, style or picture but our own, and none written into a page."""
+
+HEADERS = {
+    "Content-Security-Policy": CONTENT_POLICY,
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Permissions-Policy": "camera=(), geolocation=(), microphone=()",
+}
+
+_SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
+
+
+class _TooLarge(Exception):
+    """The body has grown over the limit."""
+
+
+class BodyLimit:
+    """Stops reading a body that is too large, whatever its Content-Length says.
+
+    Args:
+        app: what is shielded.
+        limit_bytes: the largest body.
+    """
+
+    def __init__(self, app: ASGIApp, limit_bytes: int) -> None:
+        self._app, self._limit = app, limit_bytes
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        announced = Headers(scope=scope).get("content-length", "")
+        if announced.isdecimal() and int(announced) > self._limit:
+            await self._refuse(scope, receive, send)
+            return
+        seen, answering = 0, False
+
+        async def limited() -> Message:
+            nonlocal seen
+            message = await receive()
+            seen += len(message.get("body", b""))
+            if seen > self._limit:
+                raise _TooLarge
+            return message
+
+        async def watched(message: Message) -> None:
+            nonlocal answering
+            # An answer that was made of the exception is not the one to give.
+            if seen <= self._limit:
+                answering = True
+                await send(message)
+
+        with suppress(_TooLarge):
+            await self._app(scope, limited, watched)
+        if seen > self._limit and not answering:
+            await self._refuse(scope, receive, send)
+
+    async def _refuse(self, scope: Scope, receive: Receive, send: Send) -> None:
+        problem = Problem(
+            HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
+            "body-too-large",
+            "The body is too large",
+            f"it may have {self._limit} bytes; split it into several requests",
+            # What is still on its way would be taken for the next request.
+            headers={"Connection": "close"},
+        )
+        await problem.response(scope["path"])(scope, receive, send)
+
+
+class SameOrigin:
+    """Refuses what a page of another site lets its visitor's browser do.
+
+    Browsers name the page that asks in `Origin`; programs do not send it. Reading is left to the
+    browser's own rules, except for the stream, to which these do not apply.
+    """
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "lifespan" or _is_ours(scope):
+            await self._app(scope, receive, send)
+        elif scope["type"] == "websocket":
+            await receive()
+            await send({"type": "websocket.close", "code": 1008, "reason": "another site's page"})
+        else:
+            problem = Problem(
+                HTTPStatus.FORBIDDEN,
+                "other-origin",
+                "Another site's page may not do this",
+                "open the panel under the address that it is asked at",
+            )
+            await problem.response(scope["path"])(scope, receive, send)
+
+
+def _is_ours(scope: Scope) -> bool:
+    if scope["type"] == "http" and scope["method"] in _SAFE:
+        return True
+    headers = Headers(scope=scope)
+    origin = headers.get("origin")
+    return origin is None or urlsplit(origin).netloc == headers.get("host")
+
+
+class SecurityHeaders:
+    """Adds `HEADERS` to every answer, unless a router has set one itself."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        async def with_headers(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                headers = MutableHeaders(scope=message)
+                for name, value in HEADERS.items():
+                    headers.setdefault(name, value)
+            await send(message)
+
+        await self._app(scope, receive, with_headers)
