@@ -118,10 +118,11 @@ class GoalBook:
             stock: pieces at hand.
             lead_time_s: how long missing material takes to come.
         """
-        queue_s = sum(
+        waits_s = [
             goal.to_make * self._plant.cycle_s(self._machine, goal.work.product)
             for goal in self._goals.values()
-        )
+        ]
+        queue_s = sum(waits_s, start=0.0)
         # While it works at other goals the material for this one is on its way.
         missing = not self._at_hand(work.product, stock)
         return ProductionCost(
