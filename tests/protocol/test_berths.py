@@ -1,0 +1,156 @@
+"""Finding a place to charge or to park, with nobody in the middle."""
+
+from __future__ import annotations
+
+import msgspec
+import pytest
+from kit import KEYS, PLANT, listening, published
+
+from dray.messages import BerthClaimed
+from dray.protocol.berths import TAKEN_MEMORY_S, Berths, Hold
+from dray.protocol.events import Effect, Publish, Subscribe
+
+
+class Driver:
+    """One vehicle's side of a contest."""
+
+    def __init__(self, atv: str = "ATV5") -> None:
+        self.out: list[Effect] = []
+        self.berths = Berths(atv, PLANT, "light", KEYS, self.out)
+
+    def seek(self, *, charger: bool = True, battery_frac: float = 0.5, now_s: float = 0.0) -> bool:
+        return self.berths.seek(charger=charger, node="e3", battery_frac=battery_frac, now_s=now_s)
+
+    @property
+    def claims(self) -> list[BerthClaimed]:
+        return [effect.message for effect in self.out if isinstance(effect, Publish)]
+
+    @property
+    def keys(self) -> set[str]:
+        return listening(self.out)
+
+
+def rival(
+    berth: str, atv: str = "ATV7", battery_frac: float = 0.5, *, standing: bool = False
+) -> BerthClaimed:
+    return BerthClaimed(berth=berth, atv=atv, battery_frac=battery_frac, standing=standing)
+
+
+def test_the_nearest_berth_of_the_kind_is_claimed_on_its_own_key() -> None:
+    driver = Driver()
+    assert driver.seek()
+    routes = PLANT.routes("light")
+    nearest = min(PLANT.chargers, key=lambda each: routes.duration_s("e3", PLANT.node_of(each)))
+    assert driver.berths.berth == nearest
+    assert driver.berths.is_charger
+    assert driver.berths.hold is Hold.CLAIMED
+    assert driver.claims == [rival(nearest, "ATV5")]
+    assert driver.keys == {KEYS.berth(nearest)}
+
+
+def test_whoever_claims_listens_before_it_speaks() -> None:
+    driver = Driver()
+    driver.seek()
+    assert [type(effect) for effect in driver.out] == [Subscribe, Publish]
+
+
+def test_parking_places_are_sought_apart_from_chargers() -> None:
+    driver = Driver()
+    assert driver.seek(charger=False)
+    assert driver.berths.berth in PLANT.parkings
+    assert not driver.berths.is_charger
+
+
+@pytest.mark.parametrize(
+    ("claim", "keeps"),
+    [
+        ({"battery_frac": 0.4}, False),
+        ({"battery_frac": 0.6}, True),
+        ({"battery_frac": 0.5, "atv": "ATV7"}, True),
+        ({"battery_frac": 0.5, "atv": "ATV3"}, False),
+        ({"battery_frac": 0.9, "standing": True}, False),
+    ],
+    ids=["emptier rival", "fuller rival", "larger id", "smaller id", "occupant"],
+)
+def test_a_contest_goes_to_the_occupant_then_the_emptier_battery_then_the_smaller_id(
+    claim: dict[str, object], keeps: bool
+) -> None:
+    driver = Driver("ATV5")
+    driver.seek(battery_frac=0.5)
+    berth = driver.berths.berth
+    lost = driver.berths.hear(msgspec.structs.replace(rival(berth), **claim), 0.5)
+    assert lost is not keeps
+    assert driver.berths.berth == (berth if keeps else "")
+    assert len(driver.claims) == (2 if keeps else 1)
+
+
+def test_an_occupant_objects_to_everybody_and_is_never_driven_out() -> None:
+    driver = Driver("ATV5")
+    driver.seek(battery_frac=0.9)
+    driver.berths.arrive()
+    berth = driver.berths.berth
+    for claim in (rival(berth, "ATV1", 0.01), rival(berth, "ATV9", 0.99)):
+        assert not driver.berths.hear(claim, 10.0)
+    assert driver.berths.hold is Hold.STANDING
+    assert [claim.standing for claim in driver.claims] == [False, True, True]
+
+
+def test_a_vehicle_that_begins_in_a_berth_stands_there() -> None:
+    driver = Driver("ATV5")
+    driver.berths.stand("CH2", 0.9)
+    assert driver.claims == [rival("CH2", "ATV5", 0.9, standing=True)]
+    assert not driver.berths.hear(rival("CH2", battery_frac=0.01), 1.0)
+
+
+def test_a_berth_that_was_lost_is_not_asked_for_again_soon() -> None:
+    driver = Driver("ATV5")
+    driver.seek(now_s=0.0)
+    first = driver.berths.berth
+    driver.berths.hear(rival(first, battery_frac=0.1), 1.0)
+    driver.seek(now_s=2.0)
+    assert driver.berths.berth not in ("", first)
+    driver.seek(now_s=1.0 + TAKEN_MEMORY_S)
+    assert driver.berths.berth == first
+
+
+def test_when_every_berth_is_taken_there_is_none_to_ask_for() -> None:
+    driver = Driver("ATV5")
+    for _ in PLANT.chargers:
+        assert driver.seek()
+        driver.berths.hear(rival(driver.berths.berth, standing=True), 1.0)
+    assert not driver.seek(now_s=2.0)
+    assert driver.berths.berth == ""
+    assert driver.berths.hold is Hold.NONE
+
+
+def test_claims_of_other_berths_and_of_nobody_else_mean_nothing() -> None:
+    driver = Driver("ATV5")
+    assert not driver.berths.hear(rival("CH1", battery_frac=0.0), 1.0)
+    driver.seek()
+    berth = driver.berths.berth
+    other = next(each for each in PLANT.chargers if each != berth)
+    assert not driver.berths.hear(rival(other, battery_frac=0.0), 1.0)
+    assert not driver.berths.hear(rival(berth, "ATV5", 0.0), 1.0)
+    assert driver.berths.berth == berth
+    assert len(driver.claims) == 1
+
+
+def test_a_berth_that_is_left_is_defended_no_longer() -> None:
+    driver = Driver("ATV5")
+    driver.seek()
+    berth = driver.berths.berth
+    driver.berths.leave()
+    driver.berths.leave()
+    assert driver.keys == set()
+    assert not driver.berths.hear(rival(berth), 1.0)
+    assert len(driver.claims) == 1
+
+
+def test_the_battery_of_a_claim_does_not_change_while_it_stands() -> None:
+    driver = Driver("ATV5")
+    driver.seek(battery_frac=0.5)
+    berth = driver.berths.berth
+    for _ in range(3):
+        driver.berths.hear(rival(berth, battery_frac=0.7), 1.0)
+    assert {claim.battery_frac for claim in driver.claims} == {0.5}
+    assert published(driver.out, BerthClaimed) == [rival(berth, "ATV5", 0.5)]

@@ -1,0 +1,140 @@
+"""Whether a vehicle bids, and what it says when it does not (paper, 4.1)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+import pytest
+from kit import PLANT, announcement, award, facts, production, sent, transport
+
+from dray.messages import Bid, Refusal, Role
+from dray.messages.fact import BidRefused, BidSent
+from dray.protocol.bidding import MAX_WATCHES, Bidder, Standing
+from dray.protocol.events import Effect, Record, Send
+from dray.protocol.pricing import Quote, Unable
+
+SPOT = PLANT.nodes["p3"]
+FREE = Standing(
+    node="p3",
+    node_at_s=0.0,
+    x_m=SPOT.x_m,
+    y_m=SPOT.y_m,
+    battery_frac=0.9,
+    unfit="",
+    busy_with="",
+    watches=0,
+)
+
+
+def standing(**changes: Any) -> Standing:
+    return msgspec.structs.replace(FREE, **changes)
+
+
+def hear(circumstances: Standing = FREE, *, kind: str = "light", **changes: Any) -> list[Effect]:
+    """What a vehicle does about an announcement."""
+    out: list[Effect] = []
+    Bidder("ATV1", PLANT, kind, out).hear(announcement(**changes), circumstances, 0.0)
+    return out
+
+
+def review(circumstances: Standing = FREE, **changes: Any) -> Quote | Unable:
+    return Bidder("ATV1", PLANT, "light", []).review(award(**changes), circumstances, 0.0)
+
+
+def test_a_free_vehicle_bids_straight_to_the_coordinator_with_its_breakdown() -> None:
+    out = hear()
+    [bid] = sent(out, Bid, to="M8")
+    assert (bid.task, bid.epoch, bid.role, bid.round) == ("M8-1", 1, Role.PRIMARY, 1)
+    assert bid.source == "S3"
+    assert bid.cost.total_s > bid.cost.loaded_way_s > 0.0
+    assert bid.finish_s > 0.0
+
+
+def test_a_bid_leaves_before_it_is_recorded_as_sent() -> None:
+    said, recorded = hear()
+    assert isinstance(said, Send)
+    assert isinstance(recorded, Record)
+    assert isinstance(recorded.fact, BidSent)
+    assert recorded.fact.total_s == said.message.cost.total_s
+
+
+def test_a_bid_names_the_round_and_epoch_that_it_answers() -> None:
+    [bid] = sent(hear(round=7, epoch=3), Bid)
+    assert (bid.round, bid.epoch) == (7, 3)
+
+
+def test_a_vehicle_outside_of_the_circle_says_nothing() -> None:
+    assert hear(x_m=SPOT.x_m + 25.1, y_m=SPOT.y_m, radius_m=25.0) == []
+
+
+def test_a_vehicle_on_the_edge_of_the_circle_bids() -> None:
+    assert sent(hear(x_m=SPOT.x_m + 25.0, y_m=SPOT.y_m, radius_m=25.0), Bid)
+
+
+@pytest.mark.parametrize(
+    ("circumstances", "changes", "reason", "detail"),
+    [
+        ({"unfit": "stopped by an operator"}, {}, Refusal.NOT_FIT, "stopped by an operator"),
+        ({"busy_with": "M7-1"}, {}, Refusal.BUSY, "M7-1"),
+        ({"battery_frac": 0.05}, {}, Refusal.BATTERY, "are needed"),
+        ({}, {"deadline_s": 5.0}, Refusal.DEADLINE, "too late"),
+        ({}, {"work": transport(ability="pallet")}, Refusal.ABILITY, "pallet"),
+        ({}, {"work": production()}, Refusal.ABILITY, "not a transport"),
+        ({}, {"role": Role.SECONDARY, "primary": "ATV1"}, Refusal.IS_PRIMARY, ""),
+        (
+            {"watches": MAX_WATCHES},
+            {"role": Role.SECONDARY, "primary": "ATV2"},
+            Refusal.WATCHING_ENOUGH,
+            "3 tasks",
+        ),
+    ],
+    ids=lambda value: value.value if isinstance(value, Refusal) else "",
+)
+def test_a_refusal_is_an_event_with_its_reason_and_no_message(
+    circumstances: dict[str, Any], changes: dict[str, Any], reason: Refusal, detail: str
+) -> None:
+    out = hear(standing(**circumstances), **changes)
+    [refused] = facts(out, BidRefused)
+    assert refused.reason is reason
+    assert detail in refused.detail
+    assert len(out) == 1
+
+
+def test_watches_do_not_keep_a_vehicle_from_work_of_its_own() -> None:
+    assert sent(hear(standing(watches=MAX_WATCHES)), Bid)
+
+
+def test_a_watch_is_bid_for_even_when_its_deadline_is_past() -> None:
+    assert sent(hear(role=Role.SECONDARY, primary="ATV2", deadline_s=-1.0), Bid)
+
+
+def test_an_award_is_reviewed_from_where_the_vehicle_is_by_then() -> None:
+    near, far = review(), review(standing(node="p8"))
+    assert isinstance(near, Quote)
+    assert isinstance(far, Quote)
+    assert far.finish_s > near.finish_s
+
+
+def test_an_award_is_reviewed_for_the_source_it_names() -> None:
+    both = transport(sources=("S8", "S3"))
+    for source in both.sources:
+        found = review(work=both, source=source)
+        assert isinstance(found, Quote)
+        assert found.source == source
+
+
+@pytest.mark.parametrize(
+    ("circumstances", "reason"),
+    [
+        ({"busy_with": "M7-1"}, Refusal.BUSY),
+        ({"unfit": "a wheel is stuck"}, Refusal.NOT_FIT),
+        ({"battery_frac": 0.05}, Refusal.BATTERY),
+    ],
+)
+def test_an_award_is_declined_when_things_have_changed_since_the_bid(
+    circumstances: dict[str, Any], reason: Refusal
+) -> None:
+    found = review(standing(**circumstances))
+    assert isinstance(found, Unable)
+    assert found.reason is reason

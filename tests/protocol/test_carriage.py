@@ -1,0 +1,391 @@
+"""A committed transport, as its carrier lives it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from kit import PLANT, facts, instructed, sent, transport
+
+from dray.body import Drive, Drop, Pick, VehicleState, WayDone
+from dray.messages import (
+    Docked,
+    DockHeld,
+    DockOpened,
+    Handover,
+    HandoverAccepted,
+    Message,
+    Phase,
+    Pose,
+    Role,
+    Superseded,
+    Withdrawn,
+)
+from dray.messages.fact import PhaseEntered
+from dray.protocol.carriage import ASK_AGAIN_S, HELD_ASK_AGAIN_S, RETRY_S, Carriage
+from dray.protocol.driving import Driver
+from dray.protocol.events import NEVER_S, Effect
+from dray.protocol.timers import Timers
+
+ROUTES = PLANT.routes("light")
+
+
+class Trip:
+    """A carriage, the vehicle under it and the time."""
+
+    def __init__(self, node: str = "p3", source: str = "S3", **changes: Any) -> None:
+        self.out: list[Effect] = []
+        self.now_s = 0.0
+        self.timers = Timers()
+        self.driver = Driver(PLANT, "light", self.out)
+        spot = PLANT.nodes[node]
+        state = VehicleState(
+            pose=Pose(x_m=spot.x_m, y_m=spot.y_m, heading_rad=0.0),
+            node=node,
+            next_node=node,
+            next_node_s=0.0,
+            speed_mps=0.0,
+            battery_frac=0.9,
+            load="",
+            load_quantity=0,
+            held=False,
+            charging=False,
+        )
+        self.driver.sense(state)
+        self.carriage = Carriage(
+            "ATV1",
+            task="M8-1",
+            epoch=1,
+            work=transport(**changes),
+            coordinator="M8",
+            source=source,
+            promised_s=100.0,
+            plant=PLANT,
+            vehicle_type="light",
+            driver=self.driver,
+            timers=self.timers,
+            out=self.out,
+        )
+        self.carriage.begin(0.0)
+
+    @property
+    def phases(self) -> list[Phase]:
+        return [fact.phase for fact in facts(self.out, PhaseEntered)]
+
+    def arrives(self) -> None:
+        way = instructed(self.out, Drive)[-1]
+        self.driver.hear_done(WayDone(order=way.order, node=way.nodes[-1]))
+        self.carriage.arrived(self.now_s)
+
+    def hears(self, message: Message) -> None:
+        self.carriage.hear(message, self.now_s)
+
+    def opened(self, station: str = "M8") -> None:
+        self.hears(DockOpened(task="M8-1", epoch=1, station=station))
+
+    def held(self, station: str = "M8") -> None:
+        self.hears(DockHeld(task="M8-1", epoch=1, station=station, reason="the buffer is full"))
+
+    def superseded(self) -> None:
+        self.hears(Superseded(task="M8-1", epoch=2))
+
+    def done(self, kind: type[Pick | Drop]) -> None:
+        self.carriage.action_done(instructed(self.out, kind)[-1].order, self.now_s)
+
+    def fails(self, kind: type[Pick | Drop]) -> None:
+        self.carriage.action_failed(instructed(self.out, kind)[-1].order, self.now_s)
+
+    def waits(self) -> None:
+        """Until the alarm."""
+        assert self.timers.next_s < NEVER_S
+        self.now_s = self.timers.next_s
+        for _ in self.timers.due(self.now_s):
+            self.carriage.wake(self.now_s)
+
+    def to_loading(self) -> Trip:
+        self.arrives()
+        return self
+
+    def to_carrying(self) -> Trip:
+        self.to_loading().done(Pick)
+        return self
+
+    def to_unloading(self) -> Trip:
+        self.to_carrying().arrives()
+        return self
+
+    def to_dropping(self) -> Trip:
+        self.to_unloading().opened()
+        return self
+
+    def to_handing_over(self) -> Trip:
+        self.to_dropping().done(Drop)
+        return self
+
+
+# --- the straight way ----------------------------------------------------------------------------
+
+
+def test_a_carriage_goes_through_its_phases_and_ends_when_the_handover_is_accepted() -> None:
+    trip = Trip().to_handing_over()
+    trip.hears(HandoverAccepted(task="M8-1", epoch=1))
+    assert trip.phases == [
+        Phase.APPROACHING,
+        Phase.LOADING,
+        Phase.CARRYING,
+        Phase.UNLOADING,
+        Phase.HANDING_OVER,
+    ]
+    assert trip.carriage.ended == "handed_over"
+    assert trip.timers.next_s == NEVER_S
+
+
+def test_it_drives_to_the_source_and_then_to_the_destination() -> None:
+    trip = Trip().to_carrying()
+    assert [way.nodes[-1] for way in instructed(trip.out, Drive)] == ["s3", "m8"]
+
+
+def test_a_vehicle_that_stands_at_the_source_loads_at_once() -> None:
+    trip = Trip(node="s3")
+    assert instructed(trip.out, Drive) == []
+    assert trip.phases == [Phase.APPROACHING, Phase.LOADING]
+    [pick] = instructed(trip.out, Pick)
+    assert (pick.station, pick.item, pick.quantity) == ("S3", "shaft", 40)
+
+
+def test_a_storage_is_loaded_from_without_asking() -> None:
+    trip = Trip().to_loading()
+    assert sent(trip.out, Docked) == []
+    assert len(instructed(trip.out, Pick)) == 1
+
+
+def test_nothing_is_put_down_before_the_coordinator_has_opened_the_dock() -> None:
+    trip = Trip().to_unloading()
+    assert sent(trip.out, Docked, to="M8") == [Docked(task="M8-1", epoch=1, station="M8")]
+    assert instructed(trip.out, Drop) == []
+    trip.opened()
+    [drop] = instructed(trip.out, Drop)
+    assert drop.station == "M8"
+
+
+def test_goods_are_not_fetched_before_their_machine_has_opened_its_dock() -> None:
+    goods = {"item": "pump-p3", "quantity": 24, "sources": ("M8",), "destination": "DELIVERY"}
+    trip = Trip(source="M8", **goods).to_loading()
+    assert sent(trip.out, Docked, to="M8") == [Docked(task="M8-1", epoch=1, station="M8")]
+    assert instructed(trip.out, Pick) == []
+    trip.opened("M8")
+    trip.done(Pick)
+    trip.arrives()
+    assert sent(trip.out, Docked, to="M8")[-1].station == "DELIVERY"
+    trip.opened("DELIVERY")
+    assert instructed(trip.out, Drop)[-1].station == "DELIVERY"
+
+
+def test_the_heartbeat_names_the_phase_and_when_it_expects_to_be_done() -> None:
+    trip = Trip()
+    brief = trip.carriage.brief()
+    light = PLANT.vehicle_types["light"]
+    ways_s = ROUTES.duration_s("p3", "s3") + ROUTES.duration_s("s3", "m8")
+    assert brief.due_s == pytest.approx(ways_s + light.load_s + light.unload_s)
+    assert (brief.role, brief.phase, brief.quantity) == (Role.PRIMARY, Phase.APPROACHING, 40)
+    trip.to_carrying()
+    assert trip.carriage.brief().phase is Phase.CARRYING
+    assert trip.carriage.brief().due_s == pytest.approx(
+        trip.now_s + ROUTES.duration_s("s3", "m8") + light.unload_s
+    )
+
+
+# --- what is lost is said again, what is doubled is ignored --------------------------------------
+
+
+def test_the_question_for_the_dock_is_repeated_until_it_is_answered() -> None:
+    trip = Trip().to_unloading()
+    trip.waits()
+    assert trip.now_s == ASK_AGAIN_S
+    trip.waits()
+    assert len(sent(trip.out, Docked)) == 3
+    trip.opened()
+    assert trip.timers.next_s == NEVER_S
+
+
+def test_a_held_dock_is_asked_for_again_later() -> None:
+    trip = Trip().to_unloading()
+    trip.held()
+    trip.waits()
+    assert trip.now_s == HELD_ASK_AGAIN_S
+    assert len(sent(trip.out, Docked)) == 2
+    trip.opened()
+    assert len(instructed(trip.out, Drop)) == 1
+
+
+def test_the_handover_is_repeated_until_it_is_answered() -> None:
+    trip = Trip().to_handing_over()
+    trip.waits()
+    trip.waits()
+    assert sent(trip.out, Handover, to="M8") == [Handover(task="M8-1", epoch=1, quantity=40)] * 3
+
+
+def test_a_dock_that_is_opened_twice_is_unloaded_at_once_only() -> None:
+    trip = Trip().to_dropping()
+    trip.opened()
+    assert len(instructed(trip.out, Drop)) == 1
+
+
+def test_an_opening_that_comes_too_late_is_ignored() -> None:
+    trip = Trip().to_handing_over()
+    trip.opened()
+    trip.held()
+    assert len(instructed(trip.out, Drop)) == 1
+
+
+def test_an_opening_or_holding_of_another_station_is_ignored() -> None:
+    trip = Trip().to_unloading()
+    trip.opened("M7")
+    trip.held("M7")
+    assert instructed(trip.out, Drop) == []
+    trip.waits()
+    assert trip.now_s == ASK_AGAIN_S
+
+
+def test_an_opening_on_the_way_is_ignored() -> None:
+    trip = Trip().to_carrying()
+    trip.opened()
+    assert instructed(trip.out, Drop) == []
+
+
+def test_an_acceptance_before_the_handover_is_ignored() -> None:
+    trip = Trip().to_unloading()
+    trip.hears(HandoverAccepted(task="M8-1", epoch=1))
+    assert trip.carriage.ended == ""
+
+
+def test_the_end_of_an_older_action_is_ignored() -> None:
+    trip = Trip().to_loading()
+    trip.carriage.action_done(instructed(trip.out, Pick)[-1].order - 1, 0.0)
+    trip.carriage.action_failed(instructed(trip.out, Pick)[-1].order - 1, 0.0)
+    assert trip.carriage.phase is Phase.LOADING
+    trip.done(Pick)
+    trip.done(Pick)
+    assert trip.phases.count(Phase.CARRYING) == 1
+
+
+# --- what fails is tried again -------------------------------------------------------------------
+
+
+def test_a_failed_pick_is_tried_again_after_a_while() -> None:
+    trip = Trip().to_loading()
+    trip.fails(Pick)
+    assert len(instructed(trip.out, Pick)) == 1
+    trip.waits()
+    assert trip.now_s == RETRY_S
+    assert len(instructed(trip.out, Pick)) == 2
+
+
+def test_a_failed_drop_asks_for_the_dock_again() -> None:
+    trip = Trip().to_dropping()
+    trip.fails(Drop)
+    trip.waits()
+    assert len(sent(trip.out, Docked)) == 2
+    assert len(instructed(trip.out, Drop)) == 1
+
+
+def test_a_refused_way_is_asked_for_again_after_a_while() -> None:
+    trip = Trip()
+    trip.carriage.way_refused(0.0)
+    trip.waits()
+    assert trip.now_s == RETRY_S
+    assert [way.nodes[-1] for way in instructed(trip.out, Drive)] == ["s3", "s3"]
+
+
+# --- when the contract is void -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("message", "reason"),
+    [
+        (Superseded(task="M8-1", epoch=2), "superseded"),
+        (Withdrawn(task="M8-1", epoch=1, reason="not needed any more"), "withdrawn"),
+    ],
+)
+def test_without_a_load_a_void_contract_just_ends(message: Message, reason: str) -> None:
+    trip = Trip()
+    trip.hears(message)
+    assert trip.carriage.ended == reason
+    assert trip.timers.next_s == NEVER_S
+
+
+def test_a_superseded_primary_returns_its_load_to_the_nearest_storage_that_keeps_it() -> None:
+    trip = Trip().to_carrying()
+    trip.superseded()
+    assert trip.carriage.phase is Phase.RETURNING
+    assert trip.carriage.ended == ""
+    here = trip.driver.next_node
+    keeping = PLANT.storages_of("shaft")
+    nearest = min(keeping, key=lambda each: ROUTES.duration_s(here, PLANT.node_of(each)))
+    assert instructed(trip.out, Drive)[-1].nodes[-1] == PLANT.node_of(nearest)
+    trip.arrives()
+    assert instructed(trip.out, Drop)[-1].station == nearest
+    trip.done(Drop)
+    assert trip.carriage.ended == "superseded"
+
+
+def test_a_superseded_primary_at_the_dock_puts_nothing_down_there() -> None:
+    trip = Trip().to_unloading()
+    trip.superseded()
+    assert trip.carriage.phase is Phase.RETURNING
+    trip.opened()
+    assert instructed(trip.out, Drop) == []
+
+
+def test_a_contract_that_is_void_while_it_loads_ends_after_the_load_is_back() -> None:
+    trip = Trip().to_loading()
+    trip.superseded()
+    assert trip.carriage.ended == ""
+    trip.done(Pick)
+    assert trip.carriage.phase is Phase.RETURNING
+    trip.arrives() if not instructed(trip.out, Drop) else None
+    trip.done(Drop)
+    assert trip.carriage.ended == "superseded"
+
+
+def test_a_contract_that_is_void_while_a_pick_fails_ends() -> None:
+    trip = Trip().to_loading()
+    trip.superseded()
+    trip.fails(Pick)
+    assert trip.carriage.ended == "superseded"
+
+
+def test_a_contract_that_is_void_while_a_drop_fails_ends_after_the_load_is_back() -> None:
+    trip = Trip().to_dropping()
+    trip.superseded()
+    trip.fails(Drop)
+    assert trip.carriage.phase is Phase.RETURNING
+    trip.arrives()
+    trip.done(Drop)
+    assert trip.carriage.ended == "superseded"
+
+
+def test_a_contract_that_is_void_after_unloading_ends() -> None:
+    trip = Trip().to_handing_over()
+    trip.superseded()
+    assert trip.carriage.ended == "superseded"
+
+
+def test_a_contract_becomes_void_once() -> None:
+    trip = Trip().to_carrying()
+    trip.superseded()
+    trip.superseded()
+    trip.hears(Withdrawn(task="M8-1", epoch=1, reason="not needed any more"))
+    assert trip.phases.count(Phase.RETURNING) == 1
+    trip.arrives()
+    trip.done(Drop)
+    assert trip.carriage.ended == "superseded"
+
+
+def test_a_refused_way_back_is_asked_for_again() -> None:
+    trip = Trip().to_carrying()
+    trip.superseded()
+    goal = instructed(trip.out, Drive)[-1].nodes[-1]
+    trip.carriage.way_refused(0.0)
+    trip.waits()
+    assert instructed(trip.out, Drive)[-1].nodes[-1] == goal

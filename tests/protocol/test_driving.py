@@ -1,0 +1,157 @@
+"""Where a vehicle is on the lanes, and how it gets somewhere else."""
+
+from __future__ import annotations
+
+import pytest
+from kit import PLANT, instructed
+
+from dray.body import ActionFailed, Drive, NodePassed, VehicleState, WayDone
+from dray.messages import Pose
+from dray.protocol.driving import Driver
+from dray.protocol.events import Effect
+
+ROUTES = PLANT.routes("light")
+
+
+class Seat:
+    """A driver, and what it tells the vehicle."""
+
+    def __init__(self, node: str = "p3") -> None:
+        self.out: list[Effect] = []
+        self.driver = Driver(PLANT, "light", self.out)
+        self.sense(node)
+
+    def sense(self, node: str, speed_mps: float = 0.0) -> None:
+        spot = PLANT.nodes[node]
+        state = VehicleState(
+            pose=Pose(x_m=spot.x_m, y_m=spot.y_m, heading_rad=0.0),
+            node=node,
+            next_node=node,
+            next_node_s=0.0,
+            speed_mps=speed_mps,
+            battery_frac=0.9,
+            load="",
+            load_quantity=0,
+            held=False,
+            charging=False,
+        )
+        self.driver.sense(state)
+
+    @property
+    def drives(self) -> list[Drive]:
+        return instructed(self.out, Drive)
+
+    def passes(self, index: int, order: int | None = None) -> None:
+        way = self.drives[-1]
+        number = way.order if order is None else order
+        report = NodePassed(order=number, node=way.nodes[index], index=index, battery_frac=0.9)
+        self.driver.hear_passed(report)
+
+
+def test_a_way_leads_from_here_to_there_and_is_released_as_a_whole() -> None:
+    seat = Seat("p3")
+    assert seat.driver.go("s3", 100.0)
+    [drive] = seat.drives
+    assert drive.nodes == ROUTES.way("p3", "s3").nodes
+    assert drive.released == len(drive.nodes)
+    assert seat.driver.arrives_s == pytest.approx(100.0 + ROUTES.duration_s("p3", "s3"))
+    assert seat.driver.ahead == drive.nodes
+
+
+def test_who_stands_there_already_stays() -> None:
+    seat = Seat("p3")
+    assert not seat.driver.go("p3", 0.0)
+    assert seat.out == []
+
+
+def test_nodes_that_were_passed_are_ahead_no_longer() -> None:
+    seat = Seat("p3")
+    seat.driver.go("s3", 0.0)
+    seat.passes(0)
+    seat.passes(1)
+    nodes = seat.drives[-1].nodes
+    assert seat.driver.ahead == nodes[2:]
+    assert seat.driver.node == nodes[1]
+    assert seat.driver.next_node == nodes[2]
+    spot = PLANT.nodes[nodes[1]]
+    assert seat.driver.position_m == (spot.x_m, spot.y_m)
+
+
+def test_a_new_way_begins_at_the_end_of_the_lane_it_is_on() -> None:
+    seat = Seat("p3")
+    seat.driver.go("s3", 0.0)
+    seat.passes(0)
+    seat.passes(1)
+    turn = seat.driver.next_node
+    seat.driver.go("p8", 10.0)
+    first, second = seat.drives
+    assert second.nodes == ROUTES.way(turn, "p8").nodes
+    assert second.order > first.order
+
+
+def test_a_way_back_to_the_node_just_left_is_driven_all_the_same() -> None:
+    seat = Seat("p3")
+    seat.driver.go("s3", 0.0)
+    seat.passes(0)
+    assert seat.driver.go("p3", 5.0)
+    assert seat.drives[-1].nodes[-1] == "p3"
+
+
+def test_at_its_end_a_way_is_done() -> None:
+    seat = Seat("p3")
+    seat.driver.go("s3", 0.0)
+    assert seat.driver.hear_done(WayDone(order=seat.drives[-1].order, node="s3"))
+    assert seat.driver.way == seat.driver.ahead == ()
+    assert seat.driver.next_node == seat.driver.node == "s3"
+
+
+def test_the_end_of_a_way_that_was_replaced_is_not_the_end() -> None:
+    seat = Seat("p3")
+    seat.driver.go("s3", 0.0)
+    old = seat.driver.order
+    seat.driver.go("p8", 1.0)
+    assert not seat.driver.hear_done(WayDone(order=old, node="s3"))
+    assert seat.driver.ahead
+
+
+def test_a_node_of_a_way_that_was_replaced_does_not_count_on_the_new_one() -> None:
+    seat = Seat("p3")
+    seat.driver.go("s3", 0.0)
+    old = seat.driver.order
+    seat.driver.go("p8", 1.0)
+    seat.passes(1, order=old)
+    assert seat.driver.ahead == seat.drives[-1].nodes
+
+
+def test_a_refused_way_is_given_up_and_an_older_refusal_is_ignored() -> None:
+    seat = Seat("p3")
+    seat.driver.go("s3", 0.0)
+    old = seat.driver.order
+    seat.driver.go("p8", 1.0)
+    assert not seat.driver.hear_failed(ActionFailed(order=old, reason="replaced"))
+    assert seat.driver.ahead
+    assert seat.driver.hear_failed(ActionFailed(order=seat.driver.order, reason="blocked"))
+    assert seat.driver.ahead == ()
+
+
+def test_the_failure_of_an_action_is_not_that_of_a_way() -> None:
+    seat = Seat("p3")
+    order = seat.driver.next_order()
+    assert not seat.driver.hear_failed(ActionFailed(order=order, reason="no pallet"))
+
+
+def test_every_order_has_a_number_of_its_own() -> None:
+    seat = Seat("p3")
+    seat.driver.go("s3", 0.0)
+    numbers = [seat.driver.order, seat.driver.next_order(), seat.driver.next_order()]
+    seat.driver.go("p8", 1.0)
+    numbers.append(seat.driver.order)
+    assert numbers == sorted(set(numbers))
+
+
+def test_who_stands_is_at_its_next_node_now_and_who_drives_is_there_later() -> None:
+    seat = Seat("p3")
+    assert seat.driver.next_node_at_s(50.0) == 50.0
+    seat.driver.go("s3", 50.0)
+    seat.passes(0)
+    assert seat.driver.next_node_at_s(50.0) > 50.0
