@@ -170,16 +170,15 @@ class Travel:
         self._plan(speed_mps)
         return ""
 
-    def release(self, order: int, released: int, now_s: float) -> bool:
-        """Let more of the way be driven; less than before changes nothing. False for another way."""
+    def release(self, order: int, released: int, now_s: float) -> None:
+        """Let more of the way be driven. Less than before, or of another way, is late and changes nothing."""
         if self.way is None or self.way.order != order:
-            return False
+            return
         last = min(released - 1 + self.way.lead, self.way.last)
         if last > self._released:
             speed_mps = self._settle(now_s)
             self._released = last
             self._plan(speed_mps)
-        return True
 
     def cut(self, now_s: float) -> None:
         """Go no farther than the next node; the way ends there."""

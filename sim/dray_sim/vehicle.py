@@ -85,7 +85,7 @@ class SimVehicle:
         id: the vehicle's id.
     """
 
-    def __init__(  # noqa: PLR0917 - what a vehicle is made of, each of another type
+    def __init__(
         self,
         spec: VehicleSpec,
         vehicle_type: VehicleType,
@@ -134,8 +134,7 @@ class SimVehicle:
             case Drive():
                 self._drive(instruction)
             case ReleaseWay(order, released):
-                if not self._travel.release(order, released, self._settled_s):
-                    self._fail(order, "this way is not driven")
+                self._travel.release(order, released, self._settled_s)
             case Pick() | Drop() | Charge():
                 self._act(instruction)
             case Hold() | Unhold():
