@@ -14,6 +14,7 @@ from http import HTTPStatus
 from typing import Annotated, Any
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
+from sqlalchemy.exc import IntegrityError
 
 from dray.gateway.bodies import Line
 from dray.gateway.orderids import new_order_id, new_token
@@ -91,37 +92,51 @@ class OrderDraft(BaseModel):
     """False: only store it; `POST /api/orders/{id}/release` starts it."""
 
 
-async def place(
-    gateway: Parts, draft: OrderDraft, key: str | None, render: Callable[[Order], bytes]
-) -> tuple[str, bytes, bool]:
+async def place(gateway: Parts, draft: OrderDraft) -> Order:
     """Take an order.
 
     Args:
         gateway: where to.
         draft: a body that has the right shape.
-        key: the Idempotency-Key, if one was sent.
+
+    Raises:
+        Problem: what the order names does not exist or is past, or too many are open.
+    """
+    async with gateway.store.write() as work:
+        order = await _written(gateway, work, draft)
+    _announce(gateway, order)
+    return order
+
+
+async def place_once(
+    gateway: Parts, draft: OrderDraft, key: str, render: Callable[[Order], bytes]
+) -> tuple[KeptAnswer, bool]:
+    """Take an order, or find what was answered when it was sent before.
+
+    Args:
+        gateway: where to.
+        draft: a body that has the right shape.
+        key: the Idempotency-Key.
         render: writes the answer.
 
     Returns:
-        The order's id, the answer, and whether it is the repetition of an earlier one.
+        The answer, and whether it is that of an earlier request.
 
     Raises:
-        Problem: what the order names does not exist or is past, or the key is used for another body.
+        Problem: as `place`; or the key was used for another body, or is at work.
     """
     fingerprint = hashlib.sha256(draft.model_dump_json().encode()).hexdigest()
     async with _alone(gateway.keys_at_work, key), gateway.store.write() as work:
-        kept = await work.keys.get(key) if key else None
+        kept = await work.keys.get(key)
         if kept is not None:
-            return _repeated(kept, fingerprint)
+            _refuse_other_body(kept, fingerprint)
+            return kept, True
         order = await _written(gateway, work, draft)
-        answer = render(order)
-        if key:
-            await work.keys.forget_before(order.created_at_s - KEYS_KEPT_S)
-            await work.keys.add(KeptAnswer(key, fingerprint, order.id, answer.decode(), order.created_at_s))
-    gateway.projection.orders.put(order)
-    if order.status is OrderStatus.RELEASED:
-        gateway.desk.release(order)
-    return order.id, answer, False
+        answer = KeptAnswer(key, fingerprint, order.id, render(order).decode(), order.created_at_s)
+        await work.keys.forget_before(order.created_at_s - KEYS_KEPT_S)
+        await work.keys.add(answer)
+    _announce(gateway, order)
+    return answer, False
 
 
 async def release(gateway: Parts, order_id: str) -> Order | None:
@@ -170,28 +185,39 @@ async def cancel(gateway: Parts, order_id: str) -> Order | None:
     return after
 
 
+def _announce(gateway: Parts, order: Order) -> None:
+    """The order is on disk: let panels and the strategist know."""
+    gateway.projection.orders.put(order)
+    if order.status is OrderStatus.RELEASED:
+        gateway.desk.release(order)
+
+
 @asynccontextmanager
-async def _alone(at_work: set[str], key: str | None) -> AsyncIterator[None]:
+async def _alone(at_work: set[str], key: str) -> AsyncIterator[None]:
     """Let only one request at a time work under a key."""
-    if key is None:
-        yield
-        return
     if key in at_work:
-        raise Problem(
-            HTTPStatus.CONFLICT,
-            "key-at-work",
-            "A request with this Idempotency-Key is still being answered",
-            "wait for its answer, or send the same request again in a second",
-            headers={"Retry-After": "1"},
-        )
+        raise _key_at_work()
     at_work.add(key)
     try:
         yield
+    except IntegrityError as error:
+        # Another gateway on the same database was faster.
+        raise _key_at_work() from error
     finally:
         at_work.discard(key)
 
 
-def _repeated(kept: KeptAnswer, fingerprint: str) -> tuple[str, bytes, bool]:
+def _key_at_work() -> Problem:
+    return Problem(
+        HTTPStatus.CONFLICT,
+        "key-at-work",
+        "A request with this Idempotency-Key is still being answered",
+        "wait for its answer, or send the same request again in a second",
+        headers={"Retry-After": "1"},
+    )
+
+
+def _refuse_other_body(kept: KeptAnswer, fingerprint: str) -> None:
     if kept.fingerprint != fingerprint:
         reason = f"it was used for another order ({kept.order_id}); take a new key for a new order"
         raise Problem(
@@ -201,7 +227,6 @@ def _repeated(kept: KeptAnswer, fingerprint: str) -> tuple[str, bytes, bool]:
             f"Idempotency-Key: {reason}",
             errors=(FieldError("Idempotency-Key", reason),),
         )
-    return kept.order_id, kept.answer.encode(), True
 
 
 async def _written(gateway: Parts, work: Work, draft: OrderDraft) -> Order:

@@ -15,6 +15,7 @@ import msgspec
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
+from starlette.routing import Match
 
 from dray.errors import DrayError
 
@@ -148,19 +149,19 @@ async def _on_validation(request: Request, error: Exception) -> Response:
 async def _on_http(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)  # noqa: S101 - it was registered for these only
     path = request.url.path
-    status = HTTPStatus(error.status_code)
+    status, headers = HTTPStatus(error.status_code), dict(error.headers or {})
     match status:
         case HTTPStatus.NOT_FOUND:
             detail = f"there is nothing at {path}; /api/docs tells what there is"
         case HTTPStatus.METHOD_NOT_ALLOWED:
-            allowed = (error.headers or {}).get("Allow", "another method")
-            detail = f"{path} does not know {request.method}; use {allowed}"
+            headers["Allow"] = ", ".join(_allowed(request))
+            detail = f"{path} does not know {request.method}; use {headers['Allow']}"
         case HTTPStatus.BAD_REQUEST:
             detail = "the body cannot be read as JSON in UTF-8; see /api/docs"
         case _:
             detail = str(error.detail)
     kind = status.phrase.lower().replace(" ", "-")
-    return Problem(status, kind, status.phrase, detail, headers=error.headers).response(path)
+    return Problem(status, kind, status.phrase, detail, headers=headers).response(path)
 
 
 async def _on_bug(request: Request, error: Exception) -> Response:
@@ -172,6 +173,18 @@ async def _on_bug(request: Request, error: Exception) -> Response:
         "Dray has made a mistake",
         "it is in the log; try again, and report it if it happens again",
     ).response(request.url.path)
+
+
+def _allowed(request: Request) -> list[str]:
+    """All methods that this path knows: the router names those of the first match only."""
+    return [
+        method
+        for method in ("GET", "POST", "PUT", "PATCH", "DELETE")
+        if any(
+            route.matches({**request.scope, "method": method})[0] is Match.FULL
+            for route in request.app.routes
+        )
+    ]
 
 
 def _not_json(fault: Mapping[str, Any]) -> Problem:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from http import HTTPStatus
 from typing import Annotated
@@ -25,7 +26,7 @@ from dray.gateway.answers import (
 from dray.gateway.bodies import json_only
 from dray.gateway.intake import OrderDraft
 from dray.gateway.parts import Gateway
-from dray.gateway.problems import Problem, not_found
+from dray.gateway.problems import not_found
 from dray.gateway.projection.orders import order_view
 from dray.gateway.views import OrderItemView, OrderView
 from dray.store.orders import Order
@@ -112,13 +113,13 @@ DRAFTS = {
 async def place_order(gateway: Gateway, request: Request, draft: OrderDraft, key: Key = None) -> Json:
     """Place an order."""
     base = str(request.base_url)
-    order_id, answer, replayed = await intake.place(
+    if key is None:
+        placed = await intake.place(gateway, draft)
+        return _created(placed.id, msgspec.json.encode(order_answer(placed, base)))
+    kept, replayed = await intake.place_once(
         gateway, draft, key, lambda order: msgspec.json.encode(order_answer(order, base))
     )
-    headers = {"Location": f"/api/orders/{order_id}"}
-    if replayed:
-        headers["Idempotency-Replayed"] = "true"
-    return Json(answer, HTTPStatus.CREATED, headers=headers)
+    return _created(kept.order_id, kept.answer.encode(), {"Idempotency-Replayed": "true"} if replayed else {})
 
 
 @router.get("/orders", responses={200: list_of(OrderAnswer, "Orders, newest first")}, response_class=Json)
@@ -205,11 +206,12 @@ def iso(wall_s: float) -> str:
     return datetime.fromtimestamp(wall_s, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
 
 
+def _created(order_id: str, answer: bytes, headers: Mapping[str, str] | None = None) -> Json:
+    location = {"Location": f"/api/orders/{order_id}"}
+    return Json(answer, HTTPStatus.CREATED, headers=location | dict(headers or {}))
+
+
 def _answer(order: Order | None, order_id: str, request: Request) -> Json:
     if order is None:
-        raise _unknown(order_id)
+        raise not_found("order", order_id, "GET /api/orders")
     return Json(order_answer(order, str(request.base_url)))
-
-
-def _unknown(order_id: str) -> Problem:
-    return not_found("order", order_id, "GET /api/orders")
