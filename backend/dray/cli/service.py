@@ -1,33 +1,47 @@
-"""What `dray up` runs: a simulated factory in its own thread, and the gateway on this one.
+"""What `dray up` runs: a simulated factory in a thread of its own, and the gateway on this one.
 
-The order of the start is the order of what may fail: the port, the database, the factory. Everything
-that was opened is closed in the opposite order, whatever happens.
+The start goes in the order of what may fail: the port, the database, the factory. What was opened is
+closed in the opposite order, whatever happens.
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
+import logging
 import socket
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
 
 import typer
+from fastapi import FastAPI
 from sqlalchemy import make_url
 
 from dray import __version__
-from dray.cli.serving import Server, address_of, on_signal, open_port
+from dray.cli.customers import place_demand
+from dray.cli.serving import Server, address_of, listen, stopped_by_signals
+from dray.gateway.app import create_app
+from dray.gateway.timescale import TimeScale
+from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.ports import Bus
 from dray.settings import Settings
-from dray.store import Store, open_store
+from dray.store import Historian, Store, open_store
 from dray_sim.bridge import BridgedBus, SimThread
 from dray_sim.factory import SimFactory
 from dray_sim.loop import clock, paced
 
-FACTORY_START_S = 60.0
-"""Longest wait for the factory to be built: one of 1,000 vehicles takes some 5 s."""
+BUILDING_S = 60.0
+"""Longest wait for the factory to be built: one of 1,000 vehicles takes some seconds."""
+
+GREETING = """\
+Dray {version}: {plant}, {machines} machines and {vehicles} vehicles, {speed:g} x real time
+  Management panel  {url}/
+  API               {url}/api/docs
+  Database          {database}
+Ctrl-C stops it.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,41 +64,135 @@ class Service:
 
 
 @dataclass(frozen=True, slots=True)
-class Started:
+class Inside:
     """What the outside needs of a factory that has been built.
 
     Attributes:
-        bus: inside the factory's thread.
-        plant_s: the plant's clock...
-        wall_s: ...and the same moment on the wall clock, in seconds since 1970.
+        bus: to be used in the factory's thread only.
+        time: the factory's clock and ours.
     """
 
     bus: Bus
-    plant_s: float
-    wall_s: float
+    time: TimeScale
+
+
+Factory = SimThread[Inside]
 
 
 async def run_service(service: Service) -> None:
     """Run until a signal.
 
     Raises:
-        UnavailableError: the port, or the database.
+        UnavailableError: the port or the database is not to be had.
         whatever ended the factory.
     """
     settings = service.settings
-    with contextlib.closing(open_port(settings.host, settings.port)) as listener:
+    _prepare_logs(settings)
+    with contextlib.closing(listen(settings.host, settings.port)) as listener:
         store = await open_store(settings.database_url)
         try:
-            await _serve(service, store, listener)
+            incarnation = await store.next_incarnation(service.plant.id)
+            factory = SimThread(_life(service, incarnation), paced(service.speed))
+            try:
+                inside = await asyncio.to_thread(factory.start, BUILDING_S)
+                app = _app(service, store, factory, inside, incarnation)
+                await _serve(service, app, factory, listener)
+            finally:
+                await asyncio.to_thread(factory.stop)
         finally:
             await store.close()
 
 
-async def _serve(service: Service, store: Store, listener: socket.socket) -> None:
-    incarnation = await store.next_incarnation(service.plant.id)
-    factory = SimThread(_life(service, incarnation), paced(service.speed))
+def _prepare_logs(settings: Settings) -> None:
+    """Log to stderr."""
+    logging.basicConfig(level=settings.log_level.upper(), format="%(levelname)s %(name)s: %(message)s")
+    _quieten(settings)
+
+
+def _quieten(settings: Settings) -> None:
+    """Others' news of how they start is no news to a person who starts Dray."""
+    if settings.log_level == "info":
+        for name in ("alembic", "uvicorn.error"):
+            logging.getLogger(name).setLevel(logging.WARNING)
+
+
+def _life(
+    service: Service, incarnation: int
+) -> Callable[[Callable[[Inside], None]], Coroutine[None, None, None]]:
+    """What the factory's thread runs."""
+
+    async def live(ready: Callable[[Inside], None]) -> None:
+        now = clock()
+        factory = SimFactory(service.plant, now, seed=service.seed, incarnation=incarnation)
+        ready(Inside(factory.bus, TimeScale(now.now_s(), time.time(), service.speed)))
+        await factory.run()
+
+    return live
+
+
+def _app(service: Service, store: Store, factory: Factory, inside: Inside, incarnation: int) -> FastAPI:
+    settings, plant = service.settings, service.plant
+    bus = BridgedBus(inside.bus, factory.loop, asyncio.get_running_loop())
+    historian = Historian(
+        store=store,
+        bus=bus,
+        keys=Keys(plant.id),
+        to_wall_s=inside.time.to_wall_s,
+        linger_s=settings.historian_linger_s,
+        events_kept=settings.events_kept,
+        samples_kept=settings.samples_kept,
+    )
+    return create_app(
+        settings=settings,
+        plant=plant.file,
+        bus=bus,
+        store=store,
+        time=inside.time,
+        incarnation=incarnation,
+        historian=historian,
+    )
+
+
+async def _serve(service: Service, app: FastAPI, factory: Factory, listener: socket.socket) -> None:
+    """Answer until a signal, or until the factory ends, which it only does by a fault."""
+    ready = asyncio.Event()
+    server = Server(app, service.settings.log_level, ready.set)
+    _quieten(service.settings)  # uvicorn has just set its own level
+    with stopped_by_signals(server.stop):
+        async with asyncio.TaskGroup() as group:
+            watch = group.create_task(_stop_with(factory, server))
+            greeting = group.create_task(_greet(service, listener, ready))
+            customers = group.create_task(_order(service, app, ready))
+            await server.serve(sockets=[listener])
+            for task in (watch, greeting, customers):
+                task.cancel()
+
+
+async def _greet(service: Service, listener: socket.socket, ready: asyncio.Event) -> None:
+    await ready.wait()
+    plant, settings = service.plant, service.settings
+    typer.echo(
+        GREETING.format(
+            version=__version__,
+            plant=plant.name,
+            machines=len(plant.machines),
+            vehicles=len(plant.fleet),
+            speed=service.speed,
+            url=address_of(listener, settings.host),
+            database=make_url(settings.database_url).render_as_string(hide_password=True),
+        ),
+        nl=False,
+    )
+
+
+async def _order(service: Service, app: FastAPI, ready: asyncio.Event) -> None:
+    await ready.wait()
+    if service.demand:
+        await place_demand(app.state.parts, service.plant, speed=service.speed, seed=service.seed)
+
+
+async def _stop_with(factory: Factory, server: Server) -> None:
     try:
-        started = await asyncio.to_thread(factory.start, FACTORY_START_S)
-        raise NotImplementedError(started)
+        await factory.wait()
     finally:
-        await asyncio.to_thread(factory.stop)
+        server.stop()

@@ -1,10 +1,10 @@
-"""Serving HTTP: a port that is ours before anything starts, and a server that stops cleanly."""
+"""Serving from a command: a port that is ours before anything starts, and a clean stop on a signal."""
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
-import os
+import errno
 import signal
 import socket
 from collections.abc import Callable, Generator
@@ -14,57 +14,60 @@ import uvicorn
 
 from dray.errors import UnavailableError
 
-STOP_S = 3
-"""How long open connections may take to end; a browser's websocket ends at once."""
-
 BACKLOG = 128
-"""Connections that wait to be accepted: more than a plant has browsers."""
+"""Connections that may wait to be accepted: more than a plant has browsers."""
+
+INCOMING_BYTES = 4096
+"""Longest message that a panel may send on the stream: it has nothing to say."""
+
+GOODBYE_S = 3
+"""Wall seconds that open requests get when the server ends: no answer takes longer, but a command."""
+
+ANY_ADDRESS = frozenset({"0.0.0.0", "::", ""})  # noqa: S104 (compared with, not bound to)
 
 
-def open_port(host: str, port: int) -> socket.socket:
-    """Listen.
+def listen(host: str, port: int) -> socket.socket:
+    """Take the port, before anything else is started.
 
     Args:
         host: a name or address of this machine.
         port: 0 lets the system choose one.
 
     Raises:
-        UnavailableError: the port is in use, not allowed, or the host is no address of this machine.
+        UnavailableError: with a remedy, when it is taken or not allowed.
     """
     what = f"port {port} on {host}"
     try:
-        family, _, _, _, address = socket.getaddrinfo(
-            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
-        )[0]
+        family, kind, proto, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
     except (OSError, UnicodeError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise UnavailableError(f"host {host}", reason, "choose another one with --host") from None
-    listener = socket.socket(family, socket.SOCK_STREAM)
+        remedy = "name a host or address of this machine with --host"
+        raise UnavailableError(f"host {host}", _reason(error), remedy) from error
+    listener = socket.socket(family, kind, proto)
     try:
-        if os.name == "posix":
-            # A port whose last connections are fading may be used at once; one that is in use may not.
-            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        # A port whose last connections are still fading may be taken at once; one in use may not.
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind(address)
         listener.listen(BACKLOG)
     except OSError as error:
         listener.close()
-        reason = error.strerror or str(error)
-        remedy = "end the program that uses it, or choose another one with --port (0: any free one)"
-        raise UnavailableError(what, reason[:1].lower() + reason[1:], remedy) from None
-    listener.setblocking(False)
+        if error.errno == errno.EADDRINUSE:
+            remedy = "end the program that uses it, or choose another one with --port (0: any free one)"
+        else:
+            remedy = "choose another one with --host and --port; ports below 1024 need a privilege"
+        raise UnavailableError(what, _reason(error), remedy) from error
     return listener
 
 
 def address_of(listener: socket.socket, host: str) -> str:
     """What to type into a browser on this machine."""
     port = listener.getsockname()[1]
-    if host in {"0.0.0.0", "::", ""}:  # noqa: S104 (compared with, not bound to)
+    if host in ANY_ADDRESS:
         host = "127.0.0.1"
     return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
 
 
 class Server(uvicorn.Server):
-    """uvicorn, with signals left to us and a word when it answers.
+    """uvicorn with a word when it answers, and with signals left to us.
 
     Args:
         app: an ASGI application.
@@ -73,15 +76,19 @@ class Server(uvicorn.Server):
     """
 
     def __init__(self, app: Any, log_level: str, on_ready: Callable[[], None]) -> None:
-        super().__init__(
-            uvicorn.Config(
-                app,
-                log_level="warning" if log_level == "info" else log_level,
-                access_log=log_level == "debug",
-                timeout_graceful_shutdown=STOP_S,
-                server_header=False,
-            )
+        config = uvicorn.Config(
+            app,
+            log_level=log_level,
+            # Ours: see `dray.cli.service`.
+            log_config=None,
+            access_log=log_level == "debug",
+            server_header=False,
+            ws_max_size=INCOMING_BYTES,
+            # Compressing would be done anew for every client, and frames are encoded once for all.
+            ws_per_message_deflate=False,
+            timeout_graceful_shutdown=GOODBYE_S,
         )
+        super().__init__(config)
         self._on_ready = on_ready
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
@@ -90,27 +97,38 @@ class Server(uvicorn.Server):
         if self.started:
             self._on_ready()
 
+    def stop(self) -> None:
+        """Answer what has been asked, and end."""
+        self.should_exit = True
+
     @contextlib.contextmanager
     def capture_signals(self) -> Generator[None]:
-        """Leave them to `until_signal`: uvicorn's own way ends the process by the signal."""
+        """Leave signals to `stopped_by_signals`: uvicorn would end the process by the signal."""
         yield
 
 
 @contextlib.contextmanager
-def on_signal(stop: Callable[[], None]) -> Generator[None]:
-    """Call `stop` on Ctrl-C or SIGTERM, on the running loop; a second Ctrl-C interrupts at once."""
+def stopped_by_signals(stop: Callable[[], None]) -> Generator[None]:
+    """Call `stop` on the running loop at Ctrl-C or SIGTERM; a second one ends the process at once."""
     loop = asyncio.get_running_loop()
+    signals = (signal.SIGINT, signal.SIGTERM)
 
-    def stopping() -> None:
+    def leave_them_alone() -> None:
         for each in signals:
             loop.remove_signal_handler(each)
+
+    def first() -> None:
+        leave_them_alone()
         stop()
 
-    signals = (signal.SIGINT, signal.SIGTERM)
     for each in signals:
-        loop.add_signal_handler(each, stopping)
+        loop.add_signal_handler(each, first)
     try:
         yield
     finally:
-        for each in signals:
-            loop.remove_signal_handler(each)
+        leave_them_alone()
+
+
+def _reason(error: Exception) -> str:
+    reason = getattr(error, "strerror", None) or str(error)
+    return reason[:1].lower() + reason[1:]
