@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from dray.messages import Message
     from dray.ports import Receive
     from dray_sim.loop import VirtualClock
-    from dray_sim.trace import Trace
+    from dray_sim.trace import Ear
 
 QUANTILE_BITS = 12
 """Delays are drawn from 2^12 quantiles: one table look-up instead of a logarithm per delivery. Finer
@@ -56,7 +56,7 @@ class Latency:
 
 
 WLAN = Latency()
-"""A factory's WLAN on an ordinary day: half of all messages within 15 ms, one in a thousand above 100 ms."""
+"""A factory's WLAN on an ordinary day: half of all messages within 15 ms, one in a thousand above 110 ms."""
 
 
 class SimSession:
@@ -111,7 +111,7 @@ class SimNetwork:
         random: the only source of chance.
         latency: how long messages are under way.
         codec: pass every message through the wire format. Slower, and the trace is the same.
-        trace: hears every utterance, whether or not anybody else does.
+        trace: a `Trace` or another ear; hears every utterance, whether or not anybody else does.
 
     Attributes:
         delivered: messages that reached an agent.
@@ -125,7 +125,7 @@ class SimNetwork:
         latency: Latency = WLAN,
         *,
         codec: bool = False,
-        trace: Trace | None = None,
+        trace: Ear | None = None,
     ) -> None:
         self.delivered = 0
         self.missed = 0
