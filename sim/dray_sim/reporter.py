@@ -17,7 +17,7 @@ from dray.ports import Clock
 class Reporter:
     """Holds what a body says until it may be heard. What nobody is attached for is lost, as on a wire."""
 
-    __slots__ = ("_asked", "_clock", "_draining", "_hear", "_waiting")
+    __slots__ = ("_asked", "_clock", "_hear", "_waiting")
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
@@ -25,7 +25,6 @@ class Reporter:
         """Bounded by what one instruction or one instant can cause: a handful."""
         self._hear: Callable[[Report], None] | None = None
         self._asked = False
-        self._draining = False
 
     def attach(self, hear: Callable[[Report], None]) -> None:
         """Report to `hear` from now on, and to no other."""
@@ -43,16 +42,10 @@ class Reporter:
 
     def flush(self) -> None:
         """Let everything said be heard now; for the end of a clock's callback."""
-        if self._draining:
-            return  # Somebody down the stack is at it, and will come to the newest report in its turn.
-        self._draining = True
-        try:
-            while self._waiting:
-                report = self._waiting.popleft()
-                if self._hear is not None:
-                    self._hear(report)
-        finally:
-            self._draining = False
+        while self._waiting:
+            report = self._waiting.popleft()
+            if self._hear is not None:
+                self._hear(report)
 
     def _called(self) -> None:
         self._asked = False

@@ -501,6 +501,14 @@ def test_a_new_way_ends_charging_without_a_word(yard: Yard) -> None:
     assert vehicle.sense().battery_frac < 0.6
 
 
+def test_any_other_action_ends_charging(yard: Yard) -> None:
+    vehicle = yard.vehicle("corner", battery_frac=0.5)
+    yard.do(vehicle, Charge(order=5, charger="CH2"), for_s=60.0)
+    said = yard.do(vehicle, Drop(order=6, station="DELIVERY"))
+    assert said == [ActionFailed(order=6, reason="nothing on board")]
+    assert not vehicle.sense().charging
+
+
 def test_a_held_vehicle_does_not_charge(yard: Yard) -> None:
     vehicle = yard.vehicle("east", battery_frac=0.5)
     yard.do(vehicle, Charge(order=5, charger="CH1"), HOLD, for_s=100.0)

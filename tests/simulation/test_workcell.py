@@ -24,7 +24,7 @@ from dray.body import (
     StockChanged,
     WorkcellState,
 )
-from dray_sim.stores import NO_ROOM, TOO_LITTLE
+from dray_sim.stores import NO_ROOM, NOT_KEPT, TOO_LITTLE
 from dray_sim.workcell import SHUT, SimWorkcell, WorkcellTimes
 
 FULL = {"shaft": 50, "seal": 40}
@@ -136,6 +136,14 @@ def test_a_closed_dock_is_shut_and_closing_it_twice_is_harmless(yard: Yard) -> N
     shut = CloseDock(vehicle="ATV1")
     yard.do(workcell, OpenDock(vehicle="ATV1", item="shaft", quantity=20), shut, shut)
     assert workcell.put("ATV1", "shaft", 20) == SHUT
+
+
+def test_a_dock_that_was_opened_for_a_wrong_item_lets_nothing_through(yard: Yard) -> None:
+    workcell = cell(yard)
+    yard.do(workcell, OpenDock(vehicle="ATV1", item="block", quantity=1))
+    assert workcell.put("ATV1", "block", 1) == NOT_KEPT
+    assert workcell.take("ATV1", "block", 1) == NOT_KEPT
+    assert workcell.room("block") == 0
 
 
 def test_an_overflow_is_refused_and_the_dock_stays_open(yard: Yard) -> None:
