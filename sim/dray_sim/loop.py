@@ -238,7 +238,7 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         *args: Any,
         context: contextvars.Context | None = None,
     ) -> asyncio.Handle:
-        """As in asyncio, without its debug mode."""
+        """As in asyncio, without its debug mode and its check for a closed loop."""
         handle = _Handle(callback, args, self, context)
         self._ready.append(handle)
         return handle
