@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import inf, log
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dray.plant import VehicleType
@@ -43,23 +43,27 @@ def test_the_last_fifth_takes_the_logarithm_of_ten_over_nine_tenths_as_long() ->
     assert BATTERY.charging_s(0.8, 1.0) == pytest.approx(flat_s * log(10.0) / 0.9)
 
 
+@settings(deadline=None)
 @given(LEVELS, LEVELS)
 def test_charging_for_the_time_to_a_level_reaches_that_level(one: float, other: float) -> None:
     low, high = sorted((one, other))
     assert BATTERY.charged_frac(low, BATTERY.charging_s(low, high)) == pytest.approx(high, abs=1e-9)
 
 
+@settings(deadline=None)
 @given(LEVELS, st.floats(0.0, 1e5), st.floats(0.0, 1e5))
 def test_charging_in_two_parts_is_charging_at_once(level_frac: float, one_s: float, other_s: float) -> None:
     parts = BATTERY.charged_frac(BATTERY.charged_frac(level_frac, one_s), other_s)
     assert parts == pytest.approx(BATTERY.charged_frac(level_frac, one_s + other_s), abs=1e-9)
 
 
+@settings(deadline=None)
 @given(LEVELS, st.floats(0.0, 1e6))
 def test_charging_never_lowers_a_level_nor_exceeds_full(level_frac: float, seconds: float) -> None:
     assert level_frac - 1e-12 <= BATTERY.charged_frac(level_frac, seconds) <= 1.0
 
 
+@settings(deadline=None)
 @given(LEVELS)
 def test_a_battery_that_is_there_already_takes_no_time(level_frac: float) -> None:
     assert BATTERY.charging_s(level_frac, level_frac) == 0.0
@@ -74,6 +78,7 @@ def test_a_curve_may_taper_from_the_beginning_or_never(taper_frac: float) -> Non
     assert battery.charged_frac(1.0, 10.0) == 1.0
 
 
+@settings(deadline=None)
 @given(st.floats(0.0, 1e4), st.floats(0.0, 1e4), st.booleans())
 def test_spending_adds_metres_and_seconds(metres: float, seconds: float, loaded: bool) -> None:
     per_m = TYPE.loaded_wh_per_m if loaded else TYPE.drive_wh_per_m

@@ -6,7 +6,7 @@ from itertools import pairwise
 from math import inf, sqrt
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dray.plant import Plant, VehicleType, default_plant
@@ -51,6 +51,7 @@ def limit_at(stretch: Stretch, place_m: float) -> float:
     return max(limits)
 
 
+@settings(deadline=None)
 @given(stretches())
 def test_a_profile_from_standstill_is_never_above_a_limit(stretch: Stretch) -> None:
     profile = plan(stretch, 0.0, RATE_MPS2)
@@ -61,6 +62,7 @@ def test_a_profile_from_standstill_is_never_above_a_limit(stretch: Stretch) -> N
         assert profile.at(profile.time_at(place_m))[1] <= cap_mps + ROUNDING_MPS
 
 
+@settings(deadline=None)
 @given(stretches())
 def test_a_profile_from_standstill_is_continuous_monotone_and_within_the_acceleration(
     stretch: Stretch,
@@ -74,6 +76,7 @@ def test_a_profile_from_standstill_is_continuous_monotone_and_within_the_acceler
         assert after_m - before_m <= (max(before_mps, after_mps) + RATE_MPS2 * dt_s) * dt_s + 1e-6
 
 
+@settings(deadline=None)
 @given(stretches(), st.floats(0.0, 2.5))
 def test_a_profile_ends_at_exactly_the_length_and_stands(stretch: Stretch, speed_mps: float) -> None:
     profile = plan(stretch, speed_mps, RATE_MPS2)
@@ -82,6 +85,7 @@ def test_a_profile_ends_at_exactly_the_length_and_stands(stretch: Stretch, speed
     assert profile.at(profile.duration_s * (1.0 - 1e-12))[0] == pytest.approx(profile.length_m, abs=1e-6)
 
 
+@settings(deadline=None)
 @given(stretches(), st.floats(0.0, 2.5))
 def test_the_place_is_the_integral_of_the_speed(stretch: Stretch, speed_mps: float) -> None:
     profile = plan(stretch, speed_mps, RATE_MPS2)
@@ -91,6 +95,7 @@ def test_the_place_is_the_integral_of_the_speed(stretch: Stretch, speed_mps: flo
     assert integral_m == pytest.approx(profile.length_m, rel=2e-3, abs=2e-3)
 
 
+@settings(deadline=None)
 @given(stretches(), st.floats(0.0, 2.5), st.floats(0.0, 1.0))
 def test_time_and_place_are_each_others_inverse(stretch: Stretch, speed_mps: float, part: float) -> None:
     profile = plan(stretch, speed_mps, RATE_MPS2)
@@ -98,6 +103,7 @@ def test_time_and_place_are_each_others_inverse(stretch: Stretch, speed_mps: flo
     assert profile.at(profile.time_at(place_m))[0] == pytest.approx(place_m, abs=1e-7)
 
 
+@settings(deadline=None)
 @given(stretches(), st.floats(0.0, 2.5))
 def test_times_at_nodes_rise_along_the_way(stretch: Stretch, speed_mps: float) -> None:
     profile = plan(stretch, speed_mps, RATE_MPS2)
@@ -106,11 +112,13 @@ def test_times_at_nodes_rise_along_the_way(stretch: Stretch, speed_mps: float) -
     assert times[-1] == profile.duration_s
 
 
+@settings(deadline=None)
 @given(stretches(), st.floats(0.0, 3.0))
 def test_a_profile_begins_with_the_present_speed(stretch: Stretch, speed_mps: float) -> None:
     assert plan(stretch, speed_mps, RATE_MPS2).at(0.0) == (0.0, pytest.approx(speed_mps))
 
 
+@settings(deadline=None)
 @given(stretches(), st.floats(0.0, 1.0))
 def test_planning_anew_on_the_way_changes_nothing_when_nothing_has_changed(
     stretch: Stretch, part: float

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -118,6 +118,7 @@ def test_the_delivery_warehouse_counts_products_and_gives_nothing_back(yard: Yar
     assert yard.delivery.arrived == {"gear": 10}
 
 
+@settings(deadline=None)
 @given(st.lists(st.tuples(st.booleans(), st.integers(1, 40), st.floats(0.0, 200.0)), max_size=40))
 def test_whatever_vehicles_do_nothing_is_lost_in_a_storage(deeds: list[tuple[bool, int, float]]) -> None:
     yard = Yard()

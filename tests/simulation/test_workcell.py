@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -188,6 +188,7 @@ DEEDS = st.one_of(
 )
 
 
+@settings(deadline=None)
 @given(st.lists(st.tuples(DEEDS, st.floats(0.0, 50.0)), max_size=60))
 def test_whatever_happens_material_is_conserved(deeds: list[tuple[tuple[str, str], float]]) -> None:
     yard = Yard()
