@@ -1,0 +1,111 @@
+"""A machine's goals: what it has promised, how far it is, and what that takes."""
+
+from __future__ import annotations
+
+import pytest
+from kit import PLANT, production
+
+from dray.protocol.production import Goal, GoalBook
+
+PLENTY = {"housing": 72, "impeller": 90, "seal-kit": 120, "shaft": 120, "bearing": 120}
+
+
+def goal(name: str, *, deadline_s: float = 100.0, product: str = "pump-p3", quantity: int = 24) -> Goal:
+    return Goal(name, production(product=product, quantity=quantity), deadline_s)
+
+
+def book(*goals: Goal, machine: str = "M8") -> GoalBook:
+    """The goals of M8, which makes pumps in 50 s and gear units G2 in 54 s."""
+    made = GoalBook(machine, PLANT)
+    for each in goals:
+        made.add(each)
+    return made
+
+
+def test_goals_stand_in_the_order_of_their_deadlines_and_then_of_their_names() -> None:
+    goals = book(goal("C", deadline_s=50.0), goal("B", deadline_s=100.0), goal("A", deadline_s=100.0))
+    assert [each.id for each in goals] == ["C", "A", "B"]
+
+
+def test_the_most_urgent_goal_with_material_for_its_next_piece_is_made() -> None:
+    goals = book(goal("GEAR", deadline_s=10.0, product="gear-unit-g2"), goal("PUMP", deadline_s=20.0))
+    assert goals.next_to_make(PLENTY) is goals.get("GEAR")
+    assert goals.next_to_make(PLENTY | {"shaft": 0}) is goals.get("PUMP")
+    assert goals.next_to_make({}) is None
+
+
+def test_one_bearing_is_not_enough_for_a_piece_that_takes_two() -> None:
+    goals = book(goal("GEAR", product="gear-unit-g2"))
+    assert goals.next_to_make(PLENTY | {"bearing": 1}) is None
+    assert goals.next_to_make(PLENTY | {"bearing": 2}) is not None
+
+
+def test_a_goal_that_is_made_is_not_made_again() -> None:
+    done = goal("A")
+    done.made = 24
+    goals = book(done, goal("B"))
+    assert goals.next_to_make(PLENTY) is goals.get("B")
+
+
+def test_the_need_is_over_all_goals_without_what_is_made_or_running() -> None:
+    half = goal("A")
+    half.made = 20
+    goals = book(half, goal("B"), goal("GEAR", product="gear-unit-g2", quantity=10))
+    assert goals.need("housing", "") == 4 + 24 + 10
+    assert goals.need("bearing", "") == 2 * 10
+    assert goals.need("impeller", "pump-p3") == 4 + 24 - 1
+    assert goals.need("shaft", "pump-p3") == 10
+
+
+def test_the_last_running_piece_needs_nothing_more() -> None:
+    last = goal("A", quantity=1)
+    goals = book(last)
+    assert goals.need("housing", "") == 1
+    assert goals.need("housing", "pump-p3") == 0
+
+
+def test_the_use_is_that_of_the_hungriest_goal_that_is_still_made() -> None:
+    goals = book(goal("PUMP"), goal("GEAR", product="gear-unit-g2"))
+    assert goals.use_per_s("bearing") == pytest.approx(2 / 54)
+    assert goals.use_per_s("housing") == pytest.approx(1 / 50)
+    assert book().use_per_s("housing") == 0.0
+
+
+def test_a_quote_is_the_queue_and_the_cycles() -> None:
+    cost = book(goal("A", quantity=10)).quote(production(quantity=24), PLENTY, lead_time_s=90.0)
+    assert cost.queue_s == 10 * 50.0
+    assert cost.making_s == 24 * 50.0
+    assert cost.material_s == 0.0
+    assert cost.total_s == cost.queue_s + cost.material_s + cost.making_s
+
+
+def test_missing_material_is_waited_for_only_as_far_as_the_queue_does_not_cover_it() -> None:
+    work = production(quantity=24)
+    assert book().quote(work, {}, lead_time_s=90.0).material_s == 90.0
+    assert book(goal("A", quantity=1)).quote(work, {}, lead_time_s=90.0).material_s == 40.0
+    assert book(goal("A", quantity=10)).quote(work, {}, lead_time_s=90.0).material_s == 0.0
+
+
+def test_what_is_made_already_is_not_queued_for() -> None:
+    half = goal("A", quantity=10)
+    half.made = 9
+    assert book(half).quote(production(), PLENTY, 90.0).queue_s == 50.0
+
+
+def test_the_heartbeat_tells_of_every_goal_until_it_is_removed() -> None:
+    goals = book(goal("A"), goal("B"))
+    assert [brief.goal for brief in goals.briefs()] == ["A", "B"]
+    goals.remove("A")
+    goals.remove("A")
+    assert [brief.goal for brief in goals.briefs()] == ["B"]
+    assert len(goals) == 1
+
+
+def test_a_book_is_unfinished_while_anything_is_to_be_made() -> None:
+    one = goal("A", quantity=1)
+    goals = book(one)
+    assert goals.unfinished
+    one.made = 1
+    assert not goals.unfinished
+    assert one.ready == 1
+    assert one.to_make == 0

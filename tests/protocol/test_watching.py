@@ -1,0 +1,197 @@
+"""A secondary's watches: it guards, and reserves nothing (protocol, step 4)."""
+
+from __future__ import annotations
+
+import msgspec
+import pytest
+from kit import KEYS, award, facts, listening, rhb, sent
+
+from dray.messages import Award, Resigned, Role
+from dray.messages.fact import ContractEnded, ContractTaken, PrimarySuspected
+from dray.protocol.events import NEVER_S, Effect
+from dray.protocol.supervision import Following, Vigil
+from dray.protocol.suspicion import WORKING_INTERVAL_S, bound_s
+from dray.protocol.timers import Timers
+from dray.protocol.watching import OVER_AFTER_S, Watches
+
+BOUND_S = bound_s(WORKING_INTERVAL_S)
+
+
+def watch(task: str = "M8-1", primary: str = "ATV2", epoch: int = 1) -> Award:
+    return award(task=task, role=Role.SECONDARY, primary=primary, epoch=epoch)
+
+
+class Guard:
+    """The watches of ATV1, and the time."""
+
+    def __init__(self) -> None:
+        self.out: list[Effect] = []
+        self.now_s = 0.0
+        self.timers = Timers()
+        self.watches = Watches(Following(KEYS.atv_heartbeat, self.out), self.timers, self.out)
+
+    def begin(self, order: Award) -> None:
+        self.watches.begin(order, "M8", self.now_s)
+
+    def hears(self, seq: int, at_s: float, atv: str = "ATV2", task: str = "M8-1") -> None:
+        self.now_s = at_s
+        self.watches.hear(rhb(atv, seq, at_s, task=task), at_s)
+
+    def run(self, until_s: float) -> None:
+        while self.timers.next_s <= until_s:
+            self.now_s = self.timers.next_s
+            for _, task in self.timers.due(self.now_s):  # type: ignore[misc]
+                self.watches.wake(task, self.now_s)
+        self.now_s = until_s
+
+    @property
+    def suspicions(self) -> list[PrimarySuspected]:
+        return facts(self.out, PrimarySuspected)
+
+    @property
+    def endings(self) -> list[tuple[str, str]]:
+        return [(fact.task, fact.reason) for fact in facts(self.out, ContractEnded)]
+
+
+def test_a_watch_listens_to_the_primary_and_is_told_in_the_heartbeat() -> None:
+    guard = Guard()
+    guard.begin(watch())
+    assert listening(guard.out) == {KEYS.atv_heartbeat("ATV2")}
+    [brief] = guard.watches.briefs()
+    assert (brief.task, brief.role, brief.coordinator, brief.phase) == ("M8-1", Role.SECONDARY, "M8", None)
+    [taken] = facts(guard.out, ContractTaken)
+    assert taken.role is Role.SECONDARY
+
+
+def test_a_primary_that_is_silent_beyond_the_bound_is_suspected_once() -> None:
+    guard = Guard()
+    guard.begin(watch())
+    guard.run(BOUND_S - 0.001)
+    assert guard.suspicions == []
+    guard.run(60.0)
+    [suspected] = guard.suspicions
+    assert suspected.primary == "ATV2"
+    assert suspected.silent_s == pytest.approx(BOUND_S)
+
+
+def test_a_primary_that_beats_is_never_suspected() -> None:
+    guard = Guard()
+    guard.begin(watch())
+    for second in range(1, 100):
+        guard.run(float(second))
+        guard.hears(second, float(second))
+    assert guard.suspicions == []
+
+
+def test_a_suspect_that_speaks_up_may_be_suspected_again() -> None:
+    guard = Guard()
+    guard.begin(watch())
+    guard.run(10.0)
+    guard.hears(1, 10.0)
+    guard.run(30.0)
+    assert len(guard.suspicions) == 2
+    assert guard.suspicions[1].silent_s == pytest.approx(BOUND_S)
+
+
+def test_an_old_heartbeat_is_no_sign_of_life() -> None:
+    guard = Guard()
+    guard.begin(watch())
+    guard.hears(7, 1.0)
+    guard.hears(6, 3.0)
+    guard.hears(7, 4.0)
+    guard.run(5.0)
+    assert len(guard.suspicions) == 1
+
+
+def test_a_heartbeat_of_an_earlier_life_is_no_sign_of_life() -> None:
+    vigil = Vigil("ATV2", WORKING_INTERVAL_S, 0.0)
+    vigil.hear(msgspec.structs.replace(rhb("ATV2", 1, 1.0, task="T"), incarnation=2), 1.0)
+    vigil.hear(rhb("ATV2", 99, 3.0, task="T"), 3.0)
+    assert vigil.heard_s == 1.0
+
+
+def test_the_bound_follows_what_the_primary_says_of_itself() -> None:
+    guard = Guard()
+    guard.begin(watch())
+    guard.hears(1, 1.0, task="")
+    guard.run(15.0)
+    assert guard.suspicions == []
+    guard.run(17.0)
+    assert len(guard.suspicions) == 1
+
+
+def test_an_ended_watch_is_silent_and_forgotten() -> None:
+    guard = Guard()
+    guard.begin(watch())
+    guard.watches.end("M8-1", "the task has ended")
+    guard.watches.end("M8-1", "the task has ended")
+    assert listening(guard.out) == set()
+    assert guard.timers.next_s == NEVER_S
+    assert guard.endings == [("M8-1", "the task has ended")]
+    assert "M8-1" not in guard.watches
+    guard.watches.wake("M8-1", 100.0)
+    assert guard.suspicions == []
+
+
+def test_all_watches_are_given_back_to_their_coordinator() -> None:
+    guard = Guard()
+    guard.begin(watch("M8-1", "ATV2"))
+    guard.begin(watch("M8-2", "ATV3"))
+    guard.watches.resign("has work of its own")
+    resigned = sent(guard.out, Resigned, to="M8")
+    assert [(message.task, message.role) for message in resigned] == [
+        ("M8-1", Role.SECONDARY),
+        ("M8-2", Role.SECONDARY),
+    ]
+    assert len(guard.watches) == 0
+    assert listening(guard.out) == set()
+    guard.watches.resign("again")
+    assert len(sent(guard.out, Resigned)) == 2
+
+
+def test_one_primary_may_be_watched_for_two_tasks_and_is_heard_until_both_are_over() -> None:
+    guard = Guard()
+    guard.begin(watch("M8-1", "ATV2"))
+    guard.begin(watch("M8-2", "ATV2"))
+    guard.watches.end("M8-1", "the task has ended")
+    assert listening(guard.out) == {KEYS.atv_heartbeat("ATV2")}
+    guard.watches.end("M8-2", "the task has ended")
+    assert listening(guard.out) == set()
+
+
+def test_a_newer_epoch_of_a_task_replaces_the_older_one() -> None:
+    guard = Guard()
+    guard.begin(watch(epoch=1, primary="ATV2"))
+    guard.begin(watch(epoch=2, primary="ATV3"))
+    assert len(guard.watches) == 1
+    assert guard.watches.holds(watch(epoch=2))
+    assert not guard.watches.holds(watch(epoch=1))
+    assert listening(guard.out) == {KEYS.atv_heartbeat("ATV3")}
+    assert guard.endings == [("M8-1", "renewed")]
+
+
+def test_a_watch_whose_release_was_lost_ends_when_the_primary_does_other_work() -> None:
+    guard = Guard()
+    guard.begin(watch())
+    guard.hears(1, 1.0)
+    for second in range(2, 2 + int(OVER_AFTER_S) + 2):
+        guard.hears(second, float(second), task="M3-4")
+    assert guard.endings == [("M8-1", "over")]
+
+
+def test_a_primary_that_names_the_task_again_stays_watched() -> None:
+    guard = Guard()
+    guard.begin(watch())
+    for second in range(1, 60):
+        guard.hears(second, float(second), task="M8-1" if second % 10 == 0 else "")
+    assert guard.endings == []
+
+
+def test_heartbeats_of_others_mean_nothing() -> None:
+    guard = Guard()
+    guard.begin(watch())
+    for second in range(1, 60):
+        guard.hears(second, float(second), atv="ATV9")
+    guard.run(60.0)
+    assert len(guard.suspicions) == 1
+    assert guard.endings == []
