@@ -177,7 +177,8 @@ class VirtualLoop(asyncio.SelectorEventLoop):
     Callbacks of asyncio itself keep asyncio's custom, the loop's exception handler.
 
     Args:
-        pace: `JUMP` or `paced(speed)`; real time counts from the making of the loop.
+        pace: `JUMP` or `paced(speed)`; real time counts from the first moment in which the loop has
+            nothing to do, so that building a factory takes no virtual time.
         start_s: the clock's first reading.
         selector: for tests; the system's best one by default.
         wall_s: real time in seconds that never goes back; for tests.
@@ -208,7 +209,7 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         self._cancelled_timers = 0
         self._wall_s = wall_s
         self._start_s = start_s
-        self._start_wall_s = wall_s()
+        self._start_wall_s: float | None = None
         super().__init__(selector)
 
     # --- what asyncio asks of a loop -------------------------------------------------------------
@@ -304,6 +305,8 @@ class VirtualLoop(asyncio.SelectorEventLoop):
     def _keep_pace(self) -> None:
         """Sleep until something is due or comes from outside, then work for one burst at most."""
         was_idle = not self._ready
+        if was_idle and self._start_wall_s is None:
+            self._start_wall_s = self._wall_s()
         come = self._selector.select(self._sleep_s())
         if was_idle:
             # Whatever has come from outside has come now. Tasks of an instant still see that instant.
@@ -324,6 +327,8 @@ class VirtualLoop(asyncio.SelectorEventLoop):
 
     def due_s(self) -> float:
         """The virtual time that belongs to this real moment (paced loops); callable from any thread."""
+        if self._start_wall_s is None:
+            return self._start_s
         return self._start_s + (self._wall_s() - self._start_wall_s) * self.pace.speed
 
     def _move_on(self) -> None:

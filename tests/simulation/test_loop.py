@@ -296,6 +296,19 @@ def test_a_paced_loop_that_is_behind_skips_nothing_and_says_so() -> None:
     assert lags_s == pytest.approx([0, 0, 0, 3, 2, 1, 0, 0, 0, 0], abs=1e-6)
 
 
+def test_building_takes_no_virtual_time() -> None:
+    wall = Wall()
+
+    async def main(loop: VirtualLoop) -> tuple[float, float]:
+        wall.now_s += 30.0  # as long as it takes to build something large
+        assert loop.due_s() == 5.0
+        await asyncio.sleep(1.0)
+        return loop.time(), loop.lag_s
+
+    assert run_on(wall, 2.0, main, start_s=5.0) == pytest.approx((6.0, 0.0))
+    assert wall.now_s == pytest.approx(1030.5)
+
+
 def test_what_comes_from_outside_sees_the_time_that_real_time_stands_for() -> None:
     wall = Wall()
 
