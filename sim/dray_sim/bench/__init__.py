@@ -16,7 +16,7 @@ from typing import Any
 from dray_sim.bench import bus, sim
 from dray_sim.bench.row import Row, rates
 
-__all__ = ["BENCHES", "Bench", "Row", "as_json", "rates", "run_benches"]
+__all__ = ["BENCHES", "Bench", "Row", "as_json", "rates"]
 
 Bench = Callable[[bool], list[Row]]
 """Measures; True means quick: a tenth of the work, for a look and for tests."""
@@ -24,16 +24,6 @@ Bench = Callable[[bool], list[Row]]
 
 BENCHES: dict[str, Bench] = {"bus": bus.measure, "sim": sim.measure}
 """Name -> benchmark, in the order in which they run."""
-
-
-def run_benches(names: list[str], *, quick: bool) -> list[Row]:
-    """Run the named benchmarks, or all when none is named.
-
-    Raises:
-        KeyError: there is no benchmark of that name.
-    """
-    chosen = [BENCHES[name] for name in names or BENCHES]
-    return [row for bench in chosen for row in bench(quick)]
 
 
 def as_json(rows: list[Row]) -> str:
