@@ -13,6 +13,8 @@ import asyncio
 import datetime
 import json
 import time
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
@@ -50,7 +52,6 @@ def problem(status: int, title: str, errors: list[dict[str, str]] | None = None)
 
 
 def make_app(factory: Pretend) -> FastAPI:
-    app = FastAPI()
     listeners: set[asyncio.Queue[bytes]] = set()
     state: dict[str, Any] = {"mute": False}
 
@@ -63,9 +64,13 @@ def make_app(factory: Pretend) -> FastAPI:
                 if not state["mute"]:
                     queue.put_nowait(frame)
 
-    @app.on_event("startup")
-    async def begin() -> None:
-        state["run"] = asyncio.create_task(run())
+    @asynccontextmanager
+    async def life(_: FastAPI) -> AsyncIterator[None]:
+        running = asyncio.create_task(run())
+        yield
+        running.cancel()
+
+    app = FastAPI(lifespan=life)
 
     @app.get("/")
     async def manager() -> Response:
@@ -132,8 +137,8 @@ def main() -> None:
     if given.vehicles:
         plant = crowd(plant, given.vehicles)
     factory = Pretend(plant, given.speed, given.seed, faults=given.faults)
-    factory.run_until(600)
     factory.began_at_s -= 600 / given.speed
+    factory.run_until(600)
     uvicorn.run(make_app(factory), host="127.0.0.1", port=given.port, log_level="warning")
 
 

@@ -57,15 +57,13 @@ async function request(
   body?: unknown,
   headers: Record<string, string> = {},
 ): Promise<unknown> {
+  const sent = body === undefined ? {} : { "Content-Type": "application/json" };
   const init: RequestInit = {
     method,
-    headers: { Accept: "application/json", ...headers },
+    headers: { Accept: "application/json", ...sent, ...headers },
     signal: AbortSignal.timeout(PATIENCE_MS),
+    body: body === undefined ? null : JSON.stringify(body),
   };
-  if (body !== undefined) {
-    init.body = JSON.stringify(body);
-    init.headers = { ...init.headers, "Content-Type": "application/json" };
-  }
   const response = await fetch(path, init).catch(() => {
     throw new Problem(0, "");
   });

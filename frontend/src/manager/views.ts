@@ -4,16 +4,18 @@ import { signal } from "@preact/signals";
 export const VIEWS = ["plant", "orders", "fleet", "tasks"] as const;
 export type ViewName = (typeof VIEWS)[number];
 
-export const view = signal<ViewName>(viewFrom(location.hash));
+export const view = signal<ViewName>("plant");
 
 export function viewFrom(hash: string): ViewName {
   return VIEWS.find((each) => `#${each}` === hash) ?? "plant";
 }
 
 export function followAddress(): void {
-  addEventListener("hashchange", () => {
+  const follow = (): void => {
     view.value = viewFrom(location.hash);
-  });
+  };
+  addEventListener("hashchange", follow);
+  follow();
 }
 
 export function go(to: ViewName): void {

@@ -59,7 +59,12 @@ export function PlantMap({ plant }: { plant: PlantFile }) {
   };
   return (
     <section class={`map card ${past ? "map-past" : ""}`} aria-label={t("nav.plant")}>
-      <div
+      <div class="map-head">
+        <LayerSwitches />
+        <Finder plant={plant} onChosen={goTo} />
+      </div>
+      <div class="map-floor">
+        <div
         ref={surface}
         class="map-surface"
         id="plant-map"
@@ -72,10 +77,6 @@ export function PlantMap({ plant }: { plant: PlantFile }) {
           <canvas key={i} ref={canvas} aria-hidden="true" />
         ))}
       </div>
-      <div class="map-head">
-        <LayerSwitches />
-        <Finder plant={plant} onChosen={goTo} />
-      </div>
       {past && ageS.value !== null && (
         <p class="map-age">{t("map.past", { age: format.age(ageS.value) })}</p>
       )}
@@ -84,6 +85,7 @@ export function PlantMap({ plant }: { plant: PlantFile }) {
         zoomBy={(steps) => parts.value?.navigation.zoomBy(steps)}
         fit={() => parts.value?.navigation.fit()}
       />
+      </div>
     </section>
   );
 }

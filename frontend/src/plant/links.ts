@@ -26,16 +26,12 @@ export function watchLinks(tasks: Iterable<TaskView>, find: Find, only: Watchful
   const secondary: Line[] = [];
   for (const task of tasks) {
     if (task.state !== "contracted" || task.kind !== "transport") continue;
-    if (only && !concerns(task, only)) continue;
-    add(primary, find(task.primary), find(task.coordinator));
-    add(secondary, find(task.secondary), find(task.primary));
+    const own = only === null || task.primary === only.atv || task.coordinator === only.machine;
+    if (own) add(primary, find(task.primary), find(task.coordinator));
+    // Who is only watching has nothing to do with the machine.
+    if (own || task.secondary === only.atv) add(secondary, find(task.secondary), find(task.primary));
   }
   return { primary, secondary };
-}
-
-function concerns(task: TaskView, { atv, machine }: Watchful): boolean {
-  if (atv !== null && (task.primary === atv || task.secondary === atv)) return true;
-  return machine !== null && task.coordinator === machine;
 }
 
 export function meshLinks(

@@ -14,7 +14,7 @@ import { drawFloor } from "./draw/floor";
 import { drawChosenWay, drawLinks, drawWays } from "./draw/lines";
 import { drawMachine } from "./draw/machines";
 import { drawDots, drawVehicle, drawVehicleLabels, type Look, lookOf } from "./draw/vehicles";
-import { fitView, type Size, toScreenX, toScreenY, type View, type Zoom, zoomed } from "./geometry";
+import { boxOnScreen, fitView, type Size, toScreenX, toScreenY, type View, type Zoom, zoomed } from "./geometry";
 import type { Layers } from "./layers";
 import { meshLinks, watchLinks } from "./links";
 import type { Palette } from "./palette";
@@ -26,8 +26,8 @@ export interface Canvases {
   readonly moving: HTMLCanvasElement;
 }
 
-/** Room for the layer switches above the floor and the scale below it. */
-const PAD = { left: 14, right: 14, top: 56, bottom: 34 };
+/** Room for the scale below the floor. */
+const PAD = { left: 12, right: 12, top: 10, bottom: 32 };
 
 /** What the map is told from outside. */
 export interface Shown {
@@ -243,7 +243,8 @@ export class PlantRenderer {
       if (chosen) drawVehicle(brush, chosen.vehicle, chosen.look, true);
     }
     const named = brush.detail.vehicleLabels && this.#shown.layers.labels;
-    drawVehicleLabels(brush, looks.toReversed().filter((each) => named || each.chosen));
+    const walls = this.plant.machines.map(({ box }) => boxOnScreen(brush.view, box));
+    drawVehicleLabels(brush, looks.toReversed().filter((each) => named || each.chosen), walls);
   }
 
   #inSight(): ShownVehicle[] {

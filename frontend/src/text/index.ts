@@ -12,7 +12,8 @@ export function chooseLocale(wanted: readonly string[]): string {
   return wanted.find((locale) => (locale.split("-")[0] ?? "") in LANGUAGES) ?? "en-GB";
 }
 
-const locale = chooseLocale(navigator.languages);
+// Unit tests run without a browser.
+const locale = chooseLocale(typeof navigator === "undefined" ? [] : navigator.languages);
 const catalogue = LANGUAGES[locale.split("-")[0] ?? ""] ?? en;
 
 export const { t, n, word } = textsFrom(catalogue, locale);

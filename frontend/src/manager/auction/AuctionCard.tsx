@@ -24,9 +24,13 @@ export function AuctionCard() {
   ).value;
   return (
     <Card title={<Title task={task} />} aside={<Aside task={task} />} class="auction">
-      {task ? <Bids task={task} /> : <p class="empty">{t("auction.none")}</p>}
+      {task ? <Bids task={task} /> : <p class="empty">{t(noneKey())}</p>}
     </Card>
   );
+}
+
+function noneKey() {
+  return follow.value === "chosen" && selection.value.latest !== null ? "auction.noneOfChosen" : "auction.none";
 }
 
 function Title({ task }: { task: TaskView | null }) {

@@ -18,6 +18,8 @@ export interface Auction {
   readonly parts: readonly string[];
 }
 
+/** A part that nobody spends half a second on is not worth a place in the legend. */
+const SHOWN_S = 0.5;
 const PART_ORDER = ["empty_way", "loaded_way", "energy", "suitability", "queue", "material", "making"];
 
 export function auctionOf(task: TaskView): Auction {
@@ -58,18 +60,19 @@ function rank(row: BidRow): number {
 }
 
 function partsOf(rows: readonly BidRow[]): string[] {
-  const names = new Set(rows.flatMap(({ bid }) => Object.keys(bid.parts_s)));
+  const spent = rows.flatMap(({ bid }) => Object.entries(bid.parts_s).filter(([, s]) => s >= SHOWN_S));
+  const names = new Set(spent.map(([name]) => name));
   const known = PART_ORDER.filter((name) => names.delete(name));
   return [...known, ...names];
 }
 
-/** The task whose auction is shown: that of the chosen one, else the newest. */
+/**
+ * The task whose auction is shown: that of the chosen one, or the newest. Null where the chosen one
+ * has none: another one's auction would be taken for its own.
+ */
 export function shownTask(world: World, selection: Selection, follow: "chosen" | "newest"): TaskView | null {
   const tasks = [...world.tasks.values()];
-  if (follow === "chosen" && selection.latest !== null) {
-    const task = taskOf(world, selection, tasks);
-    if (task) return task;
-  }
+  if (follow === "chosen" && selection.latest !== null) return taskOf(world, selection, tasks);
   const auctioned = tasks.filter((task) => task.bids.length > 0);
   return newest(auctioned) ?? newest(tasks);
 }

@@ -15,22 +15,20 @@ export function StatusRow({ name, group, counts, order }: Props) {
   const tone = group === "atv" ? toneOfAtv : toneOfMachine;
   return (
     <div class="status-row">
-      <div class="status-head">
-        <span>{name}</span>
-        <ul>
+      <span>{name}</span>
+      <div class="shares" aria-hidden="true">
+        {present.map((status) => (
+          <i key={status} class={`share share-${status}`} style={{ flexGrow: counts[status] ?? 0 }} />
+        ))}
+      </div>
+      <ul>
           {present.map((status) => (
             <li key={status} class={`tone-${tone(status)}`}>
               <i class={`swatch share-${status}`} aria-hidden="true" />
               {t("factory.ofStatus", { count: format.count(counts[status] ?? 0), status: word(group, status) })}
             </li>
           ))}
-        </ul>
-      </div>
-      <div class="shares" aria-hidden="true">
-        {present.map((status) => (
-          <i key={status} class={`share share-${status}`} style={{ flexGrow: counts[status] ?? 0 }} />
-        ))}
-      </div>
+      </ul>
     </div>
   );
 }

@@ -32,6 +32,7 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
       </Facts>
       <Stock title={t("machine.buffers")} buffers={machine?.buffers ?? []} />
       <Stock title={t("machine.goods")} buffers={machine?.goods ?? []} />
+      <Transports tasks={byDeadline(machine).slice(1)} />
     </Card>
   );
 }
@@ -50,10 +51,13 @@ function Goal({ machine }: { machine: MachineView | undefined }) {
   );
 }
 
-/** The most urgent transport; the others are counted. */
+function byDeadline(machine: MachineView | undefined): OpenTaskView[] {
+  return [...(machine?.tasks ?? [])].sort((a, b) => a.deadline_at_s - b.deadline_at_s);
+}
+
+/** The most urgent transport; the others follow below. */
 function Task({ machine }: { machine: MachineView | undefined }) {
-  const tasks = [...(machine?.tasks ?? [])].sort((a, b) => a.deadline_at_s - b.deadline_at_s);
-  const task = tasks[0];
+  const task = byDeadline(machine)[0];
   if (!machine || !task) return <Fact name={t("machine.needs")}>{t("machine.needsNothing")}</Fact>;
   const out = task.destination !== machine.id;
   return (
@@ -64,7 +68,6 @@ function Task({ machine }: { machine: MachineView | undefined }) {
           item: names.value(task.item),
           by: format.clock(task.deadline_at_s),
         })}
-        {tasks.length > 1 && <small>{n("machine.moreTasks", tasks.length - 1)}</small>}
       </Fact>
       <Contractors task={task} />
     </>
@@ -78,5 +81,22 @@ function Contractors({ task }: { task: OpenTaskView }) {
       <Fact name={t("machine.primary")}>{who(task.primary)}</Fact>
       <Fact name={t("machine.secondary")}>{who(task.secondary)}</Fact>
     </>
+  );
+}
+
+/** The other open transports, in short. */
+function Transports({ tasks }: { tasks: readonly OpenTaskView[] }) {
+  if (tasks.length === 0) return null;
+  return (
+    <div class="stock">
+      <h3>{n("machine.moreTasks", tasks.length)}</h3>
+      <Facts>
+        {tasks.map((task) => (
+          <Fact key={task.task} name={t("atv.loadOf", { quantity: format.count(task.quantity), item: names.value(task.item) })}>
+            <Link kind="task" id={task.task} />
+          </Fact>
+        ))}
+      </Facts>
+    </div>
   );
 }

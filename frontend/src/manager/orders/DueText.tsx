@@ -4,12 +4,13 @@ import { nowS } from "../../stream/stream";
 import { format, t } from "../../text";
 import { isLate } from "../alerts/alerts";
 
-/** When an order is due, and whether that has passed. */
-export function DueText({ order }: { order: OrderView }) {
+/** When an order is due, and whether that has passed; `bare` where a heading says already what it is. */
+export function DueText({ order, bare = false }: { order: OrderView; bare?: boolean }) {
   if (order.due_at_s === null) return <span class="muted">{t("orders.noDue")}</span>;
+  const due = format.due(order.due_at_s, nowS.value);
   return (
     <span class="due">
-      {t("orders.due", { due: format.due(order.due_at_s, nowS.value) })}
+      {bare ? due : t("orders.due", { due })}
       {isLate(order, nowS.value) && <Tag tone="warn">{t("orders.late")}</Tag>}
     </span>
   );

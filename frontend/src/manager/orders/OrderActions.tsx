@@ -1,5 +1,5 @@
 import { useSignal } from "@preact/signals";
-import { cancelOrder, Problem, releaseOrder } from "../../api/client";
+import { cancelOrder, releaseOrder } from "../../api/client";
 import type { OrderView } from "../../api/types";
 import { t } from "../../text";
 import { problemText } from "../problem-text";
@@ -17,7 +17,7 @@ export function OrderActions({ order, canCancel = false }: { order: OrderView; c
       await what(order.id);
       asking.value = false;
     } catch (error) {
-      failed.value = message(problemText(error as Problem));
+      failed.value = message(problemText(error));
     } finally {
       busy.value = false;
     }

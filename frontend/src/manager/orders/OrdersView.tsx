@@ -42,7 +42,7 @@ function Row({ order }: { order: OrderView }) {
         <OrderProgress order={order} />
       </td>
       <td>
-        <DueText order={order} />
+        <DueText order={order} bare />
         {order.delivered_at_s !== null && (
           <small class="muted line">{t("orders.deliveredAt", { at: format.clock(order.delivered_at_s) })}</small>
         )}

@@ -2,7 +2,7 @@ import { Card } from "../../parts/Card";
 import { t } from "../../text";
 import { plant } from "../state";
 import { Field } from "./Field";
-import { draft, edit, outcome, send, sending } from "./form";
+import { draft, edit, send, sending } from "./form";
 import { Feasible } from "./Feasible";
 
 /** Defines an order (stored) or publishes it (the factory starts). */
@@ -51,7 +51,9 @@ export function PublishCard() {
             <input {...attributes} type="datetime-local" value={due} onInput={(event) => { edit("due", event.currentTarget.value); }} />
           )}
         </Field>
-        <Feasible />
+        <div class="feasible" role="status">
+          <Feasible />
+        </div>
         <div class="form-actions">
           <button type="button" class="button" disabled={off} onClick={() => void send(false)}>
             {t("publish.define")}
@@ -60,9 +62,6 @@ export function PublishCard() {
             {t(sending.value ? "publish.busy" : "publish.publish")}
           </button>
         </div>
-        <p class={`outcome outcome-${outcome.value?.good === false ? "bad" : "good"}`} role="status">
-          {outcome.value?.text}
-        </p>
       </form>
     </Card>
   );

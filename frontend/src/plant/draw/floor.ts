@@ -144,7 +144,6 @@ function drawParkings(brush: Brush, plan: FloorPlan): void {
   const half = 1.05 * view.scale;
   ctx.lineWidth = 1.25;
   ctx.strokeStyle = palette["lane-mark"];
-  ctx.fillStyle = palette.lane;
   for (const parking of plan.plant.parkings) {
     const at = plan.roads.places.get(parking.node);
     if (!at) continue;
@@ -152,10 +151,11 @@ function drawParkings(brush: Brush, plan: FloorPlan): void {
     const y = toScreenY(view, at.y);
     ctx.beginPath();
     ctx.roundRect(x - half, y - half, 2 * half, 2 * half, Math.min(5, half / 3));
+    ctx.fillStyle = palette.lane;
     ctx.fill();
     if (!detail.machineParts) continue;
     ctx.stroke();
-    write(brush, "P", x, y, textPx(view.scale, 0.85, 9, 22), "ink-3");
+    write(brush, "P", x, y, textPx(view.scale, 0.85, 9, 22), "ink-2");
   }
 }
 
@@ -230,7 +230,7 @@ function write(
   x: number,
   y: number,
   px: number,
-  colour: "steel-ink" | "ink-3",
+  colour: "steel-ink" | "ink-2",
   maxPx?: number,
 ): void {
   const { ctx, palette } = brush;

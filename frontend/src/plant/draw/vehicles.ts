@@ -54,6 +54,7 @@ export function drawVehicle(brush: Brush, vehicle: ShownVehicle, look: Look, cho
   ctx.globalAlpha = look === "lost" ? 0.45 : 1;
   if (chosen) drawHalo(brush, x, y, r);
   const ink = look === "alarm" ? palette.alarm : palette[BODY[look]];
+  drawBattery(brush, x, y, r, vehicle.view);
   drawNose(brush, x, y, r, vehicle.heading, ink);
   ctx.beginPath();
   ctx.arc(x, y, r, 0, 2 * Math.PI);
@@ -63,13 +64,12 @@ export function drawVehicle(brush: Brush, vehicle: ShownVehicle, look: Look, cho
   ctx.strokeStyle = look === "alarm" ? palette.alarm : palette.floor;
   ctx.stroke();
   drawInside(brush, x, y, r, vehicle.view, look);
-  drawBattery(brush, x, y, r, vehicle.view);
   ctx.globalAlpha = 1;
 }
 
 function drawHalo({ ctx, palette }: Brush, x: number, y: number, r: number): void {
   ctx.beginPath();
-  ctx.arc(x, y, r + 7, 0, 2 * Math.PI);
+  ctx.arc(x, y, r + 6, 0, 2 * Math.PI);
   ctx.fillStyle = palette["chosen-soft"];
   ctx.fill();
   ctx.lineWidth = 2;
@@ -82,10 +82,14 @@ function drawNose(brush: Brush, x: number, y: number, r: number, heading: number
   const cos = Math.cos(heading);
   const sin = -Math.sin(heading);
   ctx.beginPath();
-  ctx.moveTo(x + cos * r * 1.62, y + sin * r * 1.62);
-  ctx.lineTo(x + (cos * 0.86 - sin * 0.55) * r, y + (sin * 0.86 + cos * 0.55) * r);
-  ctx.lineTo(x + (cos * 0.86 + sin * 0.55) * r, y + (sin * 0.86 - cos * 0.55) * r);
+  ctx.moveTo(x + cos * r * 1.7, y + sin * r * 1.7);
+  ctx.lineTo(x + (cos * 0.8 - sin * 0.66) * r, y + (sin * 0.8 + cos * 0.66) * r);
+  ctx.lineTo(x + (cos * 0.8 + sin * 0.66) * r, y + (sin * 0.8 - cos * 0.66) * r);
   ctx.closePath();
+  ctx.lineWidth = 2;
+  ctx.lineJoin = "round";
+  ctx.strokeStyle = brush.palette.floor;
+  ctx.stroke();
   ctx.fillStyle = ink;
   ctx.fill();
 }
@@ -117,7 +121,7 @@ function drawInside(brush: Brush, x: number, y: number, r: number, view: AtvView
 /** Only shown where it matters, or where there is room for it. */
 function drawBattery(brush: Brush, x: number, y: number, r: number, view: AtvView): void {
   const low = view.battery_frac < LOW_BATTERY;
-  if (!low && r < 11 && view.status !== "charging") return;
+  if (!low && r < 13 && view.status !== "charging") return;
   const { ctx, palette } = brush;
   const start = -Math.PI / 2;
   ctx.beginPath();
@@ -128,31 +132,57 @@ function drawBattery(brush: Brush, x: number, y: number, r: number, view: AtvVie
 }
 
 /**
- * Names above the vehicles. Two vehicles side by side would write over one another, so whoever comes
- * later in the list stays without a name.
+ * Names beside the vehicles, where there is room: above, else at a side, else below. Where names or
+ * machines leave none, whoever comes later in the list stays without a name, except the chosen one.
+ *
+ * @param walls what no name may cover
  */
 export function drawVehicleLabels(
   brush: Brush,
   vehicles: readonly { vehicle: ShownVehicle; look: Look; chosen: boolean }[],
+  walls: readonly Rect[],
 ): void {
   const { ctx, view, palette, detail } = brush;
   const px = detail.vehiclePx >= 11 ? 11.5 : 10;
-  const taken: Rect[] = [];
+  const taken = [...walls];
   setFont(brush, px, 600);
   ctx.textAlign = "center";
-  ctx.textBaseline = "alphabetic";
+  ctx.textBaseline = "middle";
   ctx.lineWidth = 3;
   ctx.lineJoin = "round";
   ctx.strokeStyle = palette.floor;
   for (const { vehicle, look, chosen } of vehicles) {
-    const x = toScreenX(view, vehicle.x);
-    const y = toScreenY(view, vehicle.y) - detail.vehiclePx - (chosen ? 10 : 6);
-    const half = vehicle.view.id.length * px * 0.32;
-    const rect = { left: x - half, right: x + half, top: y - px, bottom: y };
-    if (taken.some((other) => overlaps(rect, other))) continue;
+    const middle = { x: toScreenX(view, vehicle.x), y: toScreenY(view, vehicle.y) };
+    const size = { width: vehicle.view.id.length * px * 0.66, height: px + 2 };
+    const rect = labelRect(middle, size, detail.vehiclePx + (chosen ? 8 : 5), taken, chosen);
+    if (!rect) continue;
     taken.push(rect);
+    const x = (rect.left + rect.right) / 2;
+    const y = (rect.top + rect.bottom) / 2;
     ctx.strokeText(vehicle.view.id, x, y);
     ctx.fillStyle = palette[look === "alarm" ? "alarm" : chosen ? "chosen" : "ink-2"];
     ctx.fillText(vehicle.view.id, x, y);
   }
+}
+
+/** The first free place around a vehicle; null where there is none and it need not be named. */
+export function labelRect(
+  middle: { x: number; y: number },
+  size: { width: number; height: number },
+  awayPx: number,
+  taken: readonly Rect[],
+  must: boolean,
+): Rect | null {
+  const { width, height } = size;
+  const at = (dx: number, dy: number): Rect => ({
+    left: middle.x + dx - width / 2,
+    right: middle.x + dx + width / 2,
+    top: middle.y + dy - height / 2,
+    bottom: middle.y + dy + height / 2,
+  });
+  const beside = awayPx + width / 2 + 1;
+  const above = at(0, -awayPx - height / 2);
+  const places = [above, at(beside, 0), at(-beside, 0), at(0, awayPx + height / 2)];
+  const free = places.find((place) => !taken.some((other) => overlaps(place, other)));
+  return free ?? (must ? above : null);
 }

@@ -1,0 +1,63 @@
+import { describe, expect, test } from "vitest";
+import {
+  boxOnScreen, centredOn, contains, fitView, overlaps, scaleBar, toFloor, toScreenX, toScreenY, zoomed,
+} from "./geometry";
+
+const floor = { width_m: 60, height_m: 40 };
+const size = { width: 800, height: 600 };
+const pad = { left: 10, right: 10, top: 50, bottom: 30 };
+const fit = fitView(floor, size, pad);
+
+describe("the fitted view", () => {
+  test("holds the whole floor, centred between its margins", () => {
+    expect(toScreenX(fit, 0)).toBeGreaterThanOrEqual(pad.left);
+    expect(toScreenX(fit, 60)).toBeLessThanOrEqual(size.width - pad.right);
+    expect(toScreenY(fit, 40)).toBeGreaterThanOrEqual(pad.top);
+    expect(toScreenY(fit, 0)).toBeLessThanOrEqual(size.height - pad.bottom);
+    expect(toScreenX(fit, 30)).toBeCloseTo(400);
+  });
+
+  test("has y pointing up", () => {
+    expect(toScreenY(fit, 40)).toBeLessThan(toScreenY(fit, 0));
+  });
+
+  test("survives a map without room", () => {
+    expect(fitView(floor, { width: 0, height: 0 }, pad).scale).toBeGreaterThan(0);
+  });
+});
+
+test("a point on the screen leads back to its place on the floor, at any zoom", () => {
+  const view = zoomed(fit, { k: 3.5, x: -120, y: 44 });
+  const back = toFloor(view, toScreenX(view, 12.3), toScreenY(view, 7.8));
+  expect(back.x).toBeCloseTo(12.3);
+  expect(back.y).toBeCloseTo(7.8);
+});
+
+test("centring brings a point into the middle", () => {
+  const view = zoomed(fit, centredOn(fit, size, { x: 5, y: 35 }, 4));
+  expect(toScreenX(view, 5)).toBeCloseTo(400);
+  expect(toScreenY(view, 35)).toBeCloseTo(300);
+});
+
+test("a box contains what lies in it, and near it with slack", () => {
+  const rect = boxOnScreen(fit, { x_m: 30, y_m: 20, width_m: 6, depth_m: 4 });
+  expect(contains(rect, toScreenX(fit, 32), toScreenY(fit, 21))).toBe(true);
+  expect(contains(rect, rect.right + 2, rect.top)).toBe(false);
+  expect(contains(rect, rect.right + 2, rect.top, 3)).toBe(true);
+});
+
+test("boxes that only touch do not overlap", () => {
+  const a = { left: 0, top: 0, right: 10, bottom: 10 };
+  expect(overlaps(a, { left: 10, top: 0, right: 20, bottom: 10 })).toBe(false);
+  expect(overlaps(a, { left: 9, top: 9, right: 20, bottom: 20 })).toBe(true);
+});
+
+test.each([
+  [12, 5],
+  [1.1, 50],
+  [200, 0.2],
+])("the scale bar at %d px per metre shows %d m", (scale, metres) => {
+  const bar = scaleBar(scale, 90);
+  expect(bar.metres).toBeCloseTo(metres);
+  expect(bar.px).toBeLessThanOrEqual(90);
+});

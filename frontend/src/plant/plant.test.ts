@@ -1,0 +1,109 @@
+import { describe, expect, test } from "vitest";
+import type { TaskView } from "../api/types";
+import { detailOf } from "./detail";
+import { labelRect } from "./draw/vehicles";
+import { layersFrom } from "./layers";
+import { meshLinks, watchLinks } from "./links";
+import { find, type Findable } from "./places";
+import { isLost } from "./silence";
+import { filledFrac, isLow } from "./stock";
+
+describe("a buffer", () => {
+  test("below its reorder point is well as long as a delivery is on order", () => {
+    expect(isLow({ level: 10, reorder_point: 20, on_order: 24 })).toBe(false);
+    expect(isLow({ level: 10, reorder_point: 20, on_order: 0 })).toBe(true);
+  });
+
+  test("that is empty is low whatever is on order", () => {
+    expect(isLow({ level: 0, reorder_point: 20, on_order: 24 })).toBe(true);
+  });
+
+  test("is never drawn fuller than full", () => {
+    expect(filledFrac({ level: 30, capacity: 20 })).toBe(1);
+    expect(filledFrac({ level: 3, capacity: 0 })).toBe(0);
+  });
+});
+
+describe("silence", () => {
+  test("of an idle vehicle is normal for a few seconds", () => {
+    expect(isLost({ seen_at_s: 90 }, 100, 1)).toBe(false);
+    expect(isLost({ seen_at_s: 80 }, 100, 1)).toBe(true);
+  });
+
+  test("counts sooner in a factory that runs faster", () => {
+    expect(isLost({ seen_at_s: 95 }, 100, 50)).toBe(true);
+  });
+});
+
+describe("detail", () => {
+  test("falls away with the zoom until vehicles are dots", () => {
+    expect(detailOf(12, 8)).toMatchObject({ vehicleParts: true, vehicleLabels: true, everybody: true });
+    expect(detailOf(2, 1000)).toMatchObject({ vehicleParts: false, vehicleLabels: false, everybody: false });
+  });
+});
+
+describe("links", () => {
+  const places: Record<string, { x: number; y: number }> = {
+    ATV1: { x: 1, y: 1 }, ATV2: { x: 2, y: 2 }, M1: { x: 3, y: 3 },
+  };
+  const task = {
+    kind: "transport", state: "contracted", coordinator: "M1", primary: "ATV1", secondary: "ATV2",
+  } as TaskView;
+  const where = (id: string) => places[id];
+
+  test("join carrier and machine, watcher and carrier", () => {
+    const links = watchLinks([task], where, null);
+    expect(links.primary).toEqual([{ from: places.ATV1, to: places.M1 }]);
+    expect(links.secondary).toEqual([{ from: places.ATV2, to: places.ATV1 }]);
+  });
+
+  test("of others are left out where only the chosen are asked for", () => {
+    expect(watchLinks([task], where, { atv: "ATV9", machine: null }).primary).toEqual([]);
+    expect(watchLinks([task], where, { atv: "ATV1", machine: null }).primary).toHaveLength(1);
+    expect(watchLinks([task], where, { atv: null, machine: "M1" }).secondary).toHaveLength(1);
+  });
+
+  test("of a watcher show whom it watches, and not for whom that one drives", () => {
+    const { primary, secondary } = watchLinks([task], where, { atv: "ATV2", machine: null });
+    expect([primary.length, secondary.length]).toEqual([0, 1]);
+  });
+
+  test("through the mesh lead to the vehicle that relays", () => {
+    const speaking = { x: 9, y: 9, view: { link: "mesh", via: "ATV2" } };
+    expect(meshLinks([speaking], where)[0]?.to).toBe(places.ATV2);
+    expect(meshLinks([{ ...speaking, view: { link: "wlan", via: "" } }], where)).toEqual([]);
+  });
+});
+
+describe("a vehicle's name", () => {
+  const size = { width: 30, height: 12 };
+
+  test("stands above it, beside it where something is above, and nowhere in a crowd", () => {
+    const middle = { x: 100, y: 100 };
+    const above = { left: 80, right: 120, top: 60, bottom: 92 };
+    const all = { left: 0, right: 200, top: 0, bottom: 200 };
+    expect(labelRect(middle, size, 10, [], false)?.bottom).toBe(90);
+    expect(labelRect(middle, size, 10, [above], false)?.left).toBeGreaterThan(100);
+    expect(labelRect(middle, size, 10, [all], false)).toBeNull();
+    expect(labelRect(middle, size, 10, [all], true)).not.toBeNull();
+  });
+});
+
+describe("finding", () => {
+  const thing = (id: string, name: string): Findable => ({ chosen: { kind: "machine", id }, id, name });
+  const all = [thing("M1", "Gear press"), thing("M10", "Motor cell"), thing("S1", "Storage S1")];
+
+  test("prefers names that begin with the words", () => {
+    expect(find([thing("XM1", ""), ...all], "m1", 9).map(({ id }) => id)).toEqual(["M1", "M10", "XM1"]);
+  });
+
+  test("looks into the long name, and gives no more than asked for", () => {
+    expect(find(all, "motor", 9).map(({ id }) => id)).toEqual(["M10"]);
+    expect(find(all, "", 2)).toHaveLength(2);
+  });
+});
+
+test("layers are remembered by name; unknown ones are nobody's", () => {
+  expect(layersFrom("areas nonsense")).toMatchObject({ areas: true, ways: false });
+  expect(layersFrom(null)).toMatchObject({ areas: false, ways: true });
+});

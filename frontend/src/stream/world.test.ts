@@ -1,0 +1,51 @@
+import { describe, expect, test } from "vitest";
+import type { AtvView, Delta, FactoryView, Snapshot, TaskView } from "../api/types";
+import { advance, worldOf } from "./world";
+
+const factory = { speed: 1 } as FactoryView;
+const atv = (id: string, battery_frac = 1) => ({ id, battery_frac }) as AtvView;
+
+export const snapshot = (number: number, atvs: AtvView[] = []): Snapshot => ({
+  type: "snapshot", number, at_s: 100, plant: "dray", factory, atvs, machines: [], tasks: [], orders: [],
+});
+export const delta = (number: number, more: Partial<Delta> = {}): Delta => ({
+  type: "delta", number, at_s: 101, factory: null, atvs: [], machines: [], tasks: [], orders: [], gone: [], ...more,
+});
+
+describe("a world", () => {
+  test("takes whole entities: the newest one wins", () => {
+    const after = advance(worldOf(snapshot(7, [atv("ATV1"), atv("ATV2")])), delta(8, { atvs: [atv("ATV1", 0.5)] }));
+    expect(after?.atvs.get("ATV1")?.battery_frac).toBe(0.5);
+    expect(after?.atvs.get("ATV2")?.battery_frac).toBe(1);
+    expect(after?.number).toBe(8);
+  });
+
+  test("is not to be had from a delta alone", () => {
+    expect(advance(null, delta(1))).toBeNull();
+  });
+
+  test("ends at a gap, and at a number that comes twice", () => {
+    const world = worldOf(snapshot(7));
+    expect(advance(world, delta(9))).toBeNull();
+    expect(advance(world, delta(7))).toBeNull();
+  });
+
+  test("is replaced by a snapshot of any number", () => {
+    const after = advance(worldOf(snapshot(7, [atv("ATV1")])), snapshot(3, [atv("ATV2")]));
+    expect([...(after?.atvs.keys() ?? [])]).toEqual(["ATV2"]);
+  });
+
+  test("loses what has gone, also where an id holds a colon, and ignores kinds it does not know", () => {
+    const task = { id: "a:b" } as TaskView;
+    const begun = advance(worldOf(snapshot(1)), delta(2, { tasks: [task] }));
+    const after = advance(begun, delta(3, { gone: ["task:a:b", "ghost:x"] }));
+    expect(begun?.tasks.size).toBe(1);
+    expect(after?.tasks.size).toBe(0);
+  });
+
+  test("keeps the very map of a kind that did not change", () => {
+    const world = worldOf(snapshot(1, [atv("ATV1")]));
+    expect(advance(world, delta(2))?.atvs).toBe(world.atvs);
+    expect(advance(world, delta(2))?.factory).toBe(factory);
+  });
+});
