@@ -133,7 +133,7 @@ class _Mute:
         self.id = f"M{number}"
         self._effects: list[Effect] = [Subscribe(KEYS.all_heartbeats)]
 
-    def handle(self, event: Event, now_s: float) -> list[Effect]:  # noqa: ARG002
+    def handle(self, event: Event, now_s: float) -> list[Effect]:
         effects, self._effects = self._effects, []
         return effects
 
