@@ -377,11 +377,11 @@ class MachineRig(Rig):
         return self.report(StockChanged(item=item, change=change, vehicle=vehicle))
 
     def hire(self, task: str, atv: str, *, cost_s: float = 50.0) -> list[Effect]:
-        """A vehicle bids alone for a task that is announced now, and gets it."""
-        epoch = 1
-        effects = self.hear(atv, bid(cost_s, task=task, epoch=epoch))
-        effects += self.run(self.now_s + 20.0)
-        return effects + self.hear(atv, accepted(task, epoch=epoch))
+        """A vehicle bids alone for a task that is announced now, is asked, and accepts."""
+        effects = self.hear(atv, bid(cost_s, task=task))
+        while not sent(effects, Award, to=atv):
+            effects += self.run(self.agent.wake_at_s)
+        return effects + self.hear(atv, accepted(task))
 
 
 class StrategistRig(Rig):
