@@ -264,7 +264,8 @@ class Carriage:
 
     def _return(self, now_s: float) -> None:
         """Bring the load to the nearest storage that keeps it, or back to where it came from."""
-        refuges = self._plant.storages_of(self.work.item) or (self.source,)
+        stored = self.work.item in self._plant.materials
+        refuges = self._plant.storages_of(self.work.item) if stored else (self.source,)
         here = self._driver.next_node
         nearest = min(
             refuges, key=lambda each: self._routes.duration_s(here, self._plant.node_of(each))

@@ -1,0 +1,217 @@
+"""Every check of an invariant can fail: it is shown what it must not accept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from random import Random
+
+import pytest
+
+from dray.messages import (
+    AtvHeartbeat,
+    AtvStatus,
+    Event,
+    HandoverAccepted,
+    MachineHeartbeat,
+    MachineStatus,
+    Message,
+    Pose,
+    Role,
+    Transport,
+)
+from dray.messages.fact import (
+    AtvStatusChanged,
+    CommandObeyed,
+    ContractEnded,
+    ContractTaken,
+    Fact,
+    GoalContracted,
+    GoodsDelivered,
+    TaskClosed,
+    TaskOpened,
+)
+from dray.plant import default_plant
+from dray_sim.factory import SimFactory
+from dray_sim.invariants import Invariants
+from dray_sim.loop import VirtualClock
+
+WORK = Transport(item="shaft", quantity=40, sources=("S3",), destination="M8", ability="tote")
+OPENED = TaskOpened(
+    task="M8-1",
+    epoch=1,
+    role=Role.PRIMARY,
+    round=1,
+    work=WORK,
+    radius_m=25.0,
+    deadline_s=100.0,
+    bids_until_s=1.0,
+)
+CLOSED = TaskClosed(task="M8-1", epoch=1, outcome="delivered", carrier="ATV2")
+
+
+class Watched:
+    """A factory that does not run, its invariants, and what is said to them."""
+
+    def __init__(self) -> None:
+        self.factory = SimFactory(default_plant(), VirtualClock(), seed=1)
+        self.checks = Invariants(self.factory)
+        self._at_s = 0.0
+
+    def say(self, sender: str, said: Fact | Message, address: str = "*") -> None:
+        self._at_s += 1.0
+        message = said
+        if isinstance(said, Fact):
+            message = Event(agent=sender, incarnation=1, number=1, at_s=self._at_s, fact=said)
+        assert isinstance(message, Message)
+        self.checks.hear(self._at_s, sender, address, message)
+
+    @property
+    def broken(self) -> int:
+        """The number of the broken invariant; 0 while all hold."""
+        return self.checks.broken.number if self.checks.broken is not None else 0
+
+
+@pytest.fixture
+def watched() -> Watched:
+    return Watched()
+
+
+def machine_heartbeat() -> MachineHeartbeat:
+    return MachineHeartbeat(machine="M8", incarnation=1, seq=1, at_s=0.0, status=MachineStatus.IDLE)
+
+
+def command(what: str) -> CommandObeyed:
+    return CommandObeyed(command="c", what=what, done=True)
+
+
+def test_a_whole_task_breaks_nothing(watched: Watched) -> None:
+    watched.say("M8", OPENED)
+    taken = ContractTaken(task="M8-1", epoch=1, role=Role.PRIMARY, coordinator="M8")
+    watched.say("ATV2", taken)
+    watched.say("M8", HandoverAccepted(task="M8-1", epoch=1), ">ATV2")
+    watched.say("M8", HandoverAccepted(task="M8-1", epoch=1), ">ATV2")
+    watched.say("M8", CLOSED)
+    ended = ContractEnded(task="M8-1", epoch=1, role=Role.PRIMARY, reason="handed_over")
+    watched.say("ATV2", ended)
+    watched.say("M8", machine_heartbeat())
+    assert watched.broken == 0
+
+
+def test_a_forgotten_task_is_noticed(watched: Watched) -> None:
+    watched.say("M8", OPENED)
+    watched.say("M8", machine_heartbeat())
+    assert watched.broken == 1
+
+
+def test_a_task_that_ends_twice_is_noticed(watched: Watched) -> None:
+    watched.say("M8", OPENED)
+    watched.say("M8", CLOSED)
+    watched.say("M8", CLOSED)
+    assert watched.broken == 1
+
+
+def test_a_handover_to_two_carriers_is_noticed(watched: Watched) -> None:
+    watched.say("M8", HandoverAccepted(task="M8-1", epoch=1), ">ATV2")
+    watched.say("M8", HandoverAccepted(task="M8-1", epoch=2), ">ATV3")
+    assert watched.broken == 2
+
+
+def _steal_from_a_storage(factory: SimFactory) -> None:
+    factory.storages["S3"].stock["shaft"] -= 1
+
+
+def _conjure_into_a_warehouse(factory: SimFactory) -> None:
+    factory.delivery["DELIVERY"].arrived["gear-unit-g2"] += 1
+
+
+@pytest.mark.parametrize("tamper", [_steal_from_a_storage, _conjure_into_a_warehouse])
+def test_a_piece_that_vanishes_or_appears_is_noticed(
+    watched: Watched, tamper: Callable[[SimFactory], None]
+) -> None:
+    tamper(watched.factory)
+    watched.say("M8", machine_heartbeat())
+    assert watched.broken == 2
+
+
+def test_a_vehicle_with_two_tasks_is_noticed(watched: Watched) -> None:
+    watched.say("ATV2", ContractTaken(task="M8-1", epoch=1, role=Role.PRIMARY, coordinator="M8"))
+    watched.say("ATV2", ContractTaken(task="M9-1", epoch=1, role=Role.PRIMARY, coordinator="M9"))
+    assert watched.broken == 3
+
+
+def test_a_vehicle_may_watch_while_it_is_free(watched: Watched) -> None:
+    watched.say("ATV2", ContractTaken(task="M8-1", epoch=1, role=Role.SECONDARY, coordinator="M8"))
+    watched.say("ATV2", ContractTaken(task="M9-1", epoch=1, role=Role.SECONDARY, coordinator="M9"))
+    assert watched.broken == 0
+
+
+def delivered(quantity: int, total: int) -> GoodsDelivered:
+    return GoodsDelivered(
+        goal="G1", order="O1", item=0, product="pump-p3", quantity=quantity, delivered=total
+    )
+
+
+def contracted(quantity: int) -> GoalContracted:
+    return GoalContracted(
+        goal="G1", order="O1", item=0, product="pump-p3", quantity=quantity, machine="M8", finish_s=1.0
+    )
+
+
+def test_more_than_was_ordered_is_noticed(watched: Watched) -> None:
+    watched.say("strategist", contracted(24))
+    watched.say("M8", delivered(24, 24))
+    watched.say("M8", delivered(24, 48))
+    assert watched.broken == 4
+
+
+def test_a_goal_closed_too_early_is_noticed(watched: Watched) -> None:
+    watched.say("strategist", contracted(48))
+    watched.say("M8", delivered(24, 24))
+    watched.say("strategist", TaskClosed(task="G1", epoch=1, outcome="delivered", carrier="M8"))
+    assert watched.broken in (1, 4)
+
+
+def test_a_resume_without_an_acknowledge_is_noticed(watched: Watched) -> None:
+    watched.say("ATV2", command("stop"))
+    watched.say("ATV2", command("resume"))
+    assert watched.broken == 5
+
+
+def test_a_stop_that_ends_by_itself_is_noticed(watched: Watched) -> None:
+    watched.say("ATV2", command("stop"))
+    watched.say("ATV2", AtvStatusChanged(status=AtvStatus.WORKING))
+    assert watched.broken == 5
+
+
+def test_a_stopped_vehicle_that_moves_is_noticed() -> None:
+    watched = Watched()
+    vehicle = watched.factory.vehicles["ATV2"]
+    here = vehicle.sense()
+    heartbeat = AtvHeartbeat(
+        atv="ATV2",
+        incarnation=1,
+        seq=1,
+        at_s=0.0,
+        status=AtvStatus.STOPPED,
+        pose=Pose(x_m=0.0, y_m=0.0, heading_rad=0.0),
+        node=here.node,
+        speed_mps=0.0,
+        battery_frac=1.0,
+    )
+    watched.say("ATV2", command("stop"))
+    for _ in range(15):
+        watched.say("ATV2", heartbeat)
+    assert watched.broken == 0
+    clock = watched.factory.clock
+    from dray.body import Drive
+
+    way = watched.factory.plant.routes("heavy").way(here.node, "c3")
+    vehicle.instruct(Drive(order=1, nodes=way.nodes, released=len(way.nodes)))
+    clock.time_s += 5.0
+    watched.say("ATV2", heartbeat)
+    assert watched.broken == 5
+
+
+def test_the_chances_of_a_factory_do_not_depend_on_one_another() -> None:
+    """One generator per concern: drawing more of one leaves the others as they were."""
+    assert Random("1 network").random() != Random("1 stock").random()
