@@ -1,0 +1,389 @@
+"""The strategist: turns orders into goals, and never decides a transport (paper, 3.2)."""
+
+from __future__ import annotations
+
+import pytest
+from kit import (
+    KEYS,
+    PLANT,
+    StrategistRig,
+    accepted,
+    announcement,
+    award,
+    declined,
+    facts,
+    goal_bid,
+    listening,
+    mhb,
+    published,
+    rhb,
+    sent,
+)
+
+from dray.body import Repaired
+from dray.errors import ProtocolViolation
+from dray.messages import (
+    Award,
+    BerthClaimed,
+    Docked,
+    GoalBrief,
+    GoalClosed,
+    OrderCancelled,
+    OrderItem,
+    OrderReleased,
+    OrderTaken,
+    Production,
+    Release,
+    TaskAnnounced,
+    Transport,
+    Withdrawn,
+)
+from dray.messages.fact import (
+    AwardGiven,
+    GoalContracted,
+    OrderAccepted,
+    OrderDropped,
+    OrderFulfilled,
+    TaskClosed,
+)
+from dray.protocol.events import NEVER_S, Effect
+
+
+def order(name: str = "O1", due_s: float = 7200.0, **quantities: int) -> OrderReleased:
+    """An order; products by their short names."""
+    full = {"g1": "gear-unit-g1", "g2": "gear-unit-g2", "pump": "pump-p3", "motor": "motor-e4"}
+    items = tuple(OrderItem(product=full[short], quantity=each) for short, each in quantities.items())
+    return OrderReleased(order=name, items=items, due_s=due_s)
+
+
+def released(message: OrderReleased, **options: object) -> StrategistRig:
+    """A strategist that has just been given an order."""
+    rig = StrategistRig(**options)
+    rig.start()
+    rig.hear("gateway", message)
+    return rig
+
+
+def announced(effects: list[Effect]) -> list[tuple[str, str, int]]:
+    """The goals that were announced for the first time: name, product, quantity."""
+    return [
+        (message.task, message.work.product, message.work.quantity)
+        for message in published(effects, TaskAnnounced)
+        if message.round == 1 and isinstance(message.work, Production)
+    ]
+
+
+def contract(rig: StrategistRig, goal: str, machine: str, cost_s: float = 100.0) -> list[Effect]:
+    """One machine bids alone for a goal that is announced now, and takes it."""
+    effects = rig.hear(machine, goal_bid(goal, cost_s))
+    while not sent(effects, Award, to=machine):
+        effects += rig.run(rig.agent.wake_at_s)
+    return effects + rig.hear(machine, accepted(goal))
+
+
+def contract_all(rig: StrategistRig) -> dict[str, tuple[str, int]]:
+    """Machines take every goal; goal -> machine and quantity."""
+    taken: dict[str, tuple[str, int]] = {}
+    waiting = announced(rig.all)
+    while waiting:
+        goal, product, quantity = waiting.pop(0)
+        machines = PLANT.machines_for(product)
+        machine = machines[len(taken) % len(machines)]
+        taken[goal] = (machine, quantity)
+        waiting += announced(contract(rig, goal, machine))
+    return taken
+
+
+def done(goal: str, quantity: int, delivered: int | None = None, product: str = "pump-p3") -> GoalBrief:
+    """A machine's word that a goal is made, and how much of it is delivered."""
+    there = quantity if delivered is None else delivered
+    return GoalBrief(goal=goal, product=product, quantity=quantity, made=quantity, delivered=there)
+
+
+# --- orders become goals -------------------------------------------------------------------------
+
+
+def test_an_order_is_answered_as_taken() -> None:
+    rig = released(order(pump=24))
+    assert sent(rig.all, OrderTaken, to="gateway") == [OrderTaken(order="O1")]
+
+
+def test_an_order_of_one_lot_is_one_goal() -> None:
+    rig = released(order(pump=24))
+    [(goal, product, quantity)] = announced(rig.all)
+    assert (product, quantity) == ("pump-p3", 24)
+    [taken] = facts(rig.all, OrderAccepted)
+    assert taken.goals == (goal,)
+
+
+@pytest.mark.parametrize("quantity", [1, 23, 24, 25, 100, 119, 120, 121, 1000])
+def test_goals_add_up_to_the_order_in_whole_lots_for_no_more_than_the_capable_machines(quantity: int) -> None:
+    rig = released(order(pump=quantity))
+    sizes = [size for _, size in contract_all(rig).values()]
+    assert sum(sizes) == quantity
+    assert len(sizes) <= len(PLANT.machines_for("pump-p3"))
+    assert all(size % PLANT.products["pump-p3"].lot == 0 for size in sizes[:-1])
+    assert max(sizes) - min(sizes) <= max(sizes)
+    assert min(sizes) > 0
+
+
+def test_a_large_order_is_shared_among_all_capable_machines() -> None:
+    machines = len(PLANT.machines_for("pump-p3"))
+    rig = released(order(pump=24 * machines))
+    assert [size for _, size in contract_all(rig).values()] == [24] * machines
+
+
+def test_every_goal_has_a_name_of_its_own_in_every_life() -> None:
+    names: list[str] = []
+    for incarnation in (1, 2):
+        rig = released(order(pump=240, g1=80), incarnation=incarnation)
+        names += facts(rig.all, OrderAccepted)[0].goals
+    assert len(names) == len(set(names))
+
+
+def test_goals_of_one_product_are_auctioned_one_after_another() -> None:
+    rig = released(order(pump=240))
+    [(first, _, _)] = announced(rig.all)
+    [(second, _, _)] = announced(contract(rig, first, "M7"))
+    assert first != second
+
+
+def test_goals_of_different_products_are_auctioned_at_the_same_time() -> None:
+    rig = released(order(pump=24, g1=40, motor=20))
+    assert [product for _, product, _ in announced(rig.all)] == [
+        "pump-p3",
+        "gear-unit-g1",
+        "motor-e4",
+    ]
+
+
+def test_a_second_order_waits_for_the_first_ones_goals_of_that_product() -> None:
+    rig = released(order("O1", pump=24))
+    assert announced(rig.hear("gateway", order("O2", pump=24))) == []
+    [(goal, _, _)] = announced(rig.all)
+    [(second, _, _)] = announced(contract(rig, goal, "M7"))
+    assert second.startswith("O2")
+
+
+def test_goals_are_announced_to_the_machines_of_their_product_and_due_before_the_order() -> None:
+    rig = released(order(pump=24, due_s=7200.0))
+    [key] = [effect.key for effect in rig.all if published([effect], TaskAnnounced)]  # type: ignore[union-attr]
+    assert key == KEYS.goals("pump-p3")
+    [message] = published(rig.all, TaskAnnounced)
+    assert 0.0 < message.deadline_s < 7200.0
+    assert isinstance(message.work, Production)
+    assert (message.work.order, message.work.item) == ("O1", 0)
+
+
+def test_the_same_order_twice_is_one_order() -> None:
+    rig = released(order(pump=24))
+    effects = rig.hear("gateway", order(pump=24))
+    assert sent(effects, OrderTaken) == [OrderTaken(order="O1")]
+    assert announced(effects) == []
+    assert len(facts(rig.all, OrderAccepted)) == 1
+
+
+def test_an_order_of_nothing_is_fulfilled_at_once() -> None:
+    rig = released(order())
+    assert [fact.order for fact in facts(rig.all, OrderFulfilled)] == ["O1"]
+    assert rig.agent.wake_at_s == NEVER_S
+
+
+# --- machines bid --------------------------------------------------------------------------------
+
+
+def test_of_several_machines_the_cheapest_takes_the_goal() -> None:
+    rig = released(order(pump=24))
+    [(goal, _, _)] = announced(rig.all)
+    for machine, cost_s in (("M7", 1500.0), ("M8", 1200.0), ("M9", 1300.0)):
+        rig.hear(machine, goal_bid(goal, cost_s))
+    rig.run(0.5)
+    assert [fact.bidder for fact in facts(rig.all, AwardGiven)] == ["M8"]
+    rig.hear("M8", declined(goal))
+    assert [fact.bidder for fact in facts(rig.all, AwardGiven)] == ["M8", "M9"]
+    rig.hear("M9", accepted(goal))
+    [contracted] = facts(rig.all, GoalContracted)
+    assert (contracted.goal, contracted.machine, contracted.quantity) == (goal, "M9", 24)
+
+
+def test_a_silent_machine_is_released_and_the_next_one_asked() -> None:
+    rig = released(order(pump=24))
+    [(goal, _, _)] = announced(rig.all)
+    rig.hear("M7", goal_bid(goal, 100.0))
+    rig.hear("M8", goal_bid(goal, 200.0))
+    rig.run(2.0)
+    assert sent(rig.all, Release, to="M7")
+    assert sent(rig.all, Award, to="M8")
+
+
+def test_a_goal_for_which_no_machine_bids_stays_announced() -> None:
+    rig = released(order(pump=24))
+    rig.run(3600.0)
+    rounds = published(rig.all, TaskAnnounced)
+    assert len(rounds) > 50
+    goal = rounds[0].task
+    contract(rig, goal, "M7")
+    assert len(facts(rig.all, GoalContracted)) == 1
+
+
+def test_no_secondary_is_sought_for_a_goal() -> None:
+    rig = released(order(pump=24))
+    [(goal, _, _)] = announced(rig.all)
+    rig.hear("M8", goal_bid(goal, 200.0))
+    contract(rig, goal, "M7")
+    assert sent(rig.run(600.0), Award) == []
+    assert rig.agent.wake_at_s == NEVER_S
+
+
+def test_a_machine_is_heard_while_it_has_a_goal_and_no_longer() -> None:
+    rig = released(order(pump=24))
+    [(goal, _, _)] = announced(rig.all)
+    assert listening(rig.all) == set()
+    contract(rig, goal, "M7")
+    assert listening(rig.all) == {KEYS.machine_heartbeat("M7")}
+    rig.hear("M7", mhb("M7", done(goal, 24)))
+    assert listening(rig.all) == set()
+
+
+# --- following -----------------------------------------------------------------------------------
+
+
+def test_a_goal_is_closed_when_all_of_it_is_delivered_and_not_before() -> None:
+    rig = released(order(pump=24))
+    [(goal, _, _)] = announced(rig.all)
+    contract(rig, goal, "M7")
+    assert rig.hear("M7", mhb("M7", done(goal, 24, delivered=0))) == []
+    assert rig.hear("M7", mhb("M7", done(goal, 24, delivered=23))) == []
+    effects = rig.hear("M7", mhb("M7", done(goal, 24)))
+    assert sent(effects, GoalClosed, to="M7") == [GoalClosed(goal=goal)]
+    assert [fact.outcome for fact in facts(effects, TaskClosed)] == ["delivered"]
+
+
+def test_an_order_is_fulfilled_when_its_last_goal_is_delivered() -> None:
+    rig = released(order(pump=240))
+    taken = contract_all(rig)
+    for number, (goal, (machine, quantity)) in enumerate(taken.items(), start=1):
+        assert facts(rig.all, OrderFulfilled) == []
+        rig.hear(machine, mhb(machine, done(goal, quantity)))
+        assert bool(facts(rig.all, OrderFulfilled)) is (number == len(taken))
+
+
+def test_an_order_of_several_products_needs_them_all() -> None:
+    rig = released(order(pump=24, g1=40))
+    taken = contract_all(rig)
+    assert len(taken) == 2
+    for goal, (machine, quantity) in taken.items():
+        assert facts(rig.all, OrderFulfilled) == []
+        rig.hear(machine, mhb(machine, done(goal, quantity)))
+    assert [fact.order for fact in facts(rig.all, OrderFulfilled)] == ["O1"]
+
+
+def test_the_closing_of_a_goal_is_said_again_while_the_machine_still_names_it() -> None:
+    rig = released(order(pump=48 * 5))
+    taken = contract_all(rig)
+    goal, (machine, quantity) = next(iter(taken.items()))
+    rig.hear(machine, mhb(machine, done(goal, quantity)))
+    effects = rig.hear(machine, mhb(machine, done(goal, quantity), seq=2))
+    assert sent(effects, GoalClosed, to=machine) == [GoalClosed(goal=goal)]
+    assert facts(effects, TaskClosed) == []
+
+
+def test_a_goal_that_nobody_knows_is_left_alone() -> None:
+    rig = released(order(pump=24))
+    assert rig.hear("M7", mhb("M7", done("X1", 24))) == []
+
+
+def test_a_fulfilled_order_that_is_released_again_is_not_made_again() -> None:
+    rig = released(order(pump=24))
+    [(goal, _, _)] = announced(rig.all)
+    contract(rig, goal, "M7")
+    rig.hear("M7", mhb("M7", done(goal, 24)))
+    effects = rig.hear("gateway", order(pump=24))
+    assert sent(effects, OrderTaken)
+    assert announced(effects) == []
+
+
+# --- cancelling ----------------------------------------------------------------------------------
+
+
+def test_a_cancelled_order_withdraws_goals_that_are_taken_asked_for_and_waiting() -> None:
+    rig = released(order(pump=24 * 5))
+    [(first, _, _)] = announced(rig.all)
+    [(second, _, _)] = announced(contract(rig, first, "M7"))
+    rig.hear("M8", goal_bid(second, 100.0))
+    rig.run(rig.now_s + 0.6)
+    effects = rig.hear("gateway", OrderCancelled(order="O1"))
+    assert [message.task for message in sent(effects, Withdrawn, to="M7")] == [first]
+    assert [message.task for message in sent(effects, Release, to="M8")] == [second]
+    assert [fact.order for fact in facts(effects, OrderDropped)] == ["O1"]
+    assert announced(effects) == []
+    assert rig.agent.wake_at_s == NEVER_S
+
+
+def test_cancelling_makes_room_for_the_next_order() -> None:
+    rig = released(order("O1", pump=240))
+    rig.hear("gateway", order("O2", pump=24))
+    effects = rig.hear("gateway", OrderCancelled(order="O1"))
+    [(goal, _, quantity)] = announced(effects)
+    assert goal.startswith("O2")
+    assert quantity == 24
+
+
+def test_cancelling_twice_or_what_is_unknown_is_harmless() -> None:
+    rig = released(order(pump=24))
+    rig.hear("gateway", OrderCancelled(order="O1"))
+    assert rig.hear("gateway", OrderCancelled(order="O1")) == []
+    assert rig.hear("gateway", OrderCancelled(order="O9")) == []
+
+
+def test_a_cancelled_order_that_is_released_again_is_not_made() -> None:
+    rig = released(order(pump=24))
+    rig.hear("gateway", OrderCancelled(order="O1"))
+    effects = rig.hear("gateway", order(pump=24))
+    assert announced(effects) == []
+    assert sent(effects, OrderTaken)
+
+
+def test_a_goal_that_was_begun_before_the_cancellation_is_closed_when_it_is_delivered() -> None:
+    rig = released(order(pump=24))
+    [(goal, _, _)] = announced(rig.all)
+    contract(rig, goal, "M7")
+    rig.hear("gateway", OrderCancelled(order="O1"))
+    effects = rig.hear("M7", mhb("M7", done(goal, 24)))
+    assert sent(effects, GoalClosed, to="M7") == [GoalClosed(goal=goal)]
+    assert facts(effects, OrderFulfilled) == []
+
+
+# --- robustness ----------------------------------------------------------------------------------
+
+
+def test_a_strategist_decides_no_transport() -> None:
+    rig = released(order(pump=240))
+    contract_all(rig)
+    works = [message.work for message in (*published(rig.all, TaskAnnounced), *sent(rig.all, Award))]
+    assert works
+    assert not any(isinstance(work, Transport) for work in works)
+
+
+def test_what_is_not_meant_for_a_strategist_is_ignored() -> None:
+    rig = released(order(pump=24))
+    for message in (
+        announcement(),
+        award(),
+        rhb("ATV1", 1, 0.0),
+        Docked(task="M8-1", epoch=1, station="M8"),
+        GoalClosed(goal="G1"),
+        BerthClaimed(berth="CH1", atv="ATV1", battery_frac=0.5, standing=False),
+        goal_bid("G9", 1.0),
+        declined("G9"),
+    ):
+        assert rig.hear("X", message) == [], message
+
+
+def test_a_strategist_has_no_body() -> None:
+    with pytest.raises(ProtocolViolation, match="no body"):
+        released(order(pump=24)).report(Repaired())
+
+
+def test_being_woken_for_nothing_is_harmless() -> None:
+    assert released(order(pump=24)).wake() == []
