@@ -58,6 +58,7 @@ class SimFactory:
         clock: the virtual clock of the loop that it will run on.
         seed: everything that is left to chance follows from it.
         incarnation: how often this factory was started; names tasks and goals apart.
+        stock_frac: how full buffers are at the start, from and to, of what they hold.
         latency: of the network.
         codec: pass every message through the wire format.
         ear: hears everything that is said.
@@ -75,6 +76,7 @@ class SimFactory:
         *,
         seed: int,
         incarnation: int = 1,
+        stock_frac: tuple[float, float] = FIRST_STOCK_FRAC,
         latency: Latency = WLAN,
         codec: bool = False,
         ear: Ear | None = None,
@@ -86,15 +88,14 @@ class SimFactory:
         self.bus = SimNetwork(clock, Random(f"{seed} network"), latency, codec=codec, trace=ear)
         self.source = SourceWarehouse(plant.source_warehouses[0], plant.materials)
         self.delivery: Mapping[str, DeliveryWarehouse] = {
-            warehouse: DeliveryWarehouse(warehouse, plant.products)
-            for warehouse in plant.delivery_warehouses
+            warehouse: DeliveryWarehouse(warehouse, plant.products) for warehouse in plant.delivery_warehouses
         }
         self.storages: Mapping[str, Storage] = {
             spec.id: Storage(spec, clock, self.source) for spec in plant.storages.values()
         }
         stock = Random(f"{seed} stock")
         self.workcells: Mapping[str, SimWorkcell] = {
-            spec.id: SimWorkcell(spec, plant, clock, stock=_first_stock(plant, spec.id, stock))
+            spec.id: SimWorkcell(spec, plant, clock, stock=_first_stock(plant, spec.id, stock_frac, stock))
             for spec in plant.machines.values()
         }
         places: dict[str, Place] = {**self.storages, **self.workcells, **self.delivery}
@@ -125,8 +126,8 @@ class SimFactory:
         self.workers[agent.id] = Worker(agent, bus=self.bus, clock=self.clock, keys=self.keys, body=body)
 
 
-def _first_stock(plant: Plant, machine: str, random: Random) -> dict[str, int]:
+def _first_stock(plant: Plant, machine: str, frac: tuple[float, float], random: Random) -> dict[str, int]:
     return {
-        material: round(plant.materials[material].buffer * random.uniform(*FIRST_STOCK_FRAC))
+        material: round(plant.materials[material].buffer * random.uniform(*frac))
         for material in plant.materials_of(machine)
     }

@@ -17,8 +17,8 @@ from dray_sim import demand
 LOAD = 0.6
 """Part of the machines' time that the demand takes: lively, with room for a person's own orders."""
 
-HEAD_START_S = 1500.0
-"""The demand begins as if it had run for this long: some five orders at once, so that a plant in real
+HEAD_START_S = 2000.0
+"""The demand begins as if it had run for this long: some six orders at once, so that a plant in real
 time is busy from its first minute."""
 
 FIRST_S = 2.0

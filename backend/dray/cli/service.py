@@ -35,6 +35,10 @@ from dray_sim.loop import clock, paced
 BUILDING_S = 60.0
 """Longest wait for the factory to be built: one of 1,000 vehicles takes some seconds."""
 
+FIRST_STOCK_FRAC = (0.02, 0.15)
+"""Buffers are nearly empty at first, so that vehicles are hired with the first orders: with full ones the
+first minutes of a plant in real time would show none that moves."""
+
 GREETING = """\
 Dray {version}: {plant}, {machines} machines and {vehicles} vehicles, {speed:g} x real time
   Management panel  {url}/
@@ -123,7 +127,9 @@ def _life(
 
     async def live(ready: Callable[[Inside], None]) -> None:
         now = clock()
-        factory = SimFactory(service.plant, now, seed=service.seed, incarnation=incarnation)
+        factory = SimFactory(
+            service.plant, now, seed=service.seed, incarnation=incarnation, stock_frac=FIRST_STOCK_FRAC
+        )
         ready(Inside(factory.bus, TimeScale(now.now_s(), time.time(), service.speed)))
         await factory.run()
 
