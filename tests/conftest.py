@@ -147,7 +147,7 @@ def start_dray(tmp_path_factory: pytest.TempPathFactory) -> Iterator[StartDray]:
 
     def start(*options: str, python: Path | str = sys.executable) -> DrayProcess:
         home = tmp_path_factory.mktemp("dray")
-        database = f"sqlite+aiosqlite:///{home / 'dray.db'}"
+        database = f"sqlite:///{home / 'dray.db'}"
         dray = DrayProcess(python, "--port", "0", "--db", database, *options, cwd=home)
         started.append(dray)
         return dray

@@ -1,0 +1,104 @@
+"""The management panel in a real browser, before a factory that runs at fifty times real time."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page, expect
+
+OpenPage = Callable[..., Page]
+Screenshot = Callable[[Page, str], Path]
+
+DELIVERED_MS = 60_000
+"""What issue and README promise: an order of a few pieces is delivered within a minute at this speed."""
+
+MOVING_MS = 30_000
+"""Vehicles are hired within seconds of the start; a slow machine may take longer to open the page."""
+
+
+@pytest.fixture(scope="module")
+def quiet_factory(start_dray) -> Iterator[str]:
+    """A factory in which nobody orders but the test."""
+    dray = start_dray("--speed", "50", "--no-demand")
+    yield dray.url
+    assert dray.stop() == 0, dray.output()
+
+
+@pytest.fixture(scope="module")
+def busy_factory(start_dray) -> Iterator[str]:
+    """A factory with customers."""
+    dray = start_dray("--speed", "20", "--seed", "3")
+    yield dray.url
+    assert dray.stop() == 0, dray.output()
+
+
+class Movement:
+    """Which vehicles have moved, as the page hears it."""
+
+    def __init__(self) -> None:
+        self._where: dict[str, tuple[float, float]] = {}
+        self.moved: set[str] = set()
+
+    def two_have_moved(self, payload: str | bytes) -> bool:
+        """Take one frame of the stream."""
+        frame: dict[str, Any] = json.loads(payload)
+        for atv in frame.get("atvs", ()):
+            here = (atv["x_m"], atv["y_m"])
+            if self._where.setdefault(atv["id"], here) != here:
+                self.moved.add(atv["id"])
+        return len(self.moved) >= 2
+
+
+def pixels_of_map(page: Page) -> str:
+    """Everything that is drawn on the map at this moment."""
+    return str(
+        page.evaluate("[...document.querySelectorAll('canvas')].map((canvas) => canvas.toDataURL()).join()")
+    )
+
+
+def test_the_panel_opens_and_shows_the_whole_plant(quiet_factory: str, open_page: OpenPage) -> None:
+    page = open_page(quiet_factory)
+    expect(page.locator("canvas").first).to_be_visible()
+    for title in ("Factory", "Orders", "Publish production"):
+        expect(page.get_by_role("heading", name=title).first).to_be_visible()
+
+
+def test_vehicles_move_on_the_map(busy_factory: str, open_page: OpenPage, screenshot: Screenshot) -> None:
+    page = open_page("about:blank")
+    with page.expect_websocket() as stream:
+        page.goto(busy_factory)
+    expect(page.locator("canvas").first).to_be_visible()
+    before = pixels_of_map(page)
+    stream.value.wait_for_event("framereceived", predicate=Movement().two_have_moved, timeout=MOVING_MS)
+    assert pixels_of_map(page) != before
+    screenshot(page, "manager")
+
+
+def test_an_order_that_is_placed_in_the_panel_is_delivered(
+    quiet_factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = open_page(quiet_factory)
+    page.get_by_label("Quantity").fill("4")
+    page.get_by_label("Customer").fill("Hall 3")
+    page.get_by_label("Reference").fill("PO-browser")
+    page.get_by_role("button", name="Publish").click()
+    order = page.get_by_role("listitem").filter(has_text="PO-browser")
+    expect(order).to_be_visible()
+    expect(order.locator(".order-status")).to_have_text("delivered", timeout=DELIVERED_MS)
+    screenshot(page, "manager-delivered")
+
+
+def test_a_quantity_that_is_no_number_is_refused_beside_its_field(
+    quiet_factory: str, open_page: OpenPage
+) -> None:
+    page = open_page(quiet_factory)
+    quantity = page.get_by_label("Quantity")
+    quantity.fill("many")
+    page.get_by_label("Customer").fill("Hall 3")
+    page.get_by_role("button", name="Publish").click()
+    expect(quantity).to_have_attribute("aria-invalid", "true")
+    expect(page.locator("#publish-quantity-wrong")).not_to_be_empty()
