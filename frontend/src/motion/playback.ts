@@ -20,13 +20,18 @@ export function delayS(speed: number): number {
 
 export class Playback {
   #atS: number | null = null;
-  #serverS = 0;
+  #localS = 0;
 
-  /** The moment to show when the server's clock is `serverS`. */
-  at(serverS: number, delay: number): number {
+  /**
+   * The moment to show.
+   *
+   * @param localS this browser's clock, which runs evenly
+   * @param serverS the server's clock as it is known now; better knowledge makes it jump
+   */
+  at(localS: number, serverS: number, delay: number): number {
     const wanted = serverS - delay;
-    const passed = Math.max(0, serverS - this.#serverS);
-    this.#serverS = serverS;
+    const passed = Math.max(0, localS - this.#localS);
+    this.#localS = localS;
     if (this.#atS === null || Math.abs(wanted - this.#atS) > LOST_S) {
       this.#atS = wanted;
     } else {

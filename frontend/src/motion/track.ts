@@ -34,8 +34,8 @@ export interface Pose extends Place {
 
 /** Faster than any vehicle in any replay: what covers more was set down there, not driven. */
 const LEAP_M = 60;
-/** Long enough to be seen as driving. */
-const CATCH_UP_S = 0.4;
+/** Late news is caught up with within this time: soon, but still seen as driving. */
+const CATCH_UP_S = 1;
 /** Knots closer than this are the same place. */
 const SAME_M = 0.01;
 

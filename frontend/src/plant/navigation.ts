@@ -4,8 +4,9 @@ import { zoom, zoomIdentity, type ZoomBehavior } from "d3-zoom";
 import { centredOn, type Zoom } from "./geometry";
 import type { PlantRenderer } from "./renderer";
 
-/** Closer than this a vehicle would fill the map. */
-const CLOSEST = 24;
+/** Pixels per metre: closer than this a machine would fill the map. */
+const CLOSEST = 90;
+const FURTHEST_K = 0.7;
 const KEY_STEP_PX = 60;
 const BUTTON_STEP = 1.5;
 
@@ -21,7 +22,6 @@ export interface Navigation {
 
 export function navigate(surface: HTMLElement, renderer: PlantRenderer): Navigation {
   const behaviour: ZoomBehavior<HTMLElement, unknown> = zoom<HTMLElement, unknown>()
-    .scaleExtent([0.7, CLOSEST])
     .on("zoom", (event: { transform: Zoom }) => {
       renderer.zoomTo(event.transform);
     });
@@ -55,6 +55,7 @@ export function navigate(surface: HTMLElement, renderer: PlantRenderer): Navigat
     },
     resized: () => {
       const { width, height } = renderer.size;
+      behaviour.scaleExtent([FURTHEST_K, Math.max(2, CLOSEST / renderer.fit.scale)]);
       behaviour.extent([[0, 0], [width, height]]);
       behaviour.translateExtent([[-0.5 * width, -0.5 * height], [1.5 * width, 1.5 * height]]);
     },

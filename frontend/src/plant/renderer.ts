@@ -47,6 +47,7 @@ export class PlantRenderer {
   readonly #playback = new Playback();
   readonly #serverNowS: () => number;
   readonly #productNames: ReadonlyMap<string, string>;
+  readonly #machineAt: ReadonlyMap<string, Place>;
   #shown: Shown;
   #world: World | null = null;
   #size: Size = { width: 1, height: 1 };
@@ -63,6 +64,7 @@ export class PlantRenderer {
     this.#serverNowS = serverNowS;
     this.#roads = roadsOf(plant);
     this.#productNames = new Map(plant.products.map((product) => [product.id, product.name]));
+    this.#machineAt = new Map(plant.machines.map(({ box, id }) => [id, { x: box.x_m, y: box.y_m }]));
     this.fleet = new FleetMotion(this.#roads);
   }
 
@@ -157,7 +159,7 @@ export class PlantRenderer {
     const passedS = Math.min(0.25, (ms - this.#drawnAtMs) / 1000);
     this.#drawnAtMs = ms;
     const nowS = this.#serverNowS();
-    const atS = this.#smooth ? this.#playback.at(nowS, delayS(speed)) : nowS;
+    const atS = this.#smooth ? this.#playback.at(ms / 1000, nowS, delayS(speed)) : nowS;
     const moving = this.fleet.play(atS, this.#smooth ? passedS : 1);
     const vehicles = this.#inSight();
     const detail = detailOf(this.view.scale, vehicles.length);
@@ -207,16 +209,18 @@ export class PlantRenderer {
       const others = vehicles.filter(({ view }) => view.way.length > 0 && view.id !== atv);
       drawWays(brush, others.map(({ view }) => this.fleet.ahead(view.id, atS)));
     }
-    if (layers.watch) this.#drawWatch(brush, world.tasks);
+    if (layers.watch) this.#drawWatch(brush, world.tasks, vehicles);
     if (layers.mesh) drawLinks(brush, meshLinks(vehicles, this.#find), "mesh", false);
     if (layers.ways && atv !== null) drawChosenWay(brush, this.fleet.ahead(atv, atS));
     this.#drawVehicles(brush, vehicles, nowS);
   }
 
-  #drawWatch(brush: Brush, tasks: ReadonlyMap<string, TaskView>): void {
+  #drawWatch(brush: Brush, tasks: ReadonlyMap<string, TaskView>, inSight: readonly ShownVehicle[]): void {
     const { atv, place } = this.#shown;
     if (brush.detail.everybody) {
-      const all = watchLinks(tasks.values(), this.#find, null);
+      // Lines that only pass through would say nothing.
+      const seen = new Map(inSight.map((vehicle) => [vehicle.view.id, vehicle]));
+      const all = watchLinks(tasks.values(), (id) => seen.get(id), null);
       drawLinks(brush, all.secondary, "secondary", false);
     }
     const chosen = watchLinks(tasks.values(), this.#find, { atv, machine: place });
@@ -262,12 +266,7 @@ export class PlantRenderer {
   }
 
   /** Where somebody is drawn: a vehicle as it moves, a machine in the middle of its box. */
-  readonly #find = (id: string): Place | undefined => {
-    const vehicle = this.fleet.get(id);
-    if (vehicle) return vehicle;
-    const box = this.plant.machines.find((machine) => machine.id === id)?.box;
-    return box && { x: box.x_m, y: box.y_m };
-  };
+  readonly #find = (id: string): Place | undefined => this.fleet.get(id) ?? this.#machineAt.get(id);
 }
 
 const URGENCY: Readonly<Record<Look, number>> = { chosen: 0, alarm: 1, normal: 2, charging: 3, lost: 4 };

@@ -94,6 +94,8 @@ export const en = {
   "publish.optional": "optional",
   "publish.due": "Due",
   "publish.machines": "Made by {machines} · {cycle} each",
+  "publish.others.one": "{n} more",
+  "publish.others.other": "{n} more",
   "publish.nobody": "No machine of this plant makes it",
   "publish.needs": "Needs",
   "publish.lots.one": "{n} load",

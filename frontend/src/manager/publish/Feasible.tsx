@@ -3,6 +3,9 @@ import { plant } from "../state";
 import { makersOf, needsOf, quantityOf } from "./draft";
 import { draft, outcome } from "./form";
 
+/** As many as fit into a line or two. */
+const MOST_NAMED = 6;
+
 /** Who can make it, and what has to be brought for it (the plant's bill); after sending, what came of it. */
 export function Feasible() {
   const file = plant.value;
@@ -14,7 +17,9 @@ export function Feasible() {
   const { product } = draft.value;
   const makers = makersOf(file, product);
   const needs = needsOf(file, product, quantityOf(draft.value) ?? 0);
-  const machines = format.list(makers.map(({ id }) => id));
+  const named = makers.slice(0, MOST_NAMED).map(({ id }) => id);
+  const others = makers.length - named.length;
+  const machines = format.list(others > 0 ? [...named, n("publish.others", others)] : named);
   const cycle = format.duration(Math.min(...makers.map(({ cycleS }) => cycleS)));
   return (
     <>

@@ -215,7 +215,7 @@ function drawBox(
   ctx.fillStyle = palette[fill];
   ctx.fill();
   if (fill === "panel") {
-    ctx.lineWidth = Math.max(1, 0.11 * view.scale);
+    ctx.lineWidth = Math.min(3, Math.max(1, 0.11 * view.scale));
     ctx.strokeStyle = palette.steel;
     ctx.stroke();
   }

@@ -30,7 +30,7 @@ function drawBody({ ctx, view, palette }: Brush, rect: Rect, machine: DrawnMachi
   ctx.roundRect(left, top, right - left, bottom - top, Math.min(8, 0.45 * view.scale));
   ctx.fillStyle = abnormal ? palette[`${abnormal}-soft`] : palette.panel;
   ctx.fill();
-  ctx.lineWidth = Math.max(1, (abnormal ? 0.16 : 0.12) * view.scale);
+  ctx.lineWidth = Math.min(3, Math.max(1, (abnormal ? 0.16 : 0.12) * view.scale));
   ctx.strokeStyle = abnormal ? palette[abnormal] : palette.steel;
   if (!machine.view) ctx.setLineDash([3, 3]);
   ctx.stroke();
@@ -58,7 +58,8 @@ function drawNames(brush: Brush, rect: Rect, machine: DrawnMachine): void {
   ctx.textBaseline = "middle";
   ctx.fillStyle = palette[machine.view?.status === "error" ? "alarm" : machine.chosen ? "chosen" : "steel-ink"];
   setFont(brush, px, 650);
-  ctx.fillText(machine.spec.id, middle, y);
+  // A long name gives way to the sign in the corner.
+  ctx.fillText(machine.spec.id, middle, y, width * 0.66);
   if (!withProduct) return;
   setFont(brush, Math.max(10, px * 0.6), 450);
   ctx.fillStyle = palette["ink-2"];
@@ -73,7 +74,7 @@ function drawBuffers({ ctx, view, palette }: Brush, rect: Rect, machine: Machine
   const gap = Math.max(2, 0.22 * view.scale);
   const width = rect.right - rect.left - 2 * inset;
   const each = Math.min(1.4 * view.scale, (width - gap * (buffers.length - 1)) / buffers.length);
-  const tall = Math.max(2.5, 0.36 * view.scale);
+  const tall = Math.min(12, Math.max(2.5, 0.36 * view.scale));
   const y = rect.bottom - inset - tall * 0.9;
   let x = (rect.left + rect.right) / 2 - (each * buffers.length + gap * (buffers.length - 1)) / 2;
   buffers.forEach((buffer, i) => {

@@ -141,7 +141,9 @@ class Pretend:
             material = next(m for m in self.plant.materials if m.id == line.material)
             level = self.chance.randint(material.buffer // 3, material.buffer)
             buffers.append(
-                BufferView(item=material.id, level=level, capacity=material.buffer, reorder_point=material.lot)
+                BufferView(
+                    item=material.id, level=level, capacity=material.buffer, reorder_point=material.lot
+                )
             )
         quantity = self.chance.choice([40, 60, 80])
         view = MachineView(
@@ -163,7 +165,9 @@ class Pretend:
             product = self.plant.products[i % len(self.plant.products)]
             quantity = (i + 2) * 20
             done = {"delivered": quantity, "in_delivery": quantity * 2 // 3}.get(status, 0)
-            made = {"delivered": quantity, "in_delivery": quantity, "in_production": quantity // 2}.get(status, 0)
+            made = {"delivered": quantity, "in_delivery": quantity, "in_production": quantity // 2}.get(
+                status, 0
+            )
             self.add_order(
                 customers[i % 5], f"PO-{4711 + i}", product.id, quantity,
                 due=time.time() + (i - 0.5) * 1800, status=status, made=made, delivered=done,
@@ -204,10 +208,12 @@ class Pretend:
         if view.status != "error":
             self.carry_on(vehicle, step_s)
         use = 0.000004 if vehicle.way else 0.000001
-        view.battery_frac = max(0.12, min(1.0, view.battery_frac + (0.0001 if before == "charging" else -use)))
+        view.battery_frac = max(
+            0.12, min(1.0, view.battery_frac + (0.0001 if before == "charging" else -use))
+        )
         vehicle.beat_s -= step_s
         if vehicle.beat_s <= 0 or view.status != before:
-            vehicle.beat_s += HEARTBEAT_S if vehicle.job or vehicle.way else 5 * HEARTBEAT_S
+            vehicle.beat_s = HEARTBEAT_S if vehicle.job or vehicle.way else 5 * HEARTBEAT_S
             view.seen_at_s = self.wall(self.now_s)
             view.way = tuple(vehicle.way)
             self.changed["atv"].add(view.id)
@@ -283,9 +289,14 @@ class Pretend:
             total = sum(parts.values())
             bids.append(
                 BidView(
-                    bidder=vehicle.view.id, role="primary", round=1, total_s=total, parts_s=parts,
-                    finish_at_s=self.wall(self.now_s + total), source=task.source,
-                )  # fmt: skip
+                    bidder=vehicle.view.id,
+                    role="primary",
+                    round=1,
+                    total_s=total,
+                    parts_s=parts,
+                    finish_at_s=self.wall(self.now_s + total),
+                    source=task.source,
+                )
             )
         bids.sort(key=lambda b: b.total_s)
         if len(bids) > 2 and self.chance.random() < 0.2:

@@ -1,6 +1,6 @@
 """Serves the built panels with a pretended factory behind them, for work on the panels alone.
 
-    .venv/bin/python frontend/dev/serve.py --speed 5
+    .venv/bin/python frontend/scripts/dev/serve.py --speed 5
 
 Together with `npm run dev`, which builds anew on every change. The content policy is the strict one
 of the gateway, so that what would be refused there is refused here.
@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
-import datetime
+import datetime as dt
 import json
 import time
 from collections.abc import AsyncIterator
@@ -29,7 +29,7 @@ from pretend import Pretend
 
 from dray.plant.model import PlantFile
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 STATIC = ROOT / "backend/dray/gateway/static"
 POLICY = "default-src 'none'; script-src 'self'; style-src 'self'; font-src 'self'; img-src 'self'; connect-src 'self'"
 FRAMES_PER_S = 10
@@ -86,28 +86,6 @@ def make_app(factory: Pretend) -> FastAPI:
         state["mute"] = on
         return {"mute": on}
 
-    @app.post("/api/orders")
-    async def order(request: Request) -> Response:
-        body = await request.json()
-        item = body["items"][0]
-        if item["quantity"] > 5000:
-            return problem(422, "The order is not valid", [{"field": "items.0.quantity", "reason": "at most 5,000"}])
-        due = body.get("due_at")
-        placed = factory.add_order(
-            body["customer"], body.get("reference"), item["product"], item["quantity"],
-            due=datetime.datetime.fromisoformat(due).timestamp() if due else None,
-            status="released" if body.get("release", True) else "stored",
-        )  # fmt: skip
-        return Response(msgspec.json.encode(placed), 201, media_type="application/json")
-
-    @app.post("/api/orders/{order}/{verb}")
-    async def change(order: str, verb: str) -> Response:
-        if order not in factory.orders:
-            return problem(404, "There is no such order")
-        factory.orders[order].status = "released" if verb == "release" else "cancelled"
-        factory.changed["order"].add(order)
-        return Response(msgspec.json.encode(factory.orders[order]), media_type="application/json")
-
     @app.websocket("/api/stream")
     async def stream(socket: WebSocket) -> None:
         await socket.accept()
@@ -120,8 +98,35 @@ def make_app(factory: Pretend) -> FastAPI:
         finally:
             listeners.discard(queue)
 
+    add_orders(app, factory)
     app.mount("/static", StaticFiles(directory=STATIC), name="static")
     return app
+
+
+def add_orders(app: FastAPI, factory: Pretend) -> None:
+    @app.post("/api/orders")
+    async def order(request: Request) -> Response:
+        body = await request.json()
+        item = body["items"][0]
+        if item["quantity"] > 5000:
+            return problem(
+                422, "The order is not valid", [{"field": "items.0.quantity", "reason": "at most 5,000"}]
+            )
+        due = body.get("due_at")
+        placed = factory.add_order(
+            body["customer"], body.get("reference"), item["product"], item["quantity"],
+            due=dt.datetime.fromisoformat(due).timestamp() if due else None,
+            status="released" if body.get("release", True) else "stored",
+        )  # fmt: skip
+        return Response(msgspec.json.encode(placed), 201, media_type="application/json")
+
+    @app.post("/api/orders/{order}/{verb}")
+    async def change(order: str, verb: str) -> Response:
+        if order not in factory.orders:
+            return problem(404, "There is no such order")
+        factory.orders[order].status = "released" if verb == "release" else "cancelled"
+        factory.changed["order"].add(order)
+        return Response(msgspec.json.encode(factory.orders[order]), media_type="application/json")
 
 
 def main() -> None:

@@ -31,10 +31,14 @@ def crowd(plant: PlantFile, vehicles: int) -> PlantFile:
             at = {"x_m": x + 6, "y_m": y + 6, "width_m": 5.0, "depth_m": 3.2}
             box = msgspec.convert(at, type(plant.machines[0].box))
             if (i + j) % 4 == 0:
-                storages.append(Storage(f"S{i}-{j}", f"Storage {i}-{j}", f"d{i}-{j}", box, plant.storages[0].stocks))
+                storages.append(
+                    Storage(f"S{i}-{j}", f"Storage {i}-{j}", f"d{i}-{j}", box, plant.storages[0].stocks)
+                )
             else:
                 base = plant.machines[(i * side + j) % len(plant.machines)]
-                machines.append(MachineSpec(f"M{i}-{j}", base.name, base.station, f"d{i}-{j}", box, base.makes))
+                machines.append(
+                    MachineSpec(f"M{i}-{j}", base.name, base.station, f"d{i}-{j}", box, base.makes)
+                )
     fleet = [
         VehicleSpec(f"ATV{k}", plant.vehicle_types[k % 2].id, f"n{(k * 7) % side}-{(k // side) % side}", 0.9)
         for k in range(vehicles)
