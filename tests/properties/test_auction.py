@@ -1,0 +1,207 @@
+"""Whatever bidders do, an auction keeps its promises (invariants 1 and 3 of the protocol).
+
+The model stands for the bidders: who was asked and has neither answered nor been released, and who
+believes to be bound. An answer may be late, be said twice, or be lost; of an answer that is still under
+way when its sender is asked anew, the newer one counts.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from hypothesis import given
+from hypothesis import strategies as st
+from kit import accepted, bid, declined, facts, transport
+
+from dray.messages import Award, Release, Role
+from dray.messages.fact import AwardGiven
+from dray.protocol.auction import Auction, AuctionRules, Place, Stage, Terms
+from dray.protocol.events import NEVER_S, Effect, Send
+
+BIDDERS = ("ATV1", "ATV2", "ATV3", "ATV4")
+
+Step = tuple[Literal["bid", "accept", "decline", "late", "arrive", "repeat", "early", "wait"], str, float]
+
+STEPS = st.lists(
+    st.tuples(
+        st.sampled_from(["bid", "accept", "decline", "late", "arrive", "repeat", "early", "wait"]),
+        st.sampled_from(BIDDERS),
+        st.floats(min_value=0.0, max_value=100.0),
+    ),
+    max_size=60,
+)
+
+RULES = st.builds(
+    AuctionRules,
+    window_s=st.floats(min_value=0.1, max_value=5.0),
+    window_growth=st.floats(min_value=1.0, max_value=3.0),
+    answer_s=st.floats(min_value=0.1, max_value=5.0),
+    radius_m=st.floats(min_value=1.0, max_value=100.0),
+    radius_growth=st.floats(min_value=1.5, max_value=3.0),
+    rest_s=st.floats(min_value=0.1, max_value=5.0),
+    rest_growth=st.floats(min_value=1.0, max_value=3.0),
+)
+
+
+class Hall:
+    """An auction, its bidders, and what must never be seen."""
+
+    def __init__(self, rules: AuctionRules) -> None:
+        self.out: list[Effect] = []
+        self.seen = 0
+        self.now_s = 0.0
+        self.asked = ""
+        self.bound: set[str] = set()
+        self.under_way: set[str] = set()
+        """Bidders whose acceptance has not arrived yet."""
+        self.winner = ""
+        terms = Terms(task="T1", epoch=1, role=Role.PRIMARY, work=transport(), deadline_s=300.0)
+        place = Place(x_m=30.0, y_m=20.0, reach_m=72.0)
+        self.auction = Auction("M8", terms, place, lambda _radius_m: ("k",), rules, self.out)
+        self.auction.open(0.0)
+        self.check()
+
+    def step(self, kind: str, bidder: str, amount: float) -> None:
+        auction = self.auction
+        if kind == "bid":
+            auction.hear_bid(bidder, bid(amount), self.now_s)
+        elif kind == "wait":
+            self.wait()
+        elif kind == "early":
+            self.now_s = min(self.now_s + amount / 100.0, max(self.now_s, auction.wake_at_s))
+            auction.wake(self.now_s)
+        elif kind == "arrive" and bidder in self.under_way:
+            self.under_way.discard(bidder)
+            self.says_accepted(bidder)
+        elif kind == "repeat" and bidder in self.bound:
+            self.says_accepted(bidder)
+        elif bidder == self.asked and bidder not in self.under_way:
+            self.answer(kind, bidder)
+        self.check()
+
+    def answer(self, kind: str, bidder: str) -> None:
+        if kind == "accept":
+            self.bound.add(bidder)
+            self.says_accepted(bidder)
+        elif kind == "late":
+            self.bound.add(bidder)
+            self.under_way.add(bidder)
+        elif kind == "decline":
+            self.asked = ""
+            self.auction.hear_declined(bidder, declined(), self.now_s)
+
+    def says_accepted(self, bidder: str) -> None:
+        if self.asked == bidder:
+            self.asked = ""
+        self.auction.hear_accepted(bidder, accepted())
+
+    def wait(self) -> None:
+        if self.auction.wake_at_s < NEVER_S:
+            self.now_s = max(self.now_s, self.auction.wake_at_s)
+            self.auction.wake(self.now_s)
+
+    def check(self) -> None:
+        self.read()
+        auction = self.auction
+        if self.winner:
+            assert auction.winner == self.winner, "a second winner"
+        self.winner = auction.winner
+        if auction.stage is Stage.DECIDED:
+            assert auction.winner
+            assert auction.wake_at_s == NEVER_S
+            assert not self.asked
+        else:
+            assert not auction.winner
+            assert auction.wake_at_s < NEVER_S, "nothing would ever happen again"
+            assert (auction.stage is Stage.ASKING) is bool(self.asked)
+
+    def read(self) -> None:
+        for effect in self.out[self.seen :]:
+            if not isinstance(effect, Send):
+                continue
+            if isinstance(effect.message, Award):
+                assert not self.asked, "two are asked at once"
+                self.asked = effect.to
+                self.under_way.discard(effect.to)
+            elif isinstance(effect.message, Release):
+                self.bound.discard(effect.to)
+                if self.asked == effect.to:
+                    self.asked = ""
+        self.seen = len(self.out)
+
+    def finish(self) -> None:
+        """One willing bidder comes, and everything that is under way arrives."""
+        for bidder in BIDDERS:
+            self.step("arrive", bidder, 0.0)
+        for _ in range(100):
+            if self.auction.stage is Stage.DECIDED:
+                break
+            self.step("bid", "ATV9", 1.0)
+            self.step("accept", "ATV9", 0.0)
+            self.step("wait", "", 0.0)
+            self.step("accept", "ATV9", 0.0)
+        for bidder in BIDDERS:
+            self.step("arrive", bidder, 0.0)
+
+
+@given(rules=RULES, steps=STEPS)
+def test_one_is_asked_at_a_time_one_wins_and_the_auction_never_falls_asleep(
+    rules: AuctionRules, steps: list[Step]
+) -> None:
+    hall = Hall(rules)
+    for step in steps:
+        hall.step(*step)
+
+
+@given(rules=RULES, steps=STEPS)
+def test_a_willing_bidder_always_ends_it_and_nobody_but_the_winner_stays_bound(
+    rules: AuctionRules, steps: list[Step]
+) -> None:
+    hall = Hall(rules)
+    for step in steps:
+        hall.step(*step)
+    hall.finish()
+    assert hall.auction.stage is Stage.DECIDED
+    assert hall.bound == {hall.auction.winner}
+
+
+@given(rules=RULES, steps=STEPS)
+def test_an_auction_that_nobody_answers_goes_on_without_spinning(
+    rules: AuctionRules, steps: list[Step]
+) -> None:
+    hall = Hall(rules)
+    for step in steps:
+        hall.step(*step)
+    if hall.auction.stage is Stage.DECIDED:
+        return
+    for _ in range(20):
+        before_s, before = hall.now_s, len(hall.out)
+        # The rest may be nothing once; then a window must pass.
+        hall.step("wait", "", 0.0)
+        hall.step("wait", "", 0.0)
+        assert hall.now_s > before_s
+        assert len(hall.out) - before < 20
+
+
+@given(
+    costs_s=st.dictionaries(
+        st.sampled_from([f"ATV{number}" for number in range(20)]),
+        st.tuples(st.sampled_from([40.0, 50.0, 60.0]), st.sampled_from([100.0, 110.0])),
+        min_size=1,
+    ),
+    data=st.data(),
+)
+def test_bidders_are_asked_by_price_then_finish_then_name_however_their_bids_arrived(
+    costs_s: dict[str, tuple[float, float]], data: st.DataObject
+) -> None:
+    hall = Hall(AuctionRules())
+    for bidder in data.draw(st.permutations(sorted(costs_s))):
+        cost_s, finish_s = costs_s[bidder]
+        hall.auction.hear_bid(bidder, bid(cost_s, finish_s=finish_s), 0.5)
+    hall.wait()
+    for _ in costs_s:
+        hall.read()
+        asked, hall.asked = hall.asked, ""
+        hall.auction.hear_declined(asked, declined(), hall.now_s)
+    order = [fact.bidder for fact in facts(hall.out, AwardGiven)]
+    assert order == sorted(costs_s, key=lambda each: (*costs_s[each], each))
