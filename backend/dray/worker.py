@@ -14,7 +14,7 @@ What an agent must do is none of this module's business: that is `dray.protocol`
 from __future__ import annotations
 
 import asyncio
-from collections import deque
+from collections import Counter, deque
 from typing import TYPE_CHECKING, assert_never
 
 from dray import messages
@@ -25,6 +25,7 @@ from dray.protocol.events import (
     Effect,
     Event,
     Heard,
+    Ignore,
     Instruct,
     Publish,
     Record,
@@ -72,6 +73,7 @@ class Worker:
         handled: events handled so far.
         dropped_heartbeats: heartbeats that found the inbox three quarters full.
         dropped_messages: other messages that were pushed out of a full inbox.
+        ignored: messages that changed nothing, by the agent's reason; reasons are few and fixed.
     """
 
     def __init__(self, agent: Agent, *, bus: Bus, clock: Clock, keys: Keys, body: Body | None) -> None:
@@ -80,6 +82,7 @@ class Worker:
         self.handled = 0
         self.dropped_heartbeats = 0
         self.dropped_messages = 0
+        self.ignored: Counter[str] = Counter()
         self._bus = bus
         self._clock = clock
         self._events_key = keys.events(agent.id)
@@ -203,6 +206,8 @@ class Worker:
             session.subscribe(effect.key)
         elif isinstance(effect, Unsubscribe):
             session.unsubscribe(effect.key)
+        elif isinstance(effect, Ignore):
+            self.ignored[effect.reason] += 1
         else:
             assert_never(effect)
 

@@ -52,9 +52,7 @@ def run_shift(shift: Shift, plant: Plant, seed: int) -> Report:
 
 
 async def _play(shift: Shift, plant: Plant, seed: int) -> Report:
-    orders = list(
-        demand.orders(plant, Random(f"{seed} demand"), load=shift.load, until_s=shift.duration_s)
-    )
+    orders = list(demand.orders(plant, Random(f"{seed} demand"), load=shift.load, until_s=shift.duration_s))
     observer, trace, ears = Observer(), Trace(), Ears()
     factory = SimFactory(plant, clock(), seed=seed, codec=shift.codec, ear=ears)
     checks = Invariants(factory)

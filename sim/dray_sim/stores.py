@@ -78,21 +78,21 @@ class SourceWarehouse:
         """Send pieces to a storage; counted as they arrive there, so that none is ever in between."""
         self.left[material] += quantity
 
-    def take(self, vehicle: str, item: str, quantity: int) -> str:  # noqa: ARG002 - the same for all
+    def take(self, vehicle: str, item: str, quantity: int) -> str:
         """See `Place`."""
         if item not in self._materials:
             return NOT_KEPT
         self.left[item] += quantity
         return ""
 
-    def put(self, vehicle: str, item: str, quantity: int) -> str:  # noqa: ARG002 - the same for all
+    def put(self, vehicle: str, item: str, quantity: int) -> str:
         """See `Place`. A superseded vehicle may bring its load back."""
         if item not in self._materials:
             return NOT_KEPT
         self.returned[item] += quantity
         return ""
 
-    def wait_for(self, item: str, quantity: int, then: Callable[[], None]) -> bool:  # noqa: ARG002
+    def wait_for(self, item: str, quantity: int, then: Callable[[], None]) -> bool:
         """See `Place`. It is never short of anything, so there is nothing to wait for."""
         return False
 
@@ -113,18 +113,18 @@ class DeliveryWarehouse:
         self.arrived: Counter[str] = Counter()
         self._products = frozenset(products)
 
-    def take(self, vehicle: str, item: str, quantity: int) -> str:  # noqa: ARG002 - nobody gets any
+    def take(self, vehicle: str, item: str, quantity: int) -> str:
         """See `Place`. What is delivered stays delivered."""
         return NOT_KEPT
 
-    def put(self, vehicle: str, item: str, quantity: int) -> str:  # noqa: ARG002 - the same for all
+    def put(self, vehicle: str, item: str, quantity: int) -> str:
         """See `Place`."""
         if item not in self._products:
             return NOT_KEPT
         self.arrived[item] += quantity
         return ""
 
-    def wait_for(self, item: str, quantity: int, then: Callable[[], None]) -> bool:  # noqa: ARG002
+    def wait_for(self, item: str, quantity: int, then: Callable[[], None]) -> bool:
         """See `Place`."""
         return False
 
@@ -167,7 +167,7 @@ class Storage:
         for item in self.stock:
             self._order_if_low(item)
 
-    def take(self, vehicle: str, item: str, quantity: int) -> str:  # noqa: ARG002 - the same for all
+    def take(self, vehicle: str, item: str, quantity: int) -> str:
         """See `Place`."""
         at_hand = self.stock.get(item)
         if at_hand is None:
@@ -178,7 +178,7 @@ class Storage:
         self._order_if_low(item)
         return ""
 
-    def put(self, vehicle: str, item: str, quantity: int) -> str:  # noqa: ARG002 - the same for all
+    def put(self, vehicle: str, item: str, quantity: int) -> str:
         """See `Place`. A superseded vehicle may bring its load back."""
         at_hand = self.stock.get(item)
         if at_hand is None:

@@ -138,7 +138,7 @@ class SimWorkcell:
         self._transfer(vehicle, item, quantity)
         return ""
 
-    def wait_for(self, item: str, quantity: int, then: Callable[[], None]) -> bool:  # noqa: ARG002
+    def wait_for(self, item: str, quantity: int, then: Callable[[], None]) -> bool:
         """See `Place`. What comes next is the agent's decision, and it says so itself."""
         return False
 

@@ -58,6 +58,7 @@ from dray.protocol.events import (
     Effect,
     Event,
     Heard,
+    Ignore,
     Instruct,
     Publish,
     Record,
@@ -80,6 +81,11 @@ WAKES_PER_INSTANT = 100
 T = TypeVar("T")
 
 # --- reading effects -----------------------------------------------------------------------------
+
+
+def deeds(effects: list[Effect]) -> list[Effect]:
+    """Everything but the counting of what changed nothing."""
+    return [effect for effect in effects if not isinstance(effect, Ignore)]
 
 
 def sent(effects: list[Effect], kind: type[T], to: str | None = None) -> list[T]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from kit import KEYS, accepted, bid, declined, facts, listening, published, rhb, sent, transport
+from kit import KEYS, accepted, bid, declined, deeds, facts, listening, published, rhb, sent, transport
 
 from dray.messages import (
     Award,
@@ -128,10 +128,10 @@ def test_who_accepts_becomes_the_primary_with_its_promise_and_its_source() -> No
 
 def test_accepting_twice_contracts_once() -> None:
     office = contracted()
-    said = len(office.out)
+    said = len(deeds(office.out))
     office.accepts("ATV2")
     assert office.contracted == ["T1"]
-    assert len(office.out) == said
+    assert len(deeds(office.out)) == said
 
 
 def test_a_second_one_who_accepts_late_is_released_and_takes_nothing() -> None:
@@ -250,9 +250,9 @@ def test_resigning_twice_or_from_another_task_changes_nothing() -> None:
     office.resigns("ATV1", task="T9")
     assert office.task.secondary == "ATV1"
     office.resigns("ATV1")
-    said = len(office.out)
+    said = len(deeds(office.out))
     office.resigns("ATV1")
-    assert len(office.out) == said
+    assert len(deeds(office.out)) == said
 
 
 def test_a_silent_secondary_is_released_and_another_one_is_sought() -> None:
@@ -385,9 +385,9 @@ def test_the_carrier_of_a_closed_task_is_remembered_within_a_bound() -> None:
 def test_what_is_heard_of_a_closed_task_opens_nothing() -> None:
     office = watched()
     office.desk.close(office.task, "delivered")
-    said = len(office.out)
+    said = len(deeds(office.out))
     office.bids(ATV4=1.0)
     office.declines("ATV4")
     office.resigns("ATV1")
     office.desk.wake("primary auction", "T1", 500.0)
-    assert len(office.out) == said
+    assert len(deeds(office.out)) == said

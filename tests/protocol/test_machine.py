@@ -11,6 +11,7 @@ from kit import (
     accepted,
     announcement,
     bid,
+    deeds,
     facts,
     goal_bid,
     instructed,
@@ -719,7 +720,9 @@ def test_what_is_not_meant_for_a_machine_is_ignored() -> None:
         bid(1.0, task="M7-99"),
         goal_bid("G9", 1.0),
     ):
-        said = [effect for effect in rig.hear("X", message) if not published([effect], MachineHeartbeat)]
+        said = [
+            effect for effect in deeds(rig.hear("X", message)) if not published([effect], MachineHeartbeat)
+        ]
         assert said == [], message
 
 

@@ -11,6 +11,7 @@ from kit import (
     announcement,
     award,
     declined,
+    deeds,
     facts,
     goal_bid,
     listening,
@@ -377,7 +378,7 @@ def test_what_is_not_meant_for_a_strategist_is_ignored() -> None:
         goal_bid("G9", 1.0),
         declined("G9"),
     ):
-        assert rig.hear("X", message) == [], message
+        assert deeds(rig.hear("X", message)) == [], message
 
 
 def test_a_strategist_has_no_body() -> None:

@@ -7,6 +7,7 @@ from random import Random
 
 import pytest
 
+from dray.body import Drive
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
@@ -203,8 +204,6 @@ def test_a_stopped_vehicle_that_moves_is_noticed() -> None:
         watched.say("ATV2", heartbeat)
     assert watched.broken == 0
     clock = watched.factory.clock
-    from dray.body import Drive
-
     way = watched.factory.plant.routes("heavy").way(here.node, "c3")
     vehicle.instruct(Drive(order=1, nodes=way.nodes, released=len(way.nodes)))
     clock.time_s += 5.0

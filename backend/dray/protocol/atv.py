@@ -55,9 +55,11 @@ from dray.protocol.bidding import Bidder, Standing
 from dray.protocol.carriage import ASK, Carriage
 from dray.protocol.driving import Driver
 from dray.protocol.events import (
+    NOT_FOR_US,
     Effect,
     Event,
     Heard,
+    Ignore,
     Publish,
     Record,
     Reported,
@@ -112,9 +114,7 @@ class Atv:
         self._following = Following(self._keys.atv_heartbeat, self._out)
         self._watches = Watches(self._following, self._timers, self._out)
         self._bidder = Bidder(atv, plant, self._type, self._out)
-        self._rest = Rest(
-            atv, plant, self._type, self._keys, self._driver, self._timers, self._out
-        )
+        self._rest = Rest(atv, plant, self._type, self._keys, self._driver, self._timers, self._out)
         self._obedience = Obedience(self._out)
         self._carriage: Carriage | None = None
         self._status = AtvStatus.IDLE
@@ -158,6 +158,8 @@ class Atv:
             hear = self._on_message.get(type(heard.message))
             if hear is not None:
                 hear(heard.sender, heard.message, now_s)
+            else:
+                self._out.append(Ignore(NOT_FOR_US))
         elif kind is Woke:
             self._wake(cast(Woke, event).body, now_s)
         elif kind is Reported:
@@ -312,9 +314,7 @@ class Atv:
             return
         answer = self._bidder.review(award, self._standing(now_s), now_s)
         if isinstance(answer, Unable):
-            declined = Declined(
-                task=award.task, epoch=award.epoch, role=award.role, reason=answer.reason
-            )
+            declined = Declined(task=award.task, epoch=award.epoch, role=award.role, reason=answer.reason)
             self._out.append(Send(sender, declined))
         elif award.role is Role.SECONDARY:
             self._watches.begin(award, sender, now_s)
@@ -331,9 +331,7 @@ class Atv:
 
     def _accept(self, sender: str, award: Award) -> None:
         finish_s = self._carriage.promised_s if self._carriage is not None else 0.0
-        accepted = Accepted(
-            task=award.task, epoch=award.epoch, role=award.role, finish_s=finish_s
-        )
+        accepted = Accepted(task=award.task, epoch=award.epoch, role=award.role, finish_s=finish_s)
         self._out.append(Send(sender, accepted))
 
     def _take(self, sender: str, award: Award, quote: Quote, now_s: float) -> None:
@@ -353,9 +351,7 @@ class Atv:
             out=self._out,
         )
         self._accept(sender, award)
-        taken = ContractTaken(
-            task=award.task, epoch=award.epoch, role=award.role, coordinator=sender
-        )
+        taken = ContractTaken(task=award.task, epoch=award.epoch, role=award.role, coordinator=sender)
         self._out.append(Record(taken))
         self._watches.resign("has work of its own")
         self._rest.stop()
@@ -372,12 +368,17 @@ class Atv:
 
     def _hear_of_contract(self, _sender: str, message: Any, now_s: float) -> None:
         carriage = self._carriage
-        if carriage is None or carriage.task != message.task:
-            return
-        if type(message) is not Superseded and message.epoch != carriage.epoch:
+        fits = carriage is not None and carriage.task == message.task
+        if carriage is None or not fits or self._is_stale(message, carriage):
+            self._out.append(Ignore("an answer about another contract"))
             return
         carriage.hear(message, now_s)
         self._after_carriage(now_s)
+
+    @staticmethod
+    def _is_stale(message: Any, carriage: Carriage) -> bool:
+        """Whether it speaks of another epoch than ours; a Superseded always does."""
+        return type(message) is not Superseded and message.epoch != carriage.epoch
 
     def _has_contract(self, task: str, epoch: int) -> bool:
         carriage = self._carriage

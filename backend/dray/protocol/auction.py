@@ -29,7 +29,7 @@ import msgspec
 
 from dray.messages import Accepted, Award, Bid, Declined, Release, Role, TaskAnnounced, Work
 from dray.messages.fact import AwardAnswered, AwardGiven, BidReceived, RoundFailed, TaskOpened
-from dray.protocol.events import NEVER_S, Effect, Publish, Record, Send
+from dray.protocol.events import NEVER_S, Effect, Ignore, Publish, Record, Send
 
 
 class AuctionRules(msgspec.Struct, frozen=True):
@@ -72,6 +72,8 @@ class Place(msgspec.Struct, frozen=True):
 
 
 class Stage(Enum):
+    """How far an auction is; the picture is above."""
+
     COLLECTING = "collecting"
     ASKING = "asking"
     RESTING = "resting"
@@ -139,6 +141,7 @@ class Auction:
     def hear_bid(self, bidder: str, bid: Bid, now_s: float) -> None:
         """Note a bid. A second one of the same bidder replaces its first."""
         if self.stage is Stage.DECIDED or bidder == self._asked:
+            self._out.append(Ignore("a bid after the award"))
             return
         terms = self.terms
         self._bids[bidder] = bid
@@ -164,6 +167,7 @@ class Auction:
     def hear_accepted(self, bidder: str, answer: Accepted) -> None:
         """The contract stands, if this bidder is the one that was asked."""
         if bidder == self.winner:
+            self._out.append(Ignore("accepted twice"))
             return
         if bidder != self._asked:
             self._release(bidder, "asked no more")
@@ -176,6 +180,7 @@ class Auction:
     def hear_declined(self, bidder: str, answer: Declined, now_s: float) -> None:
         """Ask the next one, if this bidder is the one that was asked."""
         if bidder != self._asked:
+            self._out.append(Ignore("declined without being asked"))
             return
         self._note_answer(answer.reason.value)
         self._asked = ""
@@ -260,9 +265,7 @@ class Auction:
         self._asked, self.winning_bid = bidder, bid
         self._rank += 1
         self.wake_at_s = now_s + self._grown(self._rules.answer_s)
-        fact = AwardGiven(
-            task=terms.task, epoch=terms.epoch, role=terms.role, bidder=bidder, rank=self._rank
-        )
+        fact = AwardGiven(task=terms.task, epoch=terms.epoch, role=terms.role, bidder=bidder, rank=self._rank)
         award = Award(
             task=terms.task,
             epoch=terms.epoch,

@@ -29,6 +29,8 @@ COMPARED = 4
 
 
 class Hold(Enum):
+    """What a vehicle has of a berth."""
+
     NONE = "none"
     CLAIMED = "claimed"
     STANDING = "standing"
@@ -45,9 +47,7 @@ class Berths:
         out: where effects go.
     """
 
-    def __init__(
-        self, atv: str, plant: Plant, vehicle_type: str, keys: Keys, out: list[Effect]
-    ) -> None:
+    def __init__(self, atv: str, plant: Plant, vehicle_type: str, keys: Keys, out: list[Effect]) -> None:
         self._atv = atv
         self._plant = plant
         self._routes = plant.routes(vehicle_type)

@@ -72,9 +72,7 @@ class Bidder:
             finish_s=answer.finish_s,
             source=answer.source,
         )
-        sent = BidSent(
-            task=message.task, epoch=message.epoch, role=message.role, total_s=answer.cost.total_s
-        )
+        sent = BidSent(task=message.task, epoch=message.epoch, role=message.role, total_s=answer.cost.total_s)
         self._out += (Send(message.coordinator, bid), Record(sent))
 
     def review(self, award: Award, standing: Standing, now_s: float) -> Quote | Unable:

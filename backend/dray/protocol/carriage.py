@@ -29,7 +29,7 @@ from dray.messages import (
 from dray.messages.fact import PhaseEntered
 from dray.plant import Plant
 from dray.protocol.driving import Driver
-from dray.protocol.events import Effect, Record, Send
+from dray.protocol.events import Effect, Ignore, Record, Send
 from dray.protocol.timers import Timers
 
 ASK = "ask"
@@ -166,20 +166,19 @@ class Carriage:
 
     def hear(self, message: Message, now_s: float) -> None:
         """Take an answer of the coordinator; what is late or doubled changes nothing."""
-        if isinstance(message, DockOpened):
-            if self._waits_at(message.station):
-                self._timers.clear(ASK)
-                self._pick() if self.phase is Phase.LOADING else self._drop()
-        elif isinstance(message, DockHeld):
-            if self._waits_at(message.station):
-                self._timers.set(ASK, now_s + HELD_ASK_AGAIN_S)
-        elif isinstance(message, HandoverAccepted):
-            if self.phase is Phase.HANDING_OVER:
-                self._end("handed_over")
-        elif isinstance(message, Superseded):
+        if isinstance(message, Superseded):
             self.cancel("superseded", now_s)
         elif isinstance(message, Withdrawn):
             self.cancel("withdrawn", now_s)
+        elif isinstance(message, HandoverAccepted) and self.phase is Phase.HANDING_OVER:
+            self._end("handed_over")
+        elif isinstance(message, DockHeld) and self._waits_at(message.station):
+            self._timers.set(ASK, now_s + HELD_ASK_AGAIN_S)
+        elif isinstance(message, DockOpened) and self._waits_at(message.station):
+            self._timers.clear(ASK)
+            self._transfer()
+        else:
+            self._out.append(Ignore("an answer that nothing waits for any more"))
 
     def cancel(self, reason: str, now_s: float) -> None:
         """The contract is void: end, and take the load back if there is one."""
@@ -236,6 +235,12 @@ class Carriage:
         asking = self.phase is Phase.LOADING or self.phase is Phase.UNLOADING
         return asking and station == self._station and not self._action
 
+    def _transfer(self) -> None:
+        if self.phase is Phase.LOADING:
+            self._pick()
+        else:
+            self._drop()
+
     def _pick(self) -> None:
         self._action = self._driver.next_order()
         self._driver.act(
@@ -267,9 +272,7 @@ class Carriage:
         stored = self.work.item in self._plant.materials
         refuges = self._plant.storages_of(self.work.item) if stored else (self.source,)
         here = self._driver.next_node
-        nearest = min(
-            refuges, key=lambda each: self._routes.duration_s(here, self._plant.node_of(each))
-        )
+        nearest = min(refuges, key=lambda each: self._routes.duration_s(here, self._plant.node_of(each)))
         self._enter(Phase.RETURNING, nearest)
         self._drive(nearest, now_s)
 

@@ -23,7 +23,7 @@ from dray.messages import (
 )
 from dray.messages.fact import PrimarySuspected, TaskClosed, WatchLost
 from dray.protocol.auction import Auction, AuctionRules, Place, Terms
-from dray.protocol.events import NEVER_S, Effect, Record, Send
+from dray.protocol.events import NEVER_S, Effect, Ignore, Record, Send
 from dray.protocol.supervision import Following, Vigil
 from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
 from dray.protocol.timers import Timers
@@ -185,6 +185,7 @@ class Coordinator:
     def hear_bid(self, sender: str, bid: Bid, now_s: float) -> None:
         task = self._open.get(bid.task)
         if task is None or bid.epoch != task.epoch:
+            self._out.append(Ignore("a bid for a task that has ended or moved on"))
             return
         if bid.role is Role.PRIMARY:
             task.auction.hear_bid(sender, bid, now_s)
@@ -211,6 +212,7 @@ class Coordinator:
     def hear_declined(self, sender: str, answer: Declined, now_s: float) -> None:
         task = self._open.get(answer.task)
         if task is None or answer.epoch != task.epoch:
+            self._out.append(Ignore("declined a task that has ended or moved on"))
             return
         if answer.role is Role.PRIMARY:
             task.auction.hear_declined(sender, answer, now_s)
@@ -224,6 +226,8 @@ class Coordinator:
         task = self._open.get(message.task)
         if task is not None and message.role is Role.SECONDARY and sender == task.secondary:
             self._lose_watch(task, message.reason, now_s)
+        else:
+            self._out.append(Ignore("resigned from a watch that has ended"))
 
     def hear_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """Note that a contracted vehicle lives."""
@@ -282,9 +286,7 @@ class Coordinator:
             self._seek_watch(task, task.auction.left_over, now_s)
         self._contracted(task, now_s)
 
-    def _seek_watch(
-        self, task: OpenTask, candidates: tuple[tuple[str, Bid], ...], now_s: float
-    ) -> None:
+    def _seek_watch(self, task: OpenTask, candidates: tuple[tuple[str, Bid], ...], now_s: float) -> None:
         terms = Terms(
             task=task.id,
             epoch=task.epoch,

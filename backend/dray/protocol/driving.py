@@ -76,9 +76,7 @@ class Driver:
         self.order += 1
         self.way, self._passed = way.nodes, 0
         self.started_s, self.arrives_s = now_s, now_s + way.duration_s
-        self._out.append(
-            Instruct(Drive(order=self.order, nodes=way.nodes, released=len(way.nodes)))
-        )
+        self._out.append(Instruct(Drive(order=self.order, nodes=way.nodes, released=len(way.nodes))))
         return True
 
     def act(self, instruction: VehicleInstruction) -> None:

@@ -18,6 +18,9 @@ from dray.messages import AnyFact, Message
 NEVER_S = float("inf")
 """The wake-up time of an agent that waits for nothing but messages."""
 
+NOT_FOR_US = "a message that this kind of agent has no use for"
+"""Why a message of a known type is ignored: a newer software may say things that older ones do not know."""
+
 
 class Value(msgspec.Struct, frozen=True, gc=False):
     """An immutable event or effect."""
@@ -95,7 +98,16 @@ class Record(Value, frozen=True):
     fact: AnyFact
 
 
-Effect = Publish | Send | Subscribe | Unsubscribe | Instruct | Record
+class Ignore(Value, frozen=True):
+    """Count a message that changed nothing: late, doubled, stale, or not for this agent.
+
+    That is normal on a real network; it is counted so that somebody can see when it is not.
+    """
+
+    reason: str
+
+
+Effect = Publish | Send | Subscribe | Unsubscribe | Instruct | Record | Ignore
 
 
 class Agent(Protocol):

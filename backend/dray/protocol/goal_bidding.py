@@ -37,9 +37,7 @@ class GoalBidder:
         out: where effects go.
     """
 
-    def __init__(
-        self, products: tuple[str, ...], goals: GoalBook, supply: Supply, out: list[Effect]
-    ) -> None:
+    def __init__(self, products: tuple[str, ...], goals: GoalBook, supply: Supply, out: list[Effect]) -> None:
         self._products = products
         self._goals = goals
         self._supply = supply

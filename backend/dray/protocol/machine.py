@@ -51,9 +51,11 @@ from dray.protocol.auction import AuctionRules, Place
 from dray.protocol.coordinator import TIMER_KINDS, Coordinator, OpenTask
 from dray.protocol.docking import Dock
 from dray.protocol.events import (
+    NOT_FOR_US,
     Effect,
     Event,
     Heard,
+    Ignore,
     Instruct,
     Publish,
     Record,
@@ -159,6 +161,8 @@ class Machine:
             hear = self._on_message.get(type(heard.message))
             if hear is not None:
                 hear(heard.sender, heard.message, now_s)
+            else:
+                self._out.append(Ignore(NOT_FOR_US))
         elif kind is Woke:
             self._wake(cast(Woke, event).body, now_s)
         elif kind is Reported:

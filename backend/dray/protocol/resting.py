@@ -107,9 +107,7 @@ class Rest:
     def check_battery(self, battery_frac: float, now_s: float) -> None:
         """A vehicle that has parked looks for a charger when its battery gets low."""
         seeking = (
-            self._berths.hold is Hold.CLAIMED
-            or self._timers.is_set(SETTLE)
-            or self._timers.is_set(CLAIM)
+            self._berths.hold is Hold.CLAIMED or self._timers.is_set(SETTLE) or self._timers.is_set(CLAIM)
         )
         if self._wants_charge(battery_frac) and not seeking:
             self._timers.set(SETTLE, now_s)

@@ -32,7 +32,7 @@ from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.auction import AuctionRules, Place
 from dray.protocol.coordinator import TIMER_KINDS, Coordinator, OpenTask, Outcome
-from dray.protocol.events import Effect, Event, Heard, Record, Send, Started, Woke
+from dray.protocol.events import NOT_FOR_US, Effect, Event, Heard, Ignore, Record, Send, Started, Woke
 from dray.protocol.supervision import Following
 from dray.protocol.timers import Timers
 
@@ -115,6 +115,8 @@ class Strategist:
             hear = self._on_message.get(type(event.message))
             if hear is not None:
                 hear(event.sender, event.message, now_s)
+            else:
+                self._out.append(Ignore(NOT_FOR_US))
         elif isinstance(event, Woke):
             for name in self._timers.due(now_s):
                 kind, goal = cast(tuple[str, str], name)
@@ -141,9 +143,7 @@ class Strategist:
             for number, quantity in enumerate(self._split(item), start=1)
         ]
         life = "" if self.incarnation == 1 else f"r{self.incarnation}"
-        names = tuple(
-            f"{message.order}{life}-{index + 1}.{number}" for index, number, _, _ in goals
-        )
+        names = tuple(f"{message.order}{life}-{index + 1}.{number}" for index, number, _, _ in goals)
         self._orders[message.order] = OrderInWork(message.order, message.due_s, names)
         self._out.append(Record(OrderAccepted(order=message.order, goals=names)))
         for name, (index, _, product, quantity) in zip(names, goals, strict=True):

@@ -146,9 +146,7 @@ class Supply:
     def _reorder_point(self, material: str) -> int:
         spec, per_cycle = self._plant.materials[material], self._per_cycle[material]
         ceiling = max(per_cycle, spec.buffer - spec.lot)
-        return reorder_point(
-            self._goals.use_per_s(material), self._lead[material].mean_s, per_cycle, ceiling
-        )
+        return reorder_point(self._goals.use_per_s(material), self._lead[material].mean_s, per_cycle, ceiling)
 
     def _first_lead_s(self, material: str) -> float:
         node = self._plant.node_of(self._machine)

@@ -94,17 +94,13 @@ class Watches:
             return
         self._following.end(watch.award.primary)
         self._timers.clear((WATCH_VIGIL, task))
-        ended = ContractEnded(
-            task=task, epoch=watch.award.epoch, role=Role.SECONDARY, reason=reason
-        )
+        ended = ContractEnded(task=task, epoch=watch.award.epoch, role=Role.SECONDARY, reason=reason)
         self._out.append(Record(ended))
 
     def resign(self, reason: str) -> None:
         """Give every watch back to its coordinator, who elects another."""
         for task, watch in list(self._watches.items()):
-            resigned = Resigned(
-                task=task, epoch=watch.award.epoch, role=Role.SECONDARY, reason=reason
-            )
+            resigned = Resigned(task=task, epoch=watch.award.epoch, role=Role.SECONDARY, reason=reason)
             self._out.append(Send(watch.coordinator, resigned))
             self.end(task, "resigned")
 
