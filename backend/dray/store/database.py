@@ -8,6 +8,7 @@ a lock taken half way, after a read, could not be waited for. A commit returns w
 from __future__ import annotations
 
 import asyncio
+import sqlite3
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
@@ -57,8 +58,10 @@ class Database:
             event.listen(engine.sync_engine, "begin", _begin_sqlite)
         database = cls(engine)
         try:
+            if database.is_sqlite:
+                await asyncio.to_thread(_open_once, engine.url.database or "")
             await database._prove_writable()
-        except (DBAPIError, OSError) as error:
+        except (DBAPIError, OSError, sqlite3.Error) as error:
             await database.close()
             raise UnavailableError(*_complaint(url, error)) from error
         return database
@@ -88,6 +91,11 @@ class Database:
             async with connection.begin() as transaction:
                 await connection.execute(text("CREATE TABLE dray_probe (probe INTEGER)"))
                 await transaction.rollback()
+
+
+def _open_once(path: str) -> None:
+    """Open and close the file. A failed attempt of aiosqlite leaves a thread that may answer to a closed loop."""
+    sqlite3.connect(path).close()
 
 
 def _prepare_sqlite(connection: Any, _record: Any) -> None:
