@@ -1,5 +1,6 @@
 /** The tracks of the whole fleet: takes in sightings, answers where everybody is shown. */
 import type { AtvView } from "../api/types";
+import { delayS, nextMoment } from "./playback";
 import type { Place, Roads } from "./roads";
 import { extend, poseAt, type Sighting, trackOf, type Track, turnTowards } from "./track";
 
@@ -17,6 +18,20 @@ export interface ShownVehicle {
 interface Entry {
   track: Track;
   shown: ShownVehicle;
+  /** The moment that is shown, on the server's clock; infinite for who wants no motion. */
+  atS: number;
+  resting: boolean;
+}
+
+/** One picture's place in time. */
+export interface Tick {
+  readonly serverS: number;
+  /** Real time since the last picture. */
+  readonly passedS: number;
+  /** Factory seconds per real second. */
+  readonly speed: number;
+  /** False for people who asked for less motion: everybody is shown where the last news was. */
+  readonly smooth: boolean;
 }
 
 export class FleetMotion {
@@ -33,7 +48,7 @@ export class FleetMotion {
     for (const view of atvs) this.#enter(view);
   }
 
-  observe(views: readonly AtvView[], playedS: number): void {
+  observe(views: readonly AtvView[]): void {
     for (const view of views) {
       const entry = this.#entries.get(view.id);
       if (!entry) {
@@ -41,7 +56,8 @@ export class FleetMotion {
         continue;
       }
       entry.shown.view = view;
-      entry.track = extend(entry.track, sightingOf(view), this.#roads, playedS);
+      const seen = sightingOf(view);
+      entry.track = entry.atS === Infinity ? trackOf(seen) : extend(entry.track, seen, this.#roads, entry.atS);
     }
   }
 
@@ -50,16 +66,19 @@ export class FleetMotion {
   }
 
   /**
-   * Moves every vehicle to where it is at `atS`.
+   * Moves every vehicle to where it is to be shown.
    *
-   * @param passedS seconds since the last picture, for turns
    * @returns whether anything moves or will, so that another picture is needed
    */
-  play(atS: number, passedS: number): boolean {
+  play({ passedS, serverS, smooth, speed }: Tick): boolean {
     let moving = false;
-    for (const { track, shown } of this.#entries.values()) {
-      const pose = poseAt(track, atS);
-      const heading = turnTowards(shown.heading, pose.heading, passedS / TURN_S);
+    for (const entry of this.#entries.values()) {
+      const { shown, track } = entry;
+      const wantedS = serverS - delayS(shown.view.status, speed);
+      entry.atS = smooth ? nextMoment(entry.atS, wantedS, passedS, entry.resting) : Infinity;
+      const pose = poseAt(track, entry.atS);
+      const heading = turnTowards(shown.heading, pose.heading, smooth ? passedS / TURN_S : 1);
+      entry.resting = !pose.moving;
       moving ||= pose.moving || Math.abs(heading - shown.heading) > 0.01;
       shown.x = pose.x;
       shown.y = pose.y;
@@ -73,11 +92,11 @@ export class FleetMotion {
   }
 
   /** Where it will go: what is left to play of its track, then its planned way. */
-  ahead(id: string, atS: number): Place[] {
+  ahead(id: string): Place[] {
     const entry = this.#entries.get(id);
     if (!entry) return [];
     const points: Place[] = [{ x: entry.shown.x, y: entry.shown.y }];
-    for (const knot of entry.track.knots) if (knot.t > atS) points.push(knot);
+    for (const knot of entry.track.knots) if (knot.t > entry.atS) points.push(knot);
     for (const node of entry.shown.view.way) {
       const place = this.#roads.places.get(node);
       if (place) points.push(place);
@@ -98,6 +117,8 @@ export class FleetMotion {
     this.#entries.set(view.id, {
       track: trackOf(seen),
       shown: { view, x: seen.x, y: seen.y, heading: seen.heading },
+      atS: seen.t,
+      resting: true,
     });
   }
 }

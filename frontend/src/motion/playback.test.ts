@@ -1,36 +1,39 @@
-import { expect, test } from "vitest";
-import { delayS, Playback } from "./playback";
+import { describe, expect, test } from "vitest";
+import { delayS, nextMoment } from "./playback";
 
-test("a fast factory is shown with less delay, because its news comes oftener", () => {
-  expect(delayS(50)).toBeLessThan(delayS(1));
-  expect(delayS(1)).toBeGreaterThan(1);
+test("who speaks seldom is shown later, and a fast factory with less delay", () => {
+  expect(delayS("idle", 1)).toBeGreaterThan(delayS("working", 1));
+  expect(delayS("working", 1)).toBeGreaterThan(1);
+  expect(delayS("working", 50)).toBeLessThan(0.5);
 });
 
-test("playback runs evenly with the server's clock", () => {
-  const playback = new Playback();
-  expect(playback.at(0, 100, 1.2)).toBeCloseTo(98.8);
-  expect(playback.at(0.016, 100.016, 1.2)).toBeCloseTo(98.816);
-});
+describe("the shown moment", () => {
+  test("runs with the clock", () => {
+    expect(nextMoment(98, 98.016, 0.016, false)).toBeCloseTo(98.016);
+  });
 
-test("a longer delay slows playback down, but never turns it back", () => {
-  const playback = new Playback();
-  let before = playback.at(100, 100, 0.3);
-  for (let now = 100.02; now < 110; now += 0.02) {
-    const at = playback.at(now, now, 1.3);
-    expect(at).toBeGreaterThan(before);
-    before = at;
-  }
-  expect(before).toBeCloseTo(110 - 1.3, 1);
-});
+  test("slows down for a longer delay and hurries for a shorter one, but never turns back", () => {
+    for (const wanted of [-4, 4]) {
+      let at = 100;
+      for (let now = 0.02; now < 20; now += 0.02) {
+        const next = nextMoment(at, 100 + wanted + now, 0.02, false);
+        expect(next).toBeGreaterThan(at);
+        at = next;
+      }
+      expect(at).toBeCloseTo(100 + wanted + 20, 1);
+    }
+  });
 
-test("after a long absence playback begins anew", () => {
-  const playback = new Playback();
-  playback.at(100, 100, 1);
-  expect(playback.at(500, 500, 1)).toBe(499);
-});
+  test("makes no leap when the server's clock is known better", () => {
+    expect(nextMoment(100, 100.06, 0.01, false)).toBeLessThan(100.02);
+  });
 
-test("better knowledge of the server's clock makes no leap", () => {
-  const playback = new Playback();
-  const before = playback.at(10, 100, 1);
-  expect(playback.at(10.01, 100.06, 1) - before).toBeLessThan(0.012);
+  test("of a vehicle at rest is right at once, and waits where it was ahead", () => {
+    expect(nextMoment(100, 104, 0.02, true)).toBe(104);
+    expect(nextMoment(100, 96, 0.02, true)).toBe(100);
+  });
+
+  test("begins anew after a long absence", () => {
+    expect(nextMoment(100, 500, 0.02, false)).toBe(500);
+  });
 });

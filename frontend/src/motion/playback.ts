@@ -1,53 +1,39 @@
 /**
- * The moment that the map shows: the server's clock, less a delay just long enough that the next
- * heartbeat has normally arrived. It runs evenly; a change of the delay bends its speed, never its
- * direction.
+ * The moment that is shown of one vehicle: the server's clock, less a delay just long enough that its
+ * next heartbeat has normally arrived. It runs evenly; where the delay changes, its speed bends, and
+ * its direction never turns.
  */
+import type { AtvView } from "../api/types";
 
-/** Vehicles at work say where they are once per factory second (protocol, heartbeats). */
-const HEARTBEAT_S = 1;
+/** Vehicles say where they are once per factory second at work, else every fifth (protocol, heartbeats). */
+const WORKING_BEAT_S = 1;
+const OTHER_BEAT_S = 5;
 /** Frames are gathered for a tenth of a second, and a network is not even. */
 const MARGIN_S = 0.25;
-/** A delay is corrected at this part of real time: too little to be seen. */
-const BEND = 0.15;
-/** Further off than this (a hidden tab, another server) it is quicker to begin anew. */
-const LOST_S = 4;
+/** How much quicker and slower than real time a vehicle may be shown until its delay is right. */
+const HURRY = 0.5;
+const EASE = 0.4;
+/** Further off than this (a hidden tab, another server) it is better to begin anew. */
+const LOST_S = 10;
 
 /** @param speed factory seconds per real second */
-export function delayS(speed: number): number {
-  return HEARTBEAT_S / Math.max(speed, 0.25) + MARGIN_S;
+export function delayS(status: AtvView["status"], speed: number): number {
+  const beat = status === "working" ? WORKING_BEAT_S : OTHER_BEAT_S;
+  return beat / Math.max(speed, 0.25) + MARGIN_S;
 }
 
-export class Playback {
-  #atS: number | null = null;
-  #localS = 0;
-
-  /**
-   * The moment to show.
-   *
-   * @param localS this browser's clock, which runs evenly
-   * @param serverS the server's clock as it is known now; better knowledge makes it jump
-   */
-  at(localS: number, serverS: number, delay: number): number {
-    const wanted = serverS - delay;
-    const passed = Math.max(0, localS - this.#localS);
-    this.#localS = localS;
-    if (this.#atS === null || Math.abs(wanted - this.#atS) > LOST_S) {
-      this.#atS = wanted;
-    } else {
-      const error = wanted - (this.#atS + passed);
-      const bend = Math.min(passed * BEND, Math.abs(error));
-      this.#atS += passed + Math.sign(error) * bend;
-    }
-    return this.#atS;
-  }
-
-  /** The moment shown last. */
-  get shownS(): number {
-    return this.#atS ?? 0;
-  }
-
-  reset(): void {
-    this.#atS = null;
-  }
+/**
+ * The next moment to show.
+ *
+ * @param atS the moment that is shown now
+ * @param wantedS the moment that should be shown
+ * @param passedS real time since the last picture
+ * @param resting whether the vehicle stands: then any later moment looks the same
+ */
+export function nextMoment(atS: number, wantedS: number, passedS: number, resting: boolean): number {
+  const behind = wantedS - (atS + passedS);
+  if (Math.abs(behind) > LOST_S) return wantedS;
+  if (resting) return Math.max(atS, wantedS);
+  if (behind > 0) return atS + passedS + Math.min(behind, passedS * HURRY);
+  return atS + passedS - Math.min(-behind, passedS * EASE);
 }

@@ -3,9 +3,8 @@
  * one of them changes) and everything that moves (while something moves). Knows nothing of the page:
  * it is told what to show, and asks for the next picture only while one is needed.
  */
-import type { MachineView, PlantFile, TaskView } from "../api/types";
+import type { Box, MachineView, PlantFile, TaskView } from "../api/types";
 import { FleetMotion, type ShownVehicle } from "../motion/fleet-motion";
-import { delayS, Playback } from "../motion/playback";
 import { type Place, type Roads, roadsOf } from "../motion/roads";
 import type { Frame, World } from "../stream/world";
 import { type Detail, detailOf } from "./detail";
@@ -44,10 +43,11 @@ export class PlantRenderer {
   onZoom: () => void = () => undefined;
   readonly #canvases: Canvases;
   readonly #roads: Roads;
-  readonly #playback = new Playback();
   readonly #serverNowS: () => number;
   readonly #productNames: ReadonlyMap<string, string>;
   readonly #machineAt: ReadonlyMap<string, Place>;
+  /** What has a name of its own, which no vehicle's name may cover. */
+  readonly #walls: readonly Box[];
   #shown: Shown;
   #world: World | null = null;
   #size: Size = { width: 1, height: 1 };
@@ -65,6 +65,7 @@ export class PlantRenderer {
     this.#roads = roadsOf(plant);
     this.#productNames = new Map(plant.products.map((product) => [product.id, product.name]));
     this.#machineAt = new Map(plant.machines.map(({ box, id }) => [id, { x: box.x_m, y: box.y_m }]));
+    this.#walls = [...plant.machines, ...plant.storages, ...plant.warehouses].map(({ box }) => box);
     this.fleet = new FleetMotion(this.#roads);
   }
 
@@ -83,7 +84,6 @@ export class PlantRenderer {
 
   /** Begins with everything as it stands: at first, and after a snapshot. */
   begin(world: World): void {
-    this.#playback.reset();
     this.fleet.reset(world.atvs.values());
     this.#know(world);
   }
@@ -93,7 +93,7 @@ export class PlantRenderer {
       this.begin(world);
       return;
     }
-    this.fleet.observe(frame.atvs, this.#playback.shownS);
+    this.fleet.observe(frame.atvs);
     for (const id of frame.gone) if (id.startsWith("atv:")) this.fleet.forget(id.slice(4));
     this.#know(world);
   }
@@ -156,17 +156,16 @@ export class PlantRenderer {
 
   #draw(ms: number): void {
     const speed = this.#world?.factory.speed ?? 1;
-    const passedS = Math.min(0.25, (ms - this.#drawnAtMs) / 1000);
+    const passedS = (ms - this.#drawnAtMs) / 1000;
     this.#drawnAtMs = ms;
     const nowS = this.#serverNowS();
-    const atS = this.#smooth ? this.#playback.at(ms / 1000, nowS, delayS(speed)) : nowS;
-    const moving = this.fleet.play(atS, this.#smooth ? passedS : 1);
+    const moving = this.fleet.play({ serverS: nowS, passedS, speed, smooth: this.#smooth });
     const vehicles = this.#inSight();
     const detail = detailOf(this.view.scale, vehicles.length);
     if (this.#stale.floor) this.#drawFloor(detail);
     if (this.#stale.machines) this.#drawMachines(detail);
     this.#stale = { floor: false, machines: false };
-    this.#drawMoving(detail, vehicles, atS, nowS);
+    this.#drawMoving(detail, vehicles, nowS);
     if (moving && this.#smooth) this.#ask();
   }
 
@@ -200,18 +199,18 @@ export class PlantRenderer {
     }
   }
 
-  #drawMoving(detail: Detail, vehicles: readonly ShownVehicle[], atS: number, nowS: number): void {
+  #drawMoving(detail: Detail, vehicles: readonly ShownVehicle[], nowS: number): void {
     const brush = this.#brush(this.#canvases.moving, detail);
     const world = this.#world;
     if (!brush || !world) return;
     const { layers, atv } = this.#shown;
     if (layers.ways && detail.everybody) {
       const others = vehicles.filter(({ view }) => view.way.length > 0 && view.id !== atv);
-      drawWays(brush, others.map(({ view }) => this.fleet.ahead(view.id, atS)));
+      drawWays(brush, others.map(({ view }) => this.fleet.ahead(view.id)));
     }
     if (layers.watch) this.#drawWatch(brush, world.tasks, vehicles);
     if (layers.mesh) drawLinks(brush, meshLinks(vehicles, this.#find), "mesh", false);
-    if (layers.ways && atv !== null) drawChosenWay(brush, this.fleet.ahead(atv, atS));
+    if (layers.ways && atv !== null) drawChosenWay(brush, this.fleet.ahead(atv));
     this.#drawVehicles(brush, vehicles, nowS);
   }
 
@@ -240,14 +239,14 @@ export class PlantRenderer {
     if (brush.detail.vehicleParts) {
       for (const { vehicle, look, chosen } of looks) drawVehicle(brush, vehicle, look, chosen);
     } else {
-      for (const look of ["lost", "charging", "normal", "alarm"] as const) {
+      for (const look of ["lost", "charging", "idle", "normal", "alarm"] as const) {
         drawDots(brush, looks.filter((each) => each.look === look).map(({ vehicle }) => vehicle), look);
       }
       const chosen = looks.find((each) => each.chosen);
       if (chosen) drawVehicle(brush, chosen.vehicle, chosen.look, true);
     }
     const named = brush.detail.vehicleLabels && this.#shown.layers.labels;
-    const walls = this.plant.machines.map(({ box }) => boxOnScreen(brush.view, box));
+    const walls = this.#walls.map((box) => boxOnScreen(brush.view, box));
     drawVehicleLabels(brush, looks.toReversed().filter((each) => named || each.chosen), walls);
   }
 
@@ -269,4 +268,11 @@ export class PlantRenderer {
   readonly #find = (id: string): Place | undefined => this.fleet.get(id) ?? this.#machineAt.get(id);
 }
 
-const URGENCY: Readonly<Record<Look, number>> = { chosen: 0, alarm: 1, normal: 2, charging: 3, lost: 4 };
+const URGENCY: Readonly<Record<Look, number>> = {
+  chosen: 0,
+  alarm: 1,
+  normal: 2,
+  idle: 3,
+  charging: 4,
+  lost: 5,
+};

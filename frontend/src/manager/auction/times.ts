@@ -2,6 +2,9 @@
 import type { TaskView } from "../../api/types";
 import { format, t } from "../../text";
 
+/** What would be shown as no second at all, in factory time. */
+export const PUNCTUAL_S = 0.5;
+
 export function taskTimes(task: TaskView, speed: number): string[] {
   const { closed_at_s: closed, promised_at_s: promised, state } = task;
   const times: string[] = [];
@@ -10,7 +13,8 @@ export function taskTimes(task: TaskView, speed: number): string[] {
     if (promised !== null) {
       const lateS = (closed - promised) * speed;
       const by = format.duration(Math.abs(lateS));
-      times.push(t(lateS > 0 ? "auction.late" : "auction.early", { by }));
+      const kept = Math.abs(lateS) < PUNCTUAL_S;
+      times.push(kept ? t("auction.onTime") : t(lateS > 0 ? "auction.late" : "auction.early", { by }));
     }
     return times;
   }

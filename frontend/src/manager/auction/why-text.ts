@@ -29,6 +29,8 @@ export function reasonText(why: Why): string {
     case "unknown":
       return t("why.unknown", { winner: why.winner });
     case "part":
+      // "Costs less suitability" would be no reason that a person understands.
+      if (why.part === "suitability") return t("why.suitability", names(why));
       return t("why.part", { ...names(why), part: word("part", why.part) });
     case "total":
       return t("why.total", names(why));

@@ -4,6 +4,7 @@ import { Table } from "../../parts/Table";
 import { world } from "../../stream/stream";
 import { format, t, word } from "../../text";
 import { isOpen, latestBids } from "../auction/auction";
+import { PUNCTUAL_S } from "../auction/times";
 import { ShowLink } from "../ShowLink";
 import { names } from "../state";
 
@@ -48,6 +49,7 @@ function Row({ task }: { task: TaskView }) {
 function Result({ task }: { task: TaskView }) {
   if (task.state !== "delivered" || task.closed_at_s === null || task.promised_at_s === null) return null;
   const lateS = (task.closed_at_s - task.promised_at_s) * (world.value?.factory.speed ?? 1);
+  if (Math.abs(lateS) < PUNCTUAL_S) return <span>{t("tasks.onTime")}</span>;
   const by = format.duration(Math.abs(lateS));
   return lateS > 0 ? <span class="tone-warn">{t("tasks.broken", { by })}</span> : <span>{t("tasks.kept", { by })}</span>;
 }

@@ -9,13 +9,14 @@ import { traceBolt } from "./floor";
 /** Below this a vehicle has to think of a charger. */
 const LOW_BATTERY = 0.2;
 
-export type Look = "chosen" | "alarm" | "lost" | "charging" | "normal";
+export type Look = "chosen" | "alarm" | "lost" | "charging" | "idle" | "normal";
 
 export function lookOf(view: AtvView, chosen: boolean, lost: boolean): Look {
   if (view.status === "error" || view.status === "stopped") return "alarm";
   if (chosen) return "chosen";
   if (lost) return "lost";
-  return view.status === "charging" ? "charging" : "normal";
+  if (view.status === "charging" || view.status === "idle") return view.status;
+  return "normal";
 }
 
 const BODY = {
@@ -23,8 +24,15 @@ const BODY = {
   alarm: "raised",
   lost: "steel",
   charging: "steel",
+  idle: "floor",
   normal: "steel-ink",
 } as const;
+
+/** Who is free is an empty ring; who is in trouble, a red one. */
+function rimOf(look: Look): "alarm" | "steel-ink" | null {
+  if (look === "alarm") return "alarm";
+  return look === "idle" ? "steel-ink" : null;
+}
 
 /** Thousands of dots are quickest as one path per colour. */
 export function drawDots(brush: Brush, vehicles: readonly ShownVehicle[], look: Look): void {
@@ -40,9 +48,10 @@ export function drawDots(brush: Brush, vehicles: readonly ShownVehicle[], look: 
   }
   ctx.fillStyle = palette[BODY[look]];
   ctx.fill();
-  if (look !== "alarm") return;
-  ctx.strokeStyle = palette.alarm;
-  ctx.lineWidth = 2;
+  const rim = rimOf(look);
+  if (!rim) return;
+  ctx.strokeStyle = palette[rim];
+  ctx.lineWidth = rim === "alarm" ? 2 : 1.25;
   ctx.stroke();
 }
 
@@ -53,15 +62,16 @@ export function drawVehicle(brush: Brush, vehicle: ShownVehicle, look: Look, cho
   const r = detail.vehiclePx;
   ctx.globalAlpha = look === "lost" ? 0.45 : 1;
   if (chosen) drawHalo(brush, x, y, r);
-  const ink = look === "alarm" ? palette.alarm : palette[BODY[look]];
+  const rim = rimOf(look);
+  const ink = palette[rim ?? BODY[look]];
   drawBattery(brush, x, y, r, vehicle.view);
   drawNose(brush, x, y, r, vehicle.heading, ink);
   ctx.beginPath();
   ctx.arc(x, y, r, 0, 2 * Math.PI);
   ctx.fillStyle = palette[BODY[look]];
   ctx.fill();
-  ctx.lineWidth = look === "alarm" ? Math.max(2, r * 0.24) : Math.max(1, r * 0.14);
-  ctx.strokeStyle = look === "alarm" ? palette.alarm : palette.floor;
+  ctx.lineWidth = rim ? Math.max(2, r * 0.22) : Math.max(1, r * 0.14);
+  ctx.strokeStyle = palette[rim ?? "floor"];
   ctx.stroke();
   drawInside(brush, x, y, r, vehicle.view, look);
   ctx.globalAlpha = 1;
@@ -110,7 +120,7 @@ function drawInside(brush: Brush, x: number, y: number, r: number, view: AtvView
     ctx.fillStyle = palette.floor;
     traceBolt(ctx, x, y, r * 0.62);
   } else if (view.load) {
-    ctx.fillStyle = look === "chosen" ? palette["on-chosen"] : palette.floor;
+    ctx.fillStyle = palette[look === "chosen" ? "on-chosen" : look === "idle" ? "steel-ink" : "floor"];
     ctx.roundRect(x - r * 0.42, y - r * 0.42, r * 0.84, r * 0.84, r * 0.16);
   } else {
     return;
