@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import queue
 import re
+import signal
 import subprocess
 import sys
 import threading
@@ -95,10 +96,10 @@ class DrayProcess:
             self._close()
             raise
 
-    def stop(self) -> int:
+    def stop(self, by: signal.Signals = signal.SIGTERM) -> int:
         """Ask it to stop, as a terminal or a service manager does; its exit code."""
         if self.process.poll() is None:
-            self.process.terminate()
+            self.process.send_signal(by)
         try:
             return self.process.wait(STOP_S)
         except subprocess.TimeoutExpired:
@@ -107,6 +108,12 @@ class DrayProcess:
             pytest.fail(f"dray up did not stop within {STOP_S} s:\n{self.output()}")
         finally:
             self._close()
+
+    def kill(self) -> None:
+        """End it as a power failure does."""
+        self.process.kill()
+        self.process.wait()
+        self._close()
 
     def output(self) -> str:
         """Everything it has printed."""
@@ -142,13 +149,15 @@ StartDray = Callable[..., DrayProcess]
 
 @pytest.fixture(scope="session")
 def start_dray(tmp_path_factory: pytest.TempPathFactory) -> Iterator[StartDray]:
-    """Start `dray up` on a free port with a database of its own; whatever still runs at the end is stopped."""
+    """Start `dray up` on a free port, by default with a database of its own; whatever still runs is stopped."""
     started: list[DrayProcess] = []
 
-    def start(*options: str, python: Path | str = sys.executable) -> DrayProcess:
+    def start(
+        *options: str, python: Path | str = sys.executable, database: Path | None = None
+    ) -> DrayProcess:
         home = tmp_path_factory.mktemp("dray")
-        database = f"sqlite:///{home / 'dray.db'}"
-        dray = DrayProcess(python, "--port", "0", "--db", database, *options, cwd=home)
+        url = f"sqlite:///{database or home / 'dray.db'}"
+        dray = DrayProcess(python, "--port", "0", "--db", url, *options, cwd=home)
         started.append(dray)
         return dray
 
