@@ -93,8 +93,9 @@ format: $(STAMPS)/installed ## Put the Python code into its form
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
-screenshots: setup ## Pictures of the panels in artifacts/screenshots
-	$(PYTEST) tests/browser -q -k screenshot
+screenshots: setup ## Pictures of the panels in artifacts/screenshots; the README's in docs/
+	$(PYTEST) tests/browser -q
+	cp artifacts/screenshots/management-panel-light.png docs/management-panel.png
 
 sdist-and-wheel: setup ## dist/
 	$(PY) -m build --no-isolation

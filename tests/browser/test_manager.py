@@ -19,6 +19,9 @@ DELIVERED_MS = 60_000
 MOVING_MS = 30_000
 """Vehicles are hired within seconds of the start; a slow machine may take longer to open the page."""
 
+BUSY_MS = 60_000
+"""The first transports end some 80 factory seconds after the start."""
+
 
 @pytest.fixture(scope="module")
 def quiet_factory(start_dray) -> Iterator[str]:
@@ -58,6 +61,12 @@ def pixels_of_map(page: Page) -> str:
     return str(
         page.evaluate("[...document.querySelectorAll('canvas')].map((canvas) => canvas.toDataURL()).join()")
     )
+
+
+def is_busy(payload: str | bytes) -> bool:
+    """Whether this frame shows a plant at work: transports were finished, and several vehicles drive."""
+    factory = json.loads(payload).get("factory") or {}
+    return bool(factory.get("transport_p50_s")) and factory["atvs_by_status"].get("working", 0) >= 3
 
 
 def test_the_panel_opens_and_shows_the_whole_plant(quiet_factory: str, open_page: OpenPage) -> None:
@@ -102,3 +111,16 @@ def test_a_quantity_that_is_no_number_is_refused_beside_its_field(
     page.get_by_role("button", name="Publish").click()
     expect(quantity).to_have_attribute("aria-invalid", "true")
     expect(page.locator("#publish-quantity-wrong")).not_to_be_empty()
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_a_busy_plant_is_shown_without_complaints_in_both_themes(
+    busy_factory: str, open_page: OpenPage, screenshot: Screenshot, theme: str
+) -> None:
+    page = open_page("about:blank", color_scheme=theme)
+    with page.expect_websocket() as stream:
+        page.goto(busy_factory)
+    stream.value.wait_for_event("framereceived", predicate=is_busy, timeout=BUSY_MS)
+    # What the frame tells is on the screen now: figures that need finished transports.
+    expect(page.locator("canvas").first).to_be_visible()
+    screenshot(page, f"management-panel-{theme}")
