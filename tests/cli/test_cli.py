@@ -7,6 +7,7 @@ import socket
 import sqlite3
 import subprocess
 import sys
+from contextlib import closing
 from importlib.resources import files
 from pathlib import Path
 
@@ -153,7 +154,8 @@ def test_a_database_is_created_and_upgrading_it_again_changes_nothing(dray, tmp_
         done = dray("db", "upgrade", "--db", "sqlite:///new.db")
         assert done.code == 0, done.err
         assert "up to date" in done.out
-    tables = sqlite3.connect(tmp_path / "new.db").execute("select name from sqlite_master").fetchall()
+    with closing(sqlite3.connect(tmp_path / "new.db")) as database:
+        tables = database.execute("SELECT name FROM sqlite_master").fetchall()
     assert ("orders",) in tables
 
 
