@@ -1,0 +1,277 @@
+"""Orders: placing, finding, releasing and cancelling them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+import pytest
+from gateway_kit import (
+    NOW_S,
+    OTHER_PRODUCT,
+    PLANT,
+    PRODUCT,
+    FakeBus,
+    House,
+    Wall,
+    draft,
+    events,
+    gateway,
+    problem,
+)
+
+from dray.messages import OrderCancelled, OrderReleased, OrderTaken
+from dray.messages.fact import GoalContracted, GoodsDelivered, OrderAccepted, OrderDropped
+from dray.store.progress import OrderStatus
+
+pytestmark = pytest.mark.anyio
+
+
+async def test_an_order_is_answered_with_its_place_and_its_customers_page(house: House) -> None:
+    items = [{"product": PRODUCT, "quantity": 5}, {"product": OTHER_PRODUCT, "quantity": 1}]
+    response = await house.client.post(
+        "/api/orders",
+        json=draft(items=items, due_at="2030-03-17T21:46:40+02:00", reference="4711"),
+    )
+    assert response.status_code == 201
+    order = response.json()
+    assert response.headers["location"] == f"/api/orders/{order['id']}"
+    assert order["status"] == "released"
+    assert order["customer"] == "Muster GmbH"
+    assert order["reference"] == "4711"
+    assert order["items"] == [item | {"made": 0, "delivered": 0} for item in items]
+    assert order["created_at"] == "2030-03-17T17:46:40.000Z"
+    assert order["created_at_s"] == NOW_S
+    assert order["due_at"] == "2030-03-17T19:46:40.000Z"
+    assert order["due_at_s"] == NOW_S + 7200
+    assert await house.get(response.headers["location"]) == order
+    assert order["tracking_url"].startswith("http://dray.test/track/")
+    page = await house.client.get(order["tracking_url"], follow_redirects=True)
+    assert page.json()["items"] == order["items"]
+
+
+async def test_an_answered_order_is_on_disk_when_the_store_is_opened_again(url: str) -> None:
+    async with gateway(url) as before:
+        order = await before.place(reference="4711")
+    async with gateway(url) as after:
+        assert await after.get(f"/api/orders/{order['id']}") == order
+        async with after.store.read() as work:
+            kept = await work.orders.get(order["id"])
+    assert kept is not None
+    assert kept.status is OrderStatus.RELEASED
+
+
+async def test_a_released_order_is_given_to_the_strategist(house: House) -> None:
+    given = house.bus.strategist()
+    order = await house.place(due_at="2030-03-17T18:46:40Z")
+    (released,) = given
+    assert released.order == order["id"]
+    assert [(item.product, item.quantity) for item in released.items] == [(PRODUCT, 5)]
+    assert released.due_s == 3600.0
+
+
+async def test_an_open_order_of_an_earlier_life_is_given_to_the_strategist_again(url: str) -> None:
+    async with gateway(url) as before:
+        order = await before.place()
+        stored = await before.place(release=False)
+    async with gateway(url) as after:
+        given = await after.bus.next_to("strategist", OrderReleased)
+        assert [one.order for one in after.bus.sent_to("strategist", OrderReleased)] == [order["id"]]
+    assert given.order == order["id"] != stored["id"]
+
+
+async def test_a_stored_order_is_given_to_nobody_until_it_is_released(house: House) -> None:
+    order = await house.place(release=False)
+    assert order["status"] == "stored"
+    assert house.bus.sent == []
+    for _ in range(2):
+        response = await house.client.post(f"/api/orders/{order['id']}/release")
+        assert response.status_code == 200
+        assert response.json()["status"] == "released"
+    assert [one.order for one in house.bus.sent_to("strategist", OrderReleased)] == [order["id"]]
+
+
+async def test_a_cancelled_order_is_taken_back_from_the_strategist(house: House) -> None:
+    order = await house.place()
+    for _ in range(2):
+        response = await house.client.post(f"/api/orders/{order['id']}/cancel")
+        assert response.status_code == 200
+        assert response.json()["status"] == "cancelled"
+    assert [one.order for one in house.bus.sent_to("strategist", OrderCancelled)] == [order["id"]]
+    house.bus.say(*events("strategist", OrderDropped(order=order["id"])))
+    assert (await house.get(f"/api/orders/{order['id']}"))["status"] == "cancelled"
+
+
+async def test_a_cancelled_order_cannot_be_released(house: House) -> None:
+    order = await house.place(release=False)
+    await house.client.post(f"/api/orders/{order['id']}/cancel")
+    refused = problem(await house.client.post(f"/api/orders/{order['id']}/release"), 409, "order-ended")
+    assert order["id"] in refused["detail"]
+    assert "place it again" in refused["detail"]
+    assert (await house.get(f"/api/orders/{order['id']}"))["status"] == "cancelled"
+
+
+async def test_a_delivered_order_cannot_be_cancelled(house: House) -> None:
+    order = await house.place()
+    await house.say(delivery_of(order))
+    kept = await house.get(f"/api/orders/{order['id']}")
+    assert kept["status"] == "delivered"
+    assert kept["delivered_at_s"] == NOW_S + 201.0
+    assert kept["items"][0]["delivered"] == 5
+    refused = problem(await house.client.post(f"/api/orders/{order['id']}/cancel"), 409, "order-ended")
+    assert "delivered" in refused["detail"]
+    assert await house.get(f"/api/orders/{order['id']}") == kept
+
+
+async def test_only_the_strategists_word_ends_the_reminders(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("dray.gateway.desk.PAUSE_S", (0.001, 0.001))
+    order = await house.place()
+    house.bus.tell("somebody", "gateway", OrderTaken(order=order["id"]))
+    again = await house.bus.next_to("strategist", OrderReleased, after=1)
+    assert again.order == order["id"]
+
+
+async def test_orders_are_listed_newest_first_in_pages_that_hold_each_once(url: str) -> None:
+    wall = Wall()
+    async with gateway(url, wall=wall) as house:
+        placed = []
+        for number in range(7):
+            # Two of each moment: their ids decide.
+            wall.now_s = NOW_S + number // 2
+            placed.append((await house.place())["id"])
+        whole = [order["id"] for order in (await house.get("/api/orders"))["items"]]
+        assert sorted(whole) == sorted(placed)
+        assert whole == sorted(placed, reverse=True)
+        assert await in_pages(house, limit=2) == [whole[0:2], whole[2:4], whole[4:6], whole[6:7]]
+        assert await in_pages(house, limit=7) == [whole]
+
+
+async def test_a_page_stays_where_it_is_while_orders_come(house: House) -> None:
+    first = [(await house.place())["id"] for _ in range(3)]
+    page = await house.get("/api/orders", limit=1)
+    house.wall.now_s += 1
+    await house.place()
+    rest = await house.get("/api/orders", limit=10, cursor=page["next_cursor"])
+    assert sorted(order["id"] for order in page["items"] + rest["items"]) == sorted(first)
+
+
+async def test_orders_are_found_by_one_status_or_several(house: House) -> None:
+    released, stored, cancelled = [await house.place(release=release) for release in (True, False, True)]
+    await house.client.post(f"/api/orders/{cancelled['id']}/cancel")
+    for statuses, expected in (
+        (["released"], {released["id"]}),
+        (["stored", "cancelled"], {stored["id"], cancelled["id"]}),
+        (["delivered"], set()),
+    ):
+        found = await house.get("/api/orders", status=statuses)
+        assert {order["id"] for order in found["items"]} == expected
+        assert found["next_cursor"] is None
+
+
+@pytest.mark.parametrize("path", ["", "/release", "/cancel"])
+async def test_an_unknown_order_is_not_found(house: House, path: str) -> None:
+    method = "POST" if path else "GET"
+    answer = await house.client.request(method, f"/api/orders/O-000000000-0000{path}")
+    body = problem(answer, 404, "unknown-order")
+    assert "O-000000000-0000" in body["detail"]
+    assert "GET /api/orders" in body["detail"]
+
+
+async def test_the_customers_view_tells_how_far_it_is_and_no_names(house: House) -> None:
+    order = await house.place(reference="4711")
+    path = "/api/track/" + order["tracking_url"].rpartition("/")[2]
+    view = await house.get(path)
+    assert [stage["status"] for stage in view["stages"] if stage["reached"]] == ["stored", "released"]
+    assert view["reference"] == "4711"
+    await house.say(delivery_of(order))
+    response = await house.client.get(path)
+    assert all(stage["reached"] for stage in response.json()["stages"])
+    assert "Muster" not in response.text
+    assert order["id"] not in response.text
+    assert response.headers["x-robots-tag"] == "noindex"
+    assert response.headers["cache-control"] == "no-store"
+
+
+async def test_nobody_guesses_a_customers_page(house: House) -> None:
+    problem(await house.client.get("/api/track/guess"), 404, "unknown-tracking-page")
+
+
+async def test_an_order_may_have_no_due_time_and_then_a_shift(house: House) -> None:
+    order = await house.place()
+    assert order["due_at"] is None
+    assert (await house.bus.next_to("strategist", OrderReleased)).due_s == 8 * 3600.0
+
+
+async def test_more_orders_than_can_be_open_are_refused_until_one_has_ended(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("dray.gateway.intake.MAX_OPEN_ORDERS", 1)
+    order = await house.place()
+    response = await house.client.post("/api/orders", json=draft())
+    problem(response, 503, "too-many-orders")
+    assert int(response.headers["retry-after"]) > 0
+    await house.client.post(f"/api/orders/{order['id']}/cancel")
+    await house.place()
+
+
+async def test_an_order_for_what_the_plant_no_longer_makes_waits_and_says_so(
+    url: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with gateway(url) as before:
+        order = await before.place()
+    other = msgspec.structs.replace(
+        PLANT, products=tuple(product for product in PLANT.products if product.id != PRODUCT)
+    )
+    async with gateway(url, plant=other, bus=FakeBus()) as after:
+        assert (await after.get(f"/api/orders/{order['id']}"))["status"] == "released"
+        assert after.bus.sent == []
+    assert f"order {order['id']} waits: this plant does not make {PRODUCT}" in caplog.text
+
+
+# --- helpers -------------------------------------------------------------------------------------
+
+
+async def in_pages(house: House, limit: int) -> list[list[str]]:
+    """Ids of all orders, page by page."""
+    pages, cursor = [], None
+    while True:
+        params: dict[str, Any] = {"limit": limit} | ({"cursor": cursor} if cursor else {})
+        page = await house.get("/api/orders", **params)
+        pages.append([order["id"] for order in page["items"]])
+        cursor = page["next_cursor"]
+        if cursor is None:
+            return pages
+
+
+def delivery_of(order: dict[str, Any]) -> list[Any]:
+    """What agents tell when the one item of an order is made and delivered."""
+    name, (item,) = order["id"], order["items"]
+    return [
+        *events(
+            "strategist",
+            OrderAccepted(order=name, goals=("G1",)),
+            GoalContracted(
+                goal="G1",
+                order=name,
+                item=0,
+                product=item["product"],
+                quantity=item["quantity"],
+                machine="M1",
+                finish_s=900.0,
+            ),
+        ),
+        *events(
+            "M1",
+            GoodsDelivered(
+                goal="G1",
+                order=name,
+                item=0,
+                product=item["product"],
+                quantity=item["quantity"],
+                delivered=item["quantity"],
+            ),
+            at_s=200.0,
+        ),
+    ]
