@@ -1,0 +1,74 @@
+"""Finding events."""
+
+from __future__ import annotations
+
+import msgspec
+import pytest
+from history import a_day, delivered, keep, order, same_clock, tell
+
+from dray.store import Store
+from dray.store.events import EventFilter, EventRow
+from dray.store.progress import Goal
+
+pytestmark = pytest.mark.anyio
+
+
+@pytest.fixture
+async def kept(store: Store) -> Store:
+    await keep(store, order(1, 4, 2))
+    other = tell("M9", delivered("G9", 0, 1, order="O-9"))
+    async with store.write() as work:
+        await work.events.add(a_day() + other, same_clock)
+        await work.goals.put([Goal("G1", order_id="O-1"), Goal("G2", order_id="O-1"), Goal("G9", "O-9")])
+    return store
+
+
+async def found(store: Store, **wanted: object) -> list[EventRow]:
+    async with store.read() as work:
+        return await work.events.page(
+            EventFilter(**wanted),  # type: ignore[arg-type]
+            None,
+            100,
+            newest_first=False,
+        )
+
+
+async def test_events_are_found_by_kind_agent_and_task(kept: Store) -> None:
+    assert {row.kind for row in await found(kept, kinds=("PieceMade",))} == {"PieceMade"}
+    assert {row.agent for row in await found(kept, agents=("M1", "M2"))} == {"M1", "M2"}
+    assert [row.kind for row in await found(kept, task="M1-1")] == ["TaskOpened", "TaskClosed"]
+    assert await found(kept, kinds=("PieceMade",), agents=("strategist",)) == []
+
+
+async def test_all_that_happened_for_an_order_is_found(kept: Store) -> None:
+    rows = await found(kept, order="O-1")
+    assert len(rows) == len(a_day())
+    assert "M1-1" in {row.task for row in rows}
+    assert [row.agent for row in await found(kept, order="O-9")] == ["M9"]
+
+
+async def test_pages_in_both_directions_miss_nothing(kept: Store) -> None:
+    async with kept.read() as work:
+        for newest_first in (False, True):
+            seen: list[int] = []
+            after = None
+            while page := await work.events.page(EventFilter(), after, 4, newest_first=newest_first):
+                seen += [row.position for row in page]
+                after = seen[-1]
+            assert seen == sorted(seen, reverse=newest_first)
+            assert len(seen) == len(a_day()) + 1
+
+
+async def test_a_fact_is_kept_as_it_was_told(kept: Store) -> None:
+    (row,) = await found(kept, kinds=("OrderAccepted",))
+    assert msgspec.json.decode(row.fact) == {"kind": "OrderAccepted", "order": "O-1", "goals": ["G1", "G2"]}
+    assert (row.agent, row.incarnation, row.number, row.order_id) == ("strategist", 1, 1, "O-1")
+
+
+async def test_positions_of_pruned_events_are_never_given_again(kept: Store) -> None:
+    last = (await found(kept))[-1].position
+    async with kept.write() as work:
+        await work.events.prune(0)
+        await work.events.add(tell("M1", delivered("G1", 0, 4), life=2), same_clock)
+    (row,) = await found(kept)
+    assert row.position > last

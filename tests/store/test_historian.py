@@ -1,0 +1,230 @@
+"""What the historian keeps, and that nothing confuses it."""
+
+from __future__ import annotations
+
+import logging
+import tempfile
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import anyio
+import pytest
+from history import (
+    Line,
+    a_day,
+    accepted,
+    contracted,
+    delivered,
+    heartbeat,
+    keep,
+    made,
+    order,
+    same_clock,
+    tell,
+)
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from sqlalchemy import select
+from sqlalchemy.exc import DataError, OperationalError
+
+from dray.messages import Event, OrderTaken
+from dray.messages.keys import Keys
+from dray.store import Historian, Store, open_store
+from dray.store import historian as historian_module
+from dray.store.events import EventFilter, Events
+from dray.store.progress import OrderStatus
+from dray.store.tables import events, goals, order_items, orders
+from dray.store.work import Work
+
+pytestmark = pytest.mark.anyio
+
+
+@asynccontextmanager
+async def writing(store: Store, **options: Any) -> AsyncIterator[tuple[Historian, Line]]:
+    line = Line()
+    historian = Historian(
+        store=store, bus=line, keys=Keys("plant"), to_wall_s=same_clock, linger_s=0, **options
+    )
+    async with historian.running():
+        yield historian, line
+
+
+async def rows(store: Store) -> dict[str, list[dict[str, Any]]]:
+    """Everything that the historian writes, except the order in which it came."""
+    found = {}
+    async with store.database.read() as connection:
+        for table in (orders, order_items, goals, events):
+            kept = [dict(row._mapping) for row in await connection.execute(select(table))]
+            for row in kept:
+                row.pop("position", None)
+            found[table.name] = sorted(kept, key=str)
+    return found
+
+
+async def test_a_day_is_kept_and_its_order_delivered(store: Store) -> None:
+    await keep(store, order(1, 4, 2))
+    async with writing(store) as (historian, line):
+        assert line.keys == ["plant/event/*", "plant/hb/**"]
+        line.say(a_day())
+        await historian.written()
+        async with store.read() as work:
+            found = await work.orders.get("O-1")
+            kept = await work.events.page(EventFilter(), None, 100, newest_first=False)
+    assert found is not None
+    assert found.status is OrderStatus.DELIVERED
+    assert [item.delivered for item in found.items] == [4, 2]
+    assert found.delivered_at_s == 303.0
+    assert len(kept) == len(a_day())
+    assert (historian.missing, historian.lost) == (0, 0)
+
+
+@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
+@given(seed=st.integers(0, 2**32), doubled=st.lists(st.sampled_from(a_day()), max_size=20))
+def test_shuffled_and_doubled_events_leave_the_same_rows(seed: int, doubled: list[Event]) -> None:
+    shuffled = a_day() + doubled
+    Random(seed).shuffle(shuffled)
+
+    async def kept(told: Sequence[Sequence[Event]]) -> dict[str, list[dict[str, Any]]]:
+        with tempfile.TemporaryDirectory() as folder:
+            store = await open_store(f"sqlite+aiosqlite:///{Path(folder) / 'dray.db'}")
+            await keep(store, order(1, 4, 2))
+            async with writing(store) as (historian, line):
+                for batch in told:
+                    line.say(batch)
+                    await historian.written()
+            found = await rows(store)
+            await store.close()
+            return found
+
+    cut = seed % len(shuffled)
+    assert anyio.run(kept, [shuffled[:cut], shuffled[cut:]]) == anyio.run(kept, [a_day()])
+
+
+async def test_what_was_heard_is_written_before_it_ends(store: Store) -> None:
+    await keep(store, order(1, 4, 2))
+    async with writing(store) as (_, line):
+        line.say(a_day())
+    assert len((await rows(store))["events"]) == len(a_day())
+
+
+async def test_a_cancelled_order_stays_cancelled(store: Store) -> None:
+    await keep(store, order(1, 4, 2, status=OrderStatus.CANCELLED))
+    async with writing(store) as (_, line):
+        line.say(a_day())
+    async with store.read() as work:
+        found = await work.orders.get("O-1")
+    assert found is not None
+    assert found.status is OrderStatus.CANCELLED
+
+
+async def test_after_a_restart_only_what_was_delivered_still_counts(store: Store) -> None:
+    await keep(store, order(1, 4))
+    first_life = [
+        *tell("strategist", accepted("G1"), contracted("G1", 0, 4)),
+        *tell("M1", made("G1", 1), made("G1", 2), made("G1", 3), delivered("G1", 0, 2)),
+    ]
+    async with writing(store) as (_, line):
+        line.say(first_life)
+    async with writing(store) as (historian, line):
+        line.say(tell("strategist", accepted("Gr2"), life=2))
+        await historian.written()
+        async with store.read() as work:
+            found = await work.orders.get("O-1")
+    assert found is not None
+    assert (found.items[0].made, found.items[0].delivered) == (2, 2)
+    assert found.outstanding == (2,)
+
+
+async def test_events_about_orders_of_somebody_else_are_kept_all_the_same(store: Store) -> None:
+    async with writing(store) as (_, line):
+        line.say(a_day())
+    assert len((await rows(store))["events"]) == len(a_day())
+
+
+async def test_a_number_that_never_came_is_counted_also_after_a_restart(store: Store) -> None:
+    async with writing(store) as (historian, line):
+        line.say([event for event in a_day() if (event.agent, event.number) != ("M1", 3)])
+        assert historian.missing == 1
+    async with writing(store) as (historian, line):
+        line.say(tell("M1", made("G1", 4), first=10))
+        assert historian.missing == 1
+
+
+async def test_a_full_queue_drops_the_newest_and_counts_them(store: Store) -> None:
+    async with writing(store, queue_events=5) as (historian, line):
+        line.say(a_day())
+    assert historian.lost == len(a_day()) - 5
+    assert [row["number"] for row in (await rows(store))["events"]] == [1, 2, 3, 4, 5]
+
+
+async def test_heartbeats_are_sampled_and_bounded(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(historian_module, "PRUNE_EVERY", 1)
+    async with writing(store, samples_kept=3) as (historian, line):
+        line.say(heartbeat(seq, float(seq)) for seq in range(100))
+        line.say([heartbeat(1, 1.0, "ATV-2")])
+        await historian.written()
+        async with store.read() as work:
+            assert await work.samples.count() == 3
+        line.say([heartbeat(200, 5.0)])
+    # The clock went back: a new life of the plant, whose heartbeats count at once.
+    async with store.read() as work:
+        assert await work.samples.count() == 3
+
+
+async def test_history_is_bounded(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(historian_module, "PRUNE_EVERY", 1)
+    async with writing(store, events_kept=4) as (_, line):
+        line.say(a_day())
+    assert len((await rows(store))["events"]) == 4
+
+
+async def test_a_database_that_fails_for_a_while_loses_nothing(
+    store: Store, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    await keep(store, order(1, 4, 2))
+    real, failures = Store.write, [2]
+
+    @asynccontextmanager
+    async def failing(self: Store) -> AsyncIterator[Work]:
+        if failures[0]:
+            failures[0] -= 1
+            raise OperationalError("INSERT", {}, Exception("disk I/O error"))
+        async with real(self) as work:
+            yield work
+
+    async with writing(store, retry_s=(0.0, 0.0)) as (historian, line):
+        monkeypatch.setattr(Store, "write", failing)
+        with caplog.at_level(logging.WARNING):
+            line.say(a_day())
+            await historian.written()
+        assert not historian.failing
+    assert "disk I/O error" in caplog.text
+    assert len((await rows(store))["events"]) == len(a_day())
+    assert historian.lost == 0
+
+
+async def test_one_event_that_can_never_be_written_does_not_take_others_with_it(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = Events.add
+
+    async def picky(self: Events, new: Sequence[Event], to_wall_s: Any) -> None:
+        if any((event.agent, event.number) == ("M1", 2) for event in new):
+            raise DataError("INSERT", {}, Exception("value too long"))
+        await real(self, new, to_wall_s)
+
+    monkeypatch.setattr(Events, "add", picky)
+    async with writing(store) as (historian, line):
+        line.say(a_day())
+    assert historian.lost == 1
+    assert len((await rows(store))["events"]) == len(a_day()) - 1
+
+
+async def test_other_messages_are_nothing_to_it(store: Store) -> None:
+    async with writing(store) as (historian, line):
+        line.say([OrderTaken(order="O-1")])
+        await historian.written()
+    assert (await rows(store))["events"] == []

@@ -1,0 +1,52 @@
+"""Migrations, up and down."""
+
+from __future__ import annotations
+
+import pytest
+from alembic.autogenerate import compare_metadata
+from alembic.migration import MigrationContext
+from history import keep, order
+from sqlalchemy import inspect, text
+
+from dray.errors import UnavailableError
+from dray.store import Store, downgrade, open_store, upgrade
+from dray.store.migrate import migrations_folder, newest_revision
+from dray.store.tables import metadata
+
+pytestmark = pytest.mark.anyio
+
+
+async def test_the_migrations_make_the_tables_that_the_code_knows(store: Store) -> None:
+    async with store.database.read() as connection:
+        differences = await connection.run_sync(
+            lambda sync: compare_metadata(MigrationContext.configure(sync), metadata)
+        )
+    assert differences == []
+
+
+async def test_all_the_way_down_leaves_nothing_and_up_again_works(store: Store) -> None:
+    await downgrade(store.database, "base")
+    async with store.database.read() as connection:
+        left = await connection.run_sync(lambda sync: inspect(sync).get_table_names())
+    assert set(left) <= {"alembic_version", "sqlite_sequence"}
+    await upgrade(store.database)
+    await keep(store, order())
+
+
+async def test_upgrading_twice_keeps_what_is_there(store: Store) -> None:
+    await keep(store, order())
+    await upgrade(store.database)
+    async with store.read() as work:
+        assert await work.orders.get("O-1") == order()
+
+
+async def test_a_database_of_a_newer_dray_is_left_alone(store: Store, url: str) -> None:
+    async with store.database.write() as connection:
+        await connection.execute(text("UPDATE alembic_version SET version_num = '9999'"))
+    with pytest.raises(UnavailableError, match="newer Dray"):
+        await open_store(url)
+
+
+def test_the_migrations_are_found_and_have_one_head() -> None:
+    assert (migrations_folder() / "env.py").is_file()
+    assert newest_revision() == "0001"

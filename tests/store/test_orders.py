@@ -1,0 +1,133 @@
+"""Orders, keys and products in SQL."""
+
+from __future__ import annotations
+
+import msgspec
+import pytest
+from history import GEAR, PUMP, keep, order
+from sqlalchemy.exc import IntegrityError
+
+from dray.store import Store
+from dray.store.keys import KeptAnswer
+from dray.store.orders import OrderTotals
+from dray.store.progress import OrderStatus, Progress
+
+pytestmark = pytest.mark.anyio
+
+
+async def test_an_order_is_found_as_it_was_kept(store: Store) -> None:
+    await keep(store, order(1, 4, 2), order(2))
+    async with store.read() as work:
+        assert await work.orders.get("O-1") == order(1, 4, 2)
+        assert await work.orders.by_token("token-2") == order(2)
+        assert await work.orders.get("O-3") is None
+        assert await work.orders.by_token("token-3") is None
+
+
+async def test_an_order_of_a_product_that_was_never_made_here_is_refused(store: Store) -> None:
+    with pytest.raises(IntegrityError):
+        async with store.write() as work:
+            await work.orders.add(order())
+
+
+async def test_pages_are_newest_first_and_miss_nothing(store: Store) -> None:
+    await keep(store, *(order(number) for number in range(1, 8)))
+    seen: list[str] = []
+    after: tuple[float, str] | None = None
+    async with store.read() as work:
+        while page := await work.orders.page([], after, 3):
+            seen += [one.id for one in page]
+            after = (page[-1].created_at_s, page[-1].id)
+    assert seen == [f"O-{number}" for number in range(7, 0, -1)]
+
+
+async def test_a_page_holds_only_the_statuses_that_were_asked_for(store: Store) -> None:
+    await keep(store, order(1), order(2, status=OrderStatus.STORED), order(3, status=OrderStatus.CANCELLED))
+    async with store.read() as work:
+        found = await work.orders.page([OrderStatus.STORED, OrderStatus.CANCELLED], None, 10)
+        assert [one.id for one in found] == ["O-3", "O-2"]
+        assert [one.id for one in await work.orders.open()] == ["O-1"]
+
+
+async def test_only_a_stored_order_is_released_and_only_an_unended_one_cancelled(store: Store) -> None:
+    await keep(store, order(1, status=OrderStatus.STORED), order(2, status=OrderStatus.DELIVERED))
+    async with store.write() as work:
+        for number in (1, 2):
+            await work.orders.release(f"O-{number}", 10.0)
+        one, two = [await work.orders.get(f"O-{number}") for number in (1, 2)]
+        assert one is not None
+        assert (one.status, one.released_at_s) == (OrderStatus.RELEASED, 10.0)
+        for number in (1, 2):
+            await work.orders.cancel(f"O-{number}", 20.0)
+        one, two = [await work.orders.get(f"O-{number}") for number in (1, 2)]
+    assert one is not None
+    assert two is not None
+    assert (one.status, one.cancelled_at_s) == (OrderStatus.CANCELLED, 20.0)
+    assert (two.status, two.cancelled_at_s) == (OrderStatus.DELIVERED, None)
+
+
+async def test_a_cancelled_order_counts_on_but_stays_cancelled(store: Store) -> None:
+    await keep(store, order(status=OrderStatus.CANCELLED))
+    async with store.write() as work:
+        await work.orders.advance(
+            order(status=OrderStatus.CANCELLED), Progress(OrderStatus.DELIVERED, (4,), (4,), 9.0)
+        )
+        found = await work.orders.get("O-1")
+    assert found is not None
+    assert (found.status, found.delivered_at_s, found.items[0].delivered) == ("cancelled", None, 4)
+
+
+async def test_totals_count_an_order_without_due_time_as_on_time(store: Store) -> None:
+    finished = [order(number, status=OrderStatus.DELIVERED) for number in (1, 2, 3)]
+    finished[0].delivered_at_s, finished[1].delivered_at_s = 4000.0, 6000.0
+    finished[2].due_at_s, finished[2].delivered_at_s = None, 9000.0
+    await keep(store, order(4), *finished)
+    async with store.read() as work:
+        assert await work.orders.totals() == OrderTotals(delivered=3, on_time=2)
+
+
+async def test_an_older_life_of_the_strategist_is_not_noted(store: Store) -> None:
+    await keep(store, order())
+    async with store.write() as work:
+        for life in (3, 2):
+            await work.orders.accept({"O-1": life})
+        found = await work.orders.get("O-1")
+    assert found is not None
+    assert found.incarnation == 3
+
+
+async def test_products_that_left_the_plant_stay_known_to_their_orders(store: Store) -> None:
+    await keep(store, order(1, 4, 2))
+    renamed = msgspec.structs.replace(PUMP, name="Better pump")
+    async with store.write() as work:
+        await work.products.replace([renamed])
+        assert await work.products.made_here() == ["P2"]
+        await work.products.replace([GEAR, renamed])
+        assert await work.products.made_here() == ["P1", "P2"]
+        assert await work.orders.get("O-1") == order(1, 4, 2)
+
+
+async def test_a_key_is_kept_with_its_answer_and_forgotten_with_age(store: Store) -> None:
+    kept = KeptAnswer("key", "print", "O-1", '{"id":"O-1"}', 1000.0)
+    await keep(store, order())
+    async with store.write() as work:
+        await work.keys.add(kept)
+        assert await work.keys.get("key") == kept
+        assert await work.keys.get("other") is None
+        await work.keys.forget_before(1000.0)
+        assert await work.keys.get("key") == kept
+        await work.keys.forget_before(1000.1)
+        assert await work.keys.get("key") is None
+
+
+async def test_a_key_cannot_be_used_twice(store: Store) -> None:
+    kept = KeptAnswer("key", "print", "O-1", "{}", 1.0)
+
+    async def use_it() -> None:
+        async with store.write() as work:
+            await work.keys.add(kept)
+
+    await keep(store, order())
+    await use_it()
+    with pytest.raises(IntegrityError):
+        await use_it()

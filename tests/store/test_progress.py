@@ -1,0 +1,86 @@
+"""How far an order has come, from facts in any order."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pytest
+from history import accepted, contracted, delivered, made, same_clock, tell
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dray.messages import Event
+from dray.store.progress import Goal, OrderStatus, Progress, goal_of, note, progress
+
+
+def reached(events: Sequence[Event], *quantities: int, life: int = 0) -> Progress:
+    goals: dict[str, Goal] = {}
+    for event in events:
+        if goal := goal_of(event):
+            note(goals.setdefault(goal, Goal(goal)), event, same_clock)
+    return progress(quantities, goals.values(), life)
+
+
+@pytest.mark.parametrize(
+    ("facts", "status", "counts"),
+    [
+        ([], OrderStatus.RELEASED, (0, 0)),
+        ([accepted("G1")], OrderStatus.RELEASED, (0, 0)),
+        ([contracted("G1", 0, 4)], OrderStatus.IN_PRODUCTION, (0, 0)),
+        ([contracted("G1", 0, 4), made("G1", 3)], OrderStatus.IN_PRODUCTION, (3, 0)),
+        ([contracted("G1", 0, 4), made("G1", 4)], OrderStatus.IN_DELIVERY, (4, 0)),
+        ([contracted("G1", 0, 4), made("G1", 3), delivered("G1", 0, 2)], OrderStatus.IN_DELIVERY, (3, 2)),
+        ([contracted("G1", 0, 4), delivered("G1", 0, 4)], OrderStatus.DELIVERED, (4, 4)),
+    ],
+)
+def test_the_status_of_an_order_follows_its_goals(
+    facts: list[object], status: OrderStatus, counts: tuple[int, int]
+) -> None:
+    result = reached(tell("somebody", *facts), 4)  # type: ignore[arg-type]
+    assert (result.status, result.made, result.delivered) == (status, counts[:1], counts[1:])
+
+
+def test_an_order_is_delivered_when_its_last_piece_arrived() -> None:
+    events = [
+        *tell("M1", delivered("G1", 0, 2), delivered("G1", 0, 4), at_s=10.0),
+        *tell("M2", delivered("G2", 1, 1), at_s=5.0),
+    ]
+    assert reached(events, 4, 1).delivered_at_s == 12.0
+    assert reached(events[:2], 4, 1).delivered_at_s is None
+
+
+def test_an_item_that_two_goals_make_needs_both() -> None:
+    one = tell("M1", delivered("G1", 0, 2))
+    assert reached(one, 4).status is OrderStatus.IN_DELIVERY
+    both = one + tell("M2", delivered("G2", 0, 2))
+    assert reached(both, 4).status is OrderStatus.DELIVERED
+
+
+def test_what_a_lost_life_made_is_gone_and_what_it_delivered_stays() -> None:
+    first = tell("strategist", contracted("G1", 0, 4)) + tell("M1", made("G1", 3), delivered("G1", 0, 2))
+    again = tell("strategist", contracted("Gr2", 0, 2), life=2)
+    assert reached(first, 4).made == (3,)
+    assert reached(first + again, 4, life=2).made == (2,)
+    done = again + tell("M1", made("Gr2", 2), delivered("Gr2", 0, 2), life=2)
+    assert reached(first + done, 4, life=2).status is OrderStatus.DELIVERED
+
+
+def test_more_than_was_ordered_counts_as_what_was_ordered() -> None:
+    result = reached(tell("M1", delivered("G1", 0, 9)), 4)
+    assert (result.made, result.delivered) == ((4,), (4,))
+
+
+def test_an_item_that_the_order_does_not_have_counts_nothing() -> None:
+    assert reached(tell("M1", delivered("G1", 1, 4)), 4).delivered == (0,)
+
+
+FACTS = tell(
+    "M1", contracted("G1", 0, 4), made("G1", 1), made("G1", 4), delivered("G1", 0, 2), delivered("G1", 0, 4)
+)
+
+
+@given(st.lists(st.sampled_from(FACTS), min_size=1), st.randoms(use_true_random=False))
+def test_the_order_and_the_doubling_of_facts_change_nothing(events: list[Event], chance: object) -> None:
+    shuffled = [*events, *events]
+    chance.shuffle(shuffled)  # type: ignore[attr-defined]
+    assert reached(shuffled, 4) == reached(events, 4)
