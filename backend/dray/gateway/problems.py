@@ -15,7 +15,8 @@ import msgspec
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
-from starlette.routing import Match
+from starlette.routing import BaseRoute, Match, Mount
+from starlette.types import Scope
 
 from dray.errors import DrayError
 
@@ -180,11 +181,15 @@ def _allowed(request: Request) -> list[str]:
     return [
         method
         for method in ("GET", "POST", "PUT", "PATCH", "DELETE")
-        if any(
-            route.matches({**request.scope, "method": method})[0] is Match.FULL
-            for route in request.app.routes
-        )
+        if any(_takes(route, {**request.scope, "method": method}) for route in request.app.routes)
     ]
+
+
+def _takes(route: BaseRoute, scope: Scope) -> bool:
+    """A mount matches whatever the method; ours holds files, which can only be read."""
+    if isinstance(route, Mount) and scope["method"] != "GET":
+        return False
+    return route.matches(scope)[0] is Match.FULL
 
 
 def _not_json(fault: Mapping[str, Any]) -> Problem:

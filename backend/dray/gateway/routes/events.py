@@ -16,7 +16,11 @@ router = APIRouter(tags=["history"])
 
 Words = Annotated[list[Annotated[str, Query(max_length=128)]] | None, Query(max_length=50)]
 Word = Annotated[str, Query(max_length=128)]
-Position = Annotated[int | None, Query(ge=0, le=2**63 - 1)]
+
+LAST_POSITION = 2**63 - 1
+"""The largest number that SQL can hold."""
+
+Position = Annotated[int | None, Query(ge=0, le=LAST_POSITION)]
 
 
 class EventAnswer(msgspec.Struct, frozen=True):
@@ -59,7 +63,7 @@ async def list_events(
     """
     if since is not None and (newest_first or cursor is not None):
         raise unusable(FieldError("since", "give it alone, or use cursor or newest_first instead"))
-    after = read_cursor(cursor, tuple[int])
+    after = read_cursor(cursor, tuple[Annotated[int, msgspec.Meta(ge=0, le=LAST_POSITION)]])
     wanted = EventFilter(kinds=tuple(kind or ()), agents=tuple(agent or ()), task=task, order=order)
     async with gateway.store.read() as work:
         rows = await work.events.page(
