@@ -1,0 +1,130 @@
+"""An order that is sent again is not a second order."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+import httpx
+import pytest
+from gateway_kit import NOW_S, PRODUCT, House, draft, gateway, problem
+
+from dray.gateway.intake import KEYS_KEPT_S
+from dray.messages import OrderReleased
+from dray.store.keys import IdempotencyKeys
+
+pytestmark = pytest.mark.anyio
+
+KEY = {"Idempotency-Key": "order-4711"}
+
+
+async def send(house: House, body: dict[str, Any], headers: dict[str, str] = KEY) -> httpx.Response:
+    return await house.client.post("/api/orders", json=body, headers=headers)
+
+
+async def test_the_same_key_and_body_get_the_same_answer_and_one_order(house: House) -> None:
+    first = await send(house, draft())
+    again = await send(house, draft())
+    assert first.status_code == again.status_code == 201
+    assert again.content == first.content
+    assert again.headers["location"] == first.headers["location"]
+    assert "idempotency-replayed" not in first.headers
+    assert again.headers["idempotency-replayed"] == "true"
+    assert await house.orders_kept() == 1
+    assert len(house.bus.sent_to("strategist", OrderReleased)) == 1
+
+
+async def test_the_same_order_written_in_another_way_is_the_same_body(house: House) -> None:
+    first = await send(house, draft(due_at="2030-03-17T20:00:00Z"))
+    turned = dict(reversed(draft(due_at="2030-03-17T21:00:00+01:00").items()))
+    assert (await send(house, turned)).content == first.content
+
+
+async def test_the_answer_stays_the_first_one_whatever_became_of_the_order(house: House) -> None:
+    first = await send(house, draft(due_at="2030-03-17T20:00:00Z"))
+    await house.client.post(f"{first.headers['location']}/cancel")
+    house.wall.now_s += 86_400.0
+    again = await send(house, draft(due_at="2030-03-17T20:00:00Z"))
+    assert again.status_code == 201
+    assert again.content == first.content
+
+
+async def test_the_same_key_with_another_body_is_refused_and_nothing_stored(house: House) -> None:
+    first = await send(house, draft())
+    other = draft(items=[{"product": PRODUCT, "quantity": 6}])
+    refused = problem(await send(house, other), 422, "key-used")
+    assert refused["errors"][0]["field"] == "Idempotency-Key"
+    assert first.json()["id"] in refused["detail"]
+    assert "new key" in refused["detail"]
+    assert await house.orders_kept() == 1
+    assert (await send(house, draft())).content == first.content
+
+
+async def test_other_keys_and_no_key_make_other_orders(house: House) -> None:
+    headers: tuple[dict[str, str], ...] = (KEY, {"Idempotency-Key": "order-4712"}, {}, {})
+    answers = [await send(house, draft(), one) for one in headers]
+    assert len({answer.json()["id"] for answer in answers}) == 4
+
+
+async def test_a_key_at_work_is_refused_until_its_request_is_answered(house: House) -> None:
+    async with house.store.write():  # nobody else can write meanwhile
+        requests = [asyncio.create_task(send(house, draft())) for _ in range(2)]
+        ended, waiting = await asyncio.wait(requests, return_when=asyncio.FIRST_COMPLETED)
+    refused, answered = ended.pop().result(), await waiting.pop()
+    problem(refused, 409, "key-at-work")
+    assert refused.headers["retry-after"] == "1"
+    assert answered.status_code == 201
+    assert (await send(house, draft())).content == answered.content
+    assert await house.orders_kept() == 1
+
+
+async def test_a_refused_body_leaves_its_key_free(house: House) -> None:
+    problem(await send(house, draft(due_at="2020-01-01T00:00:00Z")), 422, "unusable-fields")
+    assert house.parts.keys_at_work == set()
+    assert (await send(house, draft())).status_code == 201
+
+
+async def test_a_key_is_remembered_over_a_restart(url: str) -> None:
+    async with gateway(url) as before:
+        first = await send(before, draft())
+    async with gateway(url) as after:
+        again = await send(after, draft())
+        assert again.content == first.content
+        problem(await send(after, draft(customer="Other")), 422, "key-used")
+        assert await after.orders_kept() == 1
+
+
+async def test_two_gateways_on_one_database_take_an_order_once(url: str) -> None:
+    async with gateway(url) as one, gateway(url) as other:
+        first, second = await asyncio.gather(send(one, draft()), send(other, draft()))
+        assert first.content == second.content
+        assert await one.orders_kept() == 1
+
+
+async def test_a_gateway_that_was_slower_with_a_key_stores_nothing(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    await send(house, draft())
+
+    async def not_yet(_keys: IdempotencyKeys, _key: str) -> None:
+        """As a transaction finds it that began before the other one ended."""
+
+    with monkeypatch.context() as patch:
+        patch.setattr(IdempotencyKeys, "get", not_yet)
+        problem(await send(house, draft()), 409, "key-at-work")
+    assert await house.orders_kept() == 1
+
+
+async def test_a_key_is_forgotten_after_a_week(house: House) -> None:
+    first = await send(house, draft())
+    house.wall.now_s = NOW_S + KEYS_KEPT_S + 1
+    await send(house, draft(), {"Idempotency-Key": "another"})
+    again = await send(house, draft())
+    assert again.json()["id"] != first.json()["id"]
+
+
+@pytest.mark.parametrize("key", ["", " ", "a b", "k" * 256, "\x7f"])
+async def test_a_key_that_nobody_could_read_is_refused(house: House, key: str) -> None:
+    refused = problem(await send(house, draft(), {"Idempotency-Key": key}), 422, "unusable-fields")
+    assert refused["errors"][0]["field"] == "Idempotency-Key"
+    assert await house.orders_kept() == 0
