@@ -1,0 +1,371 @@
+"""Whatever is sent, the answer is a problem that says what, where and what to do; nothing is stored."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import AsyncIterator
+from typing import Any
+
+import httpx
+import pytest
+from gateway_kit import PLANT, PRODUCT, House, draft, gateway, problem
+
+from dray.gateway.answers import write_cursor
+from dray.gateway.intake import MAX_ITEMS, MAX_QUANTITY
+from dray.messages import OrderReleased
+
+pytestmark = pytest.mark.anyio
+
+LINE = {"product": PRODUCT, "quantity": 5}
+MISSING = object()
+"""Stands for a field that is left out."""
+
+JSON = {"Content-Type": "application/json"}
+
+
+async def nothing_stored(house: House) -> bool:
+    return await house.orders_kept() == 0 and house.bus.sent_to("strategist", OrderReleased) == []
+
+
+def line(**fields: Any) -> dict[str, Any]:
+    return {name: value for name, value in (LINE | fields).items() if value is not MISSING}
+
+
+def body(**fields: Any) -> dict[str, Any]:
+    return {name: value for name, value in draft(**fields).items() if value is not MISSING}
+
+
+async def refused(house: House, content: Any) -> list[dict[str, str]]:
+    """The single faults of a body that has the right shape or nearly so."""
+    answer = await house.client.post("/api/orders", content=json.dumps(content), headers=JSON)
+    told = problem(answer, 422, "unusable-fields")
+    first = told["errors"][0]
+    assert told["detail"].startswith(f"{first['field']}: {first['reason']}")
+    assert await nothing_stored(house)
+    faults: list[dict[str, str]] = told["errors"]
+    return faults
+
+
+# --- orders whose fields cannot be used ----------------------------------------------------------
+
+
+async def test_an_unknown_product_is_told_which_ones_there_are(house: House) -> None:
+    (fault,) = await refused(house, body(items=[LINE, line(product="unobtainium")]))
+    assert fault["field"] == "items[1].product"
+    assert "'unobtainium'" in fault["reason"]
+    for product in PLANT.products:
+        assert product.id in fault["reason"]
+
+
+async def test_all_faults_are_told_at_once(house: House) -> None:
+    faults = await refused(
+        house, body(items=[line(product="one"), line(product="two")], due_at="2020-01-01T00:00Z")
+    )
+    assert [fault["field"] for fault in faults] == ["items[0].product", "items[1].product", "due_at"]
+
+
+@pytest.mark.parametrize(
+    "quantity",
+    [0, -1, MAX_QUANTITY + 1, 2**63, 10**400, "5", "", True, False, 5.0, 5.5, None, [], {}, MISSING],
+    ids=str,
+)
+async def test_a_quantity_that_is_no_number_of_pieces_is_refused(house: House, quantity: Any) -> None:
+    (fault,) = await refused(house, body(items=[LINE, line(quantity=quantity)]))
+    assert fault["field"] == "items[1].quantity"
+
+
+@pytest.mark.parametrize("number", ["NaN", "Infinity", "-Infinity", "1e999"])
+async def test_a_quantity_that_json_does_not_know_is_refused(house: House, number: str) -> None:
+    written = json.dumps(body()).replace("5", number)
+    answer = await house.client.post("/api/orders", content=written, headers=JSON)
+    assert problem(answer, 422, "unusable-fields")["errors"][0]["field"] == "items[0].quantity"
+    assert await nothing_stored(house)
+
+
+@pytest.mark.parametrize(
+    "items",
+    [[], [LINE] * (MAX_ITEMS + 1), None, MISSING, LINE, "items", 5],
+    ids=["none", "too many", "null", "missing", "one that is no list", "text", "a number"],
+)
+async def test_an_order_has_some_items_and_not_too_many(house: House, items: Any) -> None:
+    (fault,) = await refused(house, body(items=items))
+    assert fault["field"] == "items"
+
+
+@pytest.mark.parametrize(
+    "product", ["", " ", "a b", "ä", "9gears", "x" * 33, "\u0000", "\ud800", 5, None, MISSING], ids=repr
+)
+async def test_a_product_is_named_by_an_id(house: House, product: Any) -> None:
+    (fault,) = await refused(house, body(items=[line(product=product)]))
+    assert fault["field"] == "items[0].product"
+
+
+@pytest.mark.parametrize(
+    "customer",
+    ["", "   ", "\t", "a\nb", "a\u0000b", "a\u007f", "x" * 201, "\ud800", 5, None, [], MISSING],
+    ids=repr,
+)
+async def test_a_customer_has_a_name_of_one_line(house: House, customer: Any) -> None:
+    (fault,) = await refused(house, body(customer=customer))
+    assert fault["field"] == "customer"
+
+
+@pytest.mark.parametrize("reference", ["", "   ", "a\nb", "x" * 201, 5], ids=repr)
+async def test_a_reference_is_one_line_too(house: House, reference: Any) -> None:
+    (fault,) = await refused(house, body(reference=reference))
+    assert fault["field"] == "reference"
+
+
+@pytest.mark.parametrize("release", ["true", 1, 0, None, "no"], ids=repr)
+async def test_whether_to_release_is_yes_or_no(house: House, release: Any) -> None:
+    (fault,) = await refused(house, body(release=release))
+    assert fault["field"] == "release"
+
+
+@pytest.mark.parametrize(
+    ("due_at", "words"),
+    [
+        ("2030-03-17T17:46:39Z", "it is past: here it is 2030-03-17T17:46:40+00:00"),
+        ("2030-03-17T17:46:40Z", "it is past"),
+        ("0001-01-01T00:00:00Z", "it is past"),
+        ("2030-03-17T20:00:00", "time zone"),
+        ("2030-03-17", "time zone"),
+        ("tomorrow", "no ISO 8601 time"),
+        ("2030-13-01T00:00:00Z", "no ISO 8601 time"),
+        ("2030-02-30T00:00:00Z", "no ISO 8601 time"),
+        ("", "no ISO 8601 time"),
+        ("2030-03-17T20:00:00+99:00", "no ISO 8601 time"),
+        ("9999-12-31T23:59:59-12:00", "out of the calendar"),
+        ("0001-01-01T00:00:00+12:00", "out of the calendar"),
+        (1_900_003_600, "as text"),
+        (True, "as text"),
+        ([], "as text"),
+    ],
+    ids=repr,
+)
+async def test_a_due_time_is_a_moment_to_come_with_its_zone(house: House, due_at: Any, words: str) -> None:
+    (fault,) = await refused(house, body(due_at=due_at))
+    assert fault["field"] == "due_at"
+    assert words in fault["reason"]
+
+
+@pytest.mark.parametrize(
+    ("content", "field"),
+    [
+        (body(priority=1), "priority"),
+        (body(items=[line(colour="red")]), "items[0].colour"),
+        (body(id="O-1"), "id"),
+    ],
+    ids=["of an order", "of an item", "an id"],
+)
+async def test_a_field_that_nobody_knows_is_refused(house: House, content: Any, field: str) -> None:
+    (fault,) = await refused(house, content)
+    assert fault["field"] == field
+    assert "no such field" in fault["reason"]
+
+
+@pytest.mark.parametrize("content", [[], [LINE], "order", 5, True, None], ids=repr)
+async def test_a_body_that_is_no_object_is_refused(house: House, content: Any) -> None:
+    (fault,) = await refused(house, content)
+    assert fault["field"] == "body"
+
+
+async def test_no_more_faults_are_told_than_a_person_reads(house: House) -> None:
+    assert len(await refused(house, body(items=[{str(i): 0 for i in range(200)}]))) == 50
+
+
+# --- bodies that cannot be read ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("content", "kind"),
+    [
+        (b"{", "not-json"),
+        (b"customer=Muster", "not-json"),
+        (b"{'customer': 'Muster'}", "not-json"),
+        (b'{"customer": "Muster",}', "not-json"),
+        (b"\xff\xfe\x00", "bad-request"),
+        (b'{"customer": "\xe4"}', "bad-request"),
+        (b"[" * 100_000, "bad-request"),
+        (b'{"customer": ' + b"9" * 5000 + b"}", "bad-request"),
+    ],
+    ids=["cut off", "a form", "single quotes", "a comma", "no text", "latin-1", "nested", "a long number"],
+)
+async def test_a_body_that_is_not_json_is_refused(house: House, content: bytes, kind: str) -> None:
+    answer = await house.client.post("/api/orders", content=content, headers=JSON)
+    told = problem(answer, 400, kind)
+    assert "JSON" in told["title"] + told["detail"]
+    assert "UTF-8" in told["detail"]
+    assert await nothing_stored(house)
+
+
+async def test_an_empty_body_is_refused(house: House) -> None:
+    told = problem(await house.client.post("/api/orders", content=b"", headers=JSON), 422, "unusable-fields")
+    assert told["errors"] == [{"field": "body", "reason": "it is missing"}]
+    assert await nothing_stored(house)
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [None, "", "text/plain", "application/x-www-form-urlencoded", "multipart/form-data; boundary=x", "json"],
+)
+async def test_a_body_that_is_not_called_json_is_refused(house: House, kind: str | None) -> None:
+    headers = {} if kind is None else {"Content-Type": kind}
+    answer = await house.client.post("/api/orders", content=json.dumps(body()), headers=headers)
+    told = problem(answer, 415, "not-called-json")
+    assert "send application/json" in told["detail"]
+    assert await nothing_stored(house)
+
+
+@pytest.mark.parametrize("kind", ["application/json; charset=utf-8", "application/vnd.dray+json"])
+async def test_json_may_be_called_by_its_other_names(house: House, kind: str) -> None:
+    answer = await house.client.post(
+        "/api/orders", content=json.dumps(body()), headers={"Content-Type": kind}
+    )
+    assert answer.status_code == 201
+
+
+@pytest.mark.parametrize("announced", [True, False], ids=["announced", "in pieces"])
+async def test_a_body_that_is_too_large_is_refused(url: str, announced: bool) -> None:
+    async def pieces() -> AsyncIterator[bytes]:
+        for _ in range(5):
+            yield b" " * 1000
+
+    async with gateway(url, body_limit_bytes=4096) as house:
+        content = b" " * 5000 if announced else pieces()
+        answer = await house.client.post("/api/orders", content=content, headers=JSON)
+        told = problem(answer, 413, "body-too-large")
+        assert "4096 bytes" in told["detail"]
+        assert answer.headers["connection"] == "close"
+        assert answer.headers["x-content-type-options"] == "nosniff"
+        assert await nothing_stored(house)
+
+
+async def test_a_body_as_large_as_allowed_is_read(url: str) -> None:
+    async with gateway(url, body_limit_bytes=4096) as house:
+        content = json.dumps(body()).encode().ljust(4096)
+        answer = await house.client.post("/api/orders", content=content, headers=JSON)
+        assert answer.status_code == 201
+
+
+@pytest.mark.parametrize(
+    "origin", ["http://evil.test", "null", "http://dray.test.evil.test", "http://dray.test:81"]
+)
+async def test_a_page_of_another_site_cannot_place_an_order(house: House, origin: str) -> None:
+    answer = await house.client.post("/api/orders", json=body(), headers={"Origin": origin})
+    problem(answer, 403, "other-origin")
+    assert await nothing_stored(house)
+
+
+async def test_our_own_page_can_place_an_order(house: House) -> None:
+    answer = await house.client.post("/api/orders", json=body(), headers={"Origin": "http://dray.test"})
+    assert answer.status_code == 201
+
+
+# --- addresses and methods -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("path", "kind"),
+    [
+        ("/api/orders/O-1", "unknown-order"),
+        ("/api/orders/%00", "unknown-order"),
+        ("/api/orders/%FF", "unknown-order"),
+        ("/api/orders/" + "x" * 5000, "unknown-order"),
+        ("/api/orders/' OR 1=1 --", "unknown-order"),
+        ("/api/machines/M99", "unknown-machine"),
+        ("/api/atvs/ATV99", "unknown-atv"),
+        ("/api/tasks/T99", "unknown-task"),
+        ("/api/track/guess", "unknown-tracking-page"),
+    ],
+)
+async def test_an_id_that_nobody_has_is_not_found(house: House, path: str, kind: str) -> None:
+    told = problem(await house.client.get(path), 404, kind)
+    assert len(told["detail"]) < 500
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["/api", "/api/", "/api/nothing", "/nothing", "/api/orders/", "/api/orders/O-1/nothing", "/static/no.js"],
+)
+async def test_an_address_where_nothing_is_is_not_found(house: House, path: str) -> None:
+    told = problem(await house.client.get(path), 404, "not-found")
+    assert path in told["detail"]
+    assert "/api/docs" in told["detail"]
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "allowed"),
+    [
+        ("PUT", "/api/orders", "GET, POST"),
+        ("DELETE", "/api/orders/O-1", "GET"),
+        ("GET", "/api/orders/O-1/cancel", "POST"),
+        ("PATCH", "/api/atvs/ATV1/commands", "POST"),
+        ("POST", "/api/machines", "GET"),
+        ("POST", "/healthz", "GET"),
+        ("POST", "/", "GET"),
+        ("POST", "/static/icon.svg", "GET"),
+        ("TRACE", "/api/orders", "GET, POST"),
+    ],
+)
+async def test_a_method_that_an_address_does_not_know_is_refused(
+    house: House, method: str, path: str, allowed: str
+) -> None:
+    answer: httpx.Response = await house.client.request(method, path)
+    told = problem(answer, 405, "method-not-allowed")
+    assert answer.headers["allow"] == allowed
+    assert told["detail"] == f"{path} does not know {method}; use {allowed}"
+
+
+# --- questions -----------------------------------------------------------------------------------
+
+LISTS = ["orders", "products", "machines", "atvs", "tasks", "events"]
+
+
+@pytest.mark.parametrize("noun", LISTS)
+@pytest.mark.parametrize("limit", ["0", "-1", "501", "ten", "1.5", "", "9" * 30])
+async def test_a_page_has_between_1_and_500_items(house: House, noun: str, limit: str) -> None:
+    told = problem(await house.client.get(f"/api/{noun}", params={"limit": limit}), 422, "unusable-fields")
+    assert told["errors"][0]["field"] == "limit"
+
+
+@pytest.mark.parametrize("noun", LISTS)
+@pytest.mark.parametrize(
+    "cursor",
+    [
+        "",
+        "nonsense",
+        "ä",
+        "!!!!",
+        "x" * 513,
+        write_cursor(),
+        write_cursor("a", "b", "c"),
+        write_cursor(10**30),
+        write_cursor(-1),
+        write_cursor(1e308, 5),
+    ],
+)
+async def test_a_cursor_that_is_not_from_this_list_is_refused(house: House, noun: str, cursor: str) -> None:
+    told = problem(await house.client.get(f"/api/{noun}", params={"cursor": cursor}), 422, "unusable-fields")
+    assert told["errors"][0]["field"] == "cursor"
+
+
+@pytest.mark.parametrize(
+    ("query", "field"),
+    [
+        ("/api/orders?status=lost", "status[0]"),
+        ("/api/orders?status=stored&status=", "status[1]"),
+        ("/api/tasks?state=lost", "state[0]"),
+        ("/api/events?since=-1", "since"),
+        ("/api/events?since=x", "since"),
+        ("/api/events?since=99999999999999999999", "since"),
+        ("/api/events?since=1&newest_first=true", "since"),
+        ("/api/events?newest_first=maybe", "newest_first"),
+        ("/api/events?task=" + "x" * 129, "task"),
+        ("/api/events?kind=" + "x" * 129, "kind[0]"),
+        ("/api/events?" + "&".join(["agent=a"] * 51), "agent"),
+    ],
+)
+async def test_a_question_that_cannot_be_answered_is_refused(house: House, query: str, field: str) -> None:
+    told = problem(await house.client.get(query), 422, "unusable-fields")
+    assert told["errors"][0]["field"] == field
