@@ -115,17 +115,21 @@ class Tasks:
             return False
         task = self._open.get(fact.task)
         if task is None:
-            task = self._born(event, fact)
-        if fact.epoch < task.epoch:
+            self._born(event, fact)
+            return True
+        if fact.role is Role.SECONDARY or fact.epoch < task.epoch:
             return False
-        if fact.role is Role.PRIMARY:
-            task.epoch, task.round, task.radius_m = fact.epoch, fact.round, fact.radius_m
-            task.state, task.primary, task.phase = "bidding", "", ""
-            task.deadline_at_s = self._to_wall_s(fact.deadline_s)
+        if fact.epoch > task.epoch:
+            _begin_again(task)
+        elif fact.round <= task.round:
+            # Doubled, or overtaken by what came of it.
+            return False
+        task.epoch, task.round, task.radius_m = fact.epoch, fact.round, fact.radius_m
+        task.deadline_at_s = self._to_wall_s(fact.deadline_s)
         self.changes.mark(task.id)
         return True
 
-    def _born(self, event: Event, fact: TaskOpened) -> TaskView:
+    def _born(self, event: Event, fact: TaskOpened) -> None:
         if len(self._open) >= MAX_OPEN:
             oldest = next(iter(self._open))
             del self._open[oldest]
@@ -133,6 +137,7 @@ class Tasks:
             self.changes.drop(oldest)
         task = _new_task(event, fact, self._to_wall_s)
         self._open[fact.task] = task
+        self.changes.mark(task.id)
         if task.kind == "transport":
             self.transports.opened(fact.task, event.at_s)
         waiting = [early for early in self._early if getattr(early.fact, "task", "") == fact.task]
@@ -140,7 +145,6 @@ class Tasks:
             self._early = deque((e for e in self._early if e not in waiting), maxlen=EARLY_KEPT)
             for early in waiting:
                 self.fold(early)
-        return task
 
     def _bid(self, task: TaskView, _event: Event, fact: BidReceived) -> bool:
         if fact.epoch < task.epoch:
@@ -220,6 +224,12 @@ def _new_task(event: Event, fact: TaskOpened, to_wall_s: ToWall) -> TaskView:
             # A production goal is known by the name of the task that gives it out.
             task.item, task.goal, task.order = work.product, fact.task, work.order
     return task
+
+
+def _begin_again(task: TaskView) -> None:
+    """Nobody carries it any more: another one is sought, in a new epoch."""
+    task.state, task.primary, task.phase, task.source = "bidding", "", "", ""
+    task.contracted_at_s = task.promised_at_s = None
 
 
 def _parts(cost: Cost) -> dict[str, float]:
