@@ -1,0 +1,56 @@
+"""The plant's clock and the wall's."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dray.gateway.timescale import TimeScale
+
+
+def test_both_epochs_are_the_same_moment() -> None:
+    time = TimeScale(plant_epoch_s=100.0, wall_epoch_s=1_900_000_000.0, speed=50.0)
+    assert time.to_wall_s(100.0) == 1_900_000_000.0
+    assert time.to_plant_s(1_900_000_000.0) == 100.0
+
+
+def test_a_fast_factory_lives_long_in_a_short_time() -> None:
+    time = TimeScale(plant_epoch_s=0.0, wall_epoch_s=1000.0, speed=50.0)
+    assert time.to_wall_s(3600.0) == 1072.0
+    assert time.to_plant_s(1060.0) == 3000.0
+
+
+def test_what_was_before_the_epoch_has_its_time_too() -> None:
+    time = TimeScale(plant_epoch_s=10.0, wall_epoch_s=1000.0, speed=2.0)
+    assert time.to_wall_s(0.0) == 995.0
+    assert time.to_plant_s(995.0) == 0.0
+
+
+@given(
+    plant_s=st.floats(-1e6, 1e6),
+    epoch_s=st.floats(0.0, 1e6),
+    speed=st.floats(0.01, 1000.0),
+)
+def test_there_and_back_is_the_same_moment(plant_s: float, epoch_s: float, speed: float) -> None:
+    time = TimeScale(epoch_s, 1_900_000_000.0, speed)
+    # Seconds since 1970 are kept to some 0.2 microseconds; a fast factory's clock is so much coarser.
+    assert math.isclose(
+        time.to_plant_s(time.to_wall_s(plant_s)), plant_s, rel_tol=1e-9, abs_tol=1e-6 * (1 + speed)
+    )
+
+
+@given(earlier_s=st.floats(-1e6, 1e6), later_s=st.floats(-1e6, 1e6), speed=st.floats(0.01, 1000.0))
+def test_neither_clock_goes_back(earlier_s: float, later_s: float, speed: float) -> None:
+    earlier_s, later_s = sorted((earlier_s, later_s))
+    time = TimeScale(0.0, 1_900_000_000.0, speed)
+    assert time.to_wall_s(earlier_s) <= time.to_wall_s(later_s)
+    assert time.to_plant_s(earlier_s) <= time.to_plant_s(later_s)
+
+
+@pytest.mark.parametrize("speed", [0.0, -1.0, math.nan])
+def test_a_clock_that_does_not_go_on_is_refused(speed: float) -> None:
+    with pytest.raises(ValueError, match="above 0"):
+        TimeScale(0.0, 0.0, speed)
