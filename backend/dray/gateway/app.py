@@ -8,6 +8,7 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
 
 from fastapi import FastAPI
+from starlette.middleware.errors import ServerErrorMiddleware
 
 from dray import __version__
 from dray.gateway import openapi, problems
@@ -119,6 +120,8 @@ def create_app(
     # The last one added is the outermost.
     app.add_middleware(BodyLimit, limit_bytes=settings.body_limit_bytes)
     app.add_middleware(SameOrigin)
+    # FastAPI's own handler of bugs stands outside of all shields: its answers would lack the headers.
+    app.add_middleware(ServerErrorMiddleware, handler=problems.on_bug)
     app.add_middleware(SecurityHeaders)
     return app
 

@@ -125,11 +125,10 @@ def not_found(noun: str, name: str, where: str) -> Problem:
 
 
 def install(app: FastAPI) -> None:
-    """Let every error of `app` leave as a problem."""
+    """Let every error of `app` leave as a problem; `on_bug` is for a middleware."""
     app.add_exception_handler(Problem, _on_problem)
     app.add_exception_handler(RequestValidationError, _on_validation)
     app.add_exception_handler(HTTPException, _on_http)
-    app.add_exception_handler(Exception, _on_bug)
 
 
 async def _on_problem(request: Request, error: Exception) -> Response:
@@ -165,7 +164,7 @@ async def _on_http(request: Request, error: Exception) -> Response:
     return Problem(status, kind, status.phrase, detail, headers=headers).response(path)
 
 
-async def _on_bug(request: Request, error: Exception) -> Response:
+async def on_bug(request: Request, error: Exception) -> Response:
     """Our own bug: it is logged, and the one who asked learns no more than that."""
     _log.error("bug while answering %s %s", request.method, request.url.path, exc_info=error)
     return Problem(
@@ -178,10 +177,12 @@ async def _on_bug(request: Request, error: Exception) -> Response:
 
 def _allowed(request: Request) -> list[str]:
     """All methods that this path knows: the router names those of the first match only."""
+    # A mount has moved the root of the scope to itself.
+    scope = {**request.scope, "root_path": request.scope.get("app_root_path", "")}
     return [
         method
         for method in ("GET", "POST", "PUT", "PATCH", "DELETE")
-        if any(_takes(route, {**request.scope, "method": method}) for route in request.app.routes)
+        if any(_takes(route, scope | {"method": method}) for route in request.app.routes)
     ]
 
 
