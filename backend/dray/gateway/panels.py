@@ -114,6 +114,9 @@ class Panels:
 class BuiltFiles(StaticFiles):
     """The built files, kept by browsers for ever where their names tell their content."""
 
+    async def check_config(self) -> None:
+        """Panels that are not built are no fault: their files are not found."""
+
     def file_response(
         self, full_path: Any, stat_result: Any, scope: Scope, status_code: int = 200
     ) -> Response:
