@@ -1,0 +1,168 @@
+"""What a person asks of a vehicle, and what becomes of it."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+import httpx
+import pytest
+from gateway_kit import House, atv_heartbeat, gateway, problem
+
+from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand
+
+pytestmark = pytest.mark.anyio
+
+STOP = {"kind": "stop"}
+
+
+def vehicle(house: House, atv: str = "ATV1", *, done: bool = True, reason: str = "") -> list[VehicleCommand]:
+    """Let a vehicle join that answers every command; the commands that it will have heard."""
+    heard: list[VehicleCommand] = []
+
+    def receive(sender: str, message: Message) -> None:
+        if isinstance(message, VehicleCommand):
+            heard.append(message)
+            house.bus.tell(atv, sender, CommandAnswered(command=message.command, done=done, reason=reason))
+
+    house.bus.join(atv, receive)
+    return heard
+
+
+async def ask(house: House, body: Any, atv: str = "ATV1") -> httpx.Response:
+    return await house.client.post(f"/api/atvs/{atv}/commands", json=body)
+
+
+@pytest.mark.parametrize(
+    "body",
+    [STOP, {"kind": "acknowledge"}, {"kind": "resume"}, {"kind": "set_speed", "speed_frac": 0.5}],
+    ids=lambda body: body["kind"],
+)
+async def test_a_command_is_answered_with_the_vehicles_word(house: House, body: dict[str, Any]) -> None:
+    heard = vehicle(house)
+    answer = await ask(house, body)
+    assert answer.status_code == 200
+    (command,) = heard
+    assert answer.json() == {"command": command.command, "done": True, "reason": ""}
+    assert command.kind is CommandKind(body["kind"])
+    assert command.speed_frac == body.get("speed_frac")
+
+
+async def test_a_refused_command_is_answered_with_the_vehicles_reason(house: House) -> None:
+    vehicle(house, done=False, reason="acknowledge first")
+    answer = await ask(house, {"kind": "resume"})
+    assert answer.status_code == 200
+    assert answer.json()["done"] is False
+    assert answer.json()["reason"] == "acknowledge first"
+
+
+async def test_a_command_that_is_not_answered_is_not_confirmed_and_not_sent_again(url: str) -> None:
+    async with gateway(url, command_timeout_s=0.01) as house:
+        told = problem(await ask(house, STOP), 504, "not-confirmed")
+        assert "ATV1 has not answered within 0.01 s" in told["detail"]
+        assert "look at it" in told["detail"]
+        (command,) = house.bus.sent_to("ATV1", VehicleCommand)
+        # The answer comes too late: nobody waits for it, and it is counted.
+        house.bus.tell("ATV1", "gateway", CommandAnswered(command=command.command, done=True))
+        assert house.parts.peer.ignored == 1
+        assert len(house.bus.sent_to("ATV1", VehicleCommand)) == 1
+
+
+async def test_only_the_vehicle_itself_can_answer_and_only_once(house: House) -> None:
+    asked = asyncio.create_task(ask(house, STOP))
+    command = (await house.bus.next_to("ATV1", VehicleCommand)).command
+    house.bus.tell("ATV2", "gateway", CommandAnswered(command=command, done=True))
+    house.bus.tell("ATV1", "gateway", CommandAnswered(command="gateway.1-99", done=True))
+    house.bus.tell("ATV1", "gateway", CommandAnswered(command=command, done=False, reason="mine"))
+    house.bus.tell("ATV1", "gateway", CommandAnswered(command=command, done=True, reason="doubled"))
+    assert (await asked).json()["reason"] == "mine"
+    assert house.parts.peer.ignored == 3
+
+
+async def test_commands_at_the_same_time_get_their_own_answers(house: House) -> None:
+    asked = [asyncio.create_task(ask(house, STOP, atv)) for atv in ("ATV1", "ATV2", "ATV1")]
+    first = await house.bus.next_to("ATV1", VehicleCommand)
+    third = await house.bus.next_to("ATV1", VehicleCommand, after=1)
+    second = await house.bus.next_to("ATV2", VehicleCommand)
+    for atv, command in (("ATV1", third), ("ATV2", second), ("ATV1", first)):
+        house.bus.tell(atv, "gateway", CommandAnswered(command.command, done=True, reason=command.command))
+    answers = [(await one).json() for one in asked]
+    assert all(answer["reason"] == answer["command"] for answer in answers)
+    assert len({answer["command"] for answer in answers}) == 3
+
+
+async def test_commands_of_two_lives_have_different_names(url: str) -> None:
+    names = set()
+    for incarnation in (1, 2):
+        async with gateway(url, incarnation=incarnation) as house:
+            vehicle(house)
+            names.add((await ask(house, STOP)).json()["command"])
+    assert len(names) == 2
+
+
+async def test_an_unknown_vehicle_is_not_found_and_nothing_sent(house: House) -> None:
+    told = problem(await ask(house, STOP, "ATV99"), 404, "unknown-atv")
+    assert "ATV99" in told["detail"]
+    assert house.bus.sent == []
+
+
+async def test_a_vehicle_that_only_was_heard_can_be_stopped(house: House) -> None:
+    house.bus.say(atv_heartbeat("ATV99"))
+    vehicle(house, "ATV99")
+    assert (await ask(house, STOP, "ATV99")).json()["done"] is True
+
+
+async def test_too_many_waiting_commands_are_refused(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dray.gateway.commands.PENDING", 1)
+    asked = asyncio.create_task(ask(house, STOP))
+    command = (await house.bus.next_to("ATV1", VehicleCommand)).command
+    answer = await ask(house, STOP, "ATV2")
+    problem(answer, 503, "too-many-commands")
+    assert int(answer.headers["retry-after"]) > 0
+    house.bus.tell("ATV1", "gateway", CommandAnswered(command, done=True))
+    assert (await asked).status_code == 200
+
+
+@pytest.mark.parametrize(
+    ("body", "field"),
+    [
+        ({"kind": "set_speed"}, "body"),
+        ({"kind": "set_speed", "speed_frac": None}, "body"),
+        ({"kind": "stop", "speed_frac": 0.5}, "body"),
+        ({"kind": "set_speed", "speed_frac": 0}, "speed_frac"),
+        ({"kind": "set_speed", "speed_frac": -0.5}, "speed_frac"),
+        ({"kind": "set_speed", "speed_frac": 1.01}, "speed_frac"),
+        ({"kind": "set_speed", "speed_frac": "0.5"}, "speed_frac"),
+        ({"kind": "set_speed", "speed_frac": True}, "speed_frac"),
+        ({"kind": "fly"}, "kind"),
+        ({"kind": None}, "kind"),
+        ({}, "kind"),
+        ({"kind": "stop", "why": "because"}, "why"),
+        ([], "body"),
+    ],
+    ids=repr,
+)
+async def test_a_command_that_means_nothing_is_refused_and_not_sent(
+    house: House, body: Any, field: str
+) -> None:
+    told = problem(await ask(house, body), 422, "unusable-fields")
+    assert told["errors"][0]["field"] == field
+    assert house.bus.sent == []
+
+
+async def test_a_speed_that_json_does_not_know_is_refused(house: House) -> None:
+    for number in ("NaN", "Infinity", "1e999"):
+        answer = await house.client.post(
+            "/api/atvs/ATV1/commands",
+            content=f'{{"kind": "set_speed", "speed_frac": {number}}}',
+            headers={"Content-Type": "application/json"},
+        )
+        assert problem(answer, 422, "unusable-fields")["errors"][0]["field"] == "speed_frac"
+
+
+async def test_a_command_is_called_json_and_comes_from_our_own_page(house: House) -> None:
+    path = "/api/atvs/ATV1/commands"
+    problem(await house.client.post(path, content='{"kind": "stop"}'), 415, "not-called-json")
+    answer = await house.client.post(path, json=STOP, headers={"Origin": "http://evil.test"})
+    problem(answer, 403, "other-origin")
+    assert house.bus.sent == []
