@@ -1,0 +1,158 @@
+"""Pages, the files that they need, and what browsers may do with them."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import msgspec
+import pytest
+from gateway_kit import PLANT, House, gateway, problem
+
+from dray.gateway.panels import FOR_EVER, NotBuilt, Panels
+
+pytestmark = pytest.mark.anyio
+
+MANIFEST = {
+    "src/theme/init.ts": {"file": "assets/init-1.js"},
+    "src/manager/main.tsx": {
+        "file": "assets/main-1.js",
+        "css": ["assets/main-1.css"],
+        "imports": ["_shared.js"],
+    },
+    "_shared.js": {"file": "assets/shared-1.js", "css": ["assets/shared-1.css"], "imports": ["_shared.js"]},
+}
+
+
+@pytest.fixture
+def built(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder as Vite leaves it; the gateway serves its files."""
+    folder = tmp_path / "static"
+    (folder / ".vite").mkdir(parents=True)
+    (folder / ".vite" / "manifest.json").write_bytes(msgspec.json.encode(MANIFEST))
+    (folder / "assets").mkdir()
+    (folder / "assets" / "main-1.js").write_text("export {};")
+    (folder / "icon.svg").write_text("<svg/>")
+    monkeypatch.setattr("dray.gateway.app.STATIC", folder)
+    return folder
+
+
+async def test_the_panel_names_its_own_scripts_and_styles_and_no_others(url: str, built: Path) -> None:
+    async with gateway(url, panels=Panels(built)) as house:
+        answer = await house.client.get("/")
+    assert answer.status_code == 200
+    assert answer.headers["content-type"] == "text/html; charset=utf-8"
+    assert answer.headers["cache-control"] == "no-store"
+    named = re.findall(r'(?:src|href)="([^"]*)"', answer.text)
+    assert "/static/assets/main-1.js" in named
+    # What is shared comes first: a panel's own style may overrule it.
+    styles = [name for name in named if name.endswith(".css")]
+    assert styles == ["/static/assets/shared-1.css", "/static/assets/main-1.css"]
+    assert all(name.startswith("/static/") for name in named)
+    assert not re.search(r"<script(?![^>]*\bsrc=)|<style|\son\w+=|\bstyle=", answer.text)
+
+
+@pytest.mark.parametrize("folder", ["nothing", "no such entry"])
+async def test_panels_that_are_not_built_say_how_to_build_them(url: str, built: Path, folder: str) -> None:
+    if folder == "nothing":
+        static = built / "nowhere"
+    else:
+        static = built
+        (built / ".vite" / "manifest.json").write_text("{}")
+    async with gateway(url, panels=Panels(static)) as house:
+        answer = await house.client.get("/")
+        assert (await house.client.get("/api/products")).status_code == 200
+    assert answer.status_code == 503
+    assert "make panels" in answer.text
+    assert "/api/docs" in answer.text
+    assert str(built) not in answer.text
+
+
+async def test_files_of_panels_that_are_not_built_are_not_found(
+    url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("dray.gateway.app.STATIC", tmp_path / "nowhere")
+    async with gateway(url) as house:
+        problem(await house.client.get("/static/icon.svg"), 404, "not-found")
+
+
+def test_a_template_that_is_not_there_is_no_panel(built: Path) -> None:
+    with pytest.raises(NotBuilt):
+        Panels(built).render("no-such-page.html", plant=PLANT)
+
+
+async def test_files_whose_name_tells_their_content_are_kept_for_ever_and_no_others(
+    url: str, built: Path
+) -> None:
+    async with gateway(url) as house:
+        hashed = await house.client.get("/static/assets/main-1.js")
+        icon = await house.client.get("/static/icon.svg")
+        again = await house.client.get("/static/icon.svg", headers={"If-None-Match": icon.headers["etag"]})
+    assert hashed.headers["cache-control"] == FOR_EVER
+    assert "javascript" in hashed.headers["content-type"]
+    assert icon.headers["cache-control"] == "no-cache"
+    assert icon.headers["content-type"].startswith("image/svg+xml")
+    assert again.status_code == 304
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/static/../app.py",
+        "/static/%2e%2e/dray.db",
+        "/static/..%2fdray.db",
+        "/static//etc/passwd",
+        "/static/",
+    ],
+)
+async def test_no_other_file_can_be_read(url: str, built: Path, path: str) -> None:
+    async with gateway(url) as house:
+        problem(await house.client.get(path), 404, "not-found")
+
+
+@pytest.mark.parametrize(
+    "path", ["/", "/api/docs", "/api/openapi.json", "/api/orders", "/api/nothing", "/healthz", "/track/x"]
+)
+async def test_every_answer_tells_browsers_what_they_may_not_do(house: House, path: str) -> None:
+    headers = (await house.client.get(path)).headers
+    policy = headers["content-security-policy"]
+    for rule in ("default-src 'self'", "object-src 'none'", "base-uri 'none'", "frame-ancestors 'none'"):
+        assert rule in policy
+    assert "unsafe" not in policy
+    assert headers["x-content-type-options"] == "nosniff"
+    assert headers["x-frame-options"] == "DENY"
+    assert headers["referrer-policy"] == "no-referrer"
+    assert headers["cross-origin-opener-policy"] == "same-origin"
+    assert headers["cross-origin-resource-policy"] == "same-origin"
+    assert "camera=()" in headers["permissions-policy"]
+
+
+async def test_a_customers_page_shows_the_order_and_is_kept_from_search_engines(house: House) -> None:
+    order = await house.place(reference="4711")
+    answer = await house.client.get(order["tracking_url"])
+    assert answer.headers["x-robots-tag"] == "noindex"
+    assert answer.is_redirect
+    shown = await house.client.get(answer.headers["location"])
+    assert shown.json()["reference"] == "4711"
+    assert shown.headers["x-robots-tag"] == "noindex"
+
+
+@pytest.mark.parametrize("token", ["guess", "%2e%2e", "a?b#c", "%0d%0aX-Evil:1", "%5c%5cevil.test"])
+async def test_a_guessed_customers_page_leads_nowhere_else(house: House, token: str) -> None:
+    answer = await house.client.get(f"/track/{token}")
+    assert "x-evil" not in answer.headers
+    if answer.is_redirect:
+        assert answer.headers["location"].startswith("/api/track/")
+    followed = await house.client.get(f"/track/{token}", follow_redirects=True)
+    assert followed.status_code == 404
+    assert followed.url.host == "dray.test"
+
+
+async def test_the_documentation_is_one_page_that_needs_no_script_and_no_other_host(house: House) -> None:
+    answer = await house.client.get("/api/docs")
+    assert answer.status_code == 200
+    assert "<script" not in answer.text
+    assert not re.search(r'(?:src|href)="(?:https?:)?//', answer.text)
+    assert "style-src 'sha256-" in answer.headers["content-security-policy"]
+    for path in ("/api/orders", "/api/atvs/{atv}/commands", "/api/events"):
+        assert path in answer.text
