@@ -113,6 +113,8 @@ class Hub:
         if self._snapshot is None:
             snapshot = self._projection.snapshot(self._number, self._wall_s())
             self._snapshot = self._encoder.encode(snapshot).decode()
+            # It holds figures that no delta has told: the next ones are told whatever they are.
+            self._factory = None
         return self._snapshot
 
     def tick(self) -> None:
