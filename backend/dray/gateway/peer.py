@@ -45,7 +45,8 @@ class Peer:
                     self.ignored += not commands.answered(sender, message)
                 case _:
                     if isinstance(message, Event) and isinstance(message.fact, OrderDropped):
-                        desk.dropped(message.fact.order)
+                        if sender == STRATEGIST:
+                            desk.dropped(message.fact.order)
                     projection.fold(message)
 
         self._session = self._bus.join(AGENT, receive)
