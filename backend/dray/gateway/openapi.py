@@ -9,6 +9,7 @@ from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
 from dray import __version__
+from dray.gateway.examples import examples
 from dray.gateway.problems import ProblemDetails
 from dray.gateway.routes.atvs import CommandAnswer
 from dray.gateway.routes.events import EventAnswer
@@ -67,6 +68,7 @@ def _document(app: FastAPI) -> dict[str, Any]:
     for path in document["paths"].values():
         for method, operation in path.items():
             _tell_problems(method, operation)
+            _tell_shapes(operation)
     return document
 
 
@@ -84,3 +86,22 @@ def _tell_problems(method: str, operation: dict[str, Any]) -> None:
     operation["responses"].pop("422", None)
     for status, description in refusals.items():
         operation["responses"][status] = {"description": description, "content": PROBLEM}
+
+
+def _tell_shapes(operation: dict[str, Any]) -> None:
+    """FastAPI takes what is encoded already for text, and says so beside the shape that it has."""
+    for answer in operation["responses"].values():
+        content = answer.get("content", {}).get("application/json", {})
+        schema = content.get("schema", {})
+        if "$ref" in schema:
+            schema.pop("type", None)
+            if "example" not in content:
+                content["example"] = examples()[_name(schema)]
+        elif "items" in schema.get("properties", {}):
+            items = [examples()[_name(schema["properties"]["items"]["items"])]]
+            content["example"] = {"items": items, "next_cursor": None}
+
+
+def _name(reference: dict[str, Any]) -> str:
+    name: str = reference["$ref"].rpartition("/")[2]
+    return name

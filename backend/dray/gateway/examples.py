@@ -1,0 +1,165 @@
+"""Examples for the OpenAPI document: one moment of a small factory, in which all of them fit together."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import msgspec
+
+from dray.gateway.routes.events import EventAnswer
+from dray.gateway.routes.orders import EXAMPLE as ORDER
+from dray.gateway.routes.products import ProductAnswer
+from dray.gateway.routes.track import STAGES, Stage, TrackAnswer
+from dray.gateway.views import (
+    AtvView,
+    BidView,
+    BriefView,
+    BufferView,
+    FactoryView,
+    GoalView,
+    MachineView,
+    OpenTaskView,
+    RefusalView,
+    TaskView,
+)
+from dray.plant import default_plant
+
+NOW_S = ORDER.created_at_s + 60.0
+"""A minute after the order of the example was placed."""
+
+SHOWN = 2
+"""Of each kind of thing in the plant: its whole file is too long for an example."""
+
+PARTS_S = {"empty_way": 14.0, "loaded_way": 31.5, "energy": 2.5, "suitability": 0.0}
+
+_STRUCTS = (
+    ORDER,
+    TrackAnswer(
+        status=ORDER.status,
+        reference=ORDER.reference,
+        items=ORDER.items,
+        stages=tuple(Stage(stage.value, index < 2) for index, stage in enumerate(STAGES)),
+        created_at=ORDER.created_at,
+        due_at=ORDER.due_at,
+        delivered_at=None,
+    ),
+    ProductAnswer(id="P1", name="Gear unit", lot=4, bill={"shaft": 2, "steel": 1}),
+    MachineView(
+        id="M1",
+        name="Lathe",
+        status="producing",
+        product="P1",
+        goals=(GoalView(goal="strategist.1-1", product="P1", quantity=5, made=1, delivered=0),),
+        tasks=(
+            OpenTaskView(
+                task="M1.1-1",
+                epoch=1,
+                item="shaft",
+                quantity=20,
+                source="S1",
+                destination="M1",
+                deadline_at_s=NOW_S + 300,
+                primary="ATV2",
+                secondary="ATV1",
+            ),
+        ),
+        buffers=(BufferView(item="shaft", level=8, capacity=60, reorder_point=10, on_order=20),),
+        goods=(BufferView(item="P1", level=1, capacity=8),),
+        seen_at_s=NOW_S,
+    ),
+    AtvView(
+        id="ATV2",
+        type="light",
+        status="working",
+        x_m=17.0,
+        y_m=5.0,
+        heading_rad=0.0,
+        speed_mps=1.2,
+        node="b1",
+        way=("c1", "d1"),
+        battery_frac=0.82,
+        task=BriefView(
+            task="M1.1-1",
+            epoch=1,
+            role="primary",
+            coordinator="M1",
+            phase="approaching",
+            item="shaft",
+            quantity=20,
+            due_at_s=NOW_S + 48,
+        ),
+        seen_at_s=NOW_S,
+    ),
+    TaskView(
+        id="M1.1-1",
+        kind="transport",
+        coordinator="M1",
+        item="shaft",
+        quantity=20,
+        sources=("S1", "S2"),
+        source="S1",
+        destination="M1",
+        radius_m=20.0,
+        state="contracted",
+        phase="approaching",
+        primary="ATV2",
+        secondary="ATV1",
+        opened_at_s=NOW_S - 3,
+        contracted_at_s=NOW_S - 1,
+        promised_at_s=NOW_S + 48,
+        deadline_at_s=NOW_S + 300,
+        bids=(
+            BidView(
+                bidder="ATV2",
+                role="primary",
+                round=1,
+                total_s=sum(PARTS_S.values()),
+                parts_s=PARTS_S,
+                finish_at_s=NOW_S + 48,
+                source="S1",
+                answer="accepted",
+            ),
+        ),
+        refusals=(RefusalView(agent="ATV3", role="primary", round=1, reason="busy"),),
+    ),
+    EventAnswer(
+        position=1042,
+        agent="M1",
+        incarnation=1,
+        number=17,
+        at_s=NOW_S - 1,
+        plant_s=3599.0,
+        kind="AwardAnswered",
+        task="M1.1-1",
+        goal=None,
+        order=None,
+        fact={
+            "kind": "AwardAnswered",
+            "task": "M1.1-1",
+            "epoch": 1,
+            "role": "primary",
+            "bidder": "ATV2",
+            "answer": "accepted",
+        },
+    ),
+    FactoryView(
+        orders_open=1,
+        orders_delivered=40,
+        on_time_frac=0.975,
+        starved_frac=0.02,
+        transport_p50_s=84.0,
+        transport_p95_s=162.0,
+        deliveries_per_hour=(12.0, 24.0, 36.0),
+        atvs_by_status={"idle": 3, "working": 4, "charging": 1},
+        machines_by_status={"idle": 9, "producing": 3},
+    ),
+)
+
+
+@lru_cache(maxsize=1)
+def examples() -> dict[str, Any]:
+    """Per name of a shape, an example of it."""
+    plant: dict[str, Any] = msgspec.to_builtins(default_plant().file)
+    some = {name: value[:SHOWN] if isinstance(value, list) else value for name, value in plant.items()}
+    return {type(one).__name__: msgspec.to_builtins(one) for one in _STRUCTS} | {"PlantFile": some}
