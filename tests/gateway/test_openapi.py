@@ -1,0 +1,172 @@
+"""The OpenAPI document tells the truth: whatever is asked, the answer is one that it tells of."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import nullcontext, suppress
+from copy import deepcopy
+from dataclasses import dataclass
+from typing import Any, cast
+
+import httpx
+import jsonschema_rs
+import pytest
+import requests
+import schemathesis
+from anyio.from_thread import BlockingPortal, start_blocking_portal
+from gateway_kit import PLANT, PRODUCT, FakeBus, House, atv_heartbeat, events, gateway, machine_heartbeat
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+from hypothesis.errors import Unsatisfiable
+from schemathesis import GenerationMode
+from schemathesis.specs.openapi.checks import positive_data_acceptance
+
+from dray.gateway.app import create_app
+from dray.gateway.timescale import TimeScale
+from dray.messages import CommandAnswered, Message, Role, Transport, VehicleCommand
+from dray.messages.fact import TaskOpened
+from dray.settings import Settings
+from dray.store import Store
+
+NO_STORE = cast(Store, None)
+"""A document is written before anything is opened."""
+
+APP = create_app(settings=Settings(), plant=PLANT, bus=FakeBus(), store=NO_STORE, time=TimeScale(0.0, 0.0))
+
+DOCUMENT: dict[str, Any] = json.loads(json.dumps(APP.openapi()))
+
+OPERATIONS = [(method, path) for path, methods in DOCUMENT["paths"].items() for method in methods]
+
+EXAMPLES = 25
+"""Requests per operation and mode: enough for every field to be wrong once, and a run of some seconds."""
+
+one_way = settings(
+    max_examples=EXAMPLES,
+    deadline=None,
+    derandomize=True,
+    database=None,
+    phases=[Phase.explicit, Phase.generate],
+    suppress_health_check=list(HealthCheck),
+)
+
+
+@dataclass
+class Running:
+    """A gateway on a loop of its own, which a test without one can ask."""
+
+    portal: BlockingPortal
+    house: House
+    known: dict[str, str]
+    """Per path parameter, an id that there is."""
+
+    def answer(self, request: requests.PreparedRequest) -> httpx.Response:
+        async def ask() -> httpx.Response:
+            return await self.house.client.request(
+                request.method or "",
+                request.url or "",
+                content=cast(bytes | str | None, request.body),
+                headers=[(name, value) for name, value in request.headers.items()],
+            )
+
+        return self.portal.call(ask)
+
+
+@pytest.fixture
+def running(url: str) -> Iterator[Running]:
+    with (
+        start_blocking_portal("asyncio") as portal,
+        portal.wrap_async_context_manager(gateway(url)) as house,
+    ):
+        yield Running(portal, house, portal.call(_fill, house))
+
+
+async def _fill(house: House) -> dict[str, str]:
+    def obey(sender: str, message: Message) -> None:
+        if isinstance(message, VehicleCommand):
+            house.bus.tell("ATV1", sender, CommandAnswered(message.command, done=True))
+
+    house.bus.join("ATV1", obey)
+    work = Transport(item="steel", quantity=4, sources=("S1",), destination="M1", ability="tote")
+    opened = TaskOpened("M1-1", 1, Role.PRIMARY, 1, work, 20.0, 900.0, 105.0)
+    await house.say([atv_heartbeat("ATV1"), machine_heartbeat("M1"), *events("M1", opened)])
+    order = await house.place()
+    token = order["tracking_url"].rpartition("/")[2]
+    return {"order": order["id"], "token": token, "atv": "ATV1", "machine": "M1", "task": "M1-1"}
+
+
+@pytest.mark.parametrize("mode", list(GenerationMode), ids=lambda mode: mode.value)
+@pytest.mark.parametrize(("method", "path"), OPERATIONS)
+def test_every_answer_is_one_that_the_document_tells_of(
+    running: Running, method: str, path: str, mode: GenerationMode
+) -> None:
+    # Schemathesis writes into the document that it reads.
+    operation = schemathesis.openapi.from_dict(deepcopy(DOCUMENT))[path][method.upper()]
+    cases = operation.as_strategy(generation_mode=mode)
+
+    @one_way
+    @given(case=cases, known=st.booleans())
+    def ask(case: schemathesis.Case, known: bool) -> None:
+        if known and mode is GenerationMode.POSITIVE:
+            case.path_parameters = {name: running.known[name] for name in case.path_parameters or {}}
+            if (method, path) == ("post", "/api/orders"):
+                case.body = case.body | {
+                    "items": [item | {"product": PRODUCT} for item in case.body["items"]],
+                    "due_at": None,
+                }
+        request = requests.Request(**case.as_transport_kwargs("http://dray.test")).prepare()
+        answer = running.answer(request)
+        # What has the right shape may still name a product that nobody makes, or another list's cursor.
+        case.validate_response(answer, excluded_checks=[positive_data_acceptance])
+
+    # Where any text may stand, nothing can be wrong.
+    with suppress(Unsatisfiable) if mode is GenerationMode.NEGATIVE else nullcontext():
+        ask()
+
+
+def test_every_operation_has_a_summary_and_an_example() -> None:
+    without = []
+    for method, path in OPERATIONS:
+        operation = DOCUMENT["paths"][path][method]
+        assert operation["summary"]
+        assert operation["description"]
+        good = next(answer for status, answer in operation["responses"].items() if status.startswith("2"))
+        if "example" not in good["content"]["application/json"]:
+            without.append(f"{method} {path}")
+        if "requestBody" in operation:
+            body = operation["requestBody"]["content"]["application/json"]
+            shape = DOCUMENT["components"]["schemas"].get(
+                body["schema"].get("$ref", "").rpartition("/")[2], {}
+            )
+            if "examples" not in body and "examples" not in shape:
+                without.append(f"{method} {path} body")
+    assert without == []
+
+
+def test_every_example_has_the_shape_that_it_is_an_example_of() -> None:
+    for method, path in OPERATIONS:
+        for answer in DOCUMENT["paths"][path][method]["responses"].values():
+            content = answer.get("content", {}).get("application/json", {})
+            if "example" in content:
+                schema = content["schema"] | {"components": DOCUMENT["components"]}
+                jsonschema_rs.validator_for(schema).validate(content["example"])
+
+
+def test_every_shape_that_is_named_is_there() -> None:
+    def named(part: Any) -> Iterator[str]:
+        if isinstance(part, dict):
+            if isinstance(part.get("$ref"), str):
+                yield part["$ref"]
+            for inner in part.values():
+                yield from named(inner)
+        elif isinstance(part, list):
+            for inner in part:
+                yield from named(inner)
+
+    shapes = {f"#/components/schemas/{name}" for name in DOCUMENT["components"]["schemas"]}
+    assert set(named(DOCUMENT)) <= shapes
+
+
+@pytest.mark.anyio
+async def test_the_document_is_served_as_it_is_written(house: House) -> None:
+    assert await house.get("/api/openapi.json") == DOCUMENT
