@@ -9,7 +9,7 @@ from collections.abc import Callable
 import pytest
 
 from dray_sim import bench
-from dray_sim.bench import Row, bus, rates
+from dray_sim.bench import Row, bus, projection, rates
 
 
 def count_to(number: int, calls: list[int]) -> Callable[[], int]:
@@ -50,3 +50,25 @@ def test_the_bus_is_measured_at_every_floor(monkeypatch: pytest.MonkeyPatch) -> 
         "heartbeats written and read",
     ]
     assert all(row.figure > 0.0 and row.baseline > 0.0 for row in rows)
+
+
+def test_what_panels_see_is_measured_from_the_bus_to_the_frame(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, value in (("VEHICLES", 50), ("QUICK_ROUNDS", 2), ("QUICK_TASKS", 20), ("QUICK_SNAPSHOTS", 1)):
+        monkeypatch.setattr(projection, name, value)
+    monkeypatch.setattr(projection, "rates", functools.partial(rates, repeats=1))
+    rows = projection.measure(quick=True)
+    assert [row.name.removeprefix("projection: ") for row in rows] == [
+        "heartbeats taken in",
+        "facts of transports taken in",
+        "frames, 5 vehicles in each",
+        "snapshots of 50 vehicles",
+    ]
+    assert all(row.figure > 0.0 and row.baseline > 0.0 for row in rows)
+
+
+def test_every_message_that_the_projection_is_measured_with_tells_it_something() -> None:
+    view = projection._projection()
+    for message in (*projection._heartbeats(2), *projection._facts(3)):
+        view.fold(message)
+    assert view.ignored == 0
+    assert [task.state for task in view.tasks.views()] == ["delivered"] * 3
