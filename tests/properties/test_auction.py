@@ -1,8 +1,8 @@
 """Whatever bidders do, an auction keeps its promises (invariants 1 and 3 of the protocol).
 
 The model stands for the bidders: who was asked and has neither answered nor been released, and who
-believes to be bound. An answer may be late, be said twice, or be lost; of an answer that is still under
-way when its sender is asked anew, the newer one counts.
+believes to be bound. An answer may be late, be said twice, or be lost; it carries the number of its award,
+so an answer that is still under way when its sender is asked anew does not count.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from dray.protocol.auction import Auction, AuctionRules, Place, Stage, Terms
 from dray.protocol.events import NEVER_S, Effect, Send
 
 BIDDERS = ("ATV1", "ATV2", "ATV3", "ATV4")
+WILLING = "ATV9"
 
 Step = tuple[Literal["bid", "accept", "decline", "late", "arrive", "repeat", "early", "wait"], str, float]
 
@@ -51,9 +52,12 @@ class Hall:
         self.seen = 0
         self.now_s = 0.0
         self.asked = ""
-        self.bound: set[str] = set()
-        self.under_way: set[str] = set()
-        """Bidders whose acceptance has not arrived yet."""
+        self.awards: dict[str, int] = {}
+        """The number of the newest award to each bidder."""
+        self.bound: dict[str, int] = {}
+        """Who believes to be bound, and by which award."""
+        self.under_way: dict[str, list[int]] = {bidder: [] for bidder in (*BIDDERS, WILLING)}
+        """By bidder: the awards of which its acceptance has not arrived yet, oldest first."""
         self.winner = ""
         terms = Terms(task="T1", epoch=1, role=Role.PRIMARY, work=transport(), deadline_s=300.0)
         place = Place(x_m=30.0, y_m=20.0, reach_m=72.0)
@@ -70,30 +74,30 @@ class Hall:
         elif kind == "early":
             self.now_s = min(self.now_s + amount / 100.0, max(self.now_s, auction.wake_at_s))
             auction.wake(self.now_s)
-        elif kind == "arrive" and bidder in self.under_way:
-            self.under_way.discard(bidder)
-            self.says_accepted(bidder)
+        elif kind == "arrive" and self.under_way[bidder]:
+            self.says_accepted(bidder, self.under_way[bidder].pop(0))
         elif kind == "repeat" and bidder in self.bound:
-            self.says_accepted(bidder)
-        elif bidder == self.asked and bidder not in self.under_way:
+            self.says_accepted(bidder, self.bound[bidder])
+        elif bidder == self.asked and self.bound.get(bidder) != self.awards[bidder]:
             self.answer(kind, bidder)
         self.check()
 
     def answer(self, kind: str, bidder: str) -> None:
+        number = self.awards[bidder]
         if kind == "accept":
-            self.bound.add(bidder)
-            self.says_accepted(bidder)
+            self.bound[bidder] = number
+            self.says_accepted(bidder, number)
         elif kind == "late":
-            self.bound.add(bidder)
-            self.under_way.add(bidder)
+            self.bound[bidder] = number
+            self.under_way[bidder].append(number)
         elif kind == "decline":
             self.asked = ""
-            self.auction.hear_declined(bidder, declined(), self.now_s)
+            self.auction.hear_declined(bidder, declined(number=number), self.now_s)
 
-    def says_accepted(self, bidder: str) -> None:
-        if self.asked == bidder:
+    def says_accepted(self, bidder: str, number: int) -> None:
+        if self.asked == bidder and self.awards[bidder] == number:
             self.asked = ""
-        self.auction.hear_accepted(bidder, accepted())
+        self.auction.hear_accepted(bidder, accepted(number=number))
 
     def wait(self) -> None:
         if self.auction.wake_at_s < NEVER_S:
@@ -122,26 +126,29 @@ class Hall:
             if isinstance(effect.message, Award):
                 assert not self.asked, "two are asked at once"
                 self.asked = effect.to
-                self.under_way.discard(effect.to)
+                self.awards[effect.to] = effect.message.number
             elif isinstance(effect.message, Release):
-                self.bound.discard(effect.to)
+                self.bound.pop(effect.to, None)
                 if self.asked == effect.to:
                     self.asked = ""
         self.seen = len(self.out)
 
+    def all_arrive(self) -> None:
+        for bidder, numbers in self.under_way.items():
+            while numbers:
+                self.step("arrive", bidder, 0.0)
+
     def finish(self) -> None:
         """One willing bidder comes, and everything that is under way arrives."""
-        for bidder in BIDDERS:
-            self.step("arrive", bidder, 0.0)
+        self.all_arrive()
         for _ in range(100):
             if self.auction.stage is Stage.DECIDED:
                 break
-            self.step("bid", "ATV9", 1.0)
-            self.step("accept", "ATV9", 0.0)
+            self.step("bid", WILLING, 1.0)
+            self.step("accept", WILLING, 0.0)
             self.step("wait", "", 0.0)
-            self.step("accept", "ATV9", 0.0)
-        for bidder in BIDDERS:
-            self.step("arrive", bidder, 0.0)
+            self.step("accept", WILLING, 0.0)
+        self.all_arrive()
 
 
 @given(rules=RULES, steps=STEPS)
@@ -162,7 +169,7 @@ def test_a_willing_bidder_always_ends_it_and_nobody_but_the_winner_stays_bound(
         hall.step(*step)
     hall.finish()
     assert hall.auction.stage is Stage.DECIDED
-    assert hall.bound == {hall.auction.winner}
+    assert set(hall.bound) == {hall.auction.winner}
 
 
 @given(rules=RULES, steps=STEPS)
@@ -202,6 +209,6 @@ def test_bidders_are_asked_by_price_then_finish_then_name_however_their_bids_arr
     for _ in costs_s:
         hall.read()
         asked, hall.asked = hall.asked, ""
-        hall.auction.hear_declined(asked, declined(), hall.now_s)
+        hall.auction.hear_declined(asked, declined(number=hall.awards[asked]), hall.now_s)
     order = [fact.bidder for fact in facts(hall.out, AwardGiven)]
     assert order == sorted(costs_s, key=lambda each: (*costs_s[each], each))

@@ -35,6 +35,7 @@ from dray.messages import (
     Award,
     Bid,
     Brief,
+    Confirmed,
     Declined,
     GoalBrief,
     MachineHeartbeat,
@@ -131,6 +132,14 @@ def listening(effects: list[Effect]) -> set[str]:
     return keys
 
 
+def award_number(effects: list[Effect], to: str, task: str = "T1", role: Role = Role.PRIMARY) -> int:
+    """The number of the newest award of a task to one agent, which its answer carries; 1 when none was."""
+    numbers = [
+        given.number for given in sent(effects, Award, to=to) if (given.task, given.role) == (task, role)
+    ]
+    return numbers[-1] if numbers else 1
+
+
 # --- things to say -------------------------------------------------------------------------------
 
 
@@ -189,14 +198,19 @@ def goal_bid(goal: str, cost_s: float) -> Bid:
     return Bid(task=goal, epoch=1, role=Role.PRIMARY, round=1, cost=cost, finish_s=cost_s)
 
 
-def accepted(task: str = "T1", *, epoch: int = 1, role: Role = Role.PRIMARY) -> Accepted:
-    return Accepted(task=task, epoch=epoch, role=role, finish_s=100.0)
+def accepted(task: str = "T1", *, epoch: int = 1, role: Role = Role.PRIMARY, number: int = 1) -> Accepted:
+    return Accepted(task=task, epoch=epoch, role=role, finish_s=100.0, number=number)
 
 
 def declined(
-    task: str = "T1", *, epoch: int = 1, role: Role = Role.PRIMARY, reason: Refusal = Refusal.BUSY
+    task: str = "T1",
+    *,
+    epoch: int = 1,
+    role: Role = Role.PRIMARY,
+    reason: Refusal = Refusal.BUSY,
+    number: int = 1,
 ) -> Declined:
-    return Declined(task=task, epoch=epoch, role=role, reason=reason)
+    return Declined(task=task, epoch=epoch, role=role, reason=reason, number=number)
 
 
 def rhb(atv: str, seq: int, at_s: float, *, task: str = "", coordinator: str = "M8") -> AtvHeartbeat:
@@ -355,10 +369,19 @@ class MachineRig(Rig):
                 assert self.stock[line.material] >= 0, f"a cycle took {line.material} that is not there"
         return effects
 
-    def take_goal(self, goal: str, work: Production, deadline_s: float = 3600.0) -> list[Effect]:
+    def award_goal(self, goal: str, work: Production, deadline_s: float = 3600.0) -> list[Effect]:
         """The strategist awards a goal."""
         message = Award(task=goal, epoch=1, role=Role.PRIMARY, work=work, deadline_s=deadline_s)
         return self.hear("STRATEGIST", message)
+
+    def confirm_goal(self, goal: str) -> list[Effect]:
+        """The strategist has heard that a goal was accepted."""
+        return self.hear("STRATEGIST", Confirmed(task=goal, epoch=1))
+
+    def take_goal(self, goal: str, work: Production, deadline_s: float = 3600.0) -> list[Effect]:
+        """The strategist awards a goal, and confirms it when the machine accepts."""
+        effects = self.award_goal(goal, work, deadline_s)
+        return effects + self.confirm_goal(goal) if sent(effects, Accepted) else effects
 
     def cycle(self) -> list[Effect]:
         """The running cycle ends."""
@@ -387,7 +410,7 @@ class MachineRig(Rig):
         effects = self.hear(atv, bid(cost_s, task=task))
         while not sent(effects, Award, to=atv):
             effects += self.run(self.agent.wake_at_s)
-        return effects + self.hear(atv, accepted(task))
+        return effects + self.hear(atv, accepted(task, number=award_number(effects, atv, task)))
 
 
 class StrategistRig(Rig):
@@ -408,8 +431,10 @@ __all__ = [
     "accepted",
     "announcement",
     "award",
+    "award_number",
     "bid",
     "declined",
+    "deeds",
     "facts",
     "goal_bid",
     "instructed",

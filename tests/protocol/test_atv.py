@@ -53,6 +53,7 @@ from dray.messages import (
     GoalClosed,
     Handover,
     HandoverAccepted,
+    Message,
     OrderReleased,
     Phase,
     Refusal,
@@ -71,8 +72,14 @@ from dray.messages.fact import (
     ContractTaken,
     PrimarySuspected,
 )
+from dray.protocol.berths import CONTEST_S
+from dray.protocol.bidding import MAX_WATCHES
 from dray.protocol.events import Effect
+from dray.protocol.resting import CHARGED_FRAC, SETTLE_S
 from dray.protocol.suspicion import WORKING_INTERVAL_S, bound_s
+
+SETTLED_S = 7.0
+"""By then ATV1 has looked for a place after it was switched on, and CONTEST_S have not passed yet."""
 
 
 def parked(**options: object) -> VehicleRig:
@@ -147,7 +154,7 @@ def test_an_idle_vehicle_bids() -> None:
 
 def test_a_vehicle_that_charges_bids_as_far_as_its_battery_keeps_the_promise() -> None:
     rig = parked(node="ch2", battery_frac=0.5)
-    rig.run(10.0)
+    rig.run(SETTLED_S)
     assert last_beat(rig).status is AtvStatus.CHARGING
     assert sent(rig.hear("M8", announcement()), Bid)
     rig.battery_frac = 0.1
@@ -284,14 +291,50 @@ def test_a_released_vehicle_without_a_load_is_free_at_once() -> None:
     release = Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer")
     [ended] = facts(rig.hear("M8", release), ContractEnded)
     assert ended.reason == "released"
-    assert rig.hear("M8", release) == []
+    assert deeds(rig.hear("M8", release)) == []
     assert last_beat(rig).status is AtvStatus.IDLE
     assert sent(rig.hear("M7", announcement(task="M7-1")), Bid)
 
 
 def test_a_release_of_another_epoch_is_ignored() -> None:
     rig = contracted()
-    assert rig.hear("M8", Release(task="M8-1", epoch=2, role=Role.PRIMARY, reason="no")) == []
+    release = Release(task="M8-1", epoch=2, role=Role.PRIMARY, reason="no")
+    assert deeds(rig.hear("M8", release)) == []
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer"),
+        Withdrawn(task="M8-1", epoch=1, reason="not needed any more"),
+        Superseded(task="M8-1", epoch=2),
+        DockOpened(task="M8-1", epoch=1, station="M8"),
+    ],
+    ids=lambda message: type(message).__name__,
+)
+def test_a_contract_is_changed_by_its_coordinator_alone(message: Message) -> None:
+    rig = unloading()
+    effects = rig.hear("M3", message)
+    assert deeds(effects) == []
+    assert len(effects) == 1
+    assert last_beat(rig).status is AtvStatus.WORKING
+
+
+@pytest.mark.parametrize("change", [{"sources": ("nowhere",)}, {"destination": "nowhere"}])
+def test_a_transport_from_or_to_an_unknown_place_is_refused_and_declined(change: dict[str, object]) -> None:
+    rig, work = parked(), transport(**change)
+    [refused] = facts(rig.hear("M8", announcement(work=work)), BidRefused)
+    assert refused.reason is Refusal.NO_WAY
+    [declined] = sent(rig.hear("M8", award(work=work)), Declined, to="M8")
+    assert declined.reason is Refusal.NO_WAY
+
+
+def test_an_answer_carries_the_number_of_its_award() -> None:
+    rig = parked()
+    [taken] = sent(rig.hear("M8", award(number=3)), Accepted)
+    [again] = sent(rig.hear("M8", award(number=4)), Accepted)
+    [declined] = sent(rig.hear("M7", award(task="M7-1", number=5)), Declined)
+    assert (taken.number, again.number, declined.number) == (3, 4, 5)
 
 
 @pytest.mark.parametrize(
@@ -416,7 +459,29 @@ def test_a_released_watch_is_over_and_releasing_it_twice_is_harmless() -> None:
     secondary(rig, "M8-2")
     release = Release(task="M8-2", epoch=1, role=Role.SECONDARY, reason="the task has ended")
     assert len(facts(rig.hear("M8", release), ContractEnded)) == 1
-    assert rig.hear("M8", release) == []
+    assert deeds(rig.hear("M8", release)) == []
+
+
+def test_a_watch_is_released_by_its_coordinator_and_not_by_a_stale_word() -> None:
+    rig = parked()
+    rig.hear("M8", award(role=Role.SECONDARY, primary="ATV2", epoch=2))
+    stale = Release(task="M8-1", epoch=1, role=Role.SECONDARY, reason="silent")
+    strange = Release(task="M8-1", epoch=2, role=Role.SECONDARY, reason="silent")
+    for sender, release in (("M8", stale), ("M3", strange)):
+        effects = rig.hear(sender, release)
+        assert deeds(effects) == []
+        assert len(effects) == 1
+    assert len(last_beat(rig).watches) == 1
+
+
+def test_a_watch_is_renewed_for_a_newer_epoch_however_many_there_are() -> None:
+    rig = parked()
+    for number in range(MAX_WATCHES):
+        secondary(rig, f"M8-{number}")
+    newer = {"task": "M8-0", "epoch": 2, "role": Role.SECONDARY, "primary": "ATV3"}
+    assert sent(rig.hear("M8", announcement(**newer)), Bid)
+    assert sent(rig.hear("M8", award(**newer)), Accepted)
+    assert len(last_beat(rig).watches) == MAX_WATCHES
 
 
 def test_a_watched_primary_that_falls_silent_is_suspected_within_the_bound() -> None:
@@ -450,6 +515,19 @@ def test_a_stop_is_obeyed_at_once_and_answered() -> None:
     assert last_beat(rig).status is AtvStatus.STOPPED
     [obeyed] = facts(rig.all, CommandObeyed)
     assert (obeyed.what, obeyed.done, obeyed.issued_by) == ("stop", True, "shift lead")
+
+
+def test_a_vehicle_that_is_held_when_it_starts_is_stopped() -> None:
+    rig = VehicleRig(battery_frac=0.5)
+    rig.held = True
+    rig.start()
+    [declined] = sent(rig.hear("M8", award()), Declined)
+    assert declined.reason is Refusal.NOT_FIT
+    rig.run(60.0)
+    assert instructed(rig.all, Drive) == []
+    command(rig, CommandKind.ACKNOWLEDGE)
+    assert command(rig, CommandKind.RESUME).done
+    assert sent(rig.hear("M8", award()), Accepted)
 
 
 def test_a_stop_holds_until_an_acknowledge_and_then_a_resume() -> None:
@@ -578,11 +656,11 @@ def test_a_stop_is_seen_before_a_problem_and_a_problem_before_work() -> None:
 
 def test_a_vehicle_with_a_low_battery_claims_a_charger_waits_drives_and_charges() -> None:
     rig = parked(node="p8", battery_frac=0.5)
-    rig.run(4.9)
+    rig.run(SETTLED_S)
     claim = published(rig.all, BerthClaimed)[-1]
     assert claim.berth in PLANT.chargers
     assert instructed(rig.all, Drive) == []
-    rig.run(5.0)
+    rig.run(SETTLED_S + CONTEST_S)
     assert rig.last(Drive).nodes[-1] == PLANT.node_of(claim.berth)
     rig.arrive()
     assert rig.last(Charge).charger == claim.berth
@@ -600,10 +678,10 @@ def test_a_parked_vehicle_whose_battery_gets_low_goes_to_charge_by_itself() -> N
 
 def test_a_full_vehicle_leaves_the_charger_and_parks_out_of_the_way() -> None:
     rig = parked(node="ch2", battery_frac=0.5)
-    rig.run(5.0)
+    rig.run(SETTLED_S)
     effects = rig.charged()
     assert [fact.status for fact in facts(effects, AtvStatusChanged)] == [AtvStatus.IDLE]
-    rig.run(7.0)
+    rig.run(rig.now_s + CONTEST_S)
     assert rig.last(Drive).nodes[-1] in {place.node for place in PLANT.parkings.values()}
     assert KEYS.berth("CH2") not in listening(rig.all)
     rig.arrive()
@@ -622,7 +700,7 @@ def test_a_vehicle_that_has_done_its_work_waits_a_moment_and_then_parks() -> Non
 
 def test_work_ends_the_charge_and_the_berth_is_free() -> None:
     rig = parked(node="ch2", battery_frac=0.5)
-    rig.run(5.0)
+    rig.run(SETTLED_S)
     rig.hear("M8", award())
     assert KEYS.berth("CH2") not in listening(rig.all)
     beat = last_beat(rig)
@@ -634,24 +712,24 @@ def test_work_ends_the_charge_and_the_berth_is_free() -> None:
 
 def test_a_claim_that_is_lost_is_followed_by_another() -> None:
     rig = parked(node="p8", battery_frac=0.5)
-    rig.run(4.5)
+    rig.run(SETTLED_S)
     first = published(rig.all, BerthClaimed)[-1].berth
     rival = BerthClaimed(berth=first, atv="ATV7", battery_frac=0.3, standing=False)
     rig.hear("ATV7", rival)
-    rig.run(4.6)
+    rig.run(SETTLED_S + 0.1)
     second = published(rig.all, BerthClaimed)[-1].berth
     assert second in PLANT.chargers
     assert second != first
-    rig.run(6.0)
+    rig.run(SETTLED_S + 0.1 + CONTEST_S)
     assert rig.last(Drive).nodes[-1] == PLANT.node_of(second)
 
 
 def test_a_claim_that_is_lost_on_the_way_is_followed_by_another() -> None:
     rig = parked(node="p8", battery_frac=0.5)
-    rig.run(6.0)
+    rig.run(SETTLED_S + CONTEST_S)
     first = last_beat(rig).berth
     rig.hear("ATV7", BerthClaimed(berth=first, atv="ATV7", battery_frac=0.5, standing=True))
-    rig.run(8.0)
+    rig.run(SETTLED_S + 2 * CONTEST_S)
     second = last_beat(rig).berth
     assert second != first
     assert rig.last(Drive).nodes[-1] == PLANT.node_of(second)
@@ -659,7 +737,7 @@ def test_a_claim_that_is_lost_on_the_way_is_followed_by_another() -> None:
 
 def test_who_charges_is_never_driven_out() -> None:
     rig = parked(node="ch2", battery_frac=0.5)
-    rig.run(5.0)
+    rig.run(SETTLED_S)
     rig.battery_frac = 0.9
     rival = BerthClaimed(berth="CH2", atv="ATV0", battery_frac=0.01, standing=False)
     [objection] = published(rig.hear("ATV0", rival), BerthClaimed)
@@ -671,10 +749,12 @@ def test_who_charges_is_never_driven_out() -> None:
 
 def test_when_every_charger_is_taken_the_vehicle_asks_again_later_and_does_not_spin() -> None:
     rig = parked(node="p8", battery_frac=0.5)
+    rig.run(SETTLED_S)
     for _ in PLANT.chargers:
-        rig.run(rig.now_s + 4.1)
+        rig.run(rig.now_s + 0.1)
         berth = published(rig.all, BerthClaimed)[-1].berth
         rig.hear("ATV7", BerthClaimed(berth=berth, atv="ATV7", battery_frac=0.1, standing=True))
+    rig.run(rig.now_s + 0.1)
     claims = len([effect for effect in rig.all if published([effect], BerthClaimed)])
     rig.run(rig.now_s + 20.0)
     assert len([effect for effect in rig.all if published([effect], BerthClaimed)]) == claims
@@ -682,9 +762,73 @@ def test_when_every_charger_is_taken_the_vehicle_asks_again_later_and_does_not_s
     assert len([effect for effect in rig.all if published([effect], BerthClaimed)]) > claims
 
 
+def test_a_vehicle_that_finds_no_charger_keeps_the_parking_place_it_stands_in() -> None:
+    rig = parked(node="p3", battery_frac=0.5)
+    rig.run(SETTLED_S)
+    for _ in PLANT.chargers:
+        for berth in PLANT.chargers:
+            rig.hear("ATV7", BerthClaimed(berth=berth, atv="ATV7", battery_frac=0.1, standing=True))
+        rig.run(rig.now_s + 0.1)
+    assert KEYS.berth("P3") in listening(rig.all)
+    [objection] = published(
+        rig.hear("ATV8", BerthClaimed(berth="P3", atv="ATV8", battery_frac=0.1, standing=False)), BerthClaimed
+    )
+    assert objection.standing
+
+
+def test_two_that_believe_to_stand_in_one_berth_do_not_argue_for_ever() -> None:
+    rigs = [VehicleRig("ATV1", node="p3", battery_frac=0.9), VehicleRig("ATV2", node="p3", battery_frac=0.8)]
+    claims = [(rig, claim) for rig in rigs for claim in published(rig.start(), BerthClaimed)]
+    heard = 0
+    while claims and heard < 100:
+        speaker, claim = claims.pop(0)
+        heard += 1
+        for rig in rigs:
+            if rig is not speaker:
+                effects = rig.hear(speaker.agent.id, claim) + rig.run(rig.now_s)
+                claims += [(rig, answer) for answer in published(effects, BerthClaimed)]
+    assert heard < 10
+    rigs[0].run(SETTLED_S)
+    assert rigs[0].last(Drive).nodes[-1] != "p3"
+
+
+def test_a_vehicle_that_arrives_elsewhere_does_not_stand_in_the_berth_that_it_has_claimed() -> None:
+    rig = contracted()
+    rig.hear("M8", Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer"))
+    claim = published(rig.run(rig.now_s + SETTLE_S), BerthClaimed)[-1]
+    rig.arrive()
+    assert rig.node == "s3"
+    rival = BerthClaimed(berth=claim.berth, atv="ATV9", battery_frac=0.1, standing=False)
+    assert not any(claim.standing for claim in published(rig.hear("ATV9", rival), BerthClaimed))
+
+
+def test_a_nearly_full_vehicle_leaves_the_charger_to_others() -> None:
+    rig = parked(node="ch2", battery_frac=0.5)
+    rig.run(SETTLED_S)
+    rig.battery_frac = CHARGED_FRAC - 0.01
+    assert instructed(rig.run(30.0), Drive) == []
+    rig.battery_frac = CHARGED_FRAC
+    [drive] = instructed(rig.run(40.0), Drive)
+    assert drive.nodes[-1] in {place.node for place in PLANT.parkings.values()}
+    assert last_beat(rig).status is AtvStatus.IDLE
+
+
+def test_vehicles_that_start_together_do_not_look_for_a_charger_together() -> None:
+    claims_s = set()
+    for atv in PLANT.fleet:
+        rig = VehicleRig(atv, node="p8", battery_frac=0.5)
+        rig.start()
+        while not any(claim.berth in PLANT.chargers for claim in published(rig.all, BerthClaimed)):
+            rig.run(rig.agent.wake_at_s)
+        claims_s.add(rig.now_s)
+    assert min(claims_s) >= SETTLE_S
+    assert max(claims_s) <= 2 * SETTLE_S
+    assert len(claims_s) > len(PLANT.fleet) / 2
+
+
 def test_a_charge_that_fails_is_given_up_and_sought_anew() -> None:
     rig = parked(node="ch2", battery_frac=0.5)
-    rig.run(5.0)
+    rig.run(SETTLED_S)
     rig.failed(Charge, "no contact")
     assert last_beat(rig).status is AtvStatus.IDLE
     effects = rig.run(rig.now_s + 30.0)
@@ -706,6 +850,16 @@ def test_an_idle_vehicle_beats_every_five_seconds_and_a_working_one_every_second
     gaps_s = [round(after - before, 6) for before, after in zip(times_s, times_s[1:], strict=False)]  # noqa: RUF007
     assert set(gaps_s) == {interval_s}
     assert len(gaps_s) >= 60 / interval_s - 2
+
+
+def test_vehicles_that_start_together_do_not_beat_together() -> None:
+    seconds_s = set()
+    for atv in PLANT.fleet:
+        rig = VehicleRig(atv)
+        rig.start()
+        rig.run(30.0)
+        seconds_s.add(round(rig.heartbeats(AtvHeartbeat)[-1].at_s % 5.0, 3))
+    assert len(seconds_s) > len(PLANT.fleet) / 2
 
 
 def test_a_change_of_status_is_told_at_once() -> None:

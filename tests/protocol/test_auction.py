@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import msgspec
 import pytest
-from kit import accepted, bid, declined, deeds, facts, published, sent, transport
+from kit import accepted, award_number, bid, declined, deeds, facts, published, sent, transport
 
 from dray.messages import Award, Bid, Refusal, Release, Role, TaskAnnounced
 from dray.messages.fact import AwardAnswered, AwardGiven, BidReceived, RoundFailed, TaskOpened
@@ -54,10 +54,15 @@ class Hall:
             self.auction.hear_bid(bidder, bid(cost_s), self.now_s)
 
     def accepts(self, bidder: str) -> None:
-        self.auction.hear_accepted(bidder, accepted())
+        """It answers the newest award that it was sent."""
+        role = self.auction.terms.role
+        answer = accepted(role=role, number=award_number(self.out, bidder, role=role))
+        self.auction.hear_accepted(bidder, answer)
 
     def declines(self, bidder: str, reason: Refusal = Refusal.BUSY) -> None:
-        self.auction.hear_declined(bidder, declined(reason=reason), self.now_s)
+        role = self.auction.terms.role
+        answer = declined(role=role, reason=reason, number=award_number(self.out, bidder, role=role))
+        self.auction.hear_declined(bidder, answer, self.now_s)
 
     def wait(self) -> None:
         """Until the auction wants to be woken."""
@@ -232,6 +237,34 @@ def test_a_late_acceptance_after_the_decision_is_released_and_changes_nothing() 
     assert hall.released() == ["ATV2", "ATV2"]
 
 
+def test_awards_are_numbered_and_an_answer_to_an_earlier_one_does_not_count() -> None:
+    hall = Hall()
+    hall.bids(ATV1=55.9)
+    hall.wait()
+    hall.wait()
+    hall.bids(ATV1=55.9)
+    assert [award.number for award in sent(hall.out, Award, to="ATV1")] == [1, 2]
+    said = len(deeds(hall.out))
+    hall.auction.hear_accepted("ATV1", accepted(number=1))
+    hall.auction.hear_declined("ATV1", declined(number=1), hall.now_s)
+    assert len(deeds(hall.out)) == said
+    assert (hall.auction.stage, hall.auction.winner) == (Stage.ASKING, "")
+    hall.accepts("ATV1")
+    assert hall.auction.winner == "ATV1"
+
+
+def test_a_late_acceptance_of_one_who_has_declined_since_is_not_a_contract() -> None:
+    hall = Hall()
+    hall.bids(ATV1=55.9)
+    hall.wait()
+    hall.wait()
+    hall.bids(ATV1=55.9)
+    hall.auction.hear_accepted("ATV1", accepted(number=1))
+    hall.declines("ATV1")
+    assert hall.auction.winner == ""
+    assert hall.answers == ["silent", "busy"]
+
+
 def test_an_acceptance_from_somebody_who_was_never_asked_is_released() -> None:
     hall = Hall()
     hall.bids(ATV1=55.9)
@@ -308,6 +341,15 @@ def test_a_bid_that_comes_while_another_is_asked_counts_in_the_next_round() -> N
     hall.declines("ATV1")
     hall.wait_for_award()
     assert hall.asked == ["ATV1", "ATV2"]
+
+
+def test_who_has_bid_while_another_was_asked_is_left_over_too() -> None:
+    hall = Hall()
+    hall.bids(ATV1=5.0, ATV3=8.0)
+    hall.wait()
+    hall.bids(ATV2=6.0)
+    hall.accepts("ATV1")
+    assert [bidder for bidder, _ in hall.auction.left_over] == ["ATV2", "ATV3"]
 
 
 def test_a_bid_that_comes_after_its_window_is_asked_at_once() -> None:
@@ -438,15 +480,15 @@ def test_a_secondary_is_sought_among_those_who_were_left_before_anything_is_anno
     [award] = sent(hall.out, Award, to="ATV2")
     assert award.role is Role.SECONDARY
     assert award.primary == "ATV9"
-    hall.auction.hear_declined("ATV2", declined(role=Role.SECONDARY), 0.1)
+    hall.declines("ATV2")
     assert hall.asked == ["ATV2", "ATV1"]
-    hall.auction.hear_accepted("ATV1", accepted(role=Role.SECONDARY))
+    hall.accepts("ATV1")
     assert hall.auction.winner == "ATV1"
 
 
 def test_when_all_who_were_left_decline_the_watch_is_announced() -> None:
     hall = Hall(role=Role.SECONDARY, candidates=(("ATV2", bid(54.8)),))
-    hall.auction.hear_declined("ATV2", declined(role=Role.SECONDARY), 0.1)
+    hall.declines("ATV2")
     hall.wait()
     [announced] = published(hall.out, TaskAnnounced)
     assert announced.role is Role.SECONDARY

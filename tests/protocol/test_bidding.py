@@ -81,6 +81,7 @@ def test_a_vehicle_on_the_edge_of_the_circle_bids() -> None:
         ({}, {"deadline_s": 5.0}, Refusal.DEADLINE, "too late"),
         ({}, {"work": transport(ability="pallet")}, Refusal.ABILITY, "pallet"),
         ({}, {"work": production()}, Refusal.ABILITY, "not a transport"),
+        ({}, {"work": transport(sources=("nowhere",))}, Refusal.NO_WAY, "not in this plant"),
         ({}, {"role": Role.SECONDARY, "primary": "ATV1"}, Refusal.IS_PRIMARY, ""),
         (
             {"watches": MAX_WATCHES},

@@ -365,6 +365,54 @@ def test_a_contract_that_is_void_while_a_drop_fails_ends_after_the_load_is_back(
     assert trip.carriage.ended == "superseded"
 
 
+def test_a_contract_that_is_void_while_it_unloads_ends_without_a_handover() -> None:
+    trip = Trip().to_dropping()
+    trip.superseded()
+    assert trip.carriage.ended == ""
+    trip.done(Drop)
+    assert trip.carriage.ended == "superseded"
+    assert sent(trip.out, Handover) == []
+    assert trip.timers.next_s == NEVER_S
+
+
+def test_goods_of_a_void_contract_go_back_to_the_machine_that_made_them() -> None:
+    goods = {"item": "pump-p3", "quantity": 24, "sources": ("M8",), "destination": "DELIVERY"}
+    trip = Trip(source="M8", **goods).to_loading()
+    trip.opened("M8")
+    trip.done(Pick)
+    trip.superseded()
+    assert trip.carriage.phase is Phase.RETURNING
+    trip.arrives()
+    assert instructed(trip.out, Drop)[-1].station == "M8"
+    trip.done(Drop)
+    assert trip.carriage.ended == "superseded"
+
+
+def test_a_load_that_could_not_be_put_back_is_tried_again_after_a_while() -> None:
+    trip = Trip().to_carrying()
+    trip.superseded()
+    trip.arrives()
+    trip.fails(Drop)
+    assert len(instructed(trip.out, Drop)) == 1
+    trip.waits()
+    assert trip.now_s == RETRY_S
+    assert len(instructed(trip.out, Drop)) == 2
+    trip.done(Drop)
+    assert trip.carriage.ended == "superseded"
+
+
+@pytest.mark.parametrize(
+    ("ours", "theirs", "void"), [(2, 1, False), (2, 2, True), (2, 3, True), (2, 0, True)]
+)
+def test_a_contract_is_superseded_by_its_own_epoch_a_later_one_or_the_end_of_the_task(
+    ours: int, theirs: int, void: bool
+) -> None:
+    trip = Trip()
+    trip.carriage.epoch = ours
+    trip.hears(Superseded(task="M8-1", epoch=theirs))
+    assert bool(trip.carriage.ended) is void
+
+
 def test_a_contract_that_is_void_after_unloading_ends() -> None:
     trip = Trip().to_handing_over()
     trip.superseded()

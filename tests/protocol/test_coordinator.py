@@ -3,7 +3,20 @@
 from __future__ import annotations
 
 import pytest
-from kit import KEYS, accepted, bid, declined, deeds, facts, listening, published, rhb, sent, transport
+from kit import (
+    KEYS,
+    accepted,
+    award_number,
+    bid,
+    declined,
+    deeds,
+    facts,
+    listening,
+    published,
+    rhb,
+    sent,
+    transport,
+)
 
 from dray.messages import (
     Award,
@@ -72,10 +85,13 @@ class Office:
             self.desk.hear_bid(bidder, message, self.now_s)
 
     def accepts(self, atv: str, role: Role = Role.PRIMARY, task: str = "T1", epoch: int = 1) -> None:
-        self.desk.hear_accepted(atv, accepted(task, role=role, epoch=epoch), self.now_s)
+        """It answers the newest award of that role that it was sent."""
+        answer = accepted(task, role=role, epoch=epoch, number=award_number(self.out, atv, task, role))
+        self.desk.hear_accepted(atv, answer, self.now_s)
 
     def declines(self, atv: str, role: Role = Role.PRIMARY) -> None:
-        self.desk.hear_declined(atv, declined(role=role, reason=Refusal.BUSY), self.now_s)
+        answer = declined(role=role, reason=Refusal.BUSY, number=award_number(self.out, atv, role=role))
+        self.desk.hear_declined(atv, answer, self.now_s)
 
     def resigns(self, atv: str, task: str = "T1") -> None:
         message = Resigned(task=task, epoch=1, role=Role.SECONDARY, reason="has work of its own")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import msgspec
 import pytest
 from kit import (
@@ -24,7 +26,16 @@ from kit import (
     transport,
 )
 
-from dray.body import Broken, CycleFailed, OpenDock, Repaired, StartCycle, VehicleState
+from dray.body import (
+    Broken,
+    CycleDone,
+    CycleFailed,
+    OpenDock,
+    Repaired,
+    StartCycle,
+    VehicleState,
+    WorkcellState,
+)
 from dray.errors import ProtocolViolation
 from dray.messages import (
     Accepted,
@@ -62,6 +73,7 @@ from dray.messages.fact import (
     TaskClosed,
 )
 from dray.protocol.events import Effect, Reported, Woke
+from dray.protocol.goal_bidding import CONFIRM_AGAIN_S
 
 # M7 makes pumps alone: one housing, impeller and seal kit each, 50 s; lots of 24, room for 60.
 FULL = {"housing": 72, "impeller": 90, "seal-kit": 120}
@@ -462,6 +474,23 @@ def test_a_full_goods_buffer_blocks_the_machine_until_it_is_emptied() -> None:
     assert status(rig) is MachineStatus.PRODUCING
 
 
+def test_goods_of_interrupted_goals_are_sent_when_they_fill_the_machine() -> None:
+    rig = m7()
+    for name, deadline_s, pieces in (("A", 3000.0, 22), ("B", 2000.0, 23), ("C", 1000.0, 15)):
+        rig.take_goal(name, production(quantity=48, order=f"O{name}"), deadline_s)
+        for _ in range(pieces):
+            assert outgoing(rig.all) == []
+            for material, full in FULL.items():
+                rig.stocked(material, full - rig.stock[material])
+            rig.cycle()
+    assert rig.stock["pump-p3"] == 60
+    # The cycle that ran when B came in was A's, and so on: each goal has one more of the interrupted one's.
+    assert sorted(goal for goal, _ in outgoing(rig.all)) == ["A", "B", "C"]
+    assert sum(quantity for _, quantity in outgoing(rig.all)) == 60
+    delivered(rig, "M7-1")
+    assert rig.is_cycling
+
+
 # --- goals ---------------------------------------------------------------------------------------
 
 
@@ -489,6 +518,21 @@ def test_transports_and_other_products_are_not_bid_for() -> None:
     assert rig.hear("M8", announcement()) == []
     other = production(product="gear-unit-g1")
     assert rig.hear("S", announcement(coordinator="STRATEGIST", work=other)) == []
+
+
+@pytest.mark.parametrize("product", ["gear-unit-g1", "nonsense"])
+def test_an_award_of_what_the_machine_does_not_make_is_declined(product: str) -> None:
+    rig = m7()
+    [declined] = sent(rig.award_goal("G1", production(product=product)), Declined, to="STRATEGIST")
+    assert (declined.task, declined.reason) == ("G1", Refusal.ABILITY)
+    assert facts(rig.all, ContractTaken) == []
+
+
+def test_a_transport_is_not_for_machines() -> None:
+    rig = m7()
+    carrying = Award(task="T", epoch=1, role=Role.PRIMARY, work=transport(), deadline_s=1.0, number=3)
+    [declined] = sent(rig.hear("M8", carrying), Declined, to="M8")
+    assert (declined.reason, declined.number) == (Refusal.ABILITY, 3)
 
 
 def test_a_broken_machine_refuses_with_its_reason() -> None:
@@ -520,6 +564,63 @@ def test_a_goal_that_is_awarded_twice_is_taken_once() -> None:
     [brief] = rig.heartbeats(MachineHeartbeat)[-1].goals
     assert (brief.goal, brief.quantity) == ("G1", 24)
     assert incoming(rig.all) == [("housing", 24)]
+
+
+def test_nothing_of_a_goal_is_begun_before_it_is_confirmed() -> None:
+    rig = m7(NO_HOUSINGS | {"housing": 2})
+    rig.award_goal("G1", production())
+    rig.run(60.0)
+    assert instructed(rig.all, StartCycle) == []
+    assert transports(rig.all) == []
+    assert status(rig) is MachineStatus.IDLE
+    gaps_s = [b.at_s - a.at_s for a, b in pairwise(rig.heartbeats(MachineHeartbeat)[-5:])]
+    assert gaps_s == pytest.approx([5.0] * 4)
+    assert [brief.goal for brief in rig.heartbeats(MachineHeartbeat)[-1].goals] == ["G1"]
+    effects = rig.confirm_goal("G1")
+    assert instructed(effects, StartCycle)
+    assert incoming(effects) == [("housing", 24)]
+
+
+def test_an_acceptance_is_repeated_until_it_is_confirmed() -> None:
+    rig = m7()
+    [first] = sent(rig.award_goal("G1", production()), Accepted)
+    repeated = sent(rig.run(4 * CONFIRM_AGAIN_S), Accepted, to="STRATEGIST")
+    assert repeated == [first] * 4
+    rig.confirm_goal("G1")
+    assert sent(rig.run(rig.now_s + 60.0), Accepted) == []
+
+
+def test_an_acceptance_is_repeated_no_more_after_a_release() -> None:
+    rig = m7()
+    rig.award_goal("G1", production())
+    rig.hear("STRATEGIST", Release(task="G1", epoch=1, role=Role.PRIMARY, reason="no answer"))
+    assert sent(rig.run(60.0), Accepted) == []
+    assert rig.heartbeats(MachineHeartbeat)[-1].goals == ()
+    assert deeds(rig.confirm_goal("G1")) == []
+    assert not rig.is_cycling
+
+
+def test_confirming_twice_is_harmless() -> None:
+    rig = m7(goal=24)
+    assert deeds(rig.confirm_goal("G1")) == []
+    assert len(instructed(rig.all, StartCycle)) == 1
+
+
+def test_a_doubled_award_is_answered_until_it_is_confirmed_again_and_no_longer() -> None:
+    rig = m7(goal=24)
+    rig.award_goal("G1", production())
+    assert len(sent(rig.run(CONFIRM_AGAIN_S), Accepted)) == 1
+    rig.confirm_goal("G1")
+    assert sent(rig.run(rig.now_s + 60.0), Accepted) == []
+
+
+def test_the_answer_carries_the_number_of_the_award_that_it_answers() -> None:
+    rig = m7()
+    given = Award(task="G1", epoch=1, role=Role.PRIMARY, work=production(), deadline_s=3600.0, number=2)
+    [first] = sent(rig.hear("STRATEGIST", given), Accepted)
+    [second] = sent(rig.hear("STRATEGIST", msgspec.structs.replace(given, number=5)), Accepted)
+    assert (first.number, second.number) == (2, 5)
+    assert {answer.number for answer in sent(rig.run(10.0), Accepted)} == {5}
 
 
 def test_a_goal_whose_promise_has_become_empty_is_declined() -> None:
@@ -578,6 +679,59 @@ def test_a_goal_stays_in_the_heartbeat_until_the_strategist_has_closed_it() -> N
     assert len(facts(rig.all, ContractEnded)) == 1
 
 
+def test_an_award_of_a_goal_that_is_delivered_already_begins_nothing() -> None:
+    rig = m7(goal=1)
+    rig.cycle()
+    [task] = [each.task for each in published(rig.all, TaskAnnounced) if each.work.goal]  # type: ignore[union-attr]
+    delivered(rig, task)
+    rig.hear("STRATEGIST", GoalClosed(goal="G1"))
+    rig.award_goal("G1", production(quantity=1))
+    rig.hear("STRATEGIST", Release(task="G1", epoch=1, role=Role.PRIMARY, reason="the task has ended"))
+    rig.run(rig.now_s + 60.0)
+    assert len(instructed(rig.all, StartCycle)) == 1
+    assert rig.heartbeats(MachineHeartbeat)[-1].goals == ()
+
+
+# --- what an earlier life has left ---------------------------------------------------------------
+
+
+def test_a_cycle_that_an_earlier_life_has_begun_makes_a_piece_for_the_next_goal() -> None:
+    rig = MachineRig("M7", FULL, incarnation=2)
+    rig.start()
+    rig.report(CycleDone(product="pump-p3"))
+    assert facts(rig.all, PieceMade) == []
+    effects = rig.take_goal("G1", production(quantity=3))
+    assert [(fact.goal, fact.made) for fact in facts(effects, PieceMade)] == [("G1", 1)]
+    rig.cycles(2)
+    assert not rig.is_cycling
+    assert outgoing(rig.all) == [("G1", 3)]
+
+
+def test_a_machine_that_starts_in_the_middle_of_a_cycle_waits_for_its_end() -> None:
+    class Running(MachineRig):
+        def sense(self) -> WorkcellState:
+            return WorkcellState(stock=dict(self.stock), cycling="pump-p3", broken="")
+
+    rig = Running("M7", FULL, incarnation=2)
+    rig.start()
+    rig.take_goal("G1", production(quantity=3))
+    assert instructed(rig.all, StartCycle) == []
+    rig.run(1.0)
+    assert status(rig) is MachineStatus.PRODUCING
+    assert instructed(rig.report(CycleDone(product="pump-p3")), StartCycle)
+
+
+def test_finished_pieces_that_lie_there_at_the_start_are_used_for_the_first_goals() -> None:
+    rig = m7(FULL | {"pump-p3": 30})
+    rig.take_goal("G1", production(quantity=24))
+    assert outgoing(rig.all) == [("G1", 24)]
+    assert not rig.is_cycling
+    rig.take_goal("G2", production(quantity=10, order="O2"))
+    rig.cycles(4)
+    assert not rig.is_cycling
+    assert outgoing(rig.all) == [("G1", 24), ("G2", 10)]
+
+
 # --- status and heartbeats -----------------------------------------------------------------------
 
 
@@ -630,7 +784,7 @@ def test_an_idle_machine_beats_every_five_seconds_and_a_working_one_every_second
         rig.all.clear()
         rig.run(120.0)
         times_s = [beat.at_s for beat in rig.heartbeats(MachineHeartbeat)]
-        gaps_s = [b - a for a, b in zip(times_s, times_s[1:], strict=False)]  # noqa: RUF007
+        gaps_s = [b - a for a, b in pairwise(times_s)]
         assert gaps_s == pytest.approx([interval_s] * len(gaps_s))
         assert len(gaps_s) >= 60 / interval_s - 2
 
@@ -707,11 +861,9 @@ def test_what_is_not_meant_for_a_machine_is_ignored() -> None:
     rig = m7(goal=2)
     command = VehicleCommand(command="C1", kind=CommandKind.STOP)
     claim = BerthClaimed(berth="CH1", atv="ATV1", battery_frac=0.5, standing=False)
-    carrying = Award(task="T", epoch=1, role=Role.PRIMARY, work=transport(), deadline_s=1.0)
     for message in (
         command,
         claim,
-        carrying,
         mhb("M8"),
         rhb("ATV9", 1, 0.0),
         TakenOver(task="M7-1", epoch=2, primary="ATV2"),

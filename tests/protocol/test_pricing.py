@@ -139,3 +139,8 @@ def test_a_vehicle_that_would_be_late_refuses_and_says_by_how_much() -> None:
     found = refusal(deadline_s=finish_s - 10.0)
     assert found.reason is Refusal.DEADLINE
     assert found.detail == "10 s too late"
+
+
+@pytest.mark.parametrize("change", [{"sources": ("nowhere",)}, {"destination": "nowhere"}])
+def test_a_vehicle_refuses_a_way_to_a_place_that_is_not_in_its_plant(change: dict[str, Any]) -> None:
+    assert refusal(work=transport(**change)).reason is Refusal.NO_WAY

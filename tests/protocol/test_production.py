@@ -11,7 +11,10 @@ PLENTY = {"housing": 72, "impeller": 90, "seal-kit": 120, "shaft": 120, "bearing
 
 
 def goal(name: str, *, deadline_s: float = 100.0, product: str = "pump-p3", quantity: int = 24) -> Goal:
-    return Goal(name, production(product=product, quantity=quantity), deadline_s)
+    """A goal that the strategist has confirmed."""
+    made = Goal(name, production(product=product, quantity=quantity), deadline_s)
+    made.confirmed = True
+    return made
 
 
 def book(*goals: Goal, machine: str = "M8") -> GoalBook:
@@ -109,3 +112,24 @@ def test_a_book_is_unfinished_while_anything_is_to_be_made() -> None:
     assert not goals.unfinished
     assert one.ready == 1
     assert one.to_make == 0
+
+
+def test_a_goal_that_is_not_confirmed_is_queued_for_and_not_begun() -> None:
+    waiting = goal("A", quantity=10)
+    waiting.confirmed = False
+    goals = book(waiting)
+    assert goals.next_to_make(PLENTY) is None
+    assert goals.need("housing", "") == 0
+    assert goals.use_per_s("housing") == 0.0
+    assert not goals.unfinished
+    assert goals.quote(production(), PLENTY, 90.0).queue_s == 10 * 50.0
+    assert [brief.goal for brief in goals.briefs()] == ["A"]
+
+
+def test_spare_pieces_are_given_once_and_to_goals_of_their_product() -> None:
+    goals = book()
+    goals.add_spare("pump-p3", 3)
+    goals.add_spare("pump-p3", 1)
+    gears, some, more = goal("G", product="gear-unit-g2"), goal("A", quantity=3), goal("B", quantity=3)
+    assert [goals.use_spare(each) for each in (gears, some, more, more)] == [0, 3, 1, 0]
+    assert [each.made for each in (gears, some, more)] == [0, 3, 1]

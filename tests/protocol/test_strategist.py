@@ -6,10 +6,12 @@ import pytest
 from kit import (
     KEYS,
     PLANT,
+    MachineRig,
     StrategistRig,
     accepted,
     announcement,
     award,
+    award_number,
     declined,
     deeds,
     facts,
@@ -24,11 +26,15 @@ from kit import (
 from dray.body import Repaired
 from dray.errors import ProtocolViolation
 from dray.messages import (
+    Accepted,
     Award,
     BerthClaimed,
+    Bid,
+    Confirmed,
     Docked,
     GoalBrief,
     GoalClosed,
+    MachineHeartbeat,
     OrderCancelled,
     OrderItem,
     OrderReleased,
@@ -79,7 +85,7 @@ def contract(rig: StrategistRig, goal: str, machine: str, cost_s: float = 100.0)
     effects = rig.hear(machine, goal_bid(goal, cost_s))
     while not sent(effects, Award, to=machine):
         effects += rig.run(rig.agent.wake_at_s)
-    return effects + rig.hear(machine, accepted(goal))
+    return effects + rig.hear(machine, accepted(goal, number=award_number(effects, machine, goal)))
 
 
 def contract_all(rig: StrategistRig) -> dict[str, tuple[str, int]]:
@@ -190,6 +196,22 @@ def test_an_order_of_nothing_is_fulfilled_at_once() -> None:
     assert rig.agent.wake_at_s == NEVER_S
 
 
+def test_an_item_of_nothing_is_left_out_of_its_order() -> None:
+    rig = released(order(pump=0, g1=5))
+    assert [(product, quantity) for _, product, quantity in announced(rig.all)] == [("gear-unit-g1", 5)]
+    [taken] = facts(rig.all, OrderAccepted)
+    assert len(taken.goals) == 1
+
+
+def test_an_order_with_an_unknown_product_is_ignored_and_not_taken() -> None:
+    rig = StrategistRig()
+    rig.start()
+    items = (OrderItem(product="pump-p3", quantity=24), OrderItem(product="nonsense", quantity=1))
+    effects = rig.hear("gateway", OrderReleased(order="O1", items=items, due_s=3600.0))
+    assert len(effects) == 1
+    assert deeds(effects) == []
+
+
 # --- machines bid --------------------------------------------------------------------------------
 
 
@@ -202,9 +224,58 @@ def test_of_several_machines_the_cheapest_takes_the_goal() -> None:
     assert [fact.bidder for fact in facts(rig.all, AwardGiven)] == ["M8"]
     rig.hear("M8", declined(goal))
     assert [fact.bidder for fact in facts(rig.all, AwardGiven)] == ["M8", "M9"]
-    rig.hear("M9", accepted(goal))
+    effects = rig.hear("M9", accepted(goal, number=2))
+    assert sent(effects, Confirmed, to="M9") == [Confirmed(task=goal, epoch=1)]
     [contracted] = facts(rig.all, GoalContracted)
     assert (contracted.goal, contracted.machine, contracted.quantity) == (goal, "M9", 24)
+
+
+def test_every_acceptance_of_the_bound_machine_is_confirmed_and_no_other() -> None:
+    rig = released(order(pump=24))
+    [(goal, _, _)] = announced(rig.all)
+    contract(rig, goal, "M7")
+    again = rig.hear("M7", accepted(goal))
+    assert sent(again, Confirmed, to="M7") == [Confirmed(task=goal, epoch=1)]
+    assert facts(again, GoalContracted) == []
+    stranger = rig.hear("M8", accepted(goal))
+    assert sent(stranger, Confirmed) == []
+    assert sent(stranger, Release, to="M8")
+
+
+def test_an_acceptance_of_a_goal_that_has_ended_is_released_and_not_confirmed() -> None:
+    rig = released(order(pump=24))
+    [(goal, _, _)] = announced(rig.all)
+    contract(rig, goal, "M7")
+    rig.hear("gateway", OrderCancelled(order="O1"))
+    effects = rig.hear("M7", accepted(goal))
+    assert sent(effects, Confirmed) == []
+    assert sent(effects, Release, to="M7")
+
+
+def test_a_machine_whose_acceptance_was_lost_makes_nothing_of_the_goal_that_another_one_got() -> None:
+    rig = released(order(pump=24))
+    stock = {"housing": 72, "impeller": 90, "seal-kit": 120}
+    machines = {"M7": MachineRig("M7", stock), "M8": MachineRig("M8", stock)}
+    [asked] = published(rig.all, TaskAnnounced)
+    for name, machine in machines.items():
+        machine.start()
+        [offer] = sent(machine.hear("STRATEGIST", asked), Bid)
+        rig.hear(name, offer)
+    rig.run(0.5)
+    [first] = [name for name in machines if sent(rig.all, Award, to=name)]
+    [second] = [name for name in machines if name != first]
+    assert sent(machines[first].hear("STRATEGIST", sent(rig.all, Award)[0]), Accepted)  # It is lost.
+    effects = rig.run(2.0)  # The release of the first is lost, too.
+    [answer] = sent(machines[second].hear("STRATEGIST", sent(effects, Award, to=second)[0]), Accepted)
+    [confirmed] = sent(rig.hear(second, answer), Confirmed, to=second)
+    machines[second].hear("STRATEGIST", confirmed)
+    [repeated] = sent(machines[first].run(4.0), Accepted)
+    for message in sent(rig.hear(first, repeated), Release, to=first):
+        machines[first].hear("STRATEGIST", message)
+    machines[first].run(60.0)
+    assert machines[second].is_cycling
+    assert not machines[first].is_cycling
+    assert machines[first].heartbeats(MachineHeartbeat)[-1].goals == ()
 
 
 def test_a_silent_machine_is_released_and_the_next_one_asked() -> None:
@@ -258,6 +329,16 @@ def test_a_goal_is_closed_when_all_of_it_is_delivered_and_not_before() -> None:
     effects = rig.hear("M7", mhb("M7", done(goal, 24)))
     assert sent(effects, GoalClosed, to="M7") == [GoalClosed(goal=goal)]
     assert [fact.outcome for fact in facts(effects, TaskClosed)] == ["delivered"]
+
+
+@pytest.mark.parametrize("contracted", [True, False])
+def test_a_goal_is_not_closed_on_the_word_of_a_machine_that_is_not_bound(contracted: bool) -> None:
+    rig = released(order(pump=120))
+    [(goal, _, quantity), *_] = announced(rig.all)
+    if contracted:
+        contract(rig, goal, "M7")
+    effects = rig.hear("M8", mhb("M8", done(goal, quantity)))
+    assert deeds(effects) == []
 
 
 def test_an_order_is_fulfilled_when_its_last_goal_is_delivered() -> None:

@@ -6,7 +6,7 @@ import msgspec
 import pytest
 from kit import KEYS, award, facts, listening, rhb, sent
 
-from dray.messages import Award, Resigned, Role
+from dray.messages import Award, Release, Resigned, Role
 from dray.messages.fact import ContractEnded, ContractTaken, PrimarySuspected
 from dray.protocol.events import NEVER_S, Effect
 from dray.protocol.supervision import Following, Vigil
@@ -133,6 +133,27 @@ def test_an_ended_watch_is_silent_and_forgotten() -> None:
     assert guard.suspicions == []
 
 
+@pytest.mark.parametrize(
+    ("sender", "epoch", "let_go"),
+    [("M8", 1, False), ("M8", 2, True), ("M8", 3, True), ("M3", 2, False)],
+)
+def test_a_watch_is_released_by_its_coordinator_for_its_epoch_or_a_later_one(
+    sender: str, epoch: int, let_go: bool
+) -> None:
+    guard = Guard()
+    guard.begin(watch(epoch=2))
+    release = Release(task="M8-1", epoch=epoch, role=Role.SECONDARY, reason="the task has ended")
+    assert guard.watches.release(sender, release) is let_go
+    assert ("M8-1" in guard.watches) is not let_go
+
+
+def test_a_release_of_what_is_not_watched_is_noticed_and_changes_nothing() -> None:
+    guard = Guard()
+    release = Release(task="M8-1", epoch=1, role=Role.SECONDARY, reason="the task has ended")
+    assert not guard.watches.release("M8", release)
+    assert guard.out == []
+
+
 def test_all_watches_are_given_back_to_their_coordinator() -> None:
     guard = Guard()
     guard.begin(watch("M8-1", "ATV2"))
@@ -164,8 +185,8 @@ def test_a_newer_epoch_of_a_task_replaces_the_older_one() -> None:
     guard.begin(watch(epoch=1, primary="ATV2"))
     guard.begin(watch(epoch=2, primary="ATV3"))
     assert len(guard.watches) == 1
-    assert guard.watches.holds(watch(epoch=2))
-    assert not guard.watches.holds(watch(epoch=1))
+    assert guard.watches.holds("M8-1", 2)
+    assert not guard.watches.holds("M8-1", 1)
     assert listening(guard.out) == {KEYS.atv_heartbeat("ATV3")}
     assert guard.endings == [("M8-1", "renewed")]
 

@@ -18,6 +18,7 @@ from dray.messages import (
     AtvHeartbeat,
     Award,
     BerthClaimed,
+    Confirmed,
     MachineHeartbeat,
     Message,
     Production,
@@ -82,6 +83,7 @@ def play(faults: Mapping[int, float]) -> BadStage:
     goal = Production(product="gear-unit-g2", quantity=24, order="O1", item=0)
     award = Award(task="G8", epoch=1, role=Role.PRIMARY, work=goal, deadline_s=3600.0)
     stage.say("STRAT", "M8", award, at_s=10.0)
+    stage.say("STRAT", "M8", Confirmed(task="G8", epoch=1), at_s=10.02)
     stage.run(until_s=UNTIL_S)
     return stage
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from dray.messages import Award, Production, Role, Transport
+from dray.messages import Award, Confirmed, Production, Role, Transport
 from dray.messages.fact import AwardAnswered, AwardGiven, BidReceived
 from dray.plant import default_plant
 from dray.protocol.atv import Atv
@@ -27,6 +27,7 @@ def play() -> Stage:
     # The strategist's goal makes M8 look at its shafts; M7 elects ATV3 while M8 still collects bids.
     goal = Production(product="gear-unit-g2", quantity=24, order="O1", item=0)
     stage.say("STRAT", "M8", _award("G8", goal), at_s=10.0)
+    stage.say("STRAT", "M8", Confirmed(task="G8", epoch=1), at_s=10.02)
     rival = Transport(item="seal-kit", quantity=40, sources=("S6",), destination="M7", ability="tote")
     stage.say("M7", "ATV3", _award("M7-1", rival), at_s=10.9)
     stage.run(until_s=95.0)

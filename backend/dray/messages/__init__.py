@@ -13,6 +13,7 @@ from dray.messages.contract import (
     Accepted,
     Award,
     Bid,
+    Confirmed,
     Cost,
     Declined,
     Docked,
@@ -68,6 +69,7 @@ AnyMessage = (
     | Bid
     | Award
     | Accepted
+    | Confirmed
     | Declined
     | Release
     | Resigned
@@ -103,6 +105,7 @@ __all__ = [
     "BufferLevel",
     "CommandAnswered",
     "CommandKind",
+    "Confirmed",
     "Cost",
     "Declined",
     "DockHeld",

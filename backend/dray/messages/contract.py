@@ -128,6 +128,8 @@ class Award(Message, frozen=True):
     source: IdOrNone = ""
     primary: IdOrNone = ""
     """Whom to watch, when the role is SECONDARY."""
+    number: Count = 1
+    """Counts the awards of one auction; an answer carries it back, so that a late one is recognised."""
 
 
 class Refusal(StrEnum):
@@ -140,7 +142,6 @@ class Refusal(StrEnum):
     BATTERY = "battery"
     """Could not keep its promise and reach a charger after it."""
     DEADLINE = "deadline"
-    OUT_OF_RADIUS = "out_of_radius"
     NO_WAY = "no_way"
     NOT_FIT = "not_fit"
     """Stopped, in error or on the radio mesh."""
@@ -155,6 +156,19 @@ class Accepted(Message, frozen=True):
     epoch: Count
     role: Role
     finish_s: Seconds = 0.0
+    number: Count = 1
+    """Of the award that this answers."""
+
+
+class Confirmed(Message, frozen=True):
+    """The coordinator has heard the acceptance: work that nothing fences later may begin.
+
+    A machine begins a goal only then, and repeats `Accepted` until then. Otherwise a goal whose
+    acceptance was lost would be made by it and by whoever was asked next.
+    """
+
+    task: Id
+    epoch: Count
 
 
 class Declined(Message, frozen=True):
@@ -164,6 +178,8 @@ class Declined(Message, frozen=True):
     epoch: Count
     role: Role
     reason: Refusal
+    number: Count = 1
+    """Of the award that this answers."""
 
 
 class Release(Message, frozen=True):

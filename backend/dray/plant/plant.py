@@ -108,6 +108,10 @@ class Plant:
         """The node where vehicles dock at a machine, storage, warehouse, charger or parking place."""
         return self._node_of[place]
 
+    def has_place(self, place: str) -> bool:
+        """Whether vehicles can dock at something of this id."""
+        return place in self._node_of
+
     def position_of(self, place: str) -> tuple[float, float]:
         """Where vehicles dock at a place, as (x_m, y_m)."""
         node = self.nodes[self._node_of[place]]

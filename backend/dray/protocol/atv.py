@@ -176,6 +176,7 @@ class Atv:
     def _start(self, body: BodyState | None, now_s: float) -> None:
         self._sense(body)
         self._attend()
+        self._obedience.stopped = isinstance(body, VehicleState) and body.held
         self._rest.start(self._battery_frac, now_s)
         self._timers.set(BEAT, now_s)
 
@@ -190,9 +191,7 @@ class Atv:
                     self._after_carriage(now_s)
             elif name in REST_TIMERS:
                 if self._may_rest():
-                    self._rest.wake(name, self._battery_frac, now_s)
-                    self._update_status(now_s, self._rest.berth)
-                    self._timers.set(BEAT, now_s)
+                    self._rest_on(name, now_s)
             else:
                 kind, task = cast(tuple[str, str], name)
                 if kind != WATCH_VIGIL:
@@ -288,7 +287,8 @@ class Atv:
 
     # --- contracts ---
 
-    def _standing(self, now_s: float) -> Standing:
+    def _standing(self, task: str, now_s: float) -> Standing:
+        """The circumstances in which `task` is considered."""
         driver = self._driver
         x_m, y_m = driver.position_m
         unfit = self._problem or ("stopped by an operator" if self._obedience.stopped else "")
@@ -300,21 +300,23 @@ class Atv:
             battery_frac=self._battery_frac,
             unfit=unfit,
             busy_with=self._carriage.task if self._carriage is not None else "",
-            watches=len(self._watches),
+            watches=len(self._watches) - (task in self._watches),
         )
 
     def _hear_announced(self, _sender: str, message: TaskAnnounced, now_s: float) -> None:
-        if message.role is Role.SECONDARY and message.task in self._watches:
+        if message.role is Role.SECONDARY and self._watches.holds(message.task, message.epoch):
             return
-        self._bidder.hear(message, self._standing(now_s), now_s)
+        self._bidder.hear(message, self._standing(message.task, now_s), now_s)
 
     def _hear_award(self, sender: str, award: Award, now_s: float) -> None:
         if self._holds(award):
             self._accept(sender, award)
             return
-        answer = self._bidder.review(award, self._standing(now_s), now_s)
+        answer = self._bidder.review(award, self._standing(award.task, now_s), now_s)
         if isinstance(answer, Unable):
-            declined = Declined(task=award.task, epoch=award.epoch, role=award.role, reason=answer.reason)
+            declined = Declined(
+                task=award.task, epoch=award.epoch, role=award.role, reason=answer.reason, number=award.number
+            )
             self._out.append(Send(sender, declined))
         elif award.role is Role.SECONDARY:
             self._watches.begin(award, sender, now_s)
@@ -326,12 +328,18 @@ class Atv:
     def _holds(self, award: Award) -> bool:
         """Whether it took this award already, and its answer was lost."""
         if award.role is Role.SECONDARY:
-            return self._watches.holds(award)
+            return self._watches.holds(award.task, award.epoch)
         return self._has_contract(award.task, award.epoch)
 
     def _accept(self, sender: str, award: Award) -> None:
         finish_s = self._carriage.promised_s if self._carriage is not None else 0.0
-        accepted = Accepted(task=award.task, epoch=award.epoch, role=award.role, finish_s=finish_s)
+        accepted = Accepted(
+            task=award.task,
+            epoch=award.epoch,
+            role=award.role,
+            finish_s=finish_s,
+            number=award.number,
+        )
         self._out.append(Send(sender, accepted))
 
     def _take(self, sender: str, award: Award, quote: Quote, now_s: float) -> None:
@@ -359,26 +367,32 @@ class Atv:
         self._carriage.begin(now_s)
         self._timers.set(BEAT, now_s)
 
-    def _hear_release(self, _sender: str, message: Release, now_s: float) -> None:
+    def _hear_release(self, sender: str, message: Release, now_s: float) -> None:
         if message.role is Role.SECONDARY:
-            self._watches.end(message.task, message.reason)
-        elif self._has_contract(message.task, message.epoch) and self._carriage is not None:
-            self._carriage.cancel("released", now_s)
-            self._after_carriage(now_s)
-
-    def _hear_of_contract(self, _sender: str, message: Any, now_s: float) -> None:
+            if not self._watches.release(sender, message):
+                self._out.append(Ignore("released from a watch that it does not keep"))
+            return
         carriage = self._carriage
-        fits = carriage is not None and carriage.task == message.task
-        if carriage is None or not fits or self._is_stale(message, carriage):
+        if carriage is None or not self._concerns(carriage, sender, message):
+            self._out.append(Ignore("released from a contract that it does not have"))
+            return
+        carriage.cancel("released", now_s)
+        self._after_carriage(now_s)
+
+    def _hear_of_contract(self, sender: str, message: Any, now_s: float) -> None:
+        carriage = self._carriage
+        if carriage is None or not self._concerns(carriage, sender, message):
             self._out.append(Ignore("an answer about another contract"))
             return
         carriage.hear(message, now_s)
         self._after_carriage(now_s)
 
     @staticmethod
-    def _is_stale(message: Any, carriage: Carriage) -> bool:
-        """Whether it speaks of another epoch than ours; a Superseded always does."""
-        return type(message) is not Superseded and message.epoch != carriage.epoch
+    def _concerns(carriage: Carriage, sender: str, message: Any) -> bool:
+        """Whether it is its coordinator's word on this contract; a Superseded speaks of another epoch."""
+        if carriage.coordinator != sender or carriage.task != message.task:
+            return False
+        return type(message) is Superseded or message.epoch == carriage.epoch
 
     def _has_contract(self, task: str, epoch: int) -> bool:
         carriage = self._carriage
@@ -399,6 +413,13 @@ class Atv:
         self._rest.soon(now_s)
 
     # --- rest, and people ---
+
+    def _rest_on(self, alarm: object, now_s: float) -> None:
+        way = self._driver.way
+        self._rest.wake(alarm, self._battery_frac, now_s)
+        self._update_status(now_s, self._rest.berth)
+        if self._driver.way is not way:
+            self._timers.set(BEAT, now_s)
 
     def _may_rest(self) -> bool:
         return self._carriage is None and not self._obedience.stopped and not self._problem

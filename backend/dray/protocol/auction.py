@@ -122,6 +122,7 @@ class Auction:
         self._span_s = 0.0
         self._asked = ""
         self._rank = 0
+        self._awards = 0
 
     @property
     def radius_m(self) -> float:
@@ -172,14 +173,17 @@ class Auction:
         if bidder != self._asked:
             self._release(bidder, "asked no more")
             return
+        if answer.number != self._awards:
+            self._out.append(Ignore("an answer to an earlier award"))
+            return
         self._note_answer("accepted")
         self.winner, self._asked = bidder, ""
         self.stage, self.wake_at_s = Stage.DECIDED, NEVER_S
-        self.left_over = tuple(self._queue)
+        self.left_over = tuple(sorted((*self._queue, *self._bids.items()), key=_rank_of))
 
     def hear_declined(self, bidder: str, answer: Declined, now_s: float) -> None:
         """Ask the next one, if this bidder is the one that was asked."""
-        if bidder != self._asked:
+        if bidder != self._asked or answer.number != self._awards:
             self._out.append(Ignore("declined without being asked"))
             return
         self._note_answer(answer.reason.value)
@@ -264,6 +268,7 @@ class Auction:
         terms = self.terms
         self._asked, self.winning_bid = bidder, bid
         self._rank += 1
+        self._awards += 1
         self.wake_at_s = now_s + self._grown(self._rules.answer_s)
         fact = AwardGiven(task=terms.task, epoch=terms.epoch, role=terms.role, bidder=bidder, rank=self._rank)
         award = Award(
@@ -274,6 +279,7 @@ class Auction:
             deadline_s=terms.deadline_s,
             source=bid.source,
             primary=terms.primary,
+            number=self._awards,
         )
         self._out += (Record(fact), Send(bidder, award))
 

@@ -63,6 +63,10 @@ class Berths:
     def is_charger(self) -> bool:
         return self.berth in self._plant.chargers
 
+    def is_taken(self, berth: str, now_s: float) -> bool:
+        """Whether another one has won this berth not long ago."""
+        return self._taken_until_s.get(berth, 0.0) > now_s
+
     def stand(self, berth: str, battery_frac: float) -> None:
         """Claim the berth in which the vehicle stands already."""
         self._claim(berth, battery_frac, Hold.STANDING)

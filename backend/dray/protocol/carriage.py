@@ -148,8 +148,11 @@ class Carriage:
                 self._drive(self.work.destination, now_s)
         elif self.phase is Phase.UNLOADING:
             self._loaded = False
-            self._enter(Phase.HANDING_OVER, self.work.destination)
-            self._say_handover(now_s)
+            if self._cancelled:
+                self._end(self._cancelled)
+            else:
+                self._enter(Phase.HANDING_OVER, self.work.destination)
+                self._say_handover(now_s)
         elif self.phase is Phase.RETURNING:
             self._loaded = False
             self._end(self._cancelled)
@@ -159,14 +162,14 @@ class Carriage:
         if order != self._action:
             return
         self._action = 0
-        if self._cancelled:
+        if self._cancelled and self.phase is not Phase.RETURNING:
             self._give_up(now_s)
         else:
             self._timers.set(ASK, now_s + RETRY_S)
 
     def hear(self, message: Message, now_s: float) -> None:
         """Take an answer of the coordinator; what is late or doubled changes nothing."""
-        if isinstance(message, Superseded):
+        if isinstance(message, Superseded) and not 0 < message.epoch < self.epoch:
             self.cancel("superseded", now_s)
         elif isinstance(message, Withdrawn):
             self.cancel("withdrawn", now_s)

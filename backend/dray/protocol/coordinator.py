@@ -30,8 +30,8 @@ from dray.protocol.timers import Timers
 
 Outcome = Literal["delivered", "withdrawn"]
 
-CLOSED_KEPT = 256
-"""Closed tasks that late questions are still answered for: hours of one machine's work."""
+CLOSED_KEPT = 1024
+"""Closed tasks that late questions are still answered for: a day of one machine's work."""
 
 WATCH_RULES = AuctionRules(radius_m=50.0, rest_s=10.0, rest_growth=1.0, rest_max_s=10.0)
 """A missing watch is less urgent than a missing primary, so it asks wider and rests longer."""

@@ -6,6 +6,7 @@ from dray.messages import (
     Accepted,
     Award,
     Bid,
+    Confirmed,
     Declined,
     GoalClosed,
     Production,
@@ -19,6 +20,12 @@ from dray.messages.fact import BidRefused, BidSent, ContractEnded, ContractTaken
 from dray.protocol.events import Effect, Record, Send
 from dray.protocol.production import Goal, GoalBook
 from dray.protocol.supply import Supply
+from dray.protocol.timers import Timers
+
+CONFIRM = "confirm"
+
+CONFIRM_AGAIN_S = 3.0
+"""An acceptance is repeated after many times the latency of a good link."""
 
 QUOTES_KEPT = 64
 """Bids for goals whose award may still come: more than a strategist has open at a time."""
@@ -34,16 +41,27 @@ class GoalBidder:
         products: what the machine can make.
         goals: what it has taken.
         supply: what is at hand.
+        timers: the machine's alarms; this class uses names ``(CONFIRM, goal)``.
         out: where effects go.
     """
 
-    def __init__(self, products: tuple[str, ...], goals: GoalBook, supply: Supply, out: list[Effect]) -> None:
+    def __init__(
+        self,
+        products: tuple[str, ...],
+        goals: GoalBook,
+        supply: Supply,
+        timers: Timers,
+        out: list[Effect],
+    ) -> None:
         self._products = products
         self._goals = goals
         self._supply = supply
+        self._timers = timers
         self._out = out
         self._quoted_s: dict[str, float] = {}
         """By goal: when it was promised to be done. Oldest first."""
+        self._unconfirmed: dict[str, tuple[str, Accepted]] = {}
+        """By goal: who is to confirm it, and what was said."""
 
     def hear(self, message: TaskAnnounced, unfit: str, now_s: float) -> None:
         """Answer an announcement with a bid, or note why not.
@@ -83,21 +101,39 @@ class GoalBidder:
     def hear_award(self, sender: str, award: Award, unfit: str, now_s: float) -> bool:
         """Take a goal or decline it; True when it was taken just now."""
         work = award.work
-        if not isinstance(work, Production):
+        if not isinstance(work, Production) or work.product not in self._products:
+            self._decline(sender, award, Refusal.ABILITY)
             return False
         if self._goals.get(award.task) is not None:
             self._accept(sender, award, now_s)  # Its first answer was lost.
             return False
         reason = self._why_not(award.task, work, unfit, now_s)
         if reason is not None:
-            declined = Declined(task=award.task, epoch=award.epoch, role=award.role, reason=reason)
-            self._out.append(Send(sender, declined))
+            self._decline(sender, award, reason)
             return False
         self._goals.add(Goal(award.task, work, award.deadline_s))
         self._accept(sender, award, now_s)
         taken = ContractTaken(task=award.task, epoch=award.epoch, role=award.role, coordinator=sender)
         self._out.append(Record(taken))
         return True
+
+    def hear_confirmed(self, message: Confirmed) -> bool:
+        """The contract stands on both sides; True when that is news."""
+        goal = self._goals.get(message.task)
+        if goal is None:
+            return False
+        # Also when it was confirmed before: a doubled award has made the machine ask again.
+        self._settled(goal.id)
+        news, goal.confirmed = not goal.confirmed, True
+        return news
+
+    def wake(self, goal: str, now_s: float) -> None:
+        """Nobody has confirmed a goal yet: ask again, for ever. A Release would end it too."""
+        waiting = self._unconfirmed.get(goal)
+        if waiting is not None:
+            strategist, accepted = waiting
+            self._out.append(Send(strategist, accepted))
+            self._timers.set((CONFIRM, goal), now_s + CONFIRM_AGAIN_S)
 
     def hear_over(self, message: Release | Withdrawn, running: Goal | None) -> bool:
         """The goal is not needed; True when it was given back: nothing of it was begun yet."""
@@ -113,15 +149,33 @@ class GoalBidder:
         if goal is not None and goal.delivered >= goal.work.quantity:
             self._end(goal, 1, "delivered")
 
+    def _settled(self, goal: str) -> None:
+        self._unconfirmed.pop(goal, None)
+        self._timers.clear((CONFIRM, goal))
+
     def _end(self, goal: Goal, epoch: int, reason: str) -> None:
         self._goals.remove(goal.id)
+        self._settled(goal.id)
         ended = ContractEnded(task=goal.id, epoch=epoch, role=Role.PRIMARY, reason=reason)
         self._out.append(Record(ended))
 
     def _accept(self, sender: str, award: Award, now_s: float) -> None:
-        finish_s = self._quoted_s.get(award.task, now_s)
-        accepted = Accepted(task=award.task, epoch=award.epoch, role=award.role, finish_s=finish_s)
+        accepted = Accepted(
+            task=award.task,
+            epoch=award.epoch,
+            role=award.role,
+            finish_s=self._quoted_s.get(award.task, now_s),
+            number=award.number,
+        )
         self._out.append(Send(sender, accepted))
+        self._unconfirmed[award.task] = (sender, accepted)
+        self._timers.set((CONFIRM, award.task), now_s + CONFIRM_AGAIN_S)
+
+    def _decline(self, sender: str, award: Award, reason: Refusal) -> None:
+        declined = Declined(
+            task=award.task, epoch=award.epoch, role=award.role, reason=reason, number=award.number
+        )
+        self._out.append(Send(sender, declined))
 
     def _why_not(self, goal: str, work: Production, unfit: str, now_s: float) -> Refusal | None:
         """A goal that was taken since the bid may have made its promise empty."""

@@ -29,6 +29,7 @@ from dray.messages import (
     Award,
     Bid,
     BufferLevel,
+    Confirmed,
     Declined,
     Docked,
     GoalClosed,
@@ -64,7 +65,7 @@ from dray.protocol.events import (
     Subscribe,
     Woke,
 )
-from dray.protocol.goal_bidding import GoalBidder
+from dray.protocol.goal_bidding import CONFIRM, GoalBidder
 from dray.protocol.production import Goal, GoalBook
 from dray.protocol.supervision import Following
 from dray.protocol.supply import Supply
@@ -108,7 +109,7 @@ class Machine:
         self._delivery = plant.closest(node, plant.delivery_warehouses, 1)[0]
         self._goals = GoalBook(machine, plant)
         self._supply = Supply(machine, plant, self._goals)
-        self._bidder = GoalBidder(self._products, self._goals, self._supply, self._out)
+        self._bidder = GoalBidder(self._products, self._goals, self._supply, self._timers, self._out)
         x_m, y_m = plant.position_of(machine)
         self._tasks = Coordinator(
             machine,
@@ -121,8 +122,10 @@ class Machine:
             self._on_contracted,
         )
         self._dock = Dock(machine, self._tasks, self._supply, self._out)
+        self._cycling = ""
+        """The product of the running cycle; empty for none."""
         self._running: Goal | None = None
-        """The goal of the running cycle."""
+        """Its goal; None for a cycle that an earlier life of this machine has begun."""
         self._problem = ""
         self._status = MachineStatus.IDLE
         self._seq = 0
@@ -137,6 +140,7 @@ class Machine:
             Handover: self._hear_handover,
             TaskAnnounced: lambda _sender, message, now_s: self._bidder.hear(message, self._problem, now_s),
             Award: self._hear_award,
+            Confirmed: self._hear_confirmed,
             Release: self._hear_goal_over,
             Withdrawn: self._hear_goal_over,
             GoalClosed: self._hear_goal_closed,
@@ -181,6 +185,9 @@ class Machine:
             raise ProtocolViolation(f"{self.id}: a machine needs a workcell, not {body!r}")
         self._supply.sense(body.stock)
         self._problem = body.broken
+        self._cycling = body.cycling
+        for product in self._products:
+            self._goals.add_spare(product, self._supply.level(product))
         self._out.extend(Subscribe(self._keys.goals(product)) for product in self._products)
         self._timers.set(BEAT, now_s)
         self._pursue(now_s)
@@ -193,9 +200,12 @@ class Machine:
                 self._beat(now_s)
             else:
                 kind, task = cast(tuple[str, str], name)
-                if kind not in TIMER_KINDS:
+                if kind == CONFIRM:
+                    self._bidder.wake(task, now_s)
+                elif kind in TIMER_KINDS:
+                    self._tasks.wake(kind, task, now_s)
+                else:
                     raise ProtocolViolation(f"{self.id}: no such alarm: {name}")
-                self._tasks.wake(kind, task, now_s)
 
     def _beat(self, now_s: float) -> None:
         self._seq += 1
@@ -230,17 +240,21 @@ class Machine:
     # --- the workcell reports ---
 
     def _cycle_done(self, report: CycleDone, now_s: float) -> None:
-        goal, self._running = self._running, None
-        if goal is None or goal.work.product != report.product:
-            raise ProtocolViolation(f"{self.id}: a cycle of {report.product} ended that was never begun")
+        goal, self._running, self._cycling = self._running, None, ""
         self._supply.change(report.product, 1)
-        goal.made += 1
-        self._out.append(Record(PieceMade(goal=goal.id, product=report.product, made=goal.made)))
+        if goal is None:
+            self._goals.add_spare(report.product, 1)
+        else:
+            goal.made += 1
+            self._record_made(goal)
         self._pursue(now_s)
+
+    def _record_made(self, goal: Goal) -> None:
+        self._out.append(Record(PieceMade(goal=goal.id, product=goal.work.product, made=goal.made)))
 
     def _cycle_failed(self, _report: CycleFailed, now_s: float) -> None:
         # The senses put the stock right at the next beat; then it is tried again.
-        self._running = None
+        self._running, self._cycling = None, ""
         self._timers.set(BEAT, now_s)
 
     def _stock_changed(self, report: StockChanged, now_s: float) -> None:
@@ -257,11 +271,6 @@ class Machine:
 
     # --- deciding ---
 
-    @property
-    def _cycling(self) -> str:
-        """The product of the running cycle; empty for none."""
-        return self._running.work.product if self._running is not None else ""
-
     def _pursue(self, now_s: float) -> None:
         """Do whatever the present state asks for."""
         self._start_cycle()
@@ -274,12 +283,12 @@ class Machine:
         self._update_status(now_s)
 
     def _start_cycle(self) -> None:
-        if self._running is not None or self._problem or self._goods_full():
+        if self._cycling or self._problem or self._goods_full():
             return
         goal = self._goals.next_to_make(self._supply.stock)
         if goal is None:
             return
-        self._running = goal
+        self._running, self._cycling = goal, goal.work.product
         for line in self._plant.products[goal.work.product].bill:
             self._supply.change(line.material, -line.quantity)
         self._out.append(Instruct(StartCycle(product=goal.work.product)))
@@ -290,7 +299,9 @@ class Machine:
 
     def _send_goods(self, goal: Goal, now_s: float) -> None:
         product = self._plant.products[goal.work.product]
-        while goal.ready >= product.lot or (goal.ready > 0 and goal.to_make == 0):
+        # Goods of goals that more urgent ones have interrupted must not fill the machine for ever.
+        whole = goal.to_make > 0 and not self._goods_full()
+        while goal.ready >= product.lot or (goal.ready > 0 and not whole):
             quantity = min(goal.ready, product.lot)
             goal.committed += quantity
             work = Transport(
@@ -321,7 +332,7 @@ class Machine:
     def _present_status(self) -> tuple[MachineStatus, str]:
         if self._problem:
             return MachineStatus.ERROR, self._problem
-        if self._running is not None:
+        if self._cycling:
             return MachineStatus.PRODUCING, ""
         if not self._goals.unfinished:
             return MachineStatus.IDLE, ""
@@ -370,6 +381,15 @@ class Machine:
     def _hear_award(self, sender: str, message: Award, now_s: float) -> None:
         if self._bidder.hear_award(sender, message, self._problem, now_s):
             self._goals_changed(now_s)
+
+    def _hear_confirmed(self, _sender: str, message: Confirmed, now_s: float) -> None:
+        if not self._bidder.hear_confirmed(message):
+            self._out.append(Ignore("confirmed twice"))
+            return
+        goal = self._goals.get(message.task)
+        if goal is not None and self._goals.use_spare(goal):
+            self._record_made(goal)
+        self._goals_changed(now_s)
 
     def _hear_goal_over(self, _sender: str, message: Release | Withdrawn, now_s: float) -> None:
         if self._bidder.hear_over(message, self._running):

@@ -92,6 +92,8 @@ class Pricer:
         kind = self._type
         if work.ability not in kind.abilities:
             return Unable(Refusal.ABILITY, f"cannot carry a {work.ability}")
+        if not all(map(self._plant.has_place, (*work.sources, work.destination))):
+            return Unable(Refusal.NO_WAY, "a place that is not in this plant")
         spare_s = SPARE_ABILITY_S * (len(kind.abilities) - 1)
         best: Quote | None = None
         after_frac = 0.0

@@ -11,12 +11,14 @@ from dray.plant import Plant
 class Goal:
     """One production goal of a machine. `delivered <= committed <= made <= quantity` at all times."""
 
-    __slots__ = ("committed", "deadline_s", "delivered", "id", "made", "work")
+    __slots__ = ("committed", "confirmed", "deadline_s", "delivered", "id", "made", "work")
 
     def __init__(self, goal: str, work: Production, deadline_s: float) -> None:
         self.id = goal
         self.work = work
         self.deadline_s = deadline_s
+        self.confirmed = False
+        """Whether the strategist has heard that it was accepted; nothing is begun before."""
         self.made = 0
         self.committed = 0
         """Pieces that a transport was announced for."""
@@ -53,6 +55,7 @@ class GoalBook:
         self._machine = machine
         self._plant = plant
         self._goals: dict[str, Goal] = {}
+        self._spare: dict[str, int] = {}
 
     def __iter__(self) -> Iterator[Goal]:
         return iter(self._goals.values())
@@ -71,14 +74,27 @@ class GoalBook:
     def remove(self, goal: str) -> None:
         self._goals.pop(goal, None)
 
+    def add_spare(self, product: str, pieces: int) -> None:
+        """Finished pieces lie there that belong to no goal: made in an earlier life of the machine."""
+        self._spare[product] = self._spare.get(product, 0) + pieces
+
+    def use_spare(self, goal: Goal) -> int:
+        """Give spare pieces to a goal; returns how many."""
+        product = goal.work.product
+        pieces = min(self._spare.get(product, 0), goal.to_make)
+        if pieces:
+            self._spare[product] -= pieces
+            goal.made += pieces
+        return pieces
+
     @property
     def unfinished(self) -> bool:
         """Whether anything is still to be made."""
-        return any(goal.to_make > 0 for goal in self._goals.values())
+        return any(goal.to_make > 0 for goal in self._confirmed())
 
     def next_to_make(self, stock: Mapping[str, int]) -> Goal | None:
         """The most urgent goal for whose next piece everything is at hand."""
-        for goal in self._goals.values():
+        for goal in self._confirmed():
             if goal.to_make > 0 and self._at_hand(goal.work.product, stock):
                 return goal
         return None
@@ -91,7 +107,7 @@ class GoalBook:
             cycling: the product of the running cycle, whose material is out already; empty for none.
         """
         pieces = 0
-        for goal in self._goals.values():
+        for goal in self._confirmed():
             per_piece = self._per_piece(goal.work.product, material)
             if per_piece:
                 running = 1 if goal.work.product == cycling else 0
@@ -105,7 +121,7 @@ class GoalBook:
         rates = [
             self._per_piece(goal.work.product, material)
             / self._plant.cycle_s(self._machine, goal.work.product)
-            for goal in self._goals.values()
+            for goal in self._confirmed()
             if goal.to_make > 0
         ]
         return max(rates, default=0.0)
@@ -133,6 +149,9 @@ class GoalBook:
 
     def briefs(self) -> tuple[GoalBrief, ...]:
         return tuple(goal.brief() for goal in self._goals.values())
+
+    def _confirmed(self) -> Iterator[Goal]:
+        return (goal for goal in self._goals.values() if goal.confirmed)
 
     def _per_piece(self, product: str, material: str) -> int:
         bill = self._plant.products[product].bill

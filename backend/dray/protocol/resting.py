@@ -9,6 +9,8 @@ A vehicle that rests goes on bidding; `stop` ends the rest at once when it wins.
 
 from __future__ import annotations
 
+from zlib import crc32
+
 from dray.body import Charge
 from dray.messages import BerthClaimed
 from dray.messages.keys import Keys
@@ -58,6 +60,7 @@ class Rest:
         timers: Timers,
         out: list[Effect],
     ) -> None:
+        self._atv = atv
         self._plant = plant
         self._driver = driver
         self._timers = timers
@@ -78,11 +81,10 @@ class Rest:
 
     def start(self, battery_frac: float, now_s: float) -> None:
         """The vehicle has been switched on, perhaps in a berth."""
-        for berth in self._plant.berths:
-            if self._plant.node_of(berth) == self._driver.node:
-                self._berths.stand(berth, battery_frac)
-                break
-        self.soon(now_s)
+        self._stand_here(battery_frac, now_s)
+        # Vehicles that are switched on together must not do everything together for ever.
+        spread_s = crc32(self._atv.encode()) % 1000 / 1000 * SETTLE_S
+        self._timers.set(SETTLE, now_s + SETTLE_S + spread_s)
 
     def soon(self, now_s: float) -> None:
         """There is no work: look for a place in a moment."""
@@ -105,7 +107,11 @@ class Rest:
             self._take_berth(now_s)
 
     def check_battery(self, battery_frac: float, now_s: float) -> None:
-        """A vehicle that has parked looks for a charger when its battery gets low."""
+        """A parked vehicle looks for a charger in time, a charged one makes room for others."""
+        if self.charging and battery_frac >= CHARGED_FRAC:
+            self._charge_order = 0
+            self._timers.set(SETTLE, now_s)
+            return
         seeking = (
             self._berths.hold is Hold.CLAIMED or self._timers.is_set(SETTLE) or self._timers.is_set(CLAIM)
         )
@@ -116,7 +122,8 @@ class Rest:
 
     def arrived(self) -> None:
         """The vehicle stands where it was sent."""
-        if self._berths.hold is Hold.CLAIMED:
+        there = self._berths.berth and self._plant.node_of(self._berths.berth) == self._driver.node
+        if there and self._berths.hold is Hold.CLAIMED:
             self._berths.arrive()
             self._charge()
 
@@ -153,6 +160,8 @@ class Rest:
     def _settle(self, battery_frac: float, now_s: float) -> None:
         if self.charging:
             return
+        if self._berths.hold is Hold.NONE and not self._driver.way:
+            self._stand_here(battery_frac, now_s)
         wants_charge = self._wants_charge(battery_frac)
         if self._berths.hold is Hold.STANDING:
             if self._berths.is_charger and battery_frac < CHARGED_FRAC:
@@ -169,7 +178,17 @@ class Rest:
         if found:
             self._timers.set(CLAIM, now_s + CONTEST_S)
         else:
+            if self._driver.way:
+                # The place it is driving to belongs to another now: go no further.
+                self._driver.go(self._driver.next_node, now_s)
             self._timers.set(SETTLE, now_s + SEEK_AGAIN_S)
+
+    def _stand_here(self, battery_frac: float, now_s: float) -> None:
+        """Claim the berth in which the vehicle stands, unless another one has just won it."""
+        for berth in self._plant.berths:
+            if self._plant.node_of(berth) == self._driver.node and not self._berths.is_taken(berth, now_s):
+                self._berths.stand(berth, battery_frac)
+                return
 
     def _take_berth(self, now_s: float) -> None:
         """Nobody has objected: drive there."""

@@ -16,6 +16,7 @@ from dray.errors import ProtocolViolation
 from dray.messages import (
     Accepted,
     Bid,
+    Confirmed,
     Declined,
     GoalClosed,
     MachineHeartbeat,
@@ -98,7 +99,7 @@ class Strategist:
         )
         self._on_message: dict[type[Message], Callable[[str, Any, float], None]] = {
             Bid: self._goals.hear_bid,
-            Accepted: self._goals.hear_accepted,
+            Accepted: self._hear_accepted,
             Declined: self._goals.hear_declined,
             MachineHeartbeat: self._hear_machine,
             OrderReleased: self._hear_released,
@@ -132,6 +133,9 @@ class Strategist:
     # --- orders ---
 
     def _hear_released(self, sender: str, message: OrderReleased, now_s: float) -> None:
+        if any(item.product not in self._plant.products for item in message.items):
+            self._out.append(Ignore("an order for a product that this plant does not make"))
+            return
         if message.order not in self._orders and message.order not in self._ended:
             self._begin(message, now_s)
         self._out.append(Send(sender, OrderTaken(order=message.order)))
@@ -156,6 +160,8 @@ class Strategist:
 
     def _split(self, item: OrderItem) -> list[int]:
         """Share an item among the machines that can make it, in whole containers."""
+        if not item.quantity:
+            return []  # All of it was delivered in an earlier life.
         lot = self._plant.products[item.product].lot
         machines = len(self._plant.machines_for(item.product))
         lots = -(-item.quantity // lot)
@@ -178,6 +184,13 @@ class Strategist:
         self._out.append(Record(OrderDropped(order=order.id)))
 
     # --- goals ---
+
+    def _hear_accepted(self, sender: str, answer: Accepted, now_s: float) -> None:
+        """Bind the machine, and confirm as often as it asks: it begins only then."""
+        self._goals.hear_accepted(sender, answer, now_s)
+        task = self._goals.get(answer.task)
+        if task is not None and task.primary == sender and task.epoch == answer.epoch:
+            self._out.append(Send(sender, Confirmed(task=task.id, epoch=task.epoch)))
 
     def _audience(self, work: Work, _radius_m: float) -> tuple[str, ...]:
         return (self._keys.goals(cast(Production, work).product),)
@@ -213,7 +226,8 @@ class Strategist:
                 continue
             task = self._goals.get(brief.goal)
             if task is not None:
-                self._deliver(task)
+                if task.primary == heartbeat.machine:
+                    self._deliver(task)
             elif self._goals.closed(brief.goal) is not None:
                 # The machine has not heard that its goal is closed.
                 self._out.append(Send(heartbeat.machine, GoalClosed(goal=brief.goal)))

@@ -6,7 +6,7 @@ of its own (protocol, step 4).
 
 from __future__ import annotations
 
-from dray.messages import AtvHeartbeat, Award, Brief, Resigned, Role, Transport
+from dray.messages import AtvHeartbeat, Award, Brief, Release, Resigned, Role, Transport
 from dray.messages.fact import ContractEnded, ContractTaken, PrimarySuspected
 from dray.protocol.events import Effect, Record, Send
 from dray.protocol.supervision import Following, Vigil
@@ -66,10 +66,10 @@ class Watches:
     def __contains__(self, task: str) -> bool:
         return task in self._watches
 
-    def holds(self, award: Award) -> bool:
+    def holds(self, task: str, epoch: int) -> bool:
         """Whether exactly this watch was taken already."""
-        watch = self._watches.get(award.task)
-        return watch is not None and watch.award.epoch == award.epoch
+        watch = self._watches.get(task)
+        return watch is not None and watch.award.epoch == epoch
 
     def briefs(self) -> tuple[Brief, ...]:
         return tuple(watch.brief() for watch in self._watches.values())
@@ -86,6 +86,14 @@ class Watches:
             task=award.task, epoch=award.epoch, role=Role.SECONDARY, coordinator=coordinator
         )
         self._out.append(Record(taken))
+
+    def release(self, sender: str, message: Release) -> bool:
+        """The coordinator lets a watch go; False when the message is stale or a stranger's."""
+        watch = self._watches.get(message.task)
+        if watch is None or watch.coordinator != sender or watch.award.epoch > message.epoch:
+            return False
+        self.end(message.task, message.reason)
+        return True
 
     def end(self, task: str, reason: str) -> None:
         """Guard it no longer; harmless when it was not guarded."""
