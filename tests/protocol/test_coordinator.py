@@ -71,7 +71,7 @@ class Office:
             if self.timers.next_s <= self.now_s + 1.0:
                 self.now_s = max(self.now_s, self.timers.next_s)
                 for kind, task in self.timers.due(self.now_s):  # type: ignore[misc]
-                    self.desk.wake(kind, task, self.now_s)
+                    self.desk.alarms[kind](task, self.now_s)
             else:
                 self.now_s += 1.0
             self.seq += 1
@@ -405,5 +405,5 @@ def test_what_is_heard_of_a_closed_task_opens_nothing() -> None:
     office.bids(ATV4=1.0)
     office.declines("ATV4")
     office.resigns("ATV1")
-    office.desk.wake("primary auction", "T1", 500.0)
+    office.desk.alarms["primary auction"]("T1", 500.0)
     assert len(deeds(office.out)) == said

@@ -13,9 +13,7 @@ STOPPED and ERROR end no contract: the carriage waits inside them and goes on wh
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, cast
-from zlib import crc32
 
 from dray.body import (
     ActionDone,
@@ -39,7 +37,6 @@ from dray.messages import (
     DockHeld,
     DockOpened,
     HandoverAccepted,
-    Message,
     Release,
     Role,
     Superseded,
@@ -53,35 +50,27 @@ from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.bidding import Bidder, Standing
 from dray.protocol.carriage import ASK, Carriage
+from dray.protocol.core import Core
 from dray.protocol.driving import Driver
 from dray.protocol.events import (
-    NOT_FOR_US,
-    Effect,
-    Event,
-    Heard,
     Ignore,
     Publish,
     Record,
-    Reported,
     Send,
-    Started,
     Subscribe,
     Unsubscribe,
-    Woke,
 )
 from dray.protocol.obedience import Obedience
 from dray.protocol.pricing import Quote, Unable
-from dray.protocol.resting import TIMERS as REST_TIMERS
-from dray.protocol.resting import Rest
+from dray.protocol.resting import CLAIM, SETTLE, Rest
 from dray.protocol.supervision import Following
 from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
-from dray.protocol.timers import Timers
 from dray.protocol.watching import WATCH_VIGIL, Watches
 
 BEAT = "beat"
 
 
-class Atv:
+class Atv(Core):
     """One vehicle.
 
     Args:
@@ -101,15 +90,12 @@ class Atv:
         incarnation: int = 1,
         software: str = "",
     ) -> None:
-        self.id = atv
-        self.incarnation = incarnation
+        super().__init__(atv, incarnation)
         self._plant = plant
         self._type = vehicle_type or plant.fleet[atv].type
         self._software = software
         self._keys = Keys(plant.id)
         self._beat_key = self._keys.atv_heartbeat(atv)
-        self._out: list[Effect] = []
-        self._timers = Timers()
         self._driver = Driver(plant, self._type, self._out)
         self._following = Following(self._keys.atv_heartbeat, self._out)
         self._watches = Watches(self._following, self._timers, self._out)
@@ -124,7 +110,7 @@ class Atv:
         self._seq = 0
         self._cell = ""
         contract = self._hear_of_contract
-        self._on_message: dict[type[Message], Callable[[str, Any, float], None]] = {
+        self._on_message = {
             AtvHeartbeat: lambda _sender, message, now_s: self._watches.hear(message, now_s),
             TaskAnnounced: self._hear_announced,
             Award: self._hear_award,
@@ -137,7 +123,7 @@ class Atv:
             VehicleCommand: self._hear_command,
             BerthClaimed: self._hear_claim,
         }
-        self._on_report: dict[type, Callable[[Any, float], None]] = {
+        self._on_report = {
             NodePassed: self._node_passed,
             WayDone: self._way_done,
             ActionDone: self._action_done,
@@ -145,67 +131,31 @@ class Atv:
             ProblemRaised: self._problem_raised,
             ProblemCleared: self._problem_cleared,
         }
-
-    @property
-    def wake_at_s(self) -> float:
-        return self._timers.next_s
-
-    def handle(self, event: Event, now_s: float) -> list[Effect]:
-        """Take one step; see `dray.protocol.events.Agent`."""
-        kind = type(event)
-        if kind is Heard:
-            heard = cast(Heard, event)
-            hear = self._on_message.get(type(heard.message))
-            if hear is not None:
-                hear(heard.sender, heard.message, now_s)
-            else:
-                self._out.append(Ignore(NOT_FOR_US))
-        elif kind is Woke:
-            self._wake(cast(Woke, event).body, now_s)
-        elif kind is Reported:
-            report = cast(Reported, event).report
-            self._on_report[type(report)](report, now_s)
-        else:
-            self._start(cast(Started, event).body, now_s)
-        effects = self._out[:]
-        self._out.clear()
-        return effects
+        self._on_alarm = {
+            BEAT: self._beat,
+            ASK: self._ask_again,
+            SETTLE: lambda _about, now_s: self._rest_on(SETTLE, now_s),
+            CLAIM: lambda _about, now_s: self._rest_on(CLAIM, now_s),
+            WATCH_VIGIL: self._watches.wake,
+        }
 
     # --- the beginning, and time passing ---
 
     def _start(self, body: BodyState | None, now_s: float) -> None:
-        self._sense(body)
+        self._sense(body, now_s)
         self._attend()
         self._obedience.stopped = isinstance(body, VehicleState) and body.held
         self._rest.start(self._battery_frac, now_s)
         self._timers.set(BEAT, now_s)
 
-    def _wake(self, body: BodyState | None, now_s: float) -> None:
-        self._sense(body)
-        for name in self._timers.due(now_s):
-            if name == BEAT:
-                self._beat(now_s)
-            elif name == ASK:
-                if self._carriage is not None:
-                    self._carriage.wake(now_s)
-                    self._after_carriage(now_s)
-            elif name in REST_TIMERS:
-                if self._may_rest():
-                    self._rest_on(name, now_s)
-            else:
-                kind, task = cast(tuple[str, str], name)
-                if kind != WATCH_VIGIL:
-                    raise ProtocolViolation(f"{self.id}: no such alarm: {name}")
-                self._watches.wake(task, now_s)
-
-    def _sense(self, body: BodyState | None) -> None:
+    def _sense(self, body: BodyState | None, now_s: float) -> None:
         if not isinstance(body, VehicleState):
             raise ProtocolViolation(f"{self.id}: a vehicle needs a vehicle's body, not {body!r}")
         self._driver.sense(body)
         self._battery_frac = body.battery_frac
         self._load = (body.load, body.load_quantity)
 
-    def _beat(self, now_s: float) -> None:
+    def _beat(self, _about: None, now_s: float) -> None:
         self._seq += 1
         load, load_quantity = self._load
         carriage = self._carriage
@@ -231,10 +181,7 @@ class Atv:
         )
         self._out.append(Publish(self._beat_key, heartbeat))
         interval_s = IDLE_INTERVAL_S if carriage is None else WORKING_INTERVAL_S
-        if self._seq == 1:
-            # Agents that start together must not beat together for ever.
-            interval_s *= 0.5 + crc32(self.id.encode()) % 1000 / 2000
-        self._timers.set(BEAT, now_s + interval_s)
+        self._timers.set(BEAT, now_s + (self._spread(interval_s) if self._seq == 1 else interval_s))
         if carriage is None:
             self._rest.check_battery(self._battery_frac, now_s)
 
@@ -398,6 +345,11 @@ class Atv:
         carriage = self._carriage
         return carriage is not None and carriage.task == task and carriage.epoch == epoch
 
+    def _ask_again(self, _about: None, now_s: float) -> None:
+        if self._carriage is not None:
+            self._carriage.wake(now_s)
+            self._after_carriage(now_s)
+
     def _after_carriage(self, now_s: float) -> None:
         """See to what a step of the carriage has changed."""
         carriage = self._carriage
@@ -414,9 +366,11 @@ class Atv:
 
     # --- rest, and people ---
 
-    def _rest_on(self, alarm: object, now_s: float) -> None:
+    def _rest_on(self, name: str, now_s: float) -> None:
+        if not self._may_rest():
+            return
         way = self._driver.way
-        self._rest.wake(alarm, self._battery_frac, now_s)
+        self._rest.wake(name, self._battery_frac, now_s)
         self._update_status(now_s, self._rest.berth)
         if self._driver.way is not way:
             self._timers.set(BEAT, now_s)

@@ -40,7 +40,6 @@ PRIMARY_AUCTION = "primary auction"
 WATCH_AUCTION = "watch auction"
 PRIMARY_VIGIL = "primary vigil"
 SECONDARY_VIGIL = "secondary vigil"
-TIMER_KINDS = frozenset({PRIMARY_AUCTION, WATCH_AUCTION, PRIMARY_VIGIL, SECONDARY_VIGIL})
 
 
 class OpenTask:
@@ -131,6 +130,13 @@ class Coordinator:
         self._following = following
         self._out = out
         self._contracted = contracted
+        self.alarms = {
+            PRIMARY_AUCTION: self._wake_auction,
+            WATCH_AUCTION: self._wake_watch_auction,
+            PRIMARY_VIGIL: self._check_primary,
+            SECONDARY_VIGIL: self._check_secondary,
+        }
+        """What its agent calls when an alarm of this class has come, with (task, now_s)."""
         self._open: dict[str, OpenTask] = {}
         self._closed: dict[str, ClosedTask] = {}
 
@@ -237,25 +243,43 @@ class Coordinator:
             elif task.secondary == heartbeat.atv and task.guard is not None:
                 task.guard.hear(heartbeat, now_s)
 
-    def wake(self, kind: str, task_id: str, now_s: float) -> None:
-        """Do what one alarm asks for."""
+    # --- time passes ---
+
+    def _wake_auction(self, task_id: str, now_s: float) -> None:
         task = self._open.get(task_id)
-        if task is None:
-            return
-        if kind == PRIMARY_AUCTION:
+        if task is not None:
             task.auction.wake(now_s)
-            self._arm(kind, task_id, task.auction)
-        elif kind == WATCH_AUCTION and task.watch is not None:
+            self._arm(PRIMARY_AUCTION, task_id, task.auction)
+
+    def _wake_watch_auction(self, task_id: str, now_s: float) -> None:
+        task = self._open.get(task_id)
+        if task is not None and task.watch is not None:
             task.watch.wake(now_s)
-            self._arm(kind, task_id, task.watch)
-        elif kind == PRIMARY_VIGIL and task.vigil is not None:
-            self._check_primary(task, task.vigil, now_s)
-        elif kind == SECONDARY_VIGIL and task.guard is not None:
-            if task.guard.check(now_s):
-                self._release(task.secondary, task.id, task.epoch, Role.SECONDARY, "silent")
-                self._lose_watch(task, "silent", now_s)
-            else:
-                self._timers.set((kind, task_id), task.guard.overdue_at_s)
+            self._arm(WATCH_AUCTION, task_id, task.watch)
+
+    def _check_primary(self, task_id: str, now_s: float) -> None:
+        task = self._open.get(task_id)
+        if task is None or task.vigil is None:
+            return
+        if task.vigil.check(now_s):
+            suspected = PrimarySuspected(
+                task=task.id,
+                epoch=task.epoch,
+                primary=task.primary,
+                silent_s=now_s - task.vigil.heard_s,
+            )
+            self._out.append(Record(suspected))
+        self._timers.set((PRIMARY_VIGIL, task.id), task.vigil.next_look_s(now_s))
+
+    def _check_secondary(self, task_id: str, now_s: float) -> None:
+        task = self._open.get(task_id)
+        if task is None or task.guard is None:
+            return
+        if task.guard.check(now_s):
+            self._release(task.secondary, task.id, task.epoch, Role.SECONDARY, "silent")
+            self._lose_watch(task, "silent", now_s)
+        else:
+            self._timers.set((SECONDARY_VIGIL, task.id), task.guard.overdue_at_s)
 
     # --- how it is done ---
 
@@ -327,14 +351,6 @@ class Coordinator:
         if vigil is not None and self._following is not None:
             self._following.end(vigil.subject)
         self._timers.clear((kind, task))
-
-    def _check_primary(self, task: OpenTask, vigil: Vigil, now_s: float) -> None:
-        if vigil.check(now_s):
-            fact = PrimarySuspected(
-                task=task.id, epoch=task.epoch, primary=task.primary, silent_s=now_s - vigil.heard_s
-            )
-            self._out.append(Record(fact))
-        self._timers.set((PRIMARY_VIGIL, task.id), vigil.next_look_s(now_s))
 
     def _release(self, to: str, task: str, epoch: int, role: Role, reason: str) -> None:
         self._out.append(Send(to, Release(task=task, epoch=epoch, role=role, reason=reason)))

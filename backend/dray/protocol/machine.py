@@ -8,9 +8,7 @@ have finished goods fetched, say so.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, cast
-from zlib import crc32
+from typing import cast
 
 from dray.body import (
     BodyState,
@@ -36,7 +34,6 @@ from dray.messages import (
     Handover,
     MachineHeartbeat,
     MachineStatus,
-    Message,
     Release,
     Resigned,
     TaskAnnounced,
@@ -49,33 +46,26 @@ from dray.messages.fact import GoodsDelivered, MachineStatusChanged, PieceMade
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.auction import AuctionRules, Place
-from dray.protocol.coordinator import TIMER_KINDS, Coordinator, OpenTask
+from dray.protocol.coordinator import Coordinator, OpenTask
+from dray.protocol.core import Core
 from dray.protocol.docking import Dock
 from dray.protocol.events import (
-    NOT_FOR_US,
-    Effect,
-    Event,
-    Heard,
     Ignore,
     Instruct,
     Publish,
     Record,
-    Reported,
-    Started,
     Subscribe,
-    Woke,
 )
 from dray.protocol.goal_bidding import CONFIRM, GoalBidder
 from dray.protocol.production import Goal, GoalBook
 from dray.protocol.supervision import Following
 from dray.protocol.supply import Supply
 from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
-from dray.protocol.timers import Timers
 
 BEAT = "beat"
 
 
-class Machine:
+class Machine(Core):
     """One production machine.
 
     Args:
@@ -95,15 +85,12 @@ class Machine:
         software: str = "",
         rules: AuctionRules | None = None,
     ) -> None:
-        self.id = machine
-        self.incarnation = incarnation
+        super().__init__(machine, incarnation)
         self._plant = plant
         self._spec = plant.machines[machine]
         self._software = software
         self._keys = Keys(plant.id)
         self._beat_key = self._keys.machine_heartbeat(machine)
-        self._out: list[Effect] = []
-        self._timers = Timers()
         self._products = tuple(making.product for making in self._spec.makes)
         node = plant.node_of(machine)
         self._delivery = plant.closest(node, plant.delivery_warehouses, 1)[0]
@@ -130,7 +117,7 @@ class Machine:
         self._status = MachineStatus.IDLE
         self._seq = 0
         self._task_count = 0
-        self._on_message: dict[type[Message], Callable[[str, Any, float], None]] = {
+        self._on_message = {
             AtvHeartbeat: lambda _sender, message, now_s: self._tasks.hear_heartbeat(message, now_s),
             Bid: self._tasks.hear_bid,
             Accepted: self._tasks.hear_accepted,
@@ -145,38 +132,14 @@ class Machine:
             Withdrawn: self._hear_goal_over,
             GoalClosed: self._hear_goal_closed,
         }
-        self._on_report: dict[type, Callable[[Any, float], None]] = {
+        self._on_report = {
             CycleDone: self._cycle_done,
             CycleFailed: self._cycle_failed,
             StockChanged: self._stock_changed,
             Broken: self._broken,
             Repaired: self._repaired,
         }
-
-    @property
-    def wake_at_s(self) -> float:
-        return self._timers.next_s
-
-    def handle(self, event: Event, now_s: float) -> list[Effect]:
-        """Take one step; see `dray.protocol.events.Agent`."""
-        kind = type(event)
-        if kind is Heard:
-            heard = cast(Heard, event)
-            hear = self._on_message.get(type(heard.message))
-            if hear is not None:
-                hear(heard.sender, heard.message, now_s)
-            else:
-                self._out.append(Ignore(NOT_FOR_US))
-        elif kind is Woke:
-            self._wake(cast(Woke, event).body, now_s)
-        elif kind is Reported:
-            report = cast(Reported, event).report
-            self._on_report[type(report)](report, now_s)
-        else:
-            self._start(cast(Started, event).body, now_s)
-        effects = self._out[:]
-        self._out.clear()
-        return effects
+        self._on_alarm = {BEAT: self._beat, CONFIRM: self._bidder.wake, **self._tasks.alarms}
 
     # --- the beginning, and time passing ---
 
@@ -192,22 +155,11 @@ class Machine:
         self._timers.set(BEAT, now_s)
         self._pursue(now_s)
 
-    def _wake(self, body: BodyState | None, now_s: float) -> None:
+    def _sense(self, body: BodyState | None, now_s: float) -> None:
         if isinstance(body, WorkcellState) and self._supply.sense(body.stock):
             self._pursue(now_s)
-        for name in self._timers.due(now_s):
-            if name == BEAT:
-                self._beat(now_s)
-            else:
-                kind, task = cast(tuple[str, str], name)
-                if kind == CONFIRM:
-                    self._bidder.wake(task, now_s)
-                elif kind in TIMER_KINDS:
-                    self._tasks.wake(kind, task, now_s)
-                else:
-                    raise ProtocolViolation(f"{self.id}: no such alarm: {name}")
 
-    def _beat(self, now_s: float) -> None:
+    def _beat(self, _about: None, now_s: float) -> None:
         self._seq += 1
         heartbeat = MachineHeartbeat(
             machine=self.id,
@@ -232,10 +184,7 @@ class Machine:
         )
         self._out.append(Publish(self._beat_key, heartbeat))
         interval_s = WORKING_INTERVAL_S if self._goals.unfinished else IDLE_INTERVAL_S
-        if self._seq == 1:
-            # Agents that start together must not beat together for ever.
-            interval_s *= 0.5 + crc32(self.id.encode()) % 1000 / 2000
-        self._timers.set(BEAT, now_s + interval_s)
+        self._timers.set(BEAT, now_s + (self._spread(interval_s) if self._seq == 1 else interval_s))
 
     # --- the workcell reports ---
 

@@ -22,7 +22,6 @@ from dray.protocol.timers import Timers
 
 SETTLE = "settle"
 CLAIM = "claim"
-TIMERS = frozenset({SETTLE, CLAIM})
 
 SETTLE_S = 4.0
 """An idle vehicle waits this long for work near by before it drives to a berth."""
@@ -46,7 +45,7 @@ class Rest:
         vehicle_type: id of the vehicle's type.
         keys: the plant's bus keys.
         driver: the vehicle's place on the lanes.
-        timers: the vehicle's alarms; this class uses `TIMERS`.
+        timers: the vehicle's alarms; this class uses `SETTLE` and `CLAIM`.
         out: where effects go.
     """
 
@@ -99,8 +98,8 @@ class Rest:
 
     # --- time passes ---
 
-    def wake(self, name: object, battery_frac: float, now_s: float) -> None:
-        """One of `TIMERS` has come."""
+    def wake(self, name: str, battery_frac: float, now_s: float) -> None:
+        """One of its alarms has come."""
         if name == SETTLE:
             self._settle(battery_frac, now_s)
         elif self._berths.berth:

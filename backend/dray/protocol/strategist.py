@@ -9,10 +9,9 @@ its real queue; different products at the same time.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
-from typing import Any, cast
+from typing import cast
 
-from dray.errors import ProtocolViolation
+from dray.body import BodyState
 from dray.messages import (
     Accepted,
     Bid,
@@ -20,7 +19,6 @@ from dray.messages import (
     Declined,
     GoalClosed,
     MachineHeartbeat,
-    Message,
     OrderCancelled,
     OrderItem,
     OrderReleased,
@@ -32,10 +30,10 @@ from dray.messages.fact import GoalContracted, OrderAccepted, OrderDropped, Orde
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.auction import AuctionRules, Place
-from dray.protocol.coordinator import TIMER_KINDS, Coordinator, OpenTask, Outcome
-from dray.protocol.events import NOT_FOR_US, Effect, Event, Heard, Ignore, Record, Send, Started, Woke
+from dray.protocol.coordinator import Coordinator, OpenTask, Outcome
+from dray.protocol.core import Core
+from dray.protocol.events import Ignore, Record, Send
 from dray.protocol.supervision import Following
-from dray.protocol.timers import Timers
 
 STRATEGIST = "strategist"
 """The agent's id where a plant has one strategist."""
@@ -62,7 +60,7 @@ class OrderInWork:
         """Those that are not delivered. Only ever asked for membership and emptiness."""
 
 
-class Strategist:
+class Strategist(Core):
     """One plant's strategist.
 
     Args:
@@ -72,12 +70,9 @@ class Strategist:
     """
 
     def __init__(self, plant: Plant, *, agent: str = STRATEGIST, incarnation: int = 1) -> None:
-        self.id = agent
-        self.incarnation = incarnation
+        super().__init__(agent, incarnation)
         self._plant = plant
         self._keys = Keys(plant.id)
-        self._out: list[Effect] = []
-        self._timers = Timers()
         self._orders: dict[str, OrderInWork] = {}
         self._ended: dict[str, None] = {}
         """Ended orders, oldest first; a dict for its order."""
@@ -97,7 +92,7 @@ class Strategist:
             self._out,
             self._on_contracted,
         )
-        self._on_message: dict[type[Message], Callable[[str, Any, float], None]] = {
+        self._on_message = {
             Bid: self._goals.hear_bid,
             Accepted: self._hear_accepted,
             Declined: self._goals.hear_declined,
@@ -105,30 +100,10 @@ class Strategist:
             OrderReleased: self._hear_released,
             OrderCancelled: self._hear_cancelled,
         }
+        self._on_alarm = self._goals.alarms
 
-    @property
-    def wake_at_s(self) -> float:
-        return self._timers.next_s
-
-    def handle(self, event: Event, now_s: float) -> list[Effect]:
-        """Take one step; see `dray.protocol.events.Agent`."""
-        if isinstance(event, Heard):
-            hear = self._on_message.get(type(event.message))
-            if hear is not None:
-                hear(event.sender, event.message, now_s)
-            else:
-                self._out.append(Ignore(NOT_FOR_US))
-        elif isinstance(event, Woke):
-            for name in self._timers.due(now_s):
-                kind, goal = cast(tuple[str, str], name)
-                if kind not in TIMER_KINDS:
-                    raise ProtocolViolation(f"{self.id}: no such alarm: {name}")
-                self._goals.wake(kind, goal, now_s)
-        elif not isinstance(event, Started):
-            raise ProtocolViolation(f"{self.id}: a strategist has no body: {event}")
-        effects = self._out[:]
-        self._out.clear()
-        return effects
+    def _start(self, body: BodyState | None, now_s: float) -> None:
+        """Nothing is to be done before the first order comes."""
 
     # --- orders ---
 

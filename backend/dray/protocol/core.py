@@ -1,0 +1,93 @@
+"""What all agents have in common: one step at a time, from an event to effects."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, cast
+from zlib import crc32
+
+from dray.body import BodyState, Report
+from dray.errors import ProtocolViolation
+from dray.messages import Message
+from dray.protocol.events import NOT_FOR_US, Effect, Event, Heard, Ignore, Reported, Started, Woke
+from dray.protocol.timers import Timers
+
+Hear = Callable[[str, Any, float], None]
+"""Called with (sender, message, now_s)."""
+
+Alarm = Callable[[Any, float], None]
+"""Called with the second part of the alarm's name, or None, and now_s."""
+
+
+class Core:
+    """The base of an agent: implements `dray.protocol.events.Agent`.
+
+    What an agent does is written in three tables, filled by the subclass: which message, which report
+    of its body and which alarm is seen to by which method. Alarms are named by a word, or by a word
+    and what it is about: ``"beat"``, ``("watch vigil", task)``.
+
+    Args:
+        agent: its name on the bus.
+        incarnation: how often it has been started, 1 for the first time.
+    """
+
+    def __init__(self, agent: str, incarnation: int) -> None:
+        self.id = agent
+        self.incarnation = incarnation
+        self._out: list[Effect] = []
+        self._timers = Timers()
+        self._on_message: Mapping[type[Message], Hear] = {}
+        self._on_report: Mapping[type[Report], Callable[[Any, float], None]] = {}
+        self._on_alarm: Mapping[str, Alarm] = {}
+
+    @property
+    def wake_at_s(self) -> float:
+        return self._timers.next_s
+
+    def handle(self, event: Event, now_s: float) -> list[Effect]:
+        """Take one step; see `dray.protocol.events.Agent`."""
+        kind = type(event)
+        if kind is Heard:
+            self._hear(cast(Heard, event), now_s)
+        elif kind is Woke:
+            self._sense(cast(Woke, event).body, now_s)
+            self._sound_alarms(now_s)
+        elif kind is Reported:
+            self._hear_report(cast(Reported, event).report, now_s)
+        else:
+            self._start(cast(Started, event).body, now_s)
+        effects = self._out[:]
+        self._out.clear()
+        return effects
+
+    def _start(self, body: BodyState | None, now_s: float) -> None:
+        """The agent's life begins."""
+        raise NotImplementedError
+
+    def _sense(self, body: BodyState | None, now_s: float) -> None:
+        """Take note of what the body senses, before anything else is done."""
+
+    def _spread(self, interval_s: float) -> float:
+        """A part of an interval, from half to all of it, that follows from the agent's name.
+
+        Agents that are started together must not do everything together for ever.
+        """
+        return interval_s * (0.5 + crc32(self.id.encode()) % 1000 / 2000)
+
+    def _hear(self, heard: Heard, now_s: float) -> None:
+        hear = self._on_message.get(type(heard.message))
+        if hear is None:
+            self._out.append(Ignore(NOT_FOR_US))
+        else:
+            hear(heard.sender, heard.message, now_s)
+
+    def _hear_report(self, report: Report, now_s: float) -> None:
+        hear = self._on_report.get(type(report))
+        if hear is None:
+            raise ProtocolViolation(f"{self.id} has no body that could report {report}")
+        hear(report, now_s)
+
+    def _sound_alarms(self, now_s: float) -> None:
+        for name in self._timers.due(now_s):
+            kind, about = name if isinstance(name, tuple) else (name, None)
+            self._on_alarm[kind](about, now_s)
