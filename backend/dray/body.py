@@ -12,7 +12,7 @@ report about something that was replaced meanwhile is recognised and ignored.
 from __future__ import annotations
 
 from dray.messages.base import Part
-from dray.messages.heartbeat import Pose
+from dray.messages.heartbeat import Link, Pose
 
 # --- a vehicle: instructions ---------------------------------------------------------------------
 
@@ -52,6 +52,8 @@ class Drop(Part, frozen=True):
 
     order: int
     station: str
+    goal: str = ""
+    """At a delivery warehouse, the goal whose pieces these are; without one they are set aside there."""
 
 
 class Charge(Part, frozen=True):
@@ -121,7 +123,15 @@ class ProblemCleared(Part, frozen=True):
     """It is gone."""
 
 
-VehicleReport = NodePassed | WayDone | ActionDone | ActionFailed | ProblemRaised | ProblemCleared
+class LinkNoticed(Part, frozen=True):
+    """The vehicle's modem has lost the WLAN, or is back on it."""
+
+    link: Link
+
+
+VehicleReport = (
+    NodePassed | WayDone | ActionDone | ActionFailed | ProblemRaised | ProblemCleared | LinkNoticed
+)
 
 
 class VehicleState(Part, frozen=True):
@@ -141,6 +151,9 @@ class VehicleState(Part, frozen=True):
     load_quantity: int
     held: bool
     charging: bool
+    link: Link = Link.WLAN
+    problem: str = ""
+    """What keeps it from going on; empty for nothing."""
 
 
 # --- a workcell: instructions and reports --------------------------------------------------------
@@ -215,6 +228,35 @@ class WorkcellState(Part, frozen=True):
     """Why it stands; empty when it works."""
 
 
-Instruction = VehicleInstruction | WorkcellInstruction
-Report = VehicleReport | WorkcellReport
-BodyState = VehicleState | WorkcellState
+# --- the gate of the delivery warehouses: the strategist's body ------------------------------------
+
+
+class Admit(Part, frozen=True):
+    """Let in as many pieces of this goal, those that have arrived included, and no more.
+
+    The gate is where a goal is fenced: pieces of a goal that was given to another machine meanwhile
+    are not let in, whoever brings them. Answered with `GoodsArrived`, also when nothing changes.
+    Less than have arrived already means: no more.
+    """
+
+    goal: str
+    quantity: int
+
+
+class GoodsArrived(Part, frozen=True):
+    """How many pieces of a goal are in by now: said after every arrival and every `Admit`."""
+
+    goal: str
+    arrived: int
+
+
+class GateState(Part, frozen=True):
+    """What the gate has counted since it was built."""
+
+    arrived: dict[str, int]
+    """Pieces by goal, for every goal that was ever admitted and is not forgotten."""
+
+
+Instruction = VehicleInstruction | WorkcellInstruction | Admit
+Report = VehicleReport | WorkcellReport | GoodsArrived
+BodyState = VehicleState | WorkcellState | GateState

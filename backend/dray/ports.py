@@ -10,7 +10,8 @@ from collections.abc import Callable
 from typing import Protocol
 
 from dray.body import BodyState, Instruction, Report
-from dray.messages import Message
+from dray.memory import Memory
+from dray.messages import Event, Message
 
 Receive = Callable[[str, Message], None]
 """Called with (sender, message). Must not block, and must not raise."""
@@ -70,6 +71,36 @@ class Bus(Protocol):
 
     def join(self, agent: str, receive: Receive) -> Session:
         """Take part as `agent`. A second join under one name replaces the first, as a restart does."""
+        ...
+
+
+class Journal(Protocol):
+    """One agent's durable notes: they outlive its process, and nobody else reads them.
+
+    Order: what is written is durable before the next call returns. Blocking: a call may take as long as
+    a small write to a local disk. Bounded: old events are dropped, oldest first.
+    """
+
+    @property
+    def incarnation(self) -> int:
+        """How often this agent has been started: 1 in its first life."""
+        ...
+
+    @property
+    def memory(self) -> Memory | None:
+        """What was committed last; None when nothing ever was."""
+        ...
+
+    def commit(self, memory: Memory) -> None:
+        """Replace the memory."""
+        ...
+
+    def append(self, event: Event) -> None:
+        """Keep an event until it is old."""
+        ...
+
+    def events(self, incarnation: int, first: int, last: int) -> list[Event]:
+        """The kept events with these numbers, both ends included, in order."""
         ...
 
 

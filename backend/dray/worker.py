@@ -22,6 +22,7 @@ from dray.errors import ProtocolViolation
 from dray.protocol.events import (
     NEVER_S,
     Agent,
+    Commit,
     Effect,
     Event,
     Heard,
@@ -40,7 +41,7 @@ from dray.protocol.events import (
 if TYPE_CHECKING:
     from dray.body import BodyState, Instruction, Report
     from dray.messages.keys import Keys
-    from dray.ports import Body, Bus, Clock, Session
+    from dray.ports import Body, Bus, Clock, Journal, Session
 
 INBOX = 4096
 """Events that wait for an agent. Ten seconds of a plant of 300 agents that all talk to this one; an agent
@@ -67,6 +68,7 @@ class Worker:
         clock: the plant's clock.
         keys: the plant's keys; facts are published on the agent's own.
         body: what the agent acts with; None for an agent that only talks.
+        journal: where its commitments are written down.
 
     Attributes:
         history: the agent's last `HISTORY_FACTS` numbered facts, oldest first.
@@ -76,7 +78,16 @@ class Worker:
         ignored: messages that changed nothing, by the agent's reason; reasons are few and fixed.
     """
 
-    def __init__(self, agent: Agent, *, bus: Bus, clock: Clock, keys: Keys, body: Body | None) -> None:
+    def __init__(
+        self,
+        agent: Agent,
+        *,
+        bus: Bus,
+        clock: Clock,
+        keys: Keys,
+        body: Body | None,
+        journal: Journal | None = None,
+    ) -> None:
         self.agent = agent
         self.history: deque[messages.Event] = deque(maxlen=HISTORY_FACTS)
         self.handled = 0
@@ -87,6 +98,7 @@ class Worker:
         self._clock = clock
         self._events_key = keys.events(agent.id)
         self._body = body
+        self._journal = journal
         self._facts = 0
         self._inbox: deque[Event] = deque()
         self._wakes_s: list[float] = []
@@ -206,6 +218,9 @@ class Worker:
             session.subscribe(effect.key)
         elif isinstance(effect, Unsubscribe):
             session.unsubscribe(effect.key)
+        elif isinstance(effect, Commit):
+            if self._journal is not None:
+                self._journal.commit(effect.memory)
         elif isinstance(effect, Ignore):
             self.ignored[effect.reason] += 1
         else:

@@ -47,7 +47,8 @@ class AtvView(View, kw_only=True):
     load: str = ""
     load_quantity: int = 0
     link: Literal["wlan", "mesh"] = "wlan"
-    via: str = ""
+    via: tuple[str, ...] = ()
+    """The vehicles that pass its heartbeat on, in order, when the link is mesh."""
     task: BriefView | None = None
     watches: tuple[BriefView, ...] = ()
     berth: str = ""

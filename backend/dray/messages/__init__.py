@@ -35,13 +35,14 @@ from dray.messages.contract import (
     Withdrawn,
     Work,
 )
-from dray.messages.fact import AnyFact, Event, Fact
+from dray.messages.fact import AnyFact, Event, EventsAsked, Fact
 from dray.messages.heartbeat import (
     AtvHeartbeat,
     AtvStatus,
     Brief,
     BufferLevel,
     GoalBrief,
+    HelpWanted,
     Link,
     MachineHeartbeat,
     MachineStatus,
@@ -89,6 +90,7 @@ AnyMessage = (
     | CommandAnswered
     | BerthClaimed
     | Event
+    | EventsAsked
 )
 
 __all__ = [
@@ -112,12 +114,14 @@ __all__ = [
     "DockOpened",
     "Docked",
     "Event",
+    "EventsAsked",
     "Fact",
     "GoalBrief",
     "GoalClosed",
     "Handover",
     "HandoverAccepted",
     "Heartbeat",
+    "HelpWanted",
     "Link",
     "MachineHeartbeat",
     "MachineStatus",

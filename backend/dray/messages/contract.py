@@ -161,14 +161,17 @@ class Accepted(Message, frozen=True):
 
 
 class Confirmed(Message, frozen=True):
-    """The coordinator has heard the acceptance: work that nothing fences later may begin.
+    """The coordinator has heard that a contract was taken: `Accepted` of a goal, or `TakenOver`.
 
     A machine begins a goal only then, and repeats `Accepted` until then. Otherwise a goal whose
-    acceptance was lost would be made by it and by whoever was asked next.
+    acceptance was lost would be made by it and by whoever was asked next. A machine that comes back
+    asks in the same way for the goals that it remembers.
     """
 
     task: Id
     epoch: Count
+    arrived: Count = 0
+    """Pieces of the goal that the delivery warehouse has counted."""
 
 
 class Declined(Message, frozen=True):
@@ -201,7 +204,11 @@ class Resigned(Message, frozen=True):
 
 
 class TakenOver(Message, frozen=True):
-    """A secondary has become the carrier, with a higher epoch."""
+    """A secondary has become the carrier, with a higher epoch. Repeated until it is answered.
+
+    The answer is `Confirmed`; or `Release` when the coordinator still hears the one it replaces, or
+    `Superseded` when the task has moved on.
+    """
 
     task: Id
     epoch: Count

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dray.messages.base import Count, Id, IdOrNone, Message, Metres, Part, Seconds, Text
 from dray.messages.contract import Cost, Refusal, Work
-from dray.messages.heartbeat import AtvStatus, MachineStatus, Phase, Role
+from dray.messages.heartbeat import AtvStatus, Link, MachineStatus, Phase, Role
 
 
 class Fact(Part, tag_field="kind", tag=True, frozen=True):
@@ -107,6 +107,20 @@ class PrimarySuspected(Fact, frozen=True):
     silent_s: Seconds
 
 
+class CarrierChanged(Fact, frozen=True):
+    """A task has another carrier, or is without one and put up for auction again."""
+
+    task: Id
+    epoch: Count
+    """The new one."""
+    replaced: Id
+    carrier: IdOrNone
+    """The secondary that has taken over; empty when the task is announced anew."""
+    reason: Text
+    silent_s: Seconds = 0.0
+    """How long nothing had been heard of the one that was replaced."""
+
+
 # --- said by a contractor ------------------------------------------------------------------------
 
 
@@ -145,6 +159,39 @@ class ContractEnded(Fact, frozen=True):
     epoch: Count
     role: Role
     reason: Text
+
+
+class TookOver(Fact, frozen=True):
+    """A secondary carries the task from now on, because its primary has failed."""
+
+    task: Id
+    epoch: Count
+    """The new one."""
+    primary: Id
+    """Whom it replaces."""
+    silent_s: Seconds
+    reason: Text
+
+
+class LinkChanged(Fact, frozen=True):
+    """The vehicle is on the WLAN again, or left with its radio (paper, case 3)."""
+
+    link: Link
+
+
+class HelpAsked(Fact, frozen=True):
+    """The vehicle has a problem that a person can solve (paper, case 4)."""
+
+    task: IdOrNone
+    reason: Text
+    until_s: Seconds
+
+
+class HelpPromised(Fact, frozen=True):
+    """A person is on the way, and the takeover is held back until then."""
+
+    until_s: Seconds
+    promised_by: Text
 
 
 class PhaseEntered(Fact, frozen=True):
@@ -228,6 +275,25 @@ class GoalContracted(Fact, frozen=True):
     finish_s: Seconds
 
 
+class GoalLost(Fact, frozen=True):
+    """A machine has failed with a goal; what had not arrived is announced again under another name."""
+
+    goal: Id
+    machine: Id
+    arrived: Count
+    """Pieces that count, once."""
+    successor: IdOrNone
+    """The new goal for the rest; empty when nothing was left to make."""
+
+
+class GoalWaits(Fact, frozen=True):
+    """Nobody who lives can make this goal; only its order waits (paper, case 1)."""
+
+    goal: Id
+    order: Id
+    reason: Text
+
+
 class OrderProgressed(Fact, frozen=True):
     """How much of an order is made and delivered, over all its goals."""
 
@@ -258,6 +324,11 @@ AnyFact = (
     | WatchLost
     | TaskClosed
     | PrimarySuspected
+    | CarrierChanged
+    | TookOver
+    | LinkChanged
+    | HelpAsked
+    | HelpPromised
     | BidSent
     | BidRefused
     | ContractTaken
@@ -270,10 +341,21 @@ AnyFact = (
     | GoodsDelivered
     | OrderAccepted
     | GoalContracted
+    | GoalLost
+    | GoalWaits
     | OrderProgressed
     | OrderFulfilled
     | OrderDropped
 )
+
+
+class EventsAsked(Message, frozen=True):
+    """Tell again what was missed: the agent answers with the `Event`s that it still has, to the asker alone."""
+
+    incarnation: Count
+    first: Count
+    last: Count
+    """Both included."""
 
 
 class Event(Message, frozen=True):

@@ -103,6 +103,15 @@ class Brief(Part, frozen=True):
     """When the vehicle now expects to hand over (plant clock)."""
 
 
+class HelpWanted(Part, frozen=True):
+    """A problem that a person can solve, and how long the task can wait for that (paper, case 4)."""
+
+    until_s: Seconds
+    """Solved by then (plant clock), the vehicle goes on; else somebody else takes its task."""
+    promised_by: Text = ""
+    """Who has said to be on the way; empty while nobody has."""
+
+
 class AtvHeartbeat(Message, frozen=True):
     """RHB: what an ATV tells everybody (paper, 3.2).
 
@@ -124,8 +133,8 @@ class AtvHeartbeat(Message, frozen=True):
     """What is on board; empty for nothing."""
     load_quantity: Count = 0
     link: Link = Link.WLAN
-    via: IdOrNone = ""
-    """The vehicle that passed this heartbeat on, when the link is MESH."""
+    via: tuple[Id, ...] = ()
+    """The vehicles that passed this heartbeat on, in order, when the link is MESH."""
     task: Brief | None = None
     """The task it is primary of: at most one (invariant 3)."""
     watches: tuple[Brief, ...] = ()
@@ -138,6 +147,8 @@ class AtvHeartbeat(Message, frozen=True):
     """An operator's limit, as a part of the vehicle's own top speed."""
     problem: Text = ""
     """What keeps it in ERROR, in words; empty otherwise."""
+    help: HelpWanted | None = None
+    """Set while a person could still save the task."""
     software: Text = ""
 
 
@@ -168,6 +179,8 @@ class TaskBrief(Part, frozen=True):
     secondary: IdOrNone = ""
     round: Count = 1
     """The bidding round it is in or was contracted in: a high one means that the machine waits."""
+    trouble: Text = ""
+    """Why it does not go on, in words: its carrier is silent, say; empty when all is well."""
 
 
 class GoalBrief(Part, frozen=True):

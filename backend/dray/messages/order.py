@@ -47,6 +47,8 @@ class CommandKind(StrEnum):
     RESUME = "resume"
     """Go on: only after an acknowledge."""
     SET_SPEED = "set_speed"
+    PROMISE = "promise"
+    """Help is on the way: keep the task for as long as was promised (paper, case 4)."""
 
 
 class VehicleCommand(Message, frozen=True):
@@ -57,6 +59,8 @@ class VehicleCommand(Message, frozen=True):
     kind: CommandKind
     speed_frac: Fraction | None = None
     """For SET_SPEED: 0 to 1 of the vehicle's own top speed."""
+    wait_s: Seconds | None = None
+    """For PROMISE: how long from now the help will take."""
     issued_by: Text = ""
 
 

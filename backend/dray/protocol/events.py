@@ -13,6 +13,7 @@ from typing import Protocol
 import msgspec
 
 from dray.body import BodyState, Instruction, Report
+from dray.memory import Memory
 from dray.messages import AnyFact, Message
 
 NEVER_S = float("inf")
@@ -33,6 +34,8 @@ class Started(Value, frozen=True):
     """The first event of an agent's life."""
 
     body: BodyState | None
+    memory: Memory | None = None
+    """What its last life has committed; None in the first one."""
 
 
 class Heard(Value, frozen=True):
@@ -98,6 +101,15 @@ class Record(Value, frozen=True):
     fact: AnyFact
 
 
+class Commit(Value, frozen=True):
+    """Write down what the agent is bound by, replacing what was written before.
+
+    It comes before the effects that tell others: what was said is never forgotten by a restart.
+    """
+
+    memory: Memory
+
+
 class Ignore(Value, frozen=True):
     """Count a message that changed nothing: late, doubled, stale, or not for this agent.
 
@@ -107,7 +119,7 @@ class Ignore(Value, frozen=True):
     reason: str
 
 
-Effect = Publish | Send | Subscribe | Unsubscribe | Instruct | Record | Ignore
+Effect = Publish | Send | Subscribe | Unsubscribe | Instruct | Record | Commit | Ignore
 
 
 class Agent(Protocol):

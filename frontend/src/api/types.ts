@@ -35,7 +35,7 @@ export interface AtvView {
   status: "charging" | "error" | "idle" | "stopped" | "working";
   task: BriefView | null;
   type: string;
-  via: string;
+  via: string[];
   watches: BriefView[];
   way: string[];
   x_m: number;

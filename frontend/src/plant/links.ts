@@ -34,13 +34,20 @@ export function watchLinks(tasks: Iterable<TaskView>, find: Find, only: Watchful
   return { primary, secondary };
 }
 
+/** From every vehicle on the radio mesh along those that pass its heartbeat on. */
 export function meshLinks(
-  vehicles: Iterable<{ x: number; y: number; view: { link: string; via: string } }>,
+  vehicles: Iterable<{ x: number; y: number; view: { link: string; via: readonly string[] } }>,
   find: Find,
 ): Line[] {
   const lines: Line[] = [];
   for (const vehicle of vehicles) {
-    if (vehicle.view.link === "mesh") add(lines, vehicle, find(vehicle.view.via));
+    if (vehicle.view.link !== "mesh") continue;
+    let from: Place | undefined = vehicle;
+    for (const relay of vehicle.view.via) {
+      const to = find(relay);
+      add(lines, from, to);
+      from = to;
+    }
   }
   return lines;
 }

@@ -68,10 +68,11 @@ describe("links", () => {
     expect([primary.length, secondary.length]).toEqual([0, 1]);
   });
 
-  test("through the mesh lead to the vehicle that relays", () => {
-    const speaking = { x: 9, y: 9, view: { link: "mesh", via: "ATV2" } };
-    expect(meshLinks([speaking], where)[0]?.to).toBe(places.ATV2);
-    expect(meshLinks([{ ...speaking, view: { link: "wlan", via: "" } }], where)).toEqual([]);
+  test("through the mesh lead along the vehicles that relay", () => {
+    const speaking = { x: 9, y: 9, view: { link: "mesh", via: ["ATV2", "ATV1"] } };
+    const ends = meshLinks([speaking], where).map((line) => line.to);
+    expect(ends).toEqual([places.ATV2, places.ATV1]);
+    expect(meshLinks([{ ...speaking, view: { link: "wlan", via: [] } }], where)).toEqual([]);
   });
 });
 

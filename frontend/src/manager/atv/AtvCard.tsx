@@ -67,7 +67,7 @@ function AtvCard({ atv }: { atv: AtvView }) {
 function Status({ atv, lost }: { atv: AtvView; lost: boolean }) {
   return (
     <>
-      {atv.link === "mesh" && <Tag tone="warn">{t("atv.mesh", { via: atv.via })}</Tag>}
+      {atv.link === "mesh" && <Tag tone="warn">{t("atv.mesh", { via: atv.via.join(" → ") })}</Tag>}
       {lost ? <Tag tone="alarm">{t("atv.lost")}</Tag> : <Tag tone={toneOfAtv(atv.status)}>{word("atv", atv.status)}</Tag>}
     </>
   );

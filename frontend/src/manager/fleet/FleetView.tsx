@@ -44,7 +44,7 @@ function Row({ atv }: { atv: AtvView }) {
           <span class="num">{percent}</span>
         </span>
       </td>
-      <td>{atv.link === "mesh" ? <Tag tone="warn">{t("atv.mesh", { via: atv.via })}</Tag> : t("atv.wlan")}</td>
+      <td>{atv.link === "mesh" ? <Tag tone="warn">{t("atv.mesh", { via: atv.via.join(" → ") })}</Tag> : t("atv.wlan")}</td>
       <td class="num">{t("machine.ago", { age: format.age(nowS.value - atv.seen_at_s) })}</td>
     </tr>
   );

@@ -1,0 +1,103 @@
+"""What agents are bound by, as it is written down for their next life.
+
+A memory is a whole state, small and frozen. It holds what others rely on and what the agent's senses
+cannot tell it: contracts, epochs, counts. Everything else is sensed or asked anew.
+"""
+
+from __future__ import annotations
+
+from dray.messages import OrderItem, Phase, Production, Transport
+from dray.messages.base import Part
+
+
+class AtvMemory(Part, tag_field="kind", tag="atv", frozen=True):
+    """What a vehicle is bound by: the transport that it is primary of, if any.
+
+    Watches are not remembered: a coordinator notices from the heartbeat that a watch is gone.
+    """
+
+    contract: Contract | None = None
+    acknowledged: bool = False
+    """A stop was acknowledged and not resumed yet; whether it is stopped is for the body to know."""
+    speed_frac: float = 1.0
+
+
+class Contract(Part, frozen=True):
+    """A transport as its primary remembers it."""
+
+    task: str
+    epoch: int
+    work: Transport
+    coordinator: str
+    source: str
+    promised_s: float
+    phase: Phase
+    cancelled: str = ""
+    """Why it is to end as soon as the load is off; empty while it holds."""
+
+
+class MachineMemory(Part, tag_field="kind", tag="machine", frozen=True):
+    """What a machine is bound by."""
+
+    goals: tuple[GoalMemory, ...] = ()
+    tasks: tuple[TaskMemory, ...] = ()
+    task_count: int = 0
+    """Names of tasks go on from here."""
+
+
+class GoalMemory(Part, frozen=True):
+    """A goal as its machine remembers it."""
+
+    goal: str
+    work: Production
+    strategist: str
+    deadline_s: float
+    made: int
+    delivered: int
+    astray: int
+    """Pieces that were made and lost on the way."""
+    epoch: int = 1
+
+
+class TaskMemory(Part, frozen=True):
+    """An open transport as its coordinator remembers it."""
+
+    task: str
+    epoch: int
+    work: Transport
+    deadline_s: float
+    opened_s: float
+    primary: str = ""
+    source: str = ""
+    promised_s: float = 0.0
+
+
+class StrategistMemory(Part, tag_field="kind", tag="strategist", frozen=True):
+    """What the strategist is bound by."""
+
+    orders: tuple[OrderMemory, ...] = ()
+    ended: tuple[str, ...] = ()
+    """Ended orders whose repeated release is recognised, oldest first."""
+    goal_count: int = 0
+
+
+class OrderMemory(Part, frozen=True):
+    """An order in work as the strategist remembers it."""
+
+    order: str
+    items: tuple[OrderItem, ...]
+    due_s: float
+    goals: tuple[GoalBooked, ...]
+
+
+class GoalBooked(Part, frozen=True):
+    """A goal of an order that is not delivered yet; `machine` is empty while nobody has taken it."""
+
+    goal: str
+    work: Production
+    deadline_s: float
+    machine: str = ""
+    epoch: int = 1
+
+
+Memory = AtvMemory | MachineMemory | StrategistMemory
