@@ -221,6 +221,7 @@ class MaterialConserved:
             _add(total, workcell.made, sign=-1)
         for warehouse in factory.delivery.values():
             _add(total, warehouse.arrived)
+            _add(total, warehouse.aside)
         for vehicle in factory.vehicles.values():
             state: VehicleState = vehicle.sense()
             if state.load:

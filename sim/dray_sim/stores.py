@@ -5,6 +5,8 @@ wholly or not at all. Every place counts, so that material can be balanced over 
 (invariant 2):
 
     stock at the beginning + supplied = in storages + on board + in buffers + consumed + scrapped
+
+Products that nobody admits at the delivery warehouse are set aside there, and counted too.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from typing import Protocol
 
 from dray.plant.model import Storage as StorageSpec
 from dray.ports import Clock
+from dray_sim.gate import Gate
 
 REFILL_S = 120.0
 """From a low stock to a full one. The paper leaves this way to somebody else (4.1: material "is supposed
@@ -38,8 +41,11 @@ class Place(Protocol):
         """Give pieces to a vehicle. Returns "" when it has them, else why not."""
         ...
 
-    def put(self, vehicle: str, item: str, quantity: int) -> str:
-        """Receive pieces from a vehicle. Returns "" when they are in, else why not."""
+    def put(self, vehicle: str, item: str, quantity: int, goal: str = "") -> str:
+        """Receive pieces from a vehicle. Returns "" when they are in, else why not.
+
+        `goal` is whose pieces these are; it matters only where goods leave the factory.
+        """
         ...
 
     def wait_for(self, item: str, quantity: int, then: Callable[[], None]) -> bool:
@@ -85,7 +91,7 @@ class SourceWarehouse:
         self.left[item] += quantity
         return ""
 
-    def put(self, vehicle: str, item: str, quantity: int) -> str:
+    def put(self, vehicle: str, item: str, quantity: int, goal: str = "") -> str:
         """See `Place`. A superseded vehicle may bring its load back."""
         if item not in self._materials:
             return NOT_KEPT
@@ -103,24 +109,35 @@ class DeliveryWarehouse:
     Args:
         id_: the warehouse.
         products: ids of what it accepts.
+        gate: admits goods by their goal; without one, all goods are let in.
 
     Attributes:
-        arrived: pieces of every product.
+        arrived: pieces of every product that went out to customers.
+        aside: pieces of every product that were put down here without being admitted.
     """
 
-    def __init__(self, id_: str, products: Iterable[str]) -> None:
+    def __init__(self, id_: str, products: Iterable[str], gate: Gate | None = None) -> None:
         self.id = id_
         self.arrived: Counter[str] = Counter()
+        self.aside: Counter[str] = Counter()
         self._products = frozenset(products)
+        self._gate = gate
 
     def take(self, vehicle: str, item: str, quantity: int) -> str:
         """See `Place`. What is delivered stays delivered."""
         return NOT_KEPT
 
-    def put(self, vehicle: str, item: str, quantity: int) -> str:
-        """See `Place`."""
+    def put(self, vehicle: str, item: str, quantity: int, goal: str = "") -> str:
+        """See `Place`. With a gate, the goods of a goal need its leave; those of none are set aside."""
         if item not in self._products:
             return NOT_KEPT
+        if self._gate is not None:
+            if not goal:
+                self.aside[item] += quantity
+                return ""
+            reason = self._gate.enter(goal, quantity)
+            if reason:
+                return reason
         self.arrived[item] += quantity
         return ""
 
@@ -178,7 +195,7 @@ class Storage:
         self._order_if_low(item)
         return ""
 
-    def put(self, vehicle: str, item: str, quantity: int) -> str:
+    def put(self, vehicle: str, item: str, quantity: int, goal: str = "") -> str:
         """See `Place`. A superseded vehicle may bring its load back."""
         at_hand = self.stock.get(item)
         if at_hand is None:

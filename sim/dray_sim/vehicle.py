@@ -298,7 +298,7 @@ class SimVehicle:
         """The load changes hands at the end of the manoeuvre, at once and wholly."""
         place = self._places[action.station]
         if isinstance(action, Drop):
-            reason = place.put(self.id, self._load, self._quantity)
+            reason = place.put(self.id, self._load, self._quantity, action.goal)
             if not reason:
                 self._load, self._quantity = "", 0
         else:

@@ -128,7 +128,7 @@ class SimWorkcell:
         self._transfer(vehicle, item, -quantity)
         return ""
 
-    def put(self, vehicle: str, item: str, quantity: int) -> str:
+    def put(self, vehicle: str, item: str, quantity: int, goal: str = "") -> str:
         """See `Place`. Only what the dock is open for; goods may come back, too."""
         reason = self._refusal(vehicle, item, quantity)
         if reason:

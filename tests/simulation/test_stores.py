@@ -12,7 +12,9 @@ from hypothesis import strategies as st
 sys.path.insert(0, str(Path(__file__).parent))
 from yard import PLANT, Yard
 
-from dray_sim.stores import NO_ROOM, NOT_KEPT, REFILL_S, TOO_LITTLE, Storage
+from dray.body import Admit
+from dray_sim.gate import NOT_ADMITTED, Gate
+from dray_sim.stores import NO_ROOM, NOT_KEPT, REFILL_S, TOO_LITTLE, DeliveryWarehouse, Storage
 
 
 @pytest.fixture
@@ -116,6 +118,35 @@ def test_the_delivery_warehouse_counts_products_and_gives_nothing_back(yard: Yar
     assert yard.delivery.take("ATV1", "gear", 1) == NOT_KEPT
     assert not yard.delivery.wait_for("gear", 1, lambda: None)
     assert yard.delivery.arrived == {"gear": 10}
+
+
+@pytest.fixture
+def gate(yard: Yard) -> Gate:
+    return Gate(yard.clock)
+
+
+@pytest.fixture
+def gated(gate: Gate) -> DeliveryWarehouse:
+    return DeliveryWarehouse("DELIVERY", PLANT.products, gate)
+
+
+def test_a_gated_warehouse_lets_in_what_the_gate_admits(gate: Gate, gated: DeliveryWarehouse) -> None:
+    assert gated.put("ATV1", "gear", 5, "G1") == NOT_ADMITTED
+    gate.instruct(Admit(goal="G1", quantity=5))
+    assert gated.put("ATV1", "gear", 5, "G1") == ""
+    assert gated.put("ATV1", "gear", 5, "G1") == NOT_ADMITTED
+    assert (gated.arrived, gated.aside) == ({"gear": 5}, {})
+
+
+def test_goods_without_a_goal_are_set_aside_at_a_gated_warehouse(gated: DeliveryWarehouse) -> None:
+    assert gated.put("ATV1", "gear", 5) == ""
+    assert (gated.arrived, gated.aside) == ({}, {"gear": 5})
+
+
+def test_what_a_gated_warehouse_does_not_take_uses_up_no_permit(gate: Gate, gated: DeliveryWarehouse) -> None:
+    gate.instruct(Admit(goal="G1", quantity=5))
+    assert gated.put("ATV1", "shaft", 5, "G1") == NOT_KEPT
+    assert gate.sense().arrived == {"G1": 0}
 
 
 @settings(deadline=None)
