@@ -26,6 +26,7 @@ from dray.body import (
     WayDone,
 )
 from dray.errors import ProtocolViolation
+from dray.memory import Memory
 from dray.messages import (
     Accepted,
     AtvHeartbeat,
@@ -141,7 +142,7 @@ class Atv(Core):
 
     # --- the beginning, and time passing ---
 
-    def _start(self, body: BodyState | None, now_s: float) -> None:
+    def _start(self, body: BodyState | None, _memory: Memory | None, now_s: float) -> None:
         self._sense(body, now_s)
         self._attend()
         self._obedience.stopped = isinstance(body, VehicleState) and body.held

@@ -8,8 +8,19 @@ from zlib import crc32
 
 from dray.body import BodyState, Report
 from dray.errors import ProtocolViolation
+from dray.memory import Memory
 from dray.messages import Message
-from dray.protocol.events import NOT_FOR_US, Effect, Event, Heard, Ignore, Reported, Started, Woke
+from dray.protocol.events import (
+    NOT_FOR_US,
+    Commit,
+    Effect,
+    Event,
+    Heard,
+    Ignore,
+    Reported,
+    Started,
+    Woke,
+)
 from dray.protocol.timers import Timers
 
 Hear = Callable[[str, Any, float], None]
@@ -35,6 +46,7 @@ class Core:
         self.id = agent
         self.incarnation = incarnation
         self._out: list[Effect] = []
+        self._unwritten = False
         self._timers = Timers()
         self._on_message: Mapping[type[Message], Hear] = {}
         self._on_report: Mapping[type[Report], Callable[[Any, float], None]] = {}
@@ -55,13 +67,28 @@ class Core:
         elif kind is Reported:
             self._hear_report(cast(Reported, event).report, now_s)
         else:
-            self._start(cast(Started, event).body, now_s)
+            started = cast(Started, event)
+            self._start(started.body, started.memory, now_s)
         effects = self._out[:]
         self._out.clear()
+        if self._unwritten:
+            self._unwritten = False
+            effects.insert(0, Commit(self._memory()))
         return effects
 
-    def _start(self, body: BodyState | None, now_s: float) -> None:
-        """The agent's life begins."""
+    def _commit(self) -> None:
+        """What the agent is bound by has changed: write it down before this step's other effects.
+
+        Called as often as anything changes; what is written is how things stand when the step ends.
+        """
+        self._unwritten = True
+
+    def _memory(self) -> Memory:
+        """What the agent is bound by at this moment."""
+        raise NotImplementedError
+
+    def _start(self, body: BodyState | None, memory: Memory | None, now_s: float) -> None:
+        """The agent's life begins, and goes on from what its last one has committed."""
         raise NotImplementedError
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:

@@ -21,6 +21,7 @@ from dray.body import (
     WorkcellState,
 )
 from dray.errors import ProtocolViolation
+from dray.memory import Memory
 from dray.messages import (
     Accepted,
     AtvHeartbeat,
@@ -143,7 +144,7 @@ class Machine(Core):
 
     # --- the beginning, and time passing ---
 
-    def _start(self, body: BodyState | None, now_s: float) -> None:
+    def _start(self, body: BodyState | None, _memory: Memory | None, now_s: float) -> None:
         if not isinstance(body, WorkcellState):
             raise ProtocolViolation(f"{self.id}: a machine needs a workcell, not {body!r}")
         self._supply.sense(body.stock)

@@ -12,6 +12,7 @@ from collections import deque
 from typing import cast
 
 from dray.body import BodyState
+from dray.memory import Memory
 from dray.messages import (
     Accepted,
     Bid,
@@ -102,7 +103,7 @@ class Strategist(Core):
         }
         self._on_alarm = self._goals.alarms
 
-    def _start(self, body: BodyState | None, now_s: float) -> None:
+    def _start(self, body: BodyState | None, _memory: Memory | None, now_s: float) -> None:
         """Nothing is to be done before the first order comes."""
 
     # --- orders ---
