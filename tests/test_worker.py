@@ -19,11 +19,13 @@ from dray.body import (
     WorkcellState,
 )
 from dray.errors import ProtocolViolation
-from dray.messages import AtvHeartbeat, AtvStatus, OrderTaken, Pose
+from dray.memory import AtvMemory
+from dray.messages import AtvHeartbeat, AtvStatus, EventsAsked, EventsKept, OrderTaken, Pose
 from dray.messages.fact import OrderFulfilled
 from dray.messages.keys import Keys
 from dray.protocol.events import (
     NEVER_S,
+    Commit,
     Effect,
     Event,
     Heard,
@@ -37,7 +39,8 @@ from dray.protocol.events import (
     Unsubscribe,
     Woke,
 )
-from dray.worker import Worker
+from dray.worker import ANSWER_EVENTS, Worker
+from dray_sim.journal import HeldJournal
 from dray_sim.loop import clock, run
 from dray_sim.network import SimNetwork
 
@@ -108,8 +111,10 @@ class Stage:
         self.network = SimNetwork(clock(), Random(1))
         self.tasks: dict[str, asyncio.Task[None]] = {}
 
-    def start(self, agent: Scripted, body: Cell | None = None) -> Worker:
-        worker = Worker(agent, bus=self.network, clock=clock(), keys=KEYS, body=body)
+    def start(self, agent: Scripted, body: Cell | None = None, journal: HeldJournal | None = None) -> Worker:
+        worker = Worker(
+            agent, bus=self.network, clock=clock(), keys=KEYS, body=body, journal=journal or HeldJournal()
+        )
         self.tasks[agent.id] = asyncio.create_task(worker.run())
         return worker
 
@@ -320,33 +325,144 @@ def test_effects_are_carried_out_one_after_another_as_given() -> None:
     play(story)
 
 
-def test_facts_are_numbered_published_and_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(worker_module, "HISTORY_FACTS", 3)
+def two_facts_each(event: Event, _: float) -> list[Effect]:
+    return [Record(OrderFulfilled("o1")), Record(OrderFulfilled("o2"))] if isinstance(event, Heard) else []
+
+
+class Listener:
+    """A stranger that keeps the events and the rest of what it hears."""
+
+    def __init__(self, stage: Stage, *keys: str, name: str = "H") -> None:
+        self.events: list[messages.Event] = []
+        self.others: list[messages.Message] = []
+        self.session = stage.network.join(name, self._hear)
+        for key in keys:
+            self.session.subscribe(key)
+
+    def _hear(self, _sender: str, message: messages.Message) -> None:
+        if isinstance(message, messages.Event):
+            self.events.append(message)
+        else:
+            self.others.append(message)
+
+
+def test_facts_are_numbered_published_and_written_down() -> None:
+    async def story(stage: Stage) -> None:
+        journal = HeldJournal(incarnation=3)
+        historian = Listener(stage, KEYS.all_events)
+        stage.start(Scripted("A1", two_facts_each), journal=journal)
+        await asyncio.sleep(0)
+        historian.session.send("A1", say(1))
+        historian.session.send("A1", say(2))
+        await asyncio.sleep(1.0)
+        assert [event.number for event in historian.events] == [1, 2, 3, 4]
+        assert {(event.agent, event.incarnation) for event in historian.events} == {("A1", 3)}
+        assert [event.fact for event in historian.events[:2]] == [OrderFulfilled("o1"), OrderFulfilled("o2")]
+        assert all(0.0 < event.at_s < 1.0 for event in historian.events)
+        assert journal.events(3, 1, 100) == historian.events
+
+    play(story)
+
+
+# --- what is told again ----------------------------------------------------------------------------
+
+
+async def with_a_history(stage: Stage, facts: int, journal: HeldJournal) -> Scripted:
+    """An agent in its third life that has recorded that many facts in it."""
 
     def answer(event: Event, _: float) -> list[Effect]:
-        return (
-            [Record(OrderFulfilled("o1")), Record(OrderFulfilled("o2"))] if isinstance(event, Heard) else []
-        )
+        return [Record(OrderFulfilled(f"o{number}")) for number in range(1, facts + 1)]
+
+    agent = Scripted("A1", answer)
+    stage.start(agent, journal=journal)
+    await asyncio.sleep(1.0)
+    return agent
+
+
+def test_what_somebody_missed_is_told_to_that_one_alone_and_the_agent_is_not_asked() -> None:
+    async def story(stage: Stage) -> None:
+        agent = await with_a_history(stage, 10, HeldJournal(incarnation=3))
+        historian, eavesdropper = Listener(stage), Listener(stage, "**", name="E")
+        historian.session.send("A1", EventsAsked(incarnation=3, first=4, last=7))
+        await asyncio.sleep(1.0)
+        assert [event.number for event in historian.events] == [4, 5, 6, 7]
+        assert historian.events[0].fact == OrderFulfilled("o4")
+        assert historian.others == [EventsKept(incarnation=3, first=1, last=10)]
+        assert eavesdropper.events == eavesdropper.others == []
+        assert len(agent.events) == 1
+
+    play(story)
+
+
+def test_an_answer_is_bounded_and_tells_how_far_asking_again_will_lead() -> None:
+    async def story(stage: Stage) -> None:
+        await with_a_history(stage, ANSWER_EVENTS + 5, HeldJournal(incarnation=3))
+        historian = Listener(stage)
+        historian.session.send("A1", EventsAsked(incarnation=3, first=3, last=2**53))
+        await asyncio.sleep(1.0)
+        assert [event.number for event in historian.events] == list(range(3, ANSWER_EVENTS + 3))
+        assert historian.others == [EventsKept(incarnation=3, first=1, last=ANSWER_EVENTS + 5)]
+
+    play(story)
+
+
+def test_what_a_journal_has_forgotten_is_said_to_be_gone() -> None:
+    async def story(stage: Stage) -> None:
+        await with_a_history(stage, 10, HeldJournal(incarnation=3, events_kept=4))
+        historian = Listener(stage)
+        historian.session.send("A1", EventsAsked(incarnation=3, first=1, last=8))
+        historian.session.send("A1", EventsAsked(incarnation=2, first=1, last=8))
+        await asyncio.sleep(1.0)
+        assert [event.number for event in historian.events] == [7, 8]
+        assert historian.others == [
+            EventsKept(incarnation=3, first=7, last=10),
+            EventsKept(incarnation=2, first=1, last=0),
+        ]
+
+    play(story)
+
+
+def test_a_life_tells_what_the_one_before_it_has_seen() -> None:
+    async def story(stage: Stage) -> None:
+        journal = HeldJournal(incarnation=2)
+        journal.append(messages.Event("A1", 2, 1, 0.0, OrderFulfilled("before")))
+        journal.begin_life()
+        await with_a_history(stage, 1, journal)
+        historian = Listener(stage)
+        historian.session.send("A1", EventsAsked(incarnation=2, first=1, last=9))
+        await asyncio.sleep(1.0)
+        assert [event.fact for event in historian.events] == [OrderFulfilled("before")]
+        assert historian.others == [EventsKept(incarnation=2, first=1, last=1)]
+
+    play(story)
+
+
+# --- what is remembered ----------------------------------------------------------------------------
+
+
+def test_what_is_committed_is_written_before_the_next_effect_and_told_to_the_next_life() -> None:
+    journal = HeldJournal()
+    memories: list[object] = []
+
+    def answer(event: Event, _: float) -> list[Effect]:
+        if isinstance(event, Started):
+            return [Commit(AtvMemory(speed_frac=0.5)), Instruct(StartCycle("a"))]
+        return []
+
+    class Watchful(Cell):
+        def instruct(self, instruction: Instruction) -> None:
+            memories.append(journal.memory)
 
     async def story(stage: Stage) -> None:
-        written: list[messages.Event] = []
-
-        def write(_: str, message: messages.Message) -> None:
-            assert isinstance(message, messages.Event)
-            written.append(message)
-
-        historian = stage.network.join("H", write)
-        historian.subscribe(KEYS.all_events)
-        worker = stage.start(Scripted("A1", answer))
-        await asyncio.sleep(0)
-        historian.send("A1", say(1))
-        historian.send("A1", say(2))
+        first = stage.start(Scripted("M1", answer), Watchful(), journal)
         await asyncio.sleep(1.0)
-        assert [event.number for event in written] == [1, 2, 3, 4]
-        assert {(event.agent, event.incarnation) for event in written} == {("A1", 3)}
-        assert [event.fact for event in written[:2]] == [OrderFulfilled("o1"), OrderFulfilled("o2")]
-        assert all(0.0 < event.at_s < 1.0 for event in written)
-        assert list(worker.history) == written[1:]
+        assert memories == [AtvMemory(speed_frac=0.5)]
+        first.kill()
+        stage.start(second := Scripted("M1"), Cell(), journal)
+        await asyncio.sleep(1.0)
+        started = second.events[0][1]
+        assert isinstance(started, Started)
+        assert started.memory == AtvMemory(speed_frac=0.5)
 
     play(story)
 
@@ -457,6 +573,80 @@ def test_a_worker_that_ends_leaves_the_bus_and_its_body(way: str) -> None:
         cell.report(CycleDone("late"))
         await asyncio.sleep(20.0)
         assert len(agent.events) == events
+
+    play(story)
+
+
+def test_a_killed_agent_does_not_even_finish_what_it_had_begun() -> None:
+    workers: list[Worker] = []
+
+    class Deadly(Cell):
+        def instruct(self, instruction: Instruction) -> None:
+            super().instruct(instruction)
+            workers[0].kill()
+
+    def answer(event: Event, _: float) -> list[Effect]:
+        agent.wake_at_s = 1.0
+        return [
+            Send("H", say("before")),
+            Instruct(StartCycle("a")),
+            Instruct(StartCycle("b")),
+            Send("H", say("after")),
+            Record(OrderFulfilled("after")),
+        ]
+
+    agent = Scripted("M1", answer)
+
+    async def story(stage: Stage) -> None:
+        stranger, journal, cell = Listener(stage, "**"), HeldJournal(incarnation=3), Deadly()
+        workers.append(stage.start(agent, cell, journal))
+        await asyncio.sleep(5.0)
+        workers[0].kill()
+        assert workers[0].killed
+        assert stage.tasks["M1"].done()
+        assert stranger.others == [say("before")]
+        assert stranger.events == journal.events(3, 1, 9) == []
+        assert cell.instructions == [StartCycle("a")]
+        assert len(agent.events) == 1
+
+    play(story)
+
+
+def test_the_next_life_may_begin_in_the_instant_in_which_one_is_killed() -> None:
+    def sleep_on(event: Event, _: float) -> list[Effect]:
+        if isinstance(event, Woke):
+            second.wake_at_s = NEVER_S
+        return []
+
+    second = Scripted("M1", sleep_on, wake_at_s=3.0)
+
+    async def story(stage: Stage) -> None:
+        first, cell = Scripted("M1", wake_at_s=2.0), Cell()
+        stranger = Listener(stage)
+        worker = stage.start(first, cell)
+        await asyncio.sleep(1.0)
+        stranger.session.send("M1", say("under way to the first life"))
+        worker.kill()
+        stage.start(second, cell)
+        await asyncio.sleep(1.0)
+        stranger.session.send("M1", say("to the second life"))
+        cell.report(CycleDone("a"))
+        await asyncio.sleep(5.0)
+        assert len(first.events) == 1
+        assert second.heard() == ["to the second life"]
+        assert Reported(CycleDone("a")) in [event for _, event in second.events]
+        assert wakes(second) == [3.0]
+
+    play(story)
+
+
+def test_an_agent_that_is_killed_before_its_first_turn_never_lives() -> None:
+    async def story(stage: Stage) -> None:
+        agent = Scripted("A1")
+        stage.start(agent).kill()
+        await stage.tasks["A1"]
+        assert agent.events == []
+        assert not is_there(stage, "A1")
 
     play(story)
 

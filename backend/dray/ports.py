@@ -96,11 +96,15 @@ class Journal(Protocol):
         ...
 
     def append(self, event: Event) -> None:
-        """Keep an event until it is old."""
+        """Keep an event until it is old. Called in the order of the numbers, in every life."""
+        ...
+
+    def kept(self, incarnation: int) -> tuple[int, int]:
+        """The first and the last number of the kept events of one life; (1, 0) when there are none."""
         ...
 
     def events(self, incarnation: int, first: int, last: int) -> list[Event]:
-        """The kept events with these numbers, both ends included, in order."""
+        """The kept events of one life with these numbers, both ends included, in order."""
         ...
 
 

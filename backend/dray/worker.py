@@ -6,9 +6,11 @@ come, and then handles all that has come.
 
     bus ----Heard----\                           /--> bus:  Publish, Send, Subscribe, Unsubscribe
     clock --Woke------> inbox -> agent.handle() -+---> body: Instruct
-    body ---Reported-/                           \--> history and bus: Record
+    body ---Reported-/                           +---> journal: Commit
+                                                 \--> journal and bus: Record
 
-What an agent must do is none of this module's business: that is `dray.protocol`.
+What an agent must do is none of this module's business: that is `dray.protocol`. What it has told and
+somebody missed is: the worker itself answers from the journal (`EventsAsked`), whoever the agent is.
 """
 
 from __future__ import annotations
@@ -52,8 +54,12 @@ HEARTBEAT_ROOM = INBOX * 3 // 4
 what is said once."""
 
 HISTORY_FACTS = 1000
-"""Facts kept for whoever missed some: with 300 agents some 150 MB at worst, and at one fact in ten
-seconds nearly three hours of a historian's absence."""
+"""Facts that a journal keeps for whoever missed some: with 300 agents some 150 MB at worst, and at one
+fact in ten seconds nearly three hours of a historian's absence."""
+
+ANSWER_EVENTS = 200
+"""Events in one answer to `EventsAsked`, so that no answer crowds out what is going on; whoever lacks
+more asks again."""
 
 _WOKEN = Woke(None)
 """Stands in the inbox for a wake-up: the body is sensed when the agent's turn comes, not before."""
@@ -68,10 +74,9 @@ class Worker:
         clock: the plant's clock.
         keys: the plant's keys; facts are published on the agent's own.
         body: what the agent acts with; None for an agent that only talks.
-        journal: where its commitments are written down.
+        journal: where its commitments and its history are written down.
 
     Attributes:
-        history: the agent's last `HISTORY_FACTS` numbered facts, oldest first.
         handled: events handled so far.
         dropped_heartbeats: heartbeats that found the inbox three quarters full.
         dropped_messages: other messages that were pushed out of a full inbox.
@@ -86,10 +91,9 @@ class Worker:
         clock: Clock,
         keys: Keys,
         body: Body | None,
-        journal: Journal | None = None,
+        journal: Journal,
     ) -> None:
         self.agent = agent
-        self.history: deque[messages.Event] = deque(maxlen=HISTORY_FACTS)
         self.handled = 0
         self.dropped_heartbeats = 0
         self.dropped_messages = 0
@@ -106,20 +110,25 @@ class Worker:
         self._woken = False
         """A wake-up waits in the inbox; until its turn no other is needed."""
         self._waiter: asyncio.Future[None] | None = None
+        self._session: Session | None = None
+        """Its place on the bus while it lives."""
         self._stopping = False
+        self._killed = False
 
     async def run(self) -> None:
-        """Live: join the bus, handle events until `stop` or cancellation, leave the bus.
+        """Live: join the bus, handle events until `stop`, `kill` or cancellation, leave the bus.
 
         Raises:
             whatever the agent raises: an agent with a bug ends, and says so.
         """
+        if self._killed:
+            return
         loop = asyncio.get_running_loop()
-        session = self._bus.join(self.agent.id, self._hear)
+        session = self._session = self._bus.join(self.agent.id, self._hear)
         try:
             if self._body is not None:
                 self._body.attach(self._report)
-            self._handle(Started(self._sense()), session)
+            self._handle(Started(self._sense(), self._journal.memory), session)
             while not self._stopping:
                 if not self._inbox:
                     self._waiter = loop.create_future()
@@ -129,15 +138,36 @@ class Worker:
                     # Let others have their turn before whatever came in meanwhile.
                     await asyncio.sleep(0)
         finally:
-            self._stopping = True
-            session.leave()
-            if self._body is not None:
-                self._body.attach(_turn_a_deaf_ear)
+            self._leave()
 
     def stop(self) -> None:
         """Let `run` return after the event in hand. Twice is harmless."""
         self._stopping = True
         self._wake_task()
+
+    @property
+    def killed(self) -> bool:
+        """Whether `kill` was called."""
+        return self._killed
+
+    def kill(self) -> None:
+        """End now, as a process does that is killed: between two effects, if need be.
+
+        After the return nothing more is said, instructed or written, and another worker may run the
+        agent's next life; `run` returns in its own time. Twice is harmless.
+        """
+        self._killed = self._stopping = True
+        self._leave()
+        self._wake_task()
+
+    def _leave(self) -> None:
+        """Leave bus and body; what is left already may belong to the next life."""
+        self._stopping = True
+        session, self._session = self._session, None
+        if session is not None:
+            session.leave()
+            if self._body is not None:
+                self._body.attach(_turn_a_deaf_ear)
 
     # --- what comes in ---------------------------------------------------------------------------
 
@@ -156,6 +186,8 @@ class Worker:
 
     def _wake(self) -> None:
         self._wakes_s.pop()
+        if self._stopping:
+            return
         if self._clock.now_s() < self.agent.wake_at_s:
             # The agent has thought better of it since this call was asked for.
             self._arm()
@@ -193,6 +225,9 @@ class Worker:
             if event is _WOKEN:
                 self._woken = False
                 event = Woke(self._sense())
+            elif type(event) is Heard and type(event.message) is messages.EventsAsked:
+                self._tell_again(event.sender, event.message, session)
+                continue
             self._handle(event, session)
             if self._stopping:
                 return
@@ -201,6 +236,8 @@ class Worker:
         effects = self.agent.handle(event, self._clock.now_s())
         self.handled += 1
         for effect in effects:
+            if self._killed:
+                return
             self._carry_out(effect, session)
         self._arm()
 
@@ -219,8 +256,7 @@ class Worker:
         elif isinstance(effect, Unsubscribe):
             session.unsubscribe(effect.key)
         elif isinstance(effect, Commit):
-            if self._journal is not None:
-                self._journal.commit(effect.memory)
+            self._journal.commit(effect.memory)
         elif isinstance(effect, Ignore):
             self.ignored[effect.reason] += 1
         else:
@@ -235,8 +271,18 @@ class Worker:
             at_s=self._clock.now_s(),
             fact=fact,
         )
-        self.history.append(event)
+        # First this: a number that was told is never given again, and can be told again.
+        self._journal.append(event)
         session.publish(self._events_key, event)
+
+    def _tell_again(self, asker: str, asked: messages.EventsAsked, session: Session) -> None:
+        """Answer from the journal, whichever of the agent's lives is asked about."""
+        life = asked.incarnation
+        first, last = self._journal.kept(life)
+        start = max(first, asked.first)
+        for event in self._journal.events(life, start, min(last, asked.last, start + ANSWER_EVENTS - 1)):
+            session.send(asker, event)
+        session.send(asker, messages.EventsKept(incarnation=life, first=first, last=last))
 
     def _instruct(self, instruction: Instruction) -> None:
         if self._body is None:

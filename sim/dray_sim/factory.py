@@ -1,12 +1,15 @@
 """One whole simulated factory: bodies, network and one worker per agent, from a plant and a seed.
 
-Everything is built here and nothing starts by itself: `run` starts it, and ends with it.
+Everything is built here and nothing starts by itself: `run` starts it, and ends with it. While it runs,
+agents may be crashed and restarted one by one. A crash ends an agent's process between two effects; its
+body and its journal stay, and the next life starts from them.
 """
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from random import Random
 from typing import Protocol
 
@@ -14,12 +17,15 @@ from dray import __version__
 from dray.messages import Message
 from dray.messages.keys import Keys
 from dray.plant import Plant
+from dray.plant.model import VehicleSpec
+from dray.ports import Body
 from dray.protocol.atv import Atv
 from dray.protocol.events import Agent
 from dray.protocol.machine import Machine
-from dray.protocol.strategist import Strategist
+from dray.protocol.strategist import STRATEGIST, Strategist
 from dray.worker import Worker
 from dray_sim.chargers import Chargers
+from dray_sim.journal import HeldJournal
 from dray_sim.loop import VirtualClock
 from dray_sim.network import WLAN, Latency, SimNetwork
 from dray_sim.stores import DeliveryWarehouse, Place, SourceWarehouse, Storage
@@ -50,6 +56,27 @@ class Ears:
             ear.hear(at_s, sender, address, message)
 
 
+MakeAgent = Callable[[int, str], Agent]
+"""Makes an agent for one life, from the number of that life and the version of its software."""
+
+
+@dataclass(slots=True)
+class Post:
+    """What of an agent outlives its process.
+
+    Attributes:
+        make: its next life.
+        body: what it acts with, if anything.
+        journal: what it has written down.
+        software: the version that it runs.
+    """
+
+    make: MakeAgent
+    body: Body | None
+    journal: HeldJournal
+    software: str
+
+
 class SimFactory:
     """A factory that is ready to run.
 
@@ -57,7 +84,7 @@ class SimFactory:
         plant: what stands where.
         clock: the virtual clock of the loop that it will run on.
         seed: everything that is left to chance follows from it.
-        incarnation: how often this factory was started; names tasks and goals apart.
+        incarnation: of every agent's first life; names tasks and goals apart.
         stock_frac: how full buffers are at the start, from and to, of what they hold.
         latency: of the network.
         codec: pass every message through the wire format.
@@ -66,7 +93,8 @@ class SimFactory:
     Attributes:
         bus: join it to take part.
         vehicles, workcells, storages: the bodies and places by id.
-        workers: by agent id.
+        workers: by agent id; of a crashed agent, that of its last life.
+        journals: by agent id.
     """
 
     def __init__(
@@ -98,19 +126,22 @@ class SimFactory:
             spec.id: SimWorkcell(spec, plant, clock, stock=_first_stock(plant, spec.id, stock_frac, stock))
             for spec in plant.machines.values()
         }
-        places: dict[str, Place] = {**self.storages, **self.workcells, **self.delivery}
-        chargers = Chargers()
-        self.vehicles: Mapping[str, SimVehicle] = {
-            spec.id: SimVehicle(spec, plant.vehicle_types[spec.type], plant, clock, places, chargers)
-            for spec in plant.fleet.values()
-        }
+        self._places: dict[str, Place] = {**self.storages, **self.workcells, **self.delivery}
+        self._chargers = Chargers()
+        self.vehicles: dict[str, SimVehicle] = {}
         self.workers: dict[str, Worker] = {}
+        self._posts: dict[str, Post] = {}
+        self._incarnation = incarnation
+        self._group: asyncio.TaskGroup | None = None
         for machine, workcell in self.workcells.items():
-            agent = Machine(machine, plant, incarnation=incarnation, software=__version__)
-            self._add(agent, workcell)
-        for atv, vehicle in self.vehicles.items():
-            self._add(Atv(atv, plant, incarnation=incarnation, software=__version__), vehicle)
-        self._add(Strategist(plant, incarnation=incarnation), None)
+            self._employ(machine, self._machine(machine), workcell)
+        for spec in plant.fleet.values():
+            self.add_vehicle(spec)
+        self._employ(STRATEGIST, self._strategist, None)
+
+    @property
+    def journals(self) -> Mapping[str, HeldJournal]:
+        return {agent: post.journal for agent, post in self._posts.items()}
 
     async def run(self) -> None:
         """Run all agents until cancelled.
@@ -118,12 +149,102 @@ class SimFactory:
         Raises:
             ExceptionGroup: an agent ended by an exception (invariant 8).
         """
-        async with asyncio.TaskGroup() as group:
-            for worker in self.workers.values():
-                group.create_task(worker.run(), name=worker.agent.id)
+        try:
+            async with asyncio.TaskGroup() as self._group:
+                for agent in self.workers:
+                    self._start(agent)
+                # A factory whose agents have all crashed is still there: they may be restarted.
+                await asyncio.Event().wait()
+        finally:
+            self._group = None
 
-    def _add(self, agent: Agent, body: SimVehicle | SimWorkcell | None) -> None:
-        self.workers[agent.id] = Worker(agent, bus=self.bus, clock=self.clock, keys=self.keys, body=body)
+    # --- lives -----------------------------------------------------------------------------------
+
+    def running(self, agent: str) -> bool:
+        """Whether the agent's process is there.
+
+        Raises:
+            KeyError: there is no such agent.
+        """
+        return not self.workers[agent].killed
+
+    def crash(self, agent: str) -> None:
+        """End an agent's process now; its body goes on without it, as bodies do. Twice is harmless.
+
+        Raises:
+            KeyError: there is no such agent.
+        """
+        self.workers[agent].kill()
+
+    def restart(self, agent: str, software: str = "") -> None:
+        """Begin an agent's next life; one that still lives ends first.
+
+        Args:
+            agent: a machine, a vehicle or the strategist.
+            software: the version that it runs from now on; empty for the one that it has.
+
+        Raises:
+            KeyError: there is no such agent.
+        """
+        post = self._posts[agent]
+        self.workers[agent].kill()
+        post.journal.begin_life()
+        post.software = software or post.software
+        self._enliven(agent)
+        self._start(agent)
+
+    def add_vehicle(self, spec: VehicleSpec) -> SimVehicle:
+        """Let a vehicle join; in a factory that runs, at once.
+
+        Args:
+            spec: its id, its type in the plant, and where it stands.
+
+        Raises:
+            ValueError: there is an agent of this id.
+        """
+        if spec.id in self._posts:
+            raise ValueError(f"{spec.id} is there already; give the new vehicle another id")
+        vehicle_type = self.plant.vehicle_types[spec.type]
+        vehicle = SimVehicle(spec, vehicle_type, self.plant, self.clock, self._places, self._chargers)
+        self.vehicles[spec.id] = vehicle
+        self._employ(spec.id, self._atv(spec), vehicle)
+        self._start(spec.id)
+        return vehicle
+
+    # --- how it is done --------------------------------------------------------------------------
+
+    def _machine(self, machine: str) -> MakeAgent:
+        return lambda life, software: Machine(machine, self.plant, incarnation=life, software=software)
+
+    def _atv(self, spec: VehicleSpec) -> MakeAgent:
+        return lambda life, software: Atv(
+            spec.id, self.plant, vehicle_type=spec.type, incarnation=life, software=software
+        )
+
+    def _strategist(self, life: int, _software: str) -> Agent:
+        return Strategist(self.plant, incarnation=life)
+
+    def _employ(self, agent: str, make: MakeAgent, body: Body | None) -> None:
+        journal = HeldJournal(incarnation=self._incarnation)
+        self._posts[agent] = Post(make, body, journal, __version__)
+        self._enliven(agent)
+
+    def _enliven(self, agent: str) -> None:
+        """Give an agent its worker, which is not started yet."""
+        post = self._posts[agent]
+        self.workers[agent] = Worker(
+            post.make(post.journal.incarnation, post.software),
+            bus=self.bus,
+            clock=self.clock,
+            keys=self.keys,
+            body=post.body,
+            journal=post.journal,
+        )
+
+    def _start(self, agent: str) -> None:
+        """Let an agent's worker run, in a factory that does."""
+        if self._group is not None:
+            self._group.create_task(self.workers[agent].run(), name=agent)
 
 
 def _first_stock(plant: Plant, machine: str, frac: tuple[float, float], random: Random) -> dict[str, int]:

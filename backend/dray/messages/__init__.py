@@ -35,7 +35,7 @@ from dray.messages.contract import (
     Withdrawn,
     Work,
 )
-from dray.messages.fact import AnyFact, Event, EventsAsked, Fact
+from dray.messages.fact import AnyFact, Event, EventsAsked, EventsKept, Fact
 from dray.messages.heartbeat import (
     AtvHeartbeat,
     AtvStatus,
@@ -91,6 +91,7 @@ AnyMessage = (
     | BerthClaimed
     | Event
     | EventsAsked
+    | EventsKept
 )
 
 __all__ = [
@@ -115,6 +116,7 @@ __all__ = [
     "Docked",
     "Event",
     "EventsAsked",
+    "EventsKept",
     "Fact",
     "GoalBrief",
     "GoalClosed",

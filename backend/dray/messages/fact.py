@@ -350,12 +350,27 @@ AnyFact = (
 
 
 class EventsAsked(Message, frozen=True):
-    """Tell again what was missed: the agent answers with the `Event`s that it still has, to the asker alone."""
+    """Tell again what was missed.
+
+    Answered to the asker alone, with those `Event`s that the agent still has, a few hundred at most,
+    and then with `EventsKept`. Asking for more than there is shows what was said last.
+    """
 
     incarnation: Count
     first: Count
     last: Count
     """Both included."""
+
+
+class EventsKept(Message, frozen=True):
+    """Which numbers of one of its lives an agent can still tell: all from `first` to `last`.
+
+    What is asked for and lies before `first` is gone for good. None are kept when `last` is below `first`.
+    """
+
+    incarnation: Count
+    first: Count
+    last: Count
 
 
 class Event(Message, frozen=True):

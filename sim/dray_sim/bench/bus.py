@@ -19,6 +19,7 @@ from dray.messages.keys import Keys
 from dray.protocol.events import NEVER_S, Effect, Event, Publish, Subscribe, Woke
 from dray.worker import Worker
 from dray_sim.bench.row import Row, rates
+from dray_sim.journal import HeldJournal
 from dray_sim.loop import clock, run
 from dray_sim.network import SimNetwork
 from dray_sim.trace import Trace
@@ -160,7 +161,10 @@ def _worker_events(span_s: float) -> int:
         plant_clock = clock()
         network = SimNetwork(plant_clock, Random(1))
         agents = [_Mute(number) for number in range(MACHINES)] + [_Beating(n) for n in range(VEHICLES)]
-        workers = [Worker(agent, bus=network, clock=plant_clock, keys=KEYS, body=None) for agent in agents]
+        workers = [
+            Worker(agent, bus=network, clock=plant_clock, keys=KEYS, body=None, journal=HeldJournal())
+            for agent in agents
+        ]
         async with asyncio.TaskGroup() as group:
             for worker in workers:
                 group.create_task(worker.run())

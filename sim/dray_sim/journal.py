@@ -1,0 +1,67 @@
+"""An agent's journal in the simulation: notes that outlive its worker, as a disk would."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import msgspec
+
+from dray.memory import Memory
+from dray.messages import Event
+from dray.worker import HISTORY_FACTS
+
+_READ: msgspec.json.Decoder[Memory] = msgspec.json.Decoder(Memory)
+
+
+class HeldJournal:
+    """Implements `dray.ports.Journal`; held in memory, by whoever lets the agent live again.
+
+    Args:
+        incarnation: of the first life.
+        events_kept: its bound, over all lives.
+
+    Invariant: the kept events of one life are a run of numbers without a gap, for they are appended in
+    order and forgotten oldest first.
+    """
+
+    def __init__(self, *, incarnation: int = 1, events_kept: int = HISTORY_FACTS) -> None:
+        self._incarnation = incarnation
+        self._memory: Memory | None = None
+        self._events: deque[Event] = deque(maxlen=events_kept)
+
+    @property
+    def incarnation(self) -> int:
+        """See `dray.ports.Journal`."""
+        return self._incarnation
+
+    @property
+    def memory(self) -> Memory | None:
+        """See `dray.ports.Journal`: what a disk would give back, so only what can be written and read."""
+        if self._memory is None:
+            return None
+        return _READ.decode(msgspec.json.encode(self._memory))
+
+    def begin_life(self) -> None:
+        """The agent is started once more."""
+        self._incarnation += 1
+
+    def commit(self, memory: Memory) -> None:
+        """See `dray.ports.Journal`."""
+        self._memory = memory
+
+    def append(self, event: Event) -> None:
+        """See `dray.ports.Journal`."""
+        self._events.append(event)
+
+    def kept(self, incarnation: int) -> tuple[int, int]:
+        """See `dray.ports.Journal`."""
+        numbers = [event.number for event in self._events if event.incarnation == incarnation]
+        return (numbers[0], numbers[-1]) if numbers else (1, 0)
+
+    def events(self, incarnation: int, first: int, last: int) -> list[Event]:
+        """See `dray.ports.Journal`."""
+        return [
+            event
+            for event in self._events
+            if event.incarnation == incarnation and first <= event.number <= last
+        ]
