@@ -18,6 +18,8 @@ class Activity(StrEnum):
     CHARGING = "charging"
     HELD = "held"
     """By a person, a breakdown or an empty battery."""
+    OFF = "off"
+    """Without power."""
     IDLE = "idle"
 
 

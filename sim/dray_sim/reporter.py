@@ -17,7 +17,7 @@ from dray.ports import Clock
 class Reporter:
     """Holds what a body says until it may be heard. What nobody is attached for is lost, as on a wire."""
 
-    __slots__ = ("_asked", "_clock", "_hear", "_waiting")
+    __slots__ = ("_asked", "_clock", "_hear", "_mute", "_waiting")
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
@@ -25,14 +25,25 @@ class Reporter:
         """Bounded by what one instruction or one instant can cause: a handful."""
         self._hear: Callable[[Report], None] | None = None
         self._asked = False
+        self._mute = False
 
     def attach(self, hear: Callable[[Report], None]) -> None:
         """Report to `hear` from now on, and to no other."""
         self._hear = hear
 
     def say(self, report: Report) -> None:
-        """Report this with the next `flush`."""
-        self._waiting.append(report)
+        """Report this with the next `flush`; a mute body says nothing, and does not make up for it."""
+        if not self._mute:
+            self._waiting.append(report)
+
+    def mute(self) -> None:
+        """Say nothing from now on, what is not heard yet included: the body has no power."""
+        self._mute = True
+        self._waiting.clear()
+
+    def unmute(self) -> None:
+        """Speak again."""
+        self._mute = False
 
     def flush_soon(self) -> None:
         """Let everything said be heard at this instant, but after the caller has returned."""

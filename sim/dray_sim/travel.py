@@ -45,6 +45,7 @@ class Travel:
         self._heading_rad = 0.0
         self._top_mps = vehicle_type.max_speed_mps
         self._halted = False
+        self._stranded = False
         self._passed = 0
         """The index of the way's last point that was passed; it stands there or is on the lane after it."""
         self._released = 0
@@ -165,6 +166,7 @@ class Travel:
         if isinstance(lanes, str):
             return lanes
         self._settle(now_s)
+        self._stranded = False
         self.way = Way(order, points, lanes, lead, self._type.turn_speed_mps)
         self._passed, self._released, self._from_m = 0, released - 1 + lead, lane_m
         self._plan(speed_mps)
@@ -209,6 +211,19 @@ class Travel:
         self._settle(now_s)
         self._plan(0.0)
 
+    def strand(self, now_s: float) -> None:
+        """Stand still in this moment and forget the way; on a lane, stay there until the next way."""
+        self.stop_dead(now_s)
+        self.cut(now_s)
+        self._stranded = True
+
+    def place_at(self, node: str, now_s: float) -> None:
+        """Be carried to a node by somebody else; those metres are not driven, and the way is forgotten."""
+        self._settle(now_s)
+        self.node = node
+        self.way, self._from_m, self._profile = None, 0.0, STANDSTILL
+        self._stranded = False
+
     def go_on(self, now_s: float) -> None:
         """Follow the way again; harmless when nothing has halted it."""
         if self._halted:
@@ -228,7 +243,7 @@ class Travel:
         """Make a new profile from where it was settled."""
         if self.way is None or self._passed >= self._released:
             self._profile = STANDSTILL
-        elif self._halted:
+        elif self._halted or self._stranded:
             room_m = self.way.places_m[self._released] - self._from_m
             self._profile = brake(speed_mps, self._type.acceleration_mps2, room_m)
         else:

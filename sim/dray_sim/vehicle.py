@@ -11,6 +11,7 @@ number of the plan that it belongs to, and a change of plan makes it stale. Anot
 
     standing --Drive--> driving --WayDone--> standing --Pick, Drop, Charge--> acting --> standing
     Hold, a breakdown and an empty battery stop either; the rest of the way or action is kept.
+    Without power it stands in that moment, and has forgotten both when the power is back.
 
 An action needs a vehicle that stands at the station's node with its way finished. A new way ends an
 action: a charge as it should, a pick or drop with a failure.
@@ -30,6 +31,7 @@ from dray.body import (
     Hold,
     Instruction,
     LimitSpeed,
+    LinkNoticed,
     NodePassed,
     Pick,
     ProblemCleared,
@@ -40,6 +42,7 @@ from dray.body import (
     VehicleState,
     WayDone,
 )
+from dray.messages import Link
 from dray.plant import Plant
 from dray.plant.model import VehicleSpec, VehicleType
 from dray.ports import Clock
@@ -52,6 +55,8 @@ from dray_sim.travel import NEVER_S, Travel
 from dray_sim.way import Way
 
 BATTERY_EMPTY = "battery empty"
+LOAD_SHIFTED = "the load has shifted"
+MOVED_BY_HAND = "moved by hand"
 
 SLOWEST_FRAC = 0.01
 """Of the top speed. A limit of nothing would be a hold that no resume ends."""
@@ -70,8 +75,9 @@ HALVINGS = 50
 class SimVehicle:
     """Implements `dray.ports.Body`.
 
-    Invariants: a held, broken or empty vehicle comes to a stand and does not start (invariant 5); the
-    load changes only by what a place gave or received; `battery_frac` is in 0..1.
+    Invariants: a held, broken or empty vehicle comes to a stand and does not start (invariant 5), also
+    when its power is back; the load changes only by what a place or a person gave or received;
+    `battery_frac` is in 0..1.
 
     Args:
         spec: which vehicle, and where it stands at the beginning.
@@ -108,6 +114,8 @@ class SimVehicle:
         self._held = False
         self._fault = ""
         self._empty = False
+        self._off = False
+        self._link = Link.WLAN
         self._charger = ""
         """Where it is plugged in."""
         self._action: Pick | Drop | Charge | None = None
@@ -128,7 +136,12 @@ class SimVehicle:
     # --- Body ------------------------------------------------------------------------------------
 
     def instruct(self, instruction: Instruction) -> None:
-        """See `dray.ports.Body`. What only a workcell can do is ignored: no report would fit it."""
+        """See `dray.ports.Body`. What only a workcell can do is ignored: no report would fit it.
+
+        Without power nothing is heard.
+        """
+        if self._off:
+            return
         self._settle()
         match instruction:
             case Drive():
@@ -160,6 +173,8 @@ class SimVehicle:
             load_quantity=self._quantity,
             held=self._held,
             charging=self._charging,
+            link=self._link,
+            problem=self.problem,
         )
 
     def attach(self, report: Callable[[Report], None]) -> None:
@@ -172,6 +187,78 @@ class SimVehicle:
     def problem(self) -> str:
         """What keeps it from going on; empty for nothing."""
         return self._fault or (BATTERY_EMPTY if self._empty else "")
+
+    @property
+    def off(self) -> bool:
+        """Whether it has no power."""
+        return self._off
+
+    def notice_link(self, link: Link) -> None:
+        """The modem has lost the WLAN or is back on it; told when that is a change."""
+        if link is not self._link:
+            self._link = link
+            self._reporter.say(LinkNoticed(link=link))
+            self._reporter.flush_soon()
+
+    def power_off(self) -> None:
+        """Stand still in this moment, deaf and mute; harmless when it is off already.
+
+        What stays: place, load, battery, plug, what is broken, and what holds for safety, a hold and a
+        speed limit. What is lost without a word: the way, and a pick, drop or charge in progress.
+        """
+        if self._off:
+            return
+        self._settle()
+        self._off = True
+        self._action, self._out_of_stock = None, False
+        self._travel.strand(self._settled_s)
+        self._reporter.mute()
+        self._schedule()
+
+    def power_on(self) -> None:
+        """Wake up where it stands, and stay there until the next instruction; harmless when it is on."""
+        if not self._off:
+            return
+        self._settle()
+        self._off = False
+        self._reporter.unmute()
+        self._change_of_fortune()
+
+    def shift_load(self) -> bool:
+        """Let the load slip, on board or on its way on or off; it stands until that is repaired.
+
+        Returns:
+            False when there is no load that could slip.
+        """
+        if not self._load and not isinstance(self._action, Pick):
+            return False
+        self.break_down(LOAD_SHIFTED)
+        return True
+
+    def recover_load(self) -> tuple[str, int]:
+        """A person takes the load off, and answers for it from now on.
+
+        Returns:
+            The item and how many pieces; `("", 0)` when nothing is on board.
+        """
+        self._settle()
+        load = self._load, self._quantity
+        self._load, self._quantity = "", 0
+        if isinstance(self._action, Drop):
+            self._end_action("the load was taken off by hand")
+        self._change_of_fortune()
+        return load
+
+    def place_at(self, node: str) -> None:
+        """People push or carry it to a node. What it was doing ends without effect."""
+        self._settle()
+        if self._travel.way is not None:
+            self._fail(self._travel.way.order, MOVED_BY_HAND)
+        self._end_action(MOVED_BY_HAND)
+        self._chargers.unplug(self._charger, self.id)
+        self._charger = ""
+        self._travel.place_at(node, self._settled_s)
+        self._change_of_fortune()
 
     def break_down(self, reason: str) -> None:
         """Stop as if held, and say why. Another breakdown on top of it replaces the reason."""
@@ -339,7 +426,7 @@ class SimVehicle:
 
     @property
     def _stopped(self) -> bool:
-        return self._held or bool(self._fault) or self._empty
+        return self._held or bool(self._fault) or self._empty or self._off
 
     @property
     def _charging(self) -> bool:
@@ -375,6 +462,8 @@ class SimVehicle:
 
     def _level(self, now_s: float) -> float:
         """The battery at a time not after the next plan."""
+        if self._off:
+            return self._level_frac
         seconds = now_s - self._settled_s
         if self._charging:
             return self._battery.charged_frac(self._level_frac, seconds)
@@ -383,7 +472,7 @@ class SimVehicle:
 
     def _watch_battery(self) -> None:
         """See to it that a call comes not later than the battery is empty."""
-        if self._empty or self._charging:
+        if self._empty or self._off or self._charging:
             return
         left_s = self._empties_at_s() - self._settled_s
         when_s = self._settled_s + (left_s if left_s <= WATCH_EXACT_S else left_s / 2.0)
@@ -409,7 +498,7 @@ class SimVehicle:
     def _look_at_battery(self, when_s: float) -> None:
         if when_s == self._watch_s:
             self._watch_s = NEVER_S
-        if self._empty or self._charging:
+        if self._empty or self._off or self._charging:
             return
         self._settle()
         if self._level_frac > EMPTY_FRAC:
@@ -453,6 +542,8 @@ class SimVehicle:
 
     def _activity(self) -> Activity:
         """What it does when it does not move."""
+        if self._off:
+            return Activity.OFF
         if self._stopped:
             return Activity.HELD
         if isinstance(self._action, Charge):

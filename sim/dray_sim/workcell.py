@@ -35,6 +35,7 @@ from dray_sim.reporter import Reporter
 from dray_sim.stores import NO_ROOM, NOT_KEPT, TOO_LITTLE
 
 SHUT = "the dock is shut"
+NO_POWER = "no power"
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +44,7 @@ class WorkcellTimes:
 
     cycling_s: float
     broken_s: float
+    """Without power, too."""
     still_s: float
 
 
@@ -52,7 +54,7 @@ class _Cycle:
 
     product: str
     left_s: float
-    """As of the last settling; stands still while the machine is broken."""
+    """As of the last settling; stands still while the machine is broken or without power."""
 
 
 class SimWorkcell:
@@ -90,6 +92,7 @@ class SimWorkcell:
         """Vehicle -> what it may carry in or out, once."""
         self._cycle: _Cycle | None = None
         self._broken = ""
+        self._off = False
         self._turn = 0
         """Grows when a cycle's end moves, so that an outdated call of the clock is recognised."""
         self._since_s = self._began_s = clock.now_s()
@@ -98,7 +101,12 @@ class SimWorkcell:
     # --- Body ------------------------------------------------------------------------------------
 
     def instruct(self, instruction: Instruction) -> None:
-        """See `dray.ports.Body`. What only a vehicle can do is ignored: no report would fit it."""
+        """See `dray.ports.Body`. What only a vehicle can do is ignored: no report would fit it.
+
+        Without power nothing is heard.
+        """
+        if self._off:
+            return
         if isinstance(instruction, StartCycle):
             self._start(instruction.product)
         elif isinstance(instruction, OpenDock):
@@ -164,9 +172,8 @@ class SimWorkcell:
             return
         self._settle()
         self._broken = reason
-        self._turn += 1
         self._reporter.say(Broken(reason=reason))
-        self._reporter.flush_soon()
+        self._change_of_fortune()
 
     def repair(self) -> None:
         """Work again; harmless when nothing is broken."""
@@ -174,21 +181,63 @@ class SimWorkcell:
             return
         self._settle()
         self._broken = ""
-        if self._cycle is not None:
-            self._schedule(self._cycle)
         self._reporter.say(Repaired())
-        self._reporter.flush_soon()
+        self._change_of_fortune()
+
+    @property
+    def off(self) -> bool:
+        """Whether it has no power."""
+        return self._off
+
+    def power_off(self) -> None:
+        """Stop, deaf and mute; harmless when it is off already. A running cycle pauses, the dock shuts."""
+        if self._off:
+            return
+        self._settle()
+        self._off = True
+        self._docks.clear()
+        self._reporter.mute()
+        self._change_of_fortune()
+
+    def power_on(self) -> None:
+        """Work again: a paused cycle goes on, the dock stays shut. Harmless when it is on."""
+        if not self._off:
+            return
+        self._settle()
+        self._off = False
+        self._reporter.unmute()
+        self._change_of_fortune()
+
+    def put_by_hand(self, item: str, quantity: int) -> str:
+        """A person puts pieces in, past the dock. Returns "" when they are in, else why not."""
+        if item not in self._stock:
+            return NOT_KEPT
+        if quantity > self.room(item):
+            return NO_ROOM
+        self._change_stock(item, quantity)
+        return ""
 
     def times(self) -> WorkcellTimes:
         """What the time from the beginning until now went into."""
         now_s = self._clock.now_s()
         since_s = now_s - self._since_s
-        broken_s = self._broken_s + (since_s if self._broken else 0.0)
-        cycling = self._cycle is not None and not self._broken
+        broken_s = self._broken_s + (since_s if self._stands else 0.0)
+        cycling = self._cycle is not None and not self._stands
         cycling_s = self._cycling_s + (since_s if cycling else 0.0)
         return WorkcellTimes(cycling_s, broken_s, now_s - self._began_s - broken_s - cycling_s)
 
     # --- how it is done --------------------------------------------------------------------------
+
+    @property
+    def _stands(self) -> bool:
+        return bool(self._broken) or self._off
+
+    def _change_of_fortune(self) -> None:
+        """Something outside has changed: let the cycle go on or pause, and tell."""
+        self._turn += 1
+        if self._cycle is not None and not self._stands:
+            self._schedule(self._cycle)
+        self._reporter.flush_soon()
 
     def _start(self, product: str) -> None:
         reason = self._why_not(product)
@@ -232,12 +281,17 @@ class SimWorkcell:
         self._reporter.flush()
 
     def _refusal(self, vehicle: str, item: str, quantity: int) -> str:
+        if self._off:
+            return NO_POWER
         if self._docks.get(vehicle) != (item, quantity):
             return SHUT
         return "" if item in self._stock else NOT_KEPT
 
     def _transfer(self, vehicle: str, item: str, change: int) -> None:
         del self._docks[vehicle]
+        self._change_stock(item, change, vehicle)
+
+    def _change_stock(self, item: str, change: int, vehicle: str = "") -> None:
         self._stock[item] += change
         self._reporter.say(StockChanged(item=item, change=change, vehicle=vehicle))
         self._reporter.flush_soon()
@@ -246,7 +300,7 @@ class SimWorkcell:
         """Bring the sums of time up to now."""
         now_s = self._clock.now_s()
         passed_s, self._since_s = now_s - self._since_s, now_s
-        if self._broken:
+        if self._stands:
             self._broken_s += passed_s
         elif self._cycle is not None:
             self._cycling_s += passed_s

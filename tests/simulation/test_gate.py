@@ -64,6 +64,13 @@ def test_every_admit_and_every_arrival_is_answered_with_what_is_in(yard: Yard, g
     assert yard.do(gate, admit("G1", 5)) == [arrived("G1", 3)]
 
 
+def test_no_report_comes_inside_an_instruction_or_an_arrival(yard: Yard, gate: Gate) -> None:
+    gate.instruct(admit("G1", 5))
+    gate.enter("G1", 3)
+    assert yard.said == []
+    assert yard.do(gate) == [arrived("G1", 0), arrived("G1", 3)]
+
+
 def test_what_is_refused_is_not_told(yard: Yard, gate: Gate) -> None:
     gate.enter("G1", 1)
     assert yard.do(gate) == []

@@ -6,6 +6,7 @@ Hypothesis plays agent, people and fate against two vehicles that share storages
 from __future__ import annotations
 
 import sys
+from collections import Counter
 from pathlib import Path
 
 from hypothesis import settings
@@ -30,8 +31,10 @@ from dray.body import (
     Unhold,
     WayDone,
 )
+from dray.messages.base import Part
 from dray_sim.odometer import Activity
 from dray_sim.vehicle import SimVehicle
+
 
 ROUNDING = 1e-9
 NODES = st.sampled_from(sorted(PLANT.nodes))
@@ -39,6 +42,12 @@ WHO = st.sampled_from(["ATV1", "ATV2"])
 ITEMS = st.sampled_from(["shaft", "seal", "gear"])
 STATIONS = st.sampled_from(["S1", "M1", "SOURCE", "DELIVERY"])
 INITIAL = {"shaft": 60, "seal": 15}
+
+
+class Carried(Part, frozen=True):
+    """People have carried the vehicle to a node; it does not say so itself."""
+
+    node: str
 
 
 class VehicleMachine(RuleBasedStateMachine):
@@ -52,6 +61,8 @@ class VehicleMachine(RuleBasedStateMachine):
             "ATV2": self.yard.vehicle("east", levels[1], "ATV2"),
         }
         self.order = 0
+        self.by_hand: Counter[str] = Counter()
+        """What people have taken off vehicles."""
         self.actions: dict[str, set[int]] = {"ATV1": set(), "ATV2": set()}
         self.standing: dict[str, tuple[float, float]] = {}
         """Where a vehicle has come to a stand that may not move."""
@@ -130,6 +141,30 @@ class VehicleMachine(RuleBasedStateMachine):
         else:
             self.vehicles[who].repair()
 
+    @rule(who=WHO, power=st.booleans())
+    def switch(self, who: str, power: bool) -> None:
+        if power:
+            self.vehicles[who].power_on()
+        else:
+            self.vehicles[who].power_off()
+
+    @rule(who=WHO)
+    def shift_load(self, who: str) -> None:
+        self.vehicles[who].shift_load()
+
+    @rule(who=WHO)
+    def take_load_off(self, who: str) -> None:
+        item, quantity = self.vehicles[who].recover_load()
+        self.by_hand[item] += quantity
+
+    @rule(who=WHO, node=NODES)
+    def carry(self, who: str, node: str) -> None:
+        # What was said before belongs to where it stood before.
+        self.yard.run(self.yard.clock.now_s())
+        self.vehicles[who].place_at(node)
+        self.standing.pop(who, None)
+        self.yard.said.append((self.yard.clock.now_s(), who, Carried(node=node)))
+
     @rule(who=WHO, level_frac=st.floats(0.01, 1.0))
     def replace_battery(self, who: str, level_frac: float) -> None:
         self.vehicles[who].replace_battery(level_frac)
@@ -150,7 +185,7 @@ class VehicleMachine(RuleBasedStateMachine):
         for who, vehicle in self.vehicles.items():
             state = vehicle.sense()
             pose = (state.pose.x_m, state.pose.y_m)
-            if (state.held or vehicle.problem) and state.speed_mps == 0.0:
+            if (state.held or vehicle.problem or vehicle.off) and state.speed_mps == 0.0:
                 assert pose == self.standing.setdefault(who, pose)
             else:
                 self.standing.pop(who, None)
@@ -180,10 +215,11 @@ class VehicleMachine(RuleBasedStateMachine):
         for item, initial in INITIAL.items():
             on_board = sum(state.load_quantity for state in states if state.load == item)
             in_cell = cell.sense().stock[item] + cell.consumed[item]
-            there = self.yard.storage.stock[item] + on_board + in_cell
+            there = self.yard.storage.stock[item] + on_board + in_cell + self.by_hand[item]
             assert initial + self.yard.source.supplied(item) == there
         gears = sum(state.load_quantity for state in states if state.load == "gear")
-        assert cell.made["gear"] == cell.sense().stock["gear"] + gears + self.yard.delivery.arrived["gear"]
+        gears += self.by_hand["gear"] + self.yard.delivery.arrived["gear"]
+        assert cell.made["gear"] == cell.sense().stock["gear"] + gears
 
     @invariant()
     def a_vehicle_is_on_a_lane_or_at_a_node(self) -> None:
@@ -212,6 +248,8 @@ class VehicleMachine(RuleBasedStateMachine):
                 if speaker == who and isinstance(said, NodePassed):
                     assert said.node == nodes[-1] or PLANT.roads.lane(nodes[-1], said.node)
                     nodes.append(said.node)
+                elif speaker == who and isinstance(said, Carried):
+                    nodes = [said.node]
                 elif speaker == who and isinstance(said, WayDone):
                     assert said.node == nodes[-1]
 
@@ -226,6 +264,7 @@ class VehicleMachine(RuleBasedStateMachine):
 
     def send_home(self, vehicle: SimVehicle) -> None:
         self.order += 1
+        vehicle.power_on()
         vehicle.repair()
         vehicle.replace_battery()
         nodes = PLANT.routes("light").way(vehicle.sense().next_node, "west").nodes

@@ -25,7 +25,7 @@ from dray.body import (
     WorkcellState,
 )
 from dray_sim.stores import NO_ROOM, NOT_KEPT, TOO_LITTLE
-from dray_sim.workcell import SHUT, SimWorkcell, WorkcellTimes
+from dray_sim.workcell import NO_POWER, SHUT, SimWorkcell, WorkcellTimes
 
 FULL = {"shaft": 50, "seal": 40}
 GEAR = StartCycle(product="gear")
@@ -217,3 +217,99 @@ def test_whatever_happens_material_is_conserved(deeds: list[tuple[tuple[str, str
         assert 0 <= stock["gear"] + stock["pump"] <= 12
     times = workcell.times()
     assert times.cycling_s + times.broken_s + times.still_s == pytest.approx(yard.clock.now_s())
+
+
+# --- power ---
+
+
+def test_a_cycle_pauses_without_power_and_nothing_is_said(yard: Yard) -> None:
+    workcell = cell(yard, **FULL)
+    yard.do(workcell, GEAR, for_s=10.0)
+    workcell.power_off()
+    assert yard.do(workcell, for_s=100.0) == []
+    assert (workcell.sense().cycling, workcell.off) == ("gear", True)
+    workcell.power_on()
+    assert yard.do(workcell, for_s=19.9) == []
+    assert yard.do(workcell, for_s=0.2) == [CycleDone(product="gear")]
+    assert workcell.times() == WorkcellTimes(
+        cycling_s=pytest.approx(30.0), broken_s=pytest.approx(100.0), still_s=pytest.approx(0.1)
+    )
+
+
+def test_a_workcell_without_power_hears_nothing(yard: Yard) -> None:
+    workcell = cell(yard, **FULL)
+    workcell.power_off()
+    dock = OpenDock(vehicle="ATV1", item="gear", quantity=5)
+    assert yard.do(workcell, GEAR, dock, for_s=100.0) == []
+    workcell.power_on()
+    assert workcell.sense().cycling == ""
+    assert workcell.take("ATV1", "gear", 5) == SHUT
+
+
+def test_the_dock_is_shut_without_power_and_after(yard: Yard) -> None:
+    workcell = cell(yard)
+    yard.do(workcell, OpenDock(vehicle="ATV1", item="shaft", quantity=20))
+    workcell.power_off()
+    assert workcell.put("ATV1", "shaft", 20) == NO_POWER
+    workcell.power_on()
+    assert workcell.put("ATV1", "shaft", 20) == SHUT
+
+
+def test_a_machine_that_breaks_without_power_stays_broken_with_it(yard: Yard) -> None:
+    workcell = cell(yard, **FULL)
+    yard.do(workcell, GEAR, for_s=10.0)
+    workcell.power_off()
+    workcell.break_down("spindle")
+    workcell.power_on()
+    assert yard.do(workcell, for_s=100.0) == []
+    assert workcell.sense().broken == "spindle"
+    workcell.repair()
+    assert yard.do(workcell, for_s=20.0) == [Repaired(), CycleDone(product="gear")]
+
+
+def test_a_machine_that_is_repaired_without_power_does_not_work(yard: Yard) -> None:
+    workcell = cell(yard, **FULL)
+    yard.do(workcell, GEAR, for_s=10.0)
+    workcell.break_down("spindle")
+    workcell.power_off()
+    workcell.repair()
+    yard.run(1000.0)
+    assert workcell.made == {}
+
+
+def test_power_that_is_switched_twice_is_switched_once(yard: Yard) -> None:
+    workcell = cell(yard, **FULL)
+    yard.do(workcell, GEAR, for_s=10.0)
+    workcell.power_on()
+    workcell.power_off()
+    yard.run(20.0)
+    workcell.power_off()
+    workcell.power_on()
+    assert yard.do(workcell, for_s=20.0) == [CycleDone(product="gear")]
+
+
+# --- by hand ---
+
+
+def test_what_a_person_puts_in_is_told(yard: Yard) -> None:
+    workcell = cell(yard)
+    assert workcell.put_by_hand("gear", 5) == ""
+    assert yard.do(workcell) == [StockChanged(item="gear", change=5)]
+    assert workcell.sense().stock["gear"] == 5
+
+
+def test_a_person_puts_nothing_in_that_does_not_fit_or_belong(yard: Yard) -> None:
+    workcell = cell(yard, gear=10)
+    assert workcell.put_by_hand("gear", 3) == NO_ROOM
+    assert workcell.put_by_hand("shaft", 51) == NO_ROOM
+    assert workcell.put_by_hand("block", 1) == NOT_KEPT
+    assert yard.do(workcell) == []
+
+
+def test_what_is_put_in_without_power_is_sensed_later(yard: Yard) -> None:
+    workcell = cell(yard)
+    workcell.power_off()
+    assert workcell.put_by_hand("shaft", 5) == ""
+    workcell.power_on()
+    assert yard.do(workcell) == []
+    assert workcell.sense().stock["shaft"] == 5
