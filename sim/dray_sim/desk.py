@@ -33,9 +33,10 @@ class Desk:
         async with asyncio.TaskGroup() as group:
             for order in demand:
                 await asyncio.sleep(max(0.0, order.at_s - self._clock.now_s()))
-                group.create_task(self._place(order))
+                group.create_task(self.order(order))
 
-    async def _place(self, order: Order) -> None:
+    async def order(self, order: Order) -> None:
+        """Place one order now; returns when it was taken."""
         taken = self._waiting[order.id] = asyncio.Event()
         release = OrderReleased(order=order.id, items=order.items, due_s=order.due_s)
         while not taken.is_set():

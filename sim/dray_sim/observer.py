@@ -13,12 +13,15 @@ from dray.messages.fact import (
     AwardAnswered,
     BidReceived,
     BidRefused,
+    CarrierChanged,
     Fact,
     GoodsDelivered,
     MachineStatusChanged,
     OrderFulfilled,
+    PrimarySuspected,
     TaskClosed,
     TaskOpened,
+    TookOver,
     WatchLost,
 )
 
@@ -70,6 +73,9 @@ class Observer:
         self.rounds = 0
         self.watches_taken = 0
         self.watches_lost = 0
+        self.suspicions = 0
+        self.takeovers = 0
+        self.carriers_changed = 0
         self.messages = 0
         self.negotiation = 0
         """Messages that are neither heartbeats nor history: what the contracts cost."""
@@ -97,11 +103,7 @@ class Observer:
         elif isinstance(fact, TaskOpened):
             self._note_opened(fact, now_s)
         elif isinstance(fact, AwardAnswered):
-            self.answers[fact.answer] = self.answers.get(fact.answer, 0) + 1
-            if fact.role is Role.SECONDARY and fact.answer == "accepted":
-                self.watches_taken += 1
-        elif isinstance(fact, WatchLost):
-            self.watches_lost += 1
+            self._note_answer(fact)
         elif isinstance(fact, TaskClosed):
             self._note_closed(fact, now_s)
         elif isinstance(fact, MachineStatusChanged):
@@ -110,6 +112,23 @@ class Observer:
             self.delivered[fact.order] = self.delivered.get(fact.order, 0) + fact.quantity
         elif isinstance(fact, OrderFulfilled):
             self.fulfilled_s[fact.order] = now_s
+        else:
+            self._note_trouble(fact)
+
+    def _note_trouble(self, fact: Fact) -> None:
+        if isinstance(fact, WatchLost):
+            self.watches_lost += 1
+        elif isinstance(fact, PrimarySuspected):
+            self.suspicions += 1
+        elif isinstance(fact, TookOver):
+            self.takeovers += 1
+        elif isinstance(fact, CarrierChanged):
+            self.carriers_changed += 1
+
+    def _note_answer(self, fact: AwardAnswered) -> None:
+        self.answers[fact.answer] = self.answers.get(fact.answer, 0) + 1
+        if fact.role is Role.SECONDARY and fact.answer == "accepted":
+            self.watches_taken += 1
 
     def _note_opened(self, fact: TaskOpened, now_s: float) -> None:
         if fact.role is Role.PRIMARY:

@@ -6,6 +6,7 @@ import msgspec
 
 from dray.messages import MachineStatus
 from dray_sim.demand import Order
+from dray_sim.evidence import HELD
 from dray_sim.factory import SimFactory
 from dray_sim.observer import Observer, percentile
 
@@ -53,6 +54,15 @@ class Report(msgspec.Struct, frozen=True):
     """`held`, or what was broken."""
     trace: str
     """The fingerprint of everything that was said."""
+
+    @property
+    def failure(self) -> str:
+        """What did not hold; empty when all did."""
+        return "" if self.invariants == HELD else self.invariants
+
+    def describe(self) -> str:
+        """The figures for a reader."""
+        return describe(self)
 
 
 def make_report(

@@ -1,96 +1,109 @@
-"""One seeded run and its report."""
+"""A scenario: a claim about the factory, what is done to it, and how its truth is seen."""
 
 from __future__ import annotations
 
-import asyncio
-from dataclasses import dataclass
-from random import Random
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Protocol
 
-from dray.plant import Plant
-from dray_sim import demand
-from dray_sim.desk import Desk
-from dray_sim.factory import Ears, SimFactory
-from dray_sim.invariants import Invariants
-from dray_sim.loop import JUMP, clock, run
-from dray_sim.observer import Observer
-from dray_sim.report import Report, make_report
-from dray_sim.trace import Trace
+from dray_sim.evidence import HELD, Check, Evidence, Table
+from dray_sim.stage import Played
 
-HELD = "held"
-"""What a report says of its invariants when nothing broke them."""
+
+class Outcome(Protocol):
+    """What a run of anything in the list gives."""
+
+    @property
+    def failure(self) -> str:
+        """What did not hold; empty when all did."""
+        ...
+
+    def describe(self) -> str:
+        """For a reader; the same for the same seed."""
+        ...
+
+
+class Playable(Protocol):
+    """What `dray sim list` lists and `dray sim run` runs."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def shows(self) -> str:
+        """In one line."""
+        ...
+
+    def run(self, seed: int) -> Outcome:
+        """Play it; everything that is left to chance follows from the seed."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
-class Shift:
-    """What is to be run.
+class Findings:
+    """What the runs of a scenario have shown.
 
     Attributes:
-        name: of the scenario.
-        duration_s: virtual time.
-        load: part of the machines' time that the demand takes.
-        codec: pass every message through the wire format.
+        runs: all of them; their invariants and traces go into the report.
+        checks: what the claim rests on.
+        tables: figures beside it.
+        measured: what depends on the computer.
+    """
+
+    runs: tuple[Played[Any], ...]
+    checks: tuple[Check, ...]
+    tables: tuple[Table, ...] = ()
+    measured: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """A claim and its proof.
+
+    Attributes:
+        name: as in `dray sim run NAME`.
+        source: where the paper claims it, or that the claim is ours.
+        claim: in our words.
+        story: what is done.
+        play: does it, for a seed.
     """
 
     name: str
-    duration_s: float
-    load: float
-    codec: bool = False
+    shows: str
+    source: str
+    claim: str
+    story: str
+    play: Callable[[int], Findings]
+
+    def run(self, seed: int) -> Evidence:
+        """Play it, and put the claim beside what was seen."""
+        found = self.play(seed)
+        broken = [played.invariants for played in found.runs if played.invariants != HELD]
+        runs = len(found.runs)
+        unbroken = Check(
+            "Every invariant held all the time",
+            not broken,
+            f"{runs - len(broken)} of {runs} run{'s' if runs > 1 else ''}",
+        )
+        checks = (*found.checks, unbroken)
+        return Evidence(
+            scenario=self.name,
+            seed=seed,
+            source=self.source,
+            claim=self.claim,
+            story=self.story,
+            held=all(check.held for check in checks),
+            checks=checks,
+            tables=found.tables,
+            measured=found.measured,
+            invariants=broken[0] if broken else HELD,
+            trace=_fingerprint([played.report.trace for played in found.runs]),
+        )
 
 
-def run_shift(shift: Shift, plant: Plant, seed: int) -> Report:
-    """Run a shift in virtual time, all invariants watched.
-
-    Args:
-        shift: how long, and how busy.
-        plant: the factory.
-        seed: everything else follows from it.
-
-    Returns:
-        The report; a broken invariant ends the run and is named in it.
-    """
-    return run(_play(shift, plant, seed), JUMP)
-
-
-async def _play(shift: Shift, plant: Plant, seed: int) -> Report:
-    orders = list(demand.orders(plant, Random(f"{seed} demand"), load=shift.load, until_s=shift.duration_s))
-    observer, trace, ears = Observer(), Trace(), Ears()
-    factory = SimFactory(plant, clock(), seed=seed, codec=shift.codec, ear=ears)
-    checks = Invariants(factory)
-    ears.add(trace, observer, checks)
-    life = asyncio.create_task(_live(factory, orders))
-    broken = asyncio.create_task(checks.wait_broken())
-    await asyncio.wait({life, broken}, timeout=shift.duration_s, return_when=asyncio.FIRST_COMPLETED)
-    checks.check_end(factory.clock.now_s())
-    report = make_report(
-        shift.name,
-        seed=seed,
-        demand=orders,
-        factory=factory,
-        observer=observer,
-        invariants=_verdict(checks, life),
-        trace=trace.hexdigest(),
-    )
-    for task in (life, broken):
-        task.cancel()
-    await asyncio.gather(life, broken, return_exceptions=True)
-    return report
-
-
-async def _live(factory: SimFactory, orders: list[demand.Order]) -> None:
-    async with asyncio.TaskGroup() as group:
-        group.create_task(factory.run())
-        group.create_task(Desk(factory.bus, factory.clock).place(orders))
-
-
-def _verdict(checks: Invariants, life: asyncio.Task[None]) -> str:
-    if checks.broken is not None:
-        return str(checks.broken)
-    if life.done() and (error := life.exception()) is not None:
-        return f"invariant 8 is broken: an agent ended by {_innermost(error)!r}"
-    return HELD
-
-
-def _innermost(error: BaseException) -> BaseException:
-    while isinstance(error, BaseExceptionGroup):
-        error = error.exceptions[0]
-    return error
+def _fingerprint(traces: list[str]) -> str:
+    """One for all runs: a single run keeps its own."""
+    if len(traces) == 1:
+        return traces[0]
+    return hashlib.blake2b(" ".join(traces).encode(), digest_size=16).hexdigest()

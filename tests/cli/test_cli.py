@@ -11,13 +11,12 @@ from contextlib import closing
 from importlib.resources import files
 from pathlib import Path
 
-import msgspec
 import pytest
 
 from dray import __version__
 from dray.cli import main
 from dray_sim import scenarios
-from dray_sim.report import Report
+from dray_sim.evidence import Check, Evidence
 
 PLANT_FILE = Path(str(files("dray.plant") / "default.yaml"))
 
@@ -115,35 +114,63 @@ def test_an_unknown_scenario_names_those_that_there_are(dray) -> None:
 
 
 def test_a_report_that_cannot_be_written_is_said_in_one_line(dray, monkeypatch) -> None:
-    stub_scenario(monkeypatch, "held")
+    stub_scenario(monkeypatch)
     done = dray("sim", "run", "stub", "--json", "no/such/folder/report.json")
     assert done.code == 1
     assert done.err.count("\n") == 1
 
 
 def test_a_report_is_printed_and_written_as_json(dray, monkeypatch, tmp_path) -> None:
-    stub_scenario(monkeypatch, "held")
+    stub_scenario(monkeypatch)
     done = dray("sim", "run", "stub", "--seed", "7", "--json", "report.json")
     assert done.code == 0
-    assert "invariants" in done.out
-    assert json.loads((tmp_path / "report.json").read_text())["seed"] == 7
+    assert "stub, seed 7: held" in done.out
+    written = json.loads((tmp_path / "report.json").read_text())
+    assert written["seed"] == 7
+    assert written["checks"] == [{"name": "Water is wet", "held": True, "figure": "very"}]
 
 
-def test_a_broken_invariant_ends_with_exit_code_1_and_the_command_that_replays_it(dray, monkeypatch) -> None:
-    stub_scenario(monkeypatch, "invariant 2 is broken")
+def test_a_claim_that_does_not_hold_ends_with_exit_code_1_and_names_the_check(dray, monkeypatch) -> None:
+    stub_scenario(monkeypatch, held=False)
     done = dray("sim", "run", "stub", "--seed", "7")
     assert done.code == 1
+    assert "did not hold" in done.out
+    assert "Water is wet: no (very)" in done.err
     assert "dray sim run stub --seed 7" in done.err
 
 
-def stub_scenario(monkeypatch, invariants: str) -> None:
-    fields = msgspec.structs.fields(Report)
-    blank = {field.name: field.type() if field.type in {str, int, float} else {} for field in fields}
-    monkeypatch.setattr(
-        scenarios,
-        "SCENARIOS",
-        {"stub": lambda seed: Report(**{**blank, "seed": seed, "invariants": invariants})},
-    )
+def test_a_broken_invariant_ends_with_exit_code_1_and_the_command_that_replays_it(dray, monkeypatch) -> None:
+    stub_scenario(monkeypatch, invariants="invariant 2 is broken")
+    done = dray("sim", "run", "stub", "--seed", "7")
+    assert done.code == 1
+    assert "invariant 2 is broken" in done.err
+    assert "dray sim run stub --seed 7" in done.err
+
+
+class Stub:
+    name, shows = "stub", "Nothing."
+
+    def __init__(self, held: bool, invariants: str) -> None:
+        self._held, self._invariants = held, invariants
+
+    def run(self, seed: int) -> Evidence:
+        return Evidence(
+            scenario="stub",
+            seed=seed,
+            source="ours",
+            claim="Water is wet.",
+            story="It is poured out.",
+            held=self._held and self._invariants == "held",
+            checks=(Check("Water is wet", self._held, "very"),),
+            tables=(),
+            measured={},
+            invariants=self._invariants,
+            trace="",
+        )
+
+
+def stub_scenario(monkeypatch, *, held: bool = True, invariants: str = "held") -> None:
+    monkeypatch.setattr(scenarios, "SCENARIOS", {"stub": Stub(held, invariants)})
 
 
 # --- db ----------------------------------------------------------------------------------------------

@@ -10,25 +10,30 @@ import sys
 import pytest
 
 from dray.plant import default_plant
+from dray_sim.evidence import HELD
 from dray_sim.report import Report, describe
-from dray_sim.scenario import HELD, run_shift
-from dray_sim.scenarios.day import DAY
+from dray_sim.scenarios.day import DAY, SHIFT
+from dray_sim.stage import Shift, play
 
-HOUR = dataclasses.replace(DAY, duration_s=3600.0)
+HOUR = dataclasses.replace(SHIFT, duration_s=3600.0)
 
 PRINT_AN_HOUR = """
 import dataclasses
 from dray.plant import default_plant
 from dray_sim.report import describe
-from dray_sim.scenario import run_shift
-from dray_sim.scenarios.day import DAY
-print(describe(run_shift(dataclasses.replace(DAY, duration_s=3600.0), default_plant(), 7)))
+from dray_sim.scenarios.day import SHIFT
+from dray_sim.stage import play
+print(describe(play(dataclasses.replace(SHIFT, duration_s=3600.0), default_plant(), 7).report))
 """
+
+
+def report_of(shift: Shift, seed: int) -> Report:
+    return play(shift, default_plant(), seed).report
 
 
 @pytest.fixture(scope="module")
 def hour() -> Report:
-    return run_shift(HOUR, default_plant(), 7)
+    return report_of(HOUR, 7)
 
 
 def test_the_invariants_hold(hour: Report) -> None:
@@ -55,20 +60,20 @@ def test_the_same_seed_gives_the_same_report_in_another_process(hour: Report, ha
 
 
 def test_another_seed_gives_another_trace(hour: Report) -> None:
-    other = run_shift(dataclasses.replace(HOUR, duration_s=600.0), default_plant(), 8)
-    first = run_shift(dataclasses.replace(HOUR, duration_s=600.0), default_plant(), 7)
+    other = report_of(dataclasses.replace(HOUR, duration_s=600.0), 8)
+    first = report_of(dataclasses.replace(HOUR, duration_s=600.0), 7)
     assert other.trace != first.trace
 
 
 def test_a_day_through_the_codec_leaves_the_same_trace(hour: Report) -> None:
-    through_codec = run_shift(dataclasses.replace(HOUR, codec=True), default_plant(), 7)
+    through_codec = report_of(dataclasses.replace(HOUR, codec=True), 7)
     assert through_codec.trace == hour.trace
     assert describe(through_codec) == describe(hour)
 
 
 @pytest.mark.slow
 def test_at_least_95_percent_of_a_day_is_on_time() -> None:
-    report = run_shift(DAY, default_plant(), 1)
+    report = DAY.run(1)
     assert report.invariants == HELD
     assert report.orders_due > 50
     assert report.on_time_frac >= 0.95

@@ -1,17 +1,20 @@
 """Named scenarios: what `dray sim run NAME` plays.
 
-A scenario is a function of a seed that returns a report. Each lives in a module of its own, which
-says what it shows.
+Each lives in a module of its own, which says what it shows: the paper's six cases and two experiments,
+and what we want to know beside them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
-from dray_sim.report import Report
-from dray_sim.scenarios import day
+from dray_sim.scenario import Playable
+from dray_sim.scenarios import day, latency_sweep
 
-SCENARIOS: Mapping[str, Callable[[int], Report]] = {
-    "day": day.run_day,
-}
+_ALL: tuple[Playable, ...] = (
+    day.DAY,
+    latency_sweep.LATENCY_SWEEP,
+)
+
+SCENARIOS: Mapping[str, Playable] = {scenario.name: scenario for scenario in _ALL}
 """By name, in the order in which they are listed."""

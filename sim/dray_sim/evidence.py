@@ -1,0 +1,128 @@
+"""What a scenario has shown: a claim, and every yes or no that it rests on, with the figure behind it.
+
+Evidence is data first (`--json`), and the same data for a reader in two forms: lines for a terminal,
+and a section of docs/scenarios.md. A check says what was seen in a run; none is written down before.
+"""
+
+from __future__ import annotations
+
+from textwrap import wrap
+
+import msgspec
+
+HELD = "held"
+"""What a report says of its invariants when nothing broke them."""
+
+LINE = 100
+"""Columns of running text."""
+
+
+class Check(msgspec.Struct, frozen=True):
+    """One thing that must be so for the claim to hold."""
+
+    name: str
+    """What must be so, as a sentence."""
+    held: bool
+    figure: str
+    """What was seen."""
+
+
+class Table(msgspec.Struct, frozen=True):
+    """Figures side by side; the first row is the one to compare with, where there is one."""
+
+    title: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+class Evidence(msgspec.Struct, frozen=True):
+    """The report of a scenario."""
+
+    scenario: str
+    seed: int
+    source: str
+    """Where the paper claims it, or that the claim is ours."""
+    claim: str
+    story: str
+    """What is done to the factory."""
+    held: bool
+    """The claim, and every invariant of every run."""
+    checks: tuple[Check, ...]
+    tables: tuple[Table, ...]
+    measured: dict[str, str]
+    """What depends on the computer that it ran on: real time and memory. No part of the document."""
+    invariants: str
+    """`held`, or what was broken first."""
+    trace: str
+    """The fingerprint of everything that was said, in all runs."""
+
+    def describe(self) -> str:
+        """The report for a terminal; but for `measured` the same bytes for the same seed."""
+        lines = [
+            f"{self.scenario}, seed {self.seed}: {self._verdict()}",
+            "",
+            *wrap(f"Claim ({self.source}): {self.claim}", LINE),
+            *wrap(f"Done: {self.story}", LINE),
+            "",
+            *(line for check in self.checks for line in _check_lines(check)),
+        ]
+        for each in self.tables:
+            lines += ["", f"  {each.title}", *_columns(each)]
+        lines.append("")
+        lines += [f"  {name:<14} {value}" for name, value in self._last_lines().items()]
+        return "\n".join(lines)
+
+    def document(self) -> str:
+        """The report as a section of a Markdown document; the same bytes for the same seed."""
+        lines = [
+            f"## {self.scenario}: {self._verdict()}",
+            "",
+            *wrap(f"**Claim** ({self.source}). {self.claim}", LINE),
+            "",
+            *wrap(f"**Done.** {self.story}", LINE),
+            "",
+            "| what must be so | so? | seen |",
+            "| --- | --- | --- |",
+            *(
+                f"| {check.name} | {'yes' if check.held else '**no**'} | {check.figure} |"
+                for check in self.checks
+            ),
+        ]
+        for each in self.tables:
+            lines += ["", f"{each.title}:", "", _row(each.head), _row(("---",) * len(each.head))]
+            lines += [_row(row) for row in each.rows]
+        lines += ["", f"Replay: `dray sim run {self.scenario} --seed {self.seed}`; trace `{self.trace}`."]
+        return "\n".join(lines)
+
+    @property
+    def failure(self) -> str:
+        """What did not hold, for a message; empty when all did."""
+        if self.invariants != HELD:
+            return self.invariants
+        failed = [f"{check.name}: no ({check.figure})" for check in self.checks if not check.held]
+        return "; ".join(failed)
+
+    def _verdict(self) -> str:
+        return "held" if self.held else "did not hold"
+
+    def _last_lines(self) -> dict[str, str]:
+        return {**self.measured, "invariants": self.invariants, "trace": self.trace}
+
+
+def _check_lines(check: Check) -> list[str]:
+    return [f"  {'yes' if check.held else 'NO '}  {check.name}", f"       {check.figure}"]
+
+
+def _columns(table: Table) -> list[str]:
+    """The table in plain characters, numbers to the right."""
+    rows = [table.head, *table.rows]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(table.head))]
+    return ["    " + "  ".join(_cell(cell, i, widths[i]) for i, cell in enumerate(row)) for row in rows]
+
+
+def _cell(cell: str, column: int, width: int) -> str:
+    return cell.rjust(width) if column else cell.ljust(width)
+
+
+def _row(cells: tuple[str, ...]) -> str:
+    return f"| {' | '.join(cells)} |"

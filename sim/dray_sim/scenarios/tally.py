@@ -1,0 +1,83 @@
+"""What runs under different conditions are compared by."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from dray_sim.evidence import HELD, Check
+from dray_sim.stage import Played, Stage
+
+SETTLE_S = 2 * 3600.0
+"""After the demand. The last order takes half an hour on a good network; four times that says it hangs."""
+
+HEAD = (
+    "delivered",
+    "on time",
+    "transport p50",
+    "p95",
+    "bids",
+    "rounds",
+    "suspected",
+    "taken over",
+    "starved",
+)
+"""Of `row`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tally:
+    """Counts of a run.
+
+    Attributes:
+        settled_s: how long after the demand the last order was delivered.
+    """
+
+    suspicions: int
+    takeovers: int
+    carriers_changed: int
+    settled_s: float
+
+
+async def run_out(stage: Stage) -> Tally:
+    """Let the demand come in, and then let the factory work off what is left."""
+    await stage.until_s(stage.shift.duration_s)
+    settled_s = await stage.settle(SETTLE_S)
+    return tally(stage, settled_s)
+
+
+def tally(stage: Stage, settled_s: float) -> Tally:
+    """The counts of a run at this moment."""
+    seen = stage.observer
+    return Tally(seen.suspicions, seen.takeovers, seen.carriers_changed, settled_s)
+
+
+def row(played: Played[Tally]) -> tuple[str, ...]:
+    """The figures of a run, one for each of `HEAD`."""
+    report, told = played.report, played.told
+    return (
+        f"{report.orders_delivered} of {report.orders_placed}",
+        f"{report.on_time_frac:.1%}",
+        f"{report.transport_p50_s:.0f} s",
+        f"{report.transport_p95_s:.0f} s",
+        f"{report.bids_per_task:.1f}",
+        f"{report.rounds_per_task:.2f}",
+        f"{told.suspicions}" if told else "-",
+        f"{told.takeovers}" if told else "-",
+        f"{report.starvation_frac:.2%}",
+    )
+
+
+def all_delivered(runs: Sequence[Played[Any]]) -> Check:
+    """Whether no run has left an order open."""
+    left = [
+        played.report.orders_placed - played.report.orders_delivered if played.invariants == HELD else -1
+        for played in runs
+    ]
+    return Check("Every order is delivered in the end", not any(left), f"left open: {listed(left)}")
+
+
+def listed(values: Sequence[int]) -> str:
+    """Counts, one for each run; a run that was cut short has none."""
+    return ", ".join("-" if value < 0 else str(value) for value in values)
