@@ -387,7 +387,7 @@ def test_what_somebody_missed_is_told_to_that_one_alone_and_the_agent_is_not_ask
         await asyncio.sleep(1.0)
         assert [event.number for event in historian.events] == [4, 5, 6, 7]
         assert historian.events[0].fact == OrderFulfilled("o4")
-        assert historian.others == [EventsKept(incarnation=3, first=1, last=10)]
+        assert historian.others == [EventsKept(incarnation=3, first=1, last=10, life=3)]
         assert eavesdropper.events == eavesdropper.others == []
         assert len(agent.events) == 1
 
@@ -401,7 +401,7 @@ def test_an_answer_is_bounded_and_tells_how_far_asking_again_will_lead() -> None
         historian.session.send("A1", EventsAsked(incarnation=3, first=3, last=2**53))
         await asyncio.sleep(1.0)
         assert [event.number for event in historian.events] == list(range(3, ANSWER_EVENTS + 3))
-        assert historian.others == [EventsKept(incarnation=3, first=1, last=ANSWER_EVENTS + 5)]
+        assert historian.others == [EventsKept(incarnation=3, first=1, last=ANSWER_EVENTS + 5, life=3)]
 
     play(story)
 
@@ -415,8 +415,8 @@ def test_what_a_journal_has_forgotten_is_said_to_be_gone() -> None:
         await asyncio.sleep(1.0)
         assert [event.number for event in historian.events] == [7, 8]
         assert historian.others == [
-            EventsKept(incarnation=3, first=7, last=10),
-            EventsKept(incarnation=2, first=1, last=0),
+            EventsKept(incarnation=3, first=7, last=10, life=3),
+            EventsKept(incarnation=2, first=1, last=0, life=3),
         ]
 
     play(story)
@@ -432,7 +432,7 @@ def test_a_life_tells_what_the_one_before_it_has_seen() -> None:
         historian.session.send("A1", EventsAsked(incarnation=2, first=1, last=9))
         await asyncio.sleep(1.0)
         assert [event.fact for event in historian.events] == [OrderFulfilled("before")]
-        assert historian.others == [EventsKept(incarnation=2, first=1, last=1)]
+        assert historian.others == [EventsKept(incarnation=2, first=1, last=1, life=3)]
 
     play(story)
 

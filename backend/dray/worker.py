@@ -282,7 +282,8 @@ class Worker:
         start = max(first, asked.first)
         for event in self._journal.events(life, start, min(last, asked.last, start + ANSWER_EVENTS - 1)):
             session.send(asker, event)
-        session.send(asker, messages.EventsKept(incarnation=life, first=first, last=last))
+        answer = messages.EventsKept(incarnation=life, first=first, last=last, life=self.agent.incarnation)
+        session.send(asker, answer)
 
     def _instruct(self, instruction: Instruction) -> None:
         if self._body is None:

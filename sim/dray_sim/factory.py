@@ -2,7 +2,7 @@
 
 Everything is built here and nothing starts by itself: `run` starts it, and ends with it. While it runs,
 agents may be crashed and restarted one by one. A crash ends an agent's process between two effects; its
-body and its journal stay, and the next life starts from them.
+body and its journal stay, and the next life starts from them. Without power the body stands too.
 """
 
 from __future__ import annotations
@@ -177,7 +177,7 @@ class SimFactory:
         self.workers[agent].kill()
 
     def restart(self, agent: str, software: str = "") -> None:
-        """Begin an agent's next life; one that still lives ends first.
+        """Begin an agent's next life; one that still lives ends first, one without power waits for it.
 
         Args:
             agent: a machine, a vehicle or the strategist.
@@ -187,11 +187,32 @@ class SimFactory:
             KeyError: there is no such agent.
         """
         post = self._posts[agent]
-        self.workers[agent].kill()
-        post.journal.begin_life()
         post.software = software or post.software
-        self._enliven(agent)
-        self._start(agent)
+        self.workers[agent].kill()
+        if agent == STRATEGIST or not self._powered(agent).off:
+            post.journal.begin_life()
+            self._enliven(agent)
+            self._start(agent)
+
+    def power_off(self, agent: str) -> None:
+        """Switch a vehicle or a machine off, its agent with it. Twice is harmless.
+
+        Raises:
+            KeyError: there is no vehicle or machine of this id.
+        """
+        self._powered(agent).power_off()
+        self.crash(agent)
+
+    def power_on(self, agent: str) -> None:
+        """Switch it on again: its agent begins another life. Harmless when it has power.
+
+        Raises:
+            KeyError: there is no vehicle or machine of this id.
+        """
+        body = self._powered(agent)
+        if body.off:
+            body.power_on()
+            self.restart(agent)
 
     def add_vehicle(self, spec: VehicleSpec) -> SimVehicle:
         """Let a vehicle join; in a factory that runs, at once.
@@ -212,6 +233,9 @@ class SimFactory:
         return vehicle
 
     # --- how it is done --------------------------------------------------------------------------
+
+    def _powered(self, agent: str) -> SimVehicle | SimWorkcell:
+        return self.vehicles[agent] if agent in self.vehicles else self.workcells[agent]
 
     def _machine(self, machine: str) -> MakeAgent:
         return lambda life, software: Machine(machine, self.plant, incarnation=life, software=software)

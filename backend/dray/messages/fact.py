@@ -369,8 +369,11 @@ class EventsKept(Message, frozen=True):
     """
 
     incarnation: Count
+    """The life that was asked about."""
     first: Count
     last: Count
+    life: Count
+    """The one that answers: of those before it there will be no more."""
 
 
 class Event(Message, frozen=True):
