@@ -239,12 +239,13 @@ class Invariants:
 
     Args:
         factory: what is watched.
+        more: further checks, which raise `InvariantBroken` as these do.
 
     Attributes:
         broken: the first violation; None while all hold.
     """
 
-    def __init__(self, factory: SimFactory) -> None:
+    def __init__(self, factory: SimFactory, *more: Ear) -> None:
         self.broken: InvariantBroken | None = None
         self._broke = asyncio.Event()
         self._conservation = MaterialConserved(factory)
@@ -255,6 +256,7 @@ class Invariants:
             DeliveredExactly(),
             StoppedStands(factory),
             self._conservation,
+            *more,
         )
 
     def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:

@@ -7,7 +7,10 @@ from typing import Annotated
 
 import typer
 
+from dray.cli.explore import explore
+
 app = typer.Typer(no_args_is_help=True, help="Named scenarios in virtual time.")
+app.command()(explore)
 
 
 @app.callback()

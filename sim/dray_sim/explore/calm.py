@@ -1,0 +1,100 @@
+"""Invariant 1 in time: when all faults have ended, every announced task ends within a computed bound.
+
+It hears everything and takes no part. Before the calm it only keeps books.
+"""
+
+from __future__ import annotations
+
+import asyncio
+
+from dray.messages import Event, Message, OrderReleased, Transport
+from dray.messages.fact import (
+    GoodsDelivered,
+    OrderDropped,
+    OrderFulfilled,
+    PieceMade,
+    TaskClosed,
+    TaskOpened,
+)
+from dray_sim.explore.patience import Patience
+from dray_sim.invariants import InvariantBroken
+
+LOOK_S = 5.0
+"""How often the bounds are looked at: they are minutes."""
+
+PROGRESS = (PieceMade, GoodsDelivered, TaskClosed, OrderFulfilled, OrderDropped)
+"""What brings an order forward. Each can happen only so often for a finite demand."""
+
+
+class Calm:
+    """Watches that everything ends.
+
+    Args:
+        patience: the bounds.
+
+    Attributes:
+        over: set when nothing is open any more, after the calm has begun.
+    """
+
+    def __init__(self, patience: Patience) -> None:
+        self.over = asyncio.Event()
+        self._patience = patience
+        self._since_s = float("inf")
+        self._open: dict[str, tuple[float, int, str]] = {}
+        """By transport: when it was announced first, how many were done before, and what is carried."""
+        self._orders: dict[str, None] = {}
+        """Those that are not delivered yet."""
+        self._done = 0
+        self._done_before = 0
+        """Transports that were done when the calm began."""
+        self._moved_s = 0.0
+        """When something came forward last."""
+        self._look_s = float("inf")
+
+    def begin(self, at_s: float) -> None:
+        """The last fault has ended, and the last order was placed."""
+        self._since_s = self._moved_s = self._look_s = at_s
+        self._done_before = self._done
+
+    def hear(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
+        """Note what begins and ends.
+
+        Raises:
+            InvariantBroken: something is open for too long.
+        """
+        if type(message) is Event:
+            self._note(message, at_s)
+        elif type(message) is OrderReleased:
+            self._orders.setdefault(message.order)
+        if at_s >= self._look_s:
+            self._look_s = at_s + LOOK_S
+            self._look(at_s)
+
+    def _note(self, event: Event, at_s: float) -> None:
+        fact = event.fact
+        if type(fact) is TaskOpened:
+            if type(fact.work) is Transport:
+                self._open.setdefault(fact.task, (at_s, self._done, fact.work.item))
+        elif isinstance(fact, PROGRESS):
+            self._moved_s = at_s
+            if type(fact) is TaskClosed and self._open.pop(fact.task, None) is not None:
+                self._done += 1
+            elif isinstance(fact, OrderFulfilled | OrderDropped):
+                self._orders.pop(fact.order, None)
+
+    def _look(self, at_s: float) -> None:
+        if not self._open and not self._orders:
+            self.over.set()
+            return
+        self.over.clear()
+        for task, (opened_s, done_before, item) in self._open.items():
+            waited_s = at_s - max(opened_s, self._since_s)
+            bound_s = self._patience.task_s(item, self._done - max(done_before, self._done_before))
+            if waited_s > bound_s:
+                seen = f"{task} did not end in {waited_s:.0f} s of calm; its bound is {bound_s:.0f} s"
+                raise InvariantBroken(1, at_s, seen)
+        stood_s = at_s - self._moved_s
+        if stood_s > self._patience.stall_s:
+            waiting = ", ".join((*self._orders, *self._open))
+            seen = f"nothing came forward in {stood_s:.0f} s of calm while these were open: {waiting}"
+            raise InvariantBroken(1, at_s, seen)

@@ -1,0 +1,64 @@
+"""What became of one trial, and of many: plain data that passes from process to process."""
+
+from __future__ import annotations
+
+import msgspec
+
+
+class Outcome(msgspec.Struct, frozen=True):
+    """One trial, played."""
+
+    seed: int
+    profile: str
+    broken: str
+    """What was seen that must not be, in words; empty when everything held."""
+    duration_s: float
+    """Virtual time."""
+    transports: int
+    """Handed over."""
+    takeovers: int
+    restarts: int
+    """Agents that were started again."""
+    messages: int
+    faults: dict[str, int]
+    """How often each kind of fault began."""
+    trace: str = ""
+    """The fingerprint of all that was said; empty when it was not taken."""
+    story: tuple[str, ...] = ()
+    """What came last before it broke, line by line; empty when nothing broke or nobody listened."""
+
+    @property
+    def replay(self) -> str:
+        """The command that plays this trial again."""
+        profile = "" if self.profile == "all" else f" --profile {self.profile}"
+        return f"dray sim explore --seed {self.seed}{profile}"
+
+
+class Summary(msgspec.Struct, frozen=True):
+    """A search, as far as it came."""
+
+    first: int
+    last: int
+    """Seeds from the first to before the last were asked for."""
+    profile: str
+    trials: int
+    """Played to their end."""
+    interrupted: bool
+    violations: tuple[Outcome, ...]
+    """In the order of their seeds; at most as many as are worth reading."""
+    broken: int
+    """All that broke, those too that are not in `violations`."""
+    virtual_s: float
+    busy_s: float
+    """Processor time, of all processes together."""
+    jobs: int
+    transports: int
+    takeovers: int
+    restarts: int
+    messages: int
+    faults: dict[str, int]
+
+    @property
+    def rate(self) -> float:
+        """Seeds in a minute of one core that does nothing else."""
+        return 60.0 * self.trials / self.busy_s if self.busy_s else 0.0

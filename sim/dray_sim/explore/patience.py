@@ -1,0 +1,70 @@
+"""How long anything may take once all faults are over: pure arithmetic over a plant.
+
+    transport_s   = BIDDING_S + 2 * longest way + loading + unloading + ASKING_S
+    task bound_s  = SETTLE_S + transport_s * (1 + tasks that were done meanwhile / vehicles that are able)
+    stall bound_s = SETTLE_S + GOAL_BIDDING_S + transport_s + longest cycle
+
+A task waits in the worst case while the whole fleet carries others, so its bound grows with what was
+done meanwhile, and with nothing else: a task that nobody serves while nothing is done is a deadlock, and
+one that is passed over again and again is caught as soon as others run out. The demand has ended by
+then, so they do. The second bound holds for all work together: as long as any order is open, something
+must come forward within it.
+"""
+
+from __future__ import annotations
+
+from dray.plant import Plant
+from dray.protocol.auction import AuctionRules
+
+SETTLE_S = 120.0
+"""From the end of the last fault until everybody has noticed and people have put everything right."""
+
+ASKING_S = 20.0
+"""Docks that are held for a moment, questions asked again, a handover answered."""
+
+GOAL_BIDDING_S = 60.0
+"""The strategist's rounds for a goal, at most."""
+
+
+class Patience:
+    """The bounds of one plant.
+
+    Args:
+        plant: where the ways are.
+    """
+
+    def __init__(self, plant: Plant) -> None:
+        rules = AuctionRules()
+        kinds = [plant.vehicle_types[spec.type] for spec in plant.fleet.values()]
+        self._able = {
+            ability: sum(ability in kind.abilities for kind in kinds)
+            for ability in sorted({ability for kind in kinds for ability in kind.abilities})
+        }
+        self._plant = plant
+        handling_s = max(kind.load_s + kind.unload_s for kind in kinds)
+        bidding_s = (
+            rules.rest_max_s + rules.window_max_s + rules.answer_s * rules.window_max_s / rules.window_s
+        )
+        self.transport_s = bidding_s + 2.0 * _longest_way_s(plant) + handling_s + ASKING_S
+        """From the announcement to the handover, with a vehicle that is free (s)."""
+        cycle_s = max(making.cycle_s for spec in plant.machines.values() for making in spec.makes)
+        self.stall_s = SETTLE_S + GOAL_BIDDING_S + self.transport_s + cycle_s
+        """As long as anything is open, something must come forward within this (s)."""
+
+    def task_s(self, item: str, done_meanwhile: int) -> float:
+        """How long a transport may stay open (s).
+
+        Args:
+            item: what is carried.
+            done_meanwhile: transports that were delivered since it was announced, or since the calm began.
+        """
+        able = self._able.get(self._plant.ability_of(item), 1)
+        return SETTLE_S + self.transport_s * (1.0 + done_meanwhile / able)
+
+
+def _longest_way_s(plant: Plant) -> float:
+    """Between any two places where something is fetched, brought or kept, for the slowest vehicle."""
+    places = (*plant.machines, *plant.storages, *plant.delivery_warehouses, *plant.berths)
+    nodes = sorted({plant.node_of(place) for place in places})
+    routes = [plant.routes(kind) for kind in sorted({spec.type for spec in plant.fleet.values()})]
+    return max(each.duration_s(start, end) for each in routes for start in nodes for end in nodes)

@@ -1,0 +1,151 @@
+"""One trial, played in virtual time with all invariants watched."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import Counter
+
+from dray.errors import DrayError
+from dray.messages import Event, Message
+from dray.messages.fact import TaskClosed, TookOver
+from dray_sim.desk import Desk
+from dray_sim.explore.calm import Calm
+from dray_sim.explore.outcome import Outcome
+from dray_sim.explore.patience import Patience
+from dray_sim.explore.story import Story
+from dray_sim.explore.trial import Trial, draw
+from dray_sim.factory import Ears, SimFactory
+from dray_sim.invariants import Invariants
+from dray_sim.loop import JUMP, clock, run
+from dray_sim.trace import Trace
+
+LONGEST_S = 6 * 3600.0
+"""Nothing in a trial takes so long; a run that does is broken, too."""
+
+
+def try_seed(seed: int, profile: str = "all") -> Outcome:
+    """Play the trial of a seed; one that breaks is played again to tell how it came to that.
+
+    Never raises an error of the run: whatever ends it is what the search is looking for.
+    """
+    trial = draw(seed, profile)
+    outcome = play(trial)
+    return play(trial, listen=True) if outcome.broken else outcome
+
+
+def play(trial: Trial, *, listen: bool = False) -> Outcome:
+    """Play one trial.
+
+    Args:
+        trial: what is to be played.
+        listen: keep what was said for a story, and take the trace; both take a fifth more time.
+    """
+    game = _Game(trial, listen=listen)
+    try:
+        run(game.play(), JUMP)
+    except Exception as error:  # noqa: BLE001 (whatever ends a run is what the search is looking for)
+        game.broken = game.broken or _in_words(error)
+    return game.outcome()
+
+
+class _Tally:
+    """Counts what a trial has exercised."""
+
+    def __init__(self) -> None:
+        self.messages = self.transports = self.takeovers = 0
+
+    def hear(self, _at_s: float, _sender: str, _address: str, message: Message) -> None:
+        self.messages += 1
+        if type(message) is Event:
+            fact = message.fact
+            if type(fact) is TaskClosed:
+                self.transports += fact.outcome == "delivered"
+            elif type(fact) is TookOver:
+                self.takeovers += 1
+
+
+class _Game:
+    """A trial while it is played."""
+
+    def __init__(self, trial: Trial, *, listen: bool) -> None:
+        self.broken = ""
+        self._trial = trial
+        self._story = Story() if listen else None
+        self._trace = Trace() if listen else None
+        self._tally = _Tally()
+        self._ended_s = 0.0
+        self._restarts = 0
+        self._faults: Counter[str] = Counter()
+
+    async def play(self) -> None:
+        """Run it to its end."""
+        trial, ears = self._trial, Ears()
+        factory = SimFactory(
+            trial.plant, clock(), seed=trial.seed, stock_frac=trial.stock_frac, codec=trial.codec, ear=ears
+        )
+        calm = Calm(Patience(trial.plant))
+        checks = Invariants(factory, calm)
+        ears.add(*(ear for ear in (self._story, self._trace) if ear is not None), self._tally, checks)
+        life = asyncio.create_task(self._live(factory))
+        broken = asyncio.create_task(checks.wait_broken())
+        end = asyncio.create_task(self._await_end(factory, calm))
+        try:
+            await asyncio.wait({life, broken, end}, timeout=LONGEST_S, return_when=asyncio.FIRST_COMPLETED)
+            checks.check_end(factory.clock.now_s())
+            self.broken = self._verdict(checks, life, end)
+        finally:
+            self._ended_s = factory.clock.now_s()
+            self._restarts = sum(journal.incarnation - 1 for journal in factory.journals.values())
+            for task in (life, broken, end):
+                task.cancel()
+            await asyncio.gather(life, broken, end, return_exceptions=True)
+
+    def outcome(self) -> Outcome:
+        return Outcome(
+            seed=self._trial.seed,
+            profile=self._trial.profile,
+            broken=self.broken,
+            duration_s=self._ended_s,
+            transports=self._tally.transports,
+            takeovers=self._tally.takeovers,
+            restarts=self._restarts,
+            messages=self._tally.messages,
+            faults=dict(sorted(self._faults.items())),
+            trace=self._trace.hexdigest() if self._trace is not None else "",
+            story=self._story.tell(self.broken) if self._story is not None and self.broken else (),
+        )
+
+    async def _live(self, factory: SimFactory) -> None:
+        async with asyncio.TaskGroup() as group:
+            group.create_task(factory.run())
+            group.create_task(Desk(factory.bus, factory.clock).place(self._trial.orders))
+
+    async def _await_end(self, factory: SimFactory, calm: Calm) -> None:
+        """The faults, the calm, and the end of everything that is open."""
+        await asyncio.sleep(self._trial.faults_until_s)
+        calm.begin(factory.clock.now_s())
+        await asyncio.sleep(self._trial.duration_s - self._trial.faults_until_s)
+        await calm.over.wait()
+
+    def _verdict(self, checks: Invariants, life: asyncio.Task[None], end: asyncio.Task[None]) -> str:
+        if checks.broken is not None:
+            return str(checks.broken)
+        for task in (life, end):
+            if task.done() and (error := task.exception()) is not None:
+                return _in_words(error)
+        return "" if end.done() else f"the calm has not ended after {LONGEST_S:.0f} s"
+
+
+def _in_words(error: BaseException) -> str:
+    while isinstance(error, BaseExceptionGroup):
+        error = error.exceptions[0]
+    where = error.__traceback__
+    while where is not None and where.tb_next is not None:
+        where = where.tb_next
+    place = (
+        ""
+        if where is None
+        else f" ({where.tb_frame.f_code.co_filename.rpartition('/')[2]}:{where.tb_lineno})"
+    )
+    what = str(error) if isinstance(error, DrayError) else repr(error)
+    return f"invariant 8 is broken: ended by {what}{place}"

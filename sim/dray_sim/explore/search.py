@@ -1,0 +1,167 @@
+"""Many trials, in as many processes as are wanted, and what came of them.
+
+Outcomes come in the order of their seeds, however many processes play them. A search that is stopped
+sums up what it has seen so far.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Generator
+from concurrent.futures import Future, ProcessPoolExecutor
+from contextlib import closing
+from multiprocessing.synchronize import Event
+
+from dray_sim.explore.outcome import Outcome, Summary
+from dray_sim.explore.play import try_seed
+
+CHUNK = 8
+"""Seeds that a process plays in one go: some seconds, long beside what passing them on costs."""
+
+AHEAD = 3
+"""Chunks per process that wait or run: enough that none idles, few enough that a stop is quick."""
+
+TOLD = 20
+"""Violations that are kept with their stories."""
+
+Played = list[tuple[Outcome, float]]
+"""Outcomes, and the processor time that each took (s)."""
+
+_stop: Event | None = None
+"""In a process of the pool: set when it should play no further seed."""
+
+
+def search(
+    first: int,
+    last: int,
+    *,
+    profile: str = "all",
+    jobs: int = 1,
+    progress: Callable[[Outcome], None] = lambda _outcome: None,
+) -> Summary:
+    """Try the seeds from `first` to before `last`.
+
+    Args:
+        first: the first one.
+        last: the one after the last one.
+        profile: a name in `dray_sim.explore.trial.PROFILES`.
+        jobs: processes; 1 plays them in this one.
+        progress: called with every outcome, in the order of seeds.
+
+    Returns:
+        What was seen; after a KeyboardInterrupt, what was seen until then.
+    """
+    tally = _Tally(first, last, profile, jobs)
+    played = _play_here(first, last, profile) if jobs == 1 else _play_in_pool(first, last, profile, jobs)
+    with closing(played):
+        try:
+            for outcome, took_s in played:
+                tally.add(outcome, took_s)
+                progress(outcome)
+        except KeyboardInterrupt:
+            tally.interrupted = True
+    return tally.summary()
+
+
+class _Tally:
+    """The sums of a search."""
+
+    def __init__(self, first: int, last: int, profile: str, jobs: int) -> None:
+        self.interrupted = False
+        self._asked = (first, last, profile, jobs)
+        self._trials = self._broken = 0
+        self._violations: list[Outcome] = []
+        self._virtual_s = self._busy_s = 0.0
+        self._counts: Counter[str] = Counter()
+        self._faults: Counter[str] = Counter()
+
+    def add(self, outcome: Outcome, took_s: float) -> None:
+        self._trials += 1
+        self._virtual_s += outcome.duration_s
+        self._busy_s += took_s
+        for name in ("transports", "takeovers", "restarts", "messages"):
+            self._counts[name] += getattr(outcome, name)
+        self._faults.update(outcome.faults)
+        if outcome.broken:
+            self._broken += 1
+            if len(self._violations) < TOLD:
+                self._violations.append(outcome)
+
+    def summary(self) -> Summary:
+        first, last, profile, jobs = self._asked
+        return Summary(
+            first=first,
+            last=last,
+            profile=profile,
+            trials=self._trials,
+            interrupted=self.interrupted,
+            violations=tuple(self._violations),
+            broken=self._broken,
+            virtual_s=self._virtual_s,
+            busy_s=self._busy_s,
+            jobs=jobs,
+            transports=self._counts["transports"],
+            takeovers=self._counts["takeovers"],
+            restarts=self._counts["restarts"],
+            messages=self._counts["messages"],
+            faults=dict(sorted(self._faults.items())),
+        )
+
+
+def _play_here(first: int, last: int, profile: str) -> Generator[tuple[Outcome, float], None, None]:
+    for seed in range(first, last):
+        yield _timed(seed, profile)
+
+
+def _play_in_pool(
+    first: int, last: int, profile: str, jobs: int
+) -> Generator[tuple[Outcome, float], None, None]:
+    # Spawned, not forked: every process begins alike, on every system.
+    context = multiprocessing.get_context("spawn")
+    stop = context.Event()
+    chunks = iter(range(first, last, CHUNK))
+    running: deque[Future[Played]] = deque()
+    pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=_begin, initargs=(stop,))
+    try:
+        while True:
+            while len(running) < AHEAD * jobs and (begin := next(chunks, None)) is not None:
+                running.append(pool.submit(_play_chunk, begin, min(begin + CHUNK, last), profile))
+            if not running:
+                return
+            yield from running.popleft().result()
+    finally:
+        stop.set()
+        pool.shutdown(cancel_futures=True)
+
+
+def _begin(stop: Event) -> None:
+    """Prepare a process of the pool."""
+    global _stop  # noqa: PLW0603 (a pool hands nothing else to its processes)
+    _stop = stop
+    # Ctrl-C reaches the whole group of processes; the parent alone decides what to do about it.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _play_chunk(first: int, last: int, profile: str) -> Played:
+    played: Played = []
+    for seed in range(first, last):
+        if _stop is not None and _stop.is_set():
+            break
+        played.append(_timed(seed, profile))
+    return played
+
+
+def _timed(seed: int, profile: str) -> tuple[Outcome, float]:
+    """Processor time, so that a busy machine does not change what a seed costs."""
+    began_s = time.process_time()
+    outcome = try_seed(seed, profile)
+    return outcome, time.process_time() - began_s
+
+
+def cores() -> int:
+    """How many processes this machine can run at once."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,0 +1,178 @@
+"""What one seed of the search stands for: a plant, a load, a schedule of faults and the people in it.
+
+Everything is drawn here, before anything runs, so that a trial can be shown and replayed. Plants are
+small: what is wrong in a protocol goes wrong between a handful of agents, and a hundred small trials
+meet more of it than one large one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import ceil
+from random import Random
+
+import msgspec
+
+from dray.plant import MachineSpec, Making, Material, Plant, Product, VehicleSpec
+from dray_sim import demand
+from dray_sim.generator import generate_plant
+
+DURATION_S = 1200.0
+"""The least virtual time of a trial."""
+
+FAULTS_UNTIL_S = 720.0
+"""Then every fault has ended and no order comes any more: the calm in which everything must end."""
+
+TRANSPORT_S = 120.0
+"""What a vehicle needs for a transport in a small plant, about: the demand is held below what the fleet carries."""
+
+LEAST_LOT = 2
+"""Pieces in the smallest container of a trial."""
+
+
+@dataclass(frozen=True, slots=True)
+class Profile:
+    """From where trials are drawn. Pairs are from and to, both included.
+
+    Attributes:
+        machines, vehicles: the size of the plant.
+        lot_frac: containers and buffers against those of the default plant: small ones make many transports.
+        cycle_frac: how long machines take for a piece, likewise.
+        load: the demand against what machines and vehicles can do, whichever is less.
+        stock_frac: how full buffers are at the beginning.
+        battery_frac: of the vehicles at the beginning.
+    """
+
+    machines: tuple[int, int] = (1, 6)
+    vehicles: tuple[int, int] = (1, 6)
+    lot_frac: tuple[float, float] = (0.1, 0.3)
+    cycle_frac: tuple[float, float] = (0.2, 0.8)
+    load: tuple[float, float] = (0.5, 1.5)
+    stock_frac: tuple[float, float] = (0.0, 0.8)
+    battery_frac: tuple[float, float] = (0.6, 1.0)
+
+
+PROFILES: Mapping[str, Profile] = {
+    "all": Profile(),
+    "tiny": Profile(machines=(1, 2), vehicles=(2, 3)),
+}
+"""By name, as `dray sim explore --profile` takes them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """One run of the search, wholly decided.
+
+    Attributes:
+        seed: it follows from this, and from the profile.
+        profile: the name of the profile.
+        load: part of the machines' time that the demand takes.
+        faults_until_s: the calm begins then.
+        duration_s: it lasts at least so long, and on until everything has ended.
+        orders: the demand.
+        codec: whether all messages go through the wire format.
+    """
+
+    seed: int
+    profile: str
+    plant: Plant
+    load: float
+    stock_frac: tuple[float, float]
+    faults_until_s: float
+    duration_s: float
+    codec: bool
+    orders: tuple[demand.Order, ...] = field(repr=False)
+
+    def __str__(self) -> str:
+        """In one line, for a reader."""
+        parts = (
+            f"{len(self.plant.machines)} machines",
+            f"{len(self.plant.fleet)} vehicles",
+            f"{len(self.orders)} orders",
+            f"load {self.load:.0%}",
+        )
+        return ", ".join(parts)
+
+    def timetable(self) -> list[str]:
+        """What will go wrong, and when, line by line."""
+        return []
+
+
+def draw(seed: int, profile: str = "all") -> Trial:
+    """The trial of a seed; the same in every process.
+
+    Args:
+        seed: decides everything.
+        profile: a name in `PROFILES`.
+    """
+    ranges = PROFILES[profile]
+    random = Random(f"{seed} trial")
+    plant = _small_plant(seed, ranges, random)
+    load = random.uniform(*ranges.load) * min(1.0, _bearable_load(plant))
+    emptiest = random.uniform(*ranges.stock_frac)
+    orders = demand.orders(plant, Random(f"{seed} demand"), load=load, until_s=FAULTS_UNTIL_S)
+    return Trial(
+        seed=seed,
+        profile=profile,
+        plant=plant,
+        load=load,
+        stock_frac=(emptiest, max(emptiest, ranges.stock_frac[1])),
+        faults_until_s=FAULTS_UNTIL_S,
+        duration_s=DURATION_S,
+        # It costs time and finds little that the other nine would not: some of them see that it is harmless.
+        codec=random.random() < 0.1,
+        orders=tuple(orders),
+    )
+
+
+def _bearable_load(plant: Plant) -> float:
+    """Part of the machines' time at which the whole fleet is busy all the time."""
+    busy_frac = 0.0
+    for product in plant.products.values():
+        loads = 1.0 / product.lot + sum(
+            line.quantity / plant.materials[line.material].lot for line in product.bill
+        )
+        busy_frac += loads * TRANSPORT_S / demand.mean_cycle_s(plant, product.id) / len(plant.products)
+    return len(plant.fleet) / (len(plant.machines) * busy_frac)
+
+
+def _small_plant(seed: int, ranges: Profile, random: Random) -> Plant:
+    """A generated plant whose containers and buffers are small, so that a lot is carried in a short time."""
+    machines, vehicles = random.randint(*ranges.machines), random.randint(*ranges.vehicles)
+    lot_frac, cycle_frac = random.uniform(*ranges.lot_frac), random.uniform(*ranges.cycle_frac)
+    file = generate_plant(seed, machines, vehicles).file
+    fleet = tuple(_charged(spec, random.uniform(*ranges.battery_frac)) for spec in file.fleet)
+    return Plant(
+        msgspec.structs.replace(
+            file,
+            materials=tuple(_small_material(each, lot_frac) for each in file.materials),
+            products=tuple(_small_product(each, lot_frac) for each in file.products),
+            machines=tuple(_quick(each, lot_frac, cycle_frac) for each in file.machines),
+            fleet=fleet,
+        )
+    )
+
+
+def _small_material(material: Material, frac: float) -> Material:
+    lot = _lot(material.lot, frac)
+    return msgspec.structs.replace(material, lot=lot, buffer=3 * lot)
+
+
+def _small_product(product: Product, frac: float) -> Product:
+    return msgspec.structs.replace(product, lot=_lot(product.lot, frac))
+
+
+def _quick(machine: MachineSpec, lot_frac: float, cycle_frac: float) -> MachineSpec:
+    """Short cycles; few goods wait, as few are in a container."""
+    makes = tuple(Making(making.product, making.cycle_s * cycle_frac) for making in machine.makes)
+    room = max(_lot(machine.goods_capacity, lot_frac), 2 * LEAST_LOT)
+    return msgspec.structs.replace(machine, makes=makes, goods_capacity=room)
+
+
+def _lot(lot: int, frac: float) -> int:
+    return max(LEAST_LOT, ceil(lot * frac))
+
+
+def _charged(spec: VehicleSpec, battery_frac: float) -> VehicleSpec:
+    return msgspec.structs.replace(spec, battery_frac=round(battery_frac, 2))
