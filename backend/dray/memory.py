@@ -31,7 +31,8 @@ class Contract(Part, frozen=True):
     coordinator: str
     source: str
     promised_s: float
-    phase: Phase
+    deadline_s: float
+    phase: Phase = Phase.APPROACHING
     cancelled: str = ""
     """Why it is to end as soon as the load is off; empty while it holds."""
 
@@ -70,6 +71,8 @@ class TaskMemory(Part, frozen=True):
     primary: str = ""
     source: str = ""
     promised_s: float = 0.0
+    loaded: bool = False
+    """Goods that have left this machine."""
 
 
 class StrategistMemory(Part, tag_field="kind", tag="strategist", frozen=True):
@@ -98,6 +101,8 @@ class GoalBooked(Part, frozen=True):
     deadline_s: float
     machine: str = ""
     epoch: int = 1
+    arrived: int = 0
+    """Pieces that were counted at the gate, and told of."""
 
 
 Memory = AtvMemory | MachineMemory | StrategistMemory

@@ -8,6 +8,7 @@ import pytest
 from kit import PLANT, facts, instructed, sent, transport
 
 from dray.body import Drive, Drop, Pick, VehicleState, WayDone
+from dray.memory import Contract
 from dray.messages import (
     Docked,
     DockHeld,
@@ -28,6 +29,15 @@ from dray.protocol.events import NEVER_S, Effect
 from dray.protocol.timers import Timers
 
 ROUTES = PLANT.routes("light")
+
+
+GOODS: dict[str, Any] = {
+    "item": "pump-p3",
+    "quantity": 24,
+    "sources": ("M8",),
+    "destination": "DELIVERY",
+    "goal": "G8",
+}
 
 
 class Trip:
@@ -54,18 +64,22 @@ class Trip:
         self.driver.sense(state)
         self.carriage = Carriage(
             "ATV1",
-            task="M8-1",
-            epoch=1,
-            work=transport(**changes),
-            coordinator="M8",
-            source=source,
-            promised_s=100.0,
+            Contract(
+                task="M8-1",
+                epoch=1,
+                work=transport(**changes),
+                coordinator="M8",
+                source=source,
+                promised_s=100.0,
+                deadline_s=300.0,
+            ),
             plant=PLANT,
             vehicle_type="light",
             driver=self.driver,
             timers=self.timers,
             out=self.out,
         )
+        self.load = ""
         self.carriage.begin(0.0)
 
     @property
@@ -90,17 +104,18 @@ class Trip:
         self.hears(Superseded(task="M8-1", epoch=2))
 
     def done(self, kind: type[Pick | Drop]) -> None:
+        self.load = self.carriage.work.item if kind is Pick else ""
         self.carriage.action_done(instructed(self.out, kind)[-1].order, self.now_s)
 
     def fails(self, kind: type[Pick | Drop]) -> None:
-        self.carriage.action_failed(instructed(self.out, kind)[-1].order, self.now_s)
+        self.carriage.action_failed(instructed(self.out, kind)[-1].order, "no contact", self.now_s)
 
     def waits(self) -> None:
         """Until the alarm."""
         assert self.timers.next_s < NEVER_S
         self.now_s = self.timers.next_s
         for _ in self.timers.due(self.now_s):
-            self.carriage.wake(self.now_s)
+            self.carriage.wake(self.load, self.now_s)
 
     def to_loading(self) -> Trip:
         self.arrives()
@@ -169,14 +184,14 @@ def test_nothing_is_put_down_before_the_coordinator_has_opened_the_dock() -> Non
 
 
 def test_goods_are_not_fetched_before_their_machine_has_opened_its_dock() -> None:
-    goods = {"item": "pump-p3", "quantity": 24, "sources": ("M8",), "destination": "DELIVERY"}
-    trip = Trip(source="M8", **goods).to_loading()
+    trip = Trip(source="M8", **GOODS).to_loading()
     assert sent(trip.out, Docked, to="M8") == [Docked(task="M8-1", epoch=1, station="M8")]
     assert instructed(trip.out, Pick) == []
     trip.opened("M8")
     trip.done(Pick)
     trip.arrives()
-    assert sent(trip.out, Docked, to="M8")[-1].station == "DELIVERY"
+    assert len(sent(trip.out, Docked, to="M8")) == 1, "the gate fences there, and nobody is asked"
+    assert instructed(trip.out, Drop)[-1] == Drop(order=4, station="DELIVERY", goal="G8")
     trip.opened("DELIVERY")
     assert instructed(trip.out, Drop)[-1].station == "DELIVERY"
 
@@ -262,7 +277,7 @@ def test_an_acceptance_before_the_handover_is_ignored() -> None:
 def test_the_end_of_an_older_action_is_ignored() -> None:
     trip = Trip().to_loading()
     trip.carriage.action_done(instructed(trip.out, Pick)[-1].order - 1, 0.0)
-    trip.carriage.action_failed(instructed(trip.out, Pick)[-1].order - 1, 0.0)
+    trip.carriage.action_failed(instructed(trip.out, Pick)[-1].order - 1, "no contact", 0.0)
     assert trip.carriage.phase is Phase.LOADING
     trip.done(Pick)
     trip.done(Pick)
@@ -375,15 +390,15 @@ def test_a_contract_that_is_void_while_it_unloads_ends_without_a_handover() -> N
     assert trip.timers.next_s == NEVER_S
 
 
-def test_goods_of_a_void_contract_go_back_to_the_machine_that_made_them() -> None:
-    goods = {"item": "pump-p3", "quantity": 24, "sources": ("M8",), "destination": "DELIVERY"}
-    trip = Trip(source="M8", **goods).to_loading()
+def test_goods_of_a_void_contract_are_set_aside_at_the_delivery_warehouse() -> None:
+    trip = Trip(source="M8", **GOODS).to_loading()
     trip.opened("M8")
     trip.done(Pick)
     trip.superseded()
     assert trip.carriage.phase is Phase.RETURNING
     trip.arrives()
-    assert instructed(trip.out, Drop)[-1].station == "M8"
+    drop = instructed(trip.out, Drop)[-1]
+    assert (drop.station, drop.goal) == ("DELIVERY", "")
     trip.done(Drop)
     assert trip.carriage.ended == "superseded"
 

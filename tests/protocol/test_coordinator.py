@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from typing import cast
+
+import msgspec
 import pytest
 from kit import (
     KEYS,
@@ -19,7 +22,9 @@ from kit import (
 )
 
 from dray.messages import (
+    AtvHeartbeat,
     Award,
+    Brief,
     Refusal,
     Release,
     Resigned,
@@ -65,6 +70,15 @@ class Office:
         assert found is not None
         return found
 
+    def heartbeat(self, atv: str) -> AtvHeartbeat:
+        """What a vehicle that keeps its contract says: it carries the task, or watches it."""
+        carried = rhb(atv, self.seq, self.now_s, task="T1")
+        if atv != self.task.secondary:
+            return carried
+        brief = cast(Brief, carried.task)
+        watch = msgspec.structs.replace(brief, role=Role.SECONDARY, phase=None)
+        return msgspec.structs.replace(carried, task=None, watches=(watch,))
+
     def run(self, until_s: float, *alive: str) -> None:
         """Let time pass; the vehicles that are alive beat every second."""
         while self.timers.next_s <= until_s or self.now_s + 1.0 <= until_s:
@@ -76,7 +90,7 @@ class Office:
                 self.now_s += 1.0
             self.seq += 1
             for atv in alive:
-                self.desk.hear_heartbeat(rhb(atv, self.seq, self.now_s, task="T1"), self.now_s)
+                self.desk.hear_heartbeat(self.heartbeat(atv), self.now_s)
         self.now_s = until_s
 
     def bids(self, task: str = "T1", role: Role = Role.PRIMARY, epoch: int = 1, **costs_s: float) -> None:

@@ -41,7 +41,7 @@ class Guard:
         while self.timers.next_s <= until_s:
             self.now_s = self.timers.next_s
             for _, task in self.timers.due(self.now_s):  # type: ignore[misc]
-                self.watches.wake(task, self.now_s)
+                self.watches.failed(task, self.now_s)
         self.now_s = until_s
 
     @property
@@ -129,7 +129,7 @@ def test_an_ended_watch_is_silent_and_forgotten() -> None:
     assert guard.timers.next_s == NEVER_S
     assert guard.endings == [("M8-1", "the task has ended")]
     assert "M8-1" not in guard.watches
-    guard.watches.wake("M8-1", 100.0)
+    assert guard.watches.failed("M8-1", 100.0) is None
     assert guard.suspicions == []
 
 

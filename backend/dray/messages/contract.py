@@ -214,6 +214,11 @@ class TakenOver(Message, frozen=True):
     epoch: Count
     primary: Id
     """Whom it replaces."""
+    reason: Text = ""
+    finish_s: Seconds = 0.0
+    """When it promises to be done (plant clock)."""
+    source: IdOrNone = ""
+    """Where it fetches the load."""
 
 
 class Docked(Message, frozen=True):

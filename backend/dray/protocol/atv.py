@@ -8,17 +8,21 @@ The state machine of the paper, as everybody sees it:
     STOPPED  held by an operator: moves again only after an acknowledge and a resume (invariant 5)
     ERROR    something keeps it from going on
 
-STOPPED and ERROR end no contract: the carriage waits inside them and goes on when they are over.
+STOPPED and ERROR end no contract: the carriage waits inside them and goes on when they are over. How long
+it can wait is in the heartbeat (`trouble`); after that another vehicle takes the task, and this one hears
+so when it speaks again. A vehicle that is left with its radio keeps its task too, and takes nothing else.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, cast
 
 from dray.body import (
     ActionDone,
     ActionFailed,
     BodyState,
+    LinkNoticed,
     NodePassed,
     ProblemCleared,
     ProblemRaised,
@@ -26,7 +30,7 @@ from dray.body import (
     WayDone,
 )
 from dray.errors import ProtocolViolation
-from dray.memory import Memory
+from dray.memory import AtvMemory, Contract, Memory
 from dray.messages import (
     Accepted,
     AtvHeartbeat,
@@ -34,23 +38,26 @@ from dray.messages import (
     Award,
     BerthClaimed,
     CommandKind,
+    Confirmed,
     Declined,
     DockHeld,
     DockOpened,
     HandoverAccepted,
+    Link,
     Release,
     Role,
     Superseded,
+    TakenOver,
     TaskAnnounced,
     Transport,
     VehicleCommand,
     Withdrawn,
 )
-from dray.messages.fact import AtvStatusChanged, ContractEnded, ContractTaken
+from dray.messages.fact import AtvStatusChanged, ContractEnded, ContractTaken, LinkChanged, TookOver
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.bidding import Bidder, Standing
-from dray.protocol.carriage import ASK, Carriage
+from dray.protocol.carriage import ASK, CLAIM_TASK, Carriage
 from dray.protocol.core import Core
 from dray.protocol.driving import Driver
 from dray.protocol.events import (
@@ -66,9 +73,13 @@ from dray.protocol.pricing import Quote, Unable
 from dray.protocol.resting import CLAIM, SETTLE, Rest
 from dray.protocol.supervision import Following
 from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
+from dray.protocol.trouble import Trouble
 from dray.protocol.watching import WATCH_VIGIL, Watches
 
 BEAT = "beat"
+
+ORDERS_PER_LIFE = 1_000_000
+"""Numbers of ways and actions: what the body still reports to an earlier life is recognised."""
 
 
 class Atv(Core):
@@ -97,17 +108,18 @@ class Atv(Core):
         self._software = software
         self._keys = Keys(plant.id)
         self._beat_key = self._keys.atv_heartbeat(atv)
-        self._driver = Driver(plant, self._type, self._out)
+        self._driver = Driver(plant, self._type, self._out, first_order=incarnation * ORDERS_PER_LIFE)
         self._following = Following(self._keys.atv_heartbeat, self._out)
         self._watches = Watches(self._following, self._timers, self._out)
         self._bidder = Bidder(atv, plant, self._type, self._out)
         self._rest = Rest(atv, plant, self._type, self._keys, self._driver, self._timers, self._out)
         self._obedience = Obedience(self._out)
         self._carriage: Carriage | None = None
+        self._trouble = Trouble(self._out)
+        self._link = Link.WLAN
         self._status = AtvStatus.IDLE
         self._battery_frac = 1.0
         self._load = ("", 0)
-        self._problem = ""
         self._seq = 0
         self._cell = ""
         contract = self._hear_of_contract
@@ -119,6 +131,7 @@ class Atv(Core):
             DockOpened: contract,
             DockHeld: contract,
             HandoverAccepted: contract,
+            Confirmed: contract,
             Superseded: contract,
             Withdrawn: contract,
             VehicleCommand: self._hear_command,
@@ -131,23 +144,70 @@ class Atv(Core):
             ActionFailed: self._action_failed,
             ProblemRaised: self._problem_raised,
             ProblemCleared: self._problem_cleared,
+            LinkNoticed: self._link_noticed,
         }
         self._on_alarm = {
             BEAT: self._beat,
             ASK: self._ask_again,
             SETTLE: lambda _about, now_s: self._rest_on(SETTLE, now_s),
             CLAIM: lambda _about, now_s: self._rest_on(CLAIM, now_s),
-            WATCH_VIGIL: self._watches.wake,
+            CLAIM_TASK: self._claim_again,
+            WATCH_VIGIL: self._look_after,
         }
 
     # --- the beginning, and time passing ---
 
-    def _start(self, body: BodyState | None, _memory: Memory | None, now_s: float) -> None:
+    def _start(self, body: BodyState | None, memory: Memory | None, now_s: float) -> None:
         self._sense(body, now_s)
         self._attend()
-        self._obedience.stopped = isinstance(body, VehicleState) and body.held
+        state = cast(VehicleState, body)
+        self._driver.take_control(state, now_s)
+        self._trouble.problem, self._link = state.problem, state.link
+        self._obedience.stopped = state.held
+        if isinstance(memory, AtvMemory):
+            self._obedience.recall(memory.acknowledged, memory.speed_frac)
         self._rest.start(self._battery_frac, now_s)
+        contract = memory.contract if isinstance(memory, AtvMemory) else None
+        if contract is None and state.load:
+            contract = self._foundling(state)
+        if contract is not None:
+            self._bind(contract)
+            self._go_on(lambda carriage: carriage.resume(state.load, now_s), now_s)
+        self._update_status(now_s, "started")
         self._timers.set(BEAT, now_s)
+
+    def _foundling(self, state: VehicleState) -> Contract | None:
+        """What to do with a load that nobody remembers: bring it back, for nobody."""
+        plant = self._plant
+        if state.load in plant.materials:
+            destination = sources = plant.storages_of(state.load)
+        else:
+            sources = destination = tuple(plant.delivery_warehouses)
+        work = Transport(
+            item=state.load,
+            quantity=state.load_quantity,
+            sources=sources,
+            destination=destination[0],
+            ability="",
+        )
+        return Contract(
+            task=f"{self.id}-found",
+            epoch=0,
+            work=work,
+            coordinator=self.id,
+            source=sources[0],
+            promised_s=0.0,
+            deadline_s=0.0,
+            cancelled="nobody knows of this load",
+        )
+
+    def _memory(self) -> Memory:
+        carriage = self._carriage
+        return AtvMemory(
+            contract=carriage.memory() if carriage is not None else None,
+            acknowledged=self._obedience.acknowledged,
+            speed_frac=self._obedience.speed_frac,
+        )
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
         if not isinstance(body, VehicleState):
@@ -177,7 +237,9 @@ class Atv(Core):
             way=self._driver.ahead,
             berth=self._rest.berth,
             speed_limit_frac=self._obedience.speed_frac,
-            problem=self._problem,
+            link=self._link,
+            problem=self._trouble.problem,
+            help=self._trouble.help,
             software=self._software,
         )
         self._out.append(Publish(self._beat_key, heartbeat))
@@ -197,8 +259,7 @@ class Atv(Core):
         if not self._driver.hear_done(report):
             return
         if self._carriage is not None:
-            self._carriage.arrived(now_s)
-            self._after_carriage(now_s)
+            self._go_on(lambda carriage: carriage.arrived(now_s), now_s)
         else:
             self._rest.arrived()
             self._update_status(now_s, self._rest.berth)
@@ -207,9 +268,8 @@ class Atv(Core):
     def _action_done(self, report: ActionDone, now_s: float) -> None:
         if self._rest.action_done(report.order, now_s):
             self._update_status(now_s, "charged")
-        elif self._carriage is not None:
-            self._carriage.action_done(report.order, now_s)
-            self._after_carriage(now_s)
+        else:
+            self._go_on(lambda carriage: carriage.action_done(report.order, now_s), now_s)
 
     def _action_failed(self, report: ActionFailed, now_s: float) -> None:
         if self._rest.action_failed(report.order, now_s):
@@ -219,19 +279,42 @@ class Atv(Core):
                 self._carriage.way_refused(now_s)
             else:
                 self._rest.soon(now_s)
-        elif self._carriage is not None:
-            self._carriage.action_failed(report.order, now_s)
-            self._after_carriage(now_s)
+        else:
+            self._go_on(lambda carriage: carriage.action_failed(report.order, report.reason, now_s), now_s)
 
     def _problem_raised(self, report: ProblemRaised, now_s: float) -> None:
-        self._problem = report.reason
+        self._trouble.problem = report.reason
+        self._ask_for_help(report.reason, now_s)
         self._watches.resign("in error")
         self._update_status(now_s, report.reason)
+        self._timers.set(BEAT, now_s)
 
     def _problem_cleared(self, _report: ProblemCleared, now_s: float) -> None:
-        self._problem = ""
+        self._trouble.problem = ""
+        self._end_trouble(now_s)
         self._update_status(now_s, "problem cleared")
-        self._rest.soon(now_s)
+
+    def _ask_for_help(self, reason: str, now_s: float) -> None:
+        carriage = self._carriage
+        if carriage is not None:
+            self._trouble.ask(reason, carriage.task, carriage.slack_s, now_s)
+
+    def _end_trouble(self, now_s: float) -> None:
+        """One reason to stand is gone; it goes on when no other is left."""
+        if self._trouble.problem or self._obedience.stopped:
+            return
+        self._trouble.over()
+        if self._carriage is None:
+            self._rest.soon(now_s)
+
+    def _link_noticed(self, report: LinkNoticed, now_s: float) -> None:
+        if report.link is self._link:
+            return
+        self._link = report.link
+        self._out.append(Record(LinkChanged(link=report.link)))
+        if report.link is Link.MESH:
+            self._watches.resign("on the radio mesh")
+        self._timers.set(BEAT, now_s)
 
     # --- contracts ---
 
@@ -239,17 +322,24 @@ class Atv(Core):
         """The circumstances in which `task` is considered."""
         driver = self._driver
         x_m, y_m = driver.position_m
-        unfit = self._problem or ("stopped by an operator" if self._obedience.stopped else "")
         return Standing(
             node=driver.next_node,
             node_at_s=driver.next_node_at_s(now_s),
             x_m=x_m,
             y_m=y_m,
             battery_frac=self._battery_frac,
-            unfit=unfit,
+            unfit=self._unfit(),
             busy_with=self._carriage.task if self._carriage is not None else "",
             watches=len(self._watches) - (task in self._watches),
         )
+
+    def _unfit(self) -> str:
+        """Why it may take no work at all; empty when it may."""
+        if self._trouble.problem:
+            return self._trouble.problem
+        if self._obedience.stopped:
+            return "stopped by an operator"
+        return "on the radio mesh" if self._link is Link.MESH else ""
 
     def _hear_announced(self, _sender: str, message: TaskAnnounced, now_s: float) -> None:
         if message.role is Role.SECONDARY and self._watches.holds(message.task, message.epoch):
@@ -292,28 +382,59 @@ class Atv(Core):
 
     def _take(self, sender: str, award: Award, quote: Quote, now_s: float) -> None:
         """Become the primary of a task, and free of everything else."""
+        self._bind(_contract(award, award.epoch, sender, quote))
+        self._accept(sender, award)
+        self._note_taken(award.task, award.epoch, sender)
+        self._watches.resign("has work of its own")
+        self._rest.stop()
+        self._update_status(now_s, award.task)
+        self._go_on(lambda carriage: carriage.begin(now_s), now_s)
+
+    def _look_after(self, task: str, now_s: float) -> None:
+        """A primary may have failed: take its task over, if this vehicle can."""
+        watch = self._watches.failed(task, now_s)
+        if watch is None:
+            return
+        award = watch.award
+        quote = self._bidder.quote(award.work, self._standing(task, now_s), now_s)
+        if isinstance(quote, Unable):
+            self._watches.resign_from(task, quote.detail or quote.reason.value)
+            return
+        epoch, reason = award.epoch + 1, watch.vigil.failure(now_s)
+        silent_s = now_s - watch.vigil.heard_s
+        self._watches.end(task, "taken over")
+        self._bind(_contract(award, epoch, watch.coordinator, quote))
+        took = TookOver(task=task, epoch=epoch, primary=award.primary, silent_s=silent_s, reason=reason)
+        self._out.append(Record(took))
+        self._note_taken(task, epoch, watch.coordinator)
+        self._watches.resign("has work of its own")
+        self._rest.stop()
+        self._update_status(now_s, task)
+        claim = TakenOver(
+            task=task,
+            epoch=epoch,
+            primary=award.primary,
+            reason=reason,
+            finish_s=quote.finish_s,
+            source=quote.source,
+        )
+        self._go_on(lambda carriage: carriage.take_over(claim, now_s), now_s)
+
+    def _bind(self, contract: Contract) -> None:
         self._carriage = Carriage(
             self.id,
-            task=award.task,
-            epoch=award.epoch,
-            work=cast(Transport, award.work),
-            coordinator=sender,
-            source=quote.source,
-            promised_s=quote.finish_s,
+            contract,
             plant=self._plant,
             vehicle_type=self._type,
             driver=self._driver,
             timers=self._timers,
             out=self._out,
         )
-        self._accept(sender, award)
-        taken = ContractTaken(task=award.task, epoch=award.epoch, role=award.role, coordinator=sender)
+        self._commit()
+
+    def _note_taken(self, task: str, epoch: int, coordinator: str) -> None:
+        taken = ContractTaken(task=task, epoch=epoch, role=Role.PRIMARY, coordinator=coordinator)
         self._out.append(Record(taken))
-        self._watches.resign("has work of its own")
-        self._rest.stop()
-        self._update_status(now_s, award.task)
-        self._carriage.begin(now_s)
-        self._timers.set(BEAT, now_s)
 
     def _hear_release(self, sender: str, message: Release, now_s: float) -> None:
         if message.role is Role.SECONDARY:
@@ -324,16 +445,14 @@ class Atv(Core):
         if carriage is None or not self._concerns(carriage, sender, message):
             self._out.append(Ignore("released from a contract that it does not have"))
             return
-        carriage.cancel("released", now_s)
-        self._after_carriage(now_s)
+        self._go_on(lambda carriage: carriage.cancel("released", now_s), now_s)
 
     def _hear_of_contract(self, sender: str, message: Any, now_s: float) -> None:
         carriage = self._carriage
         if carriage is None or not self._concerns(carriage, sender, message):
             self._out.append(Ignore("an answer about another contract"))
             return
-        carriage.hear(message, now_s)
-        self._after_carriage(now_s)
+        self._go_on(lambda carriage: carriage.hear(message, now_s), now_s)
 
     @staticmethod
     def _concerns(carriage: Carriage, sender: str, message: Any) -> bool:
@@ -347,21 +466,33 @@ class Atv(Core):
         return carriage is not None and carriage.task == task and carriage.epoch == epoch
 
     def _ask_again(self, _about: None, now_s: float) -> None:
-        if self._carriage is not None:
-            self._carriage.wake(now_s)
-            self._after_carriage(now_s)
+        self._go_on(lambda carriage: carriage.wake(self._load[0], now_s), now_s)
 
-    def _after_carriage(self, now_s: float) -> None:
-        """See to what a step of the carriage has changed."""
+    def _claim_again(self, _about: None, now_s: float) -> None:
+        if self._carriage is not None:
+            self._carriage.claim_again(now_s)
+
+    def _go_on(self, step: Callable[[Carriage], None], now_s: float) -> None:
+        """Let the carriage take a step, if there is one, and see to what that has changed."""
         carriage = self._carriage
-        self._timers.set(BEAT, now_s)
-        if carriage is None or not carriage.ended:
+        if carriage is None:
             return
+        phase = carriage.phase
+        step(carriage)
+        self._timers.set(BEAT, now_s)
+        if carriage.ended:
+            self._end_carriage(carriage, now_s)
+        elif carriage.phase is not phase:
+            self._commit()
+
+    def _end_carriage(self, carriage: Carriage, now_s: float) -> None:
         ended = ContractEnded(
             task=carriage.task, epoch=carriage.epoch, role=Role.PRIMARY, reason=carriage.ended
         )
         self._out.append(Record(ended))
         self._carriage = None
+        self._commit()
+        self._trouble.over()
         self._update_status(now_s, carriage.ended)
         self._rest.soon(now_s)
 
@@ -377,17 +508,22 @@ class Atv(Core):
             self._timers.set(BEAT, now_s)
 
     def _may_rest(self) -> bool:
-        return self._carriage is None and not self._obedience.stopped and not self._problem
+        return self._carriage is None and not self._obedience.stopped and not self._trouble.problem
 
     def _hear_claim(self, _sender: str, message: BerthClaimed, now_s: float) -> None:
         self._rest.hear_claim(message, now_s)
 
     def _hear_command(self, sender: str, command: VehicleCommand, now_s: float) -> None:
-        if self._obedience.hear(sender, command):
+        if command.kind is CommandKind.PROMISE:
+            refused = self._trouble.promise(command.issued_by or sender, command.wait_s, now_s)
+            self._obedience.answer(sender, command, refused)
+        elif self._obedience.hear(sender, command):
+            self._commit()
             if command.kind is CommandKind.STOP:
+                self._ask_for_help("stopped by an operator", now_s)
                 self._watches.resign("stopped by an operator")
-            elif command.kind is CommandKind.RESUME and self._carriage is None:
-                self._rest.soon(now_s)
+            elif command.kind is CommandKind.RESUME:
+                self._end_trouble(now_s)
         self._update_status(now_s, command.kind.value)
         self._timers.set(BEAT, now_s)
 
@@ -396,7 +532,7 @@ class Atv(Core):
     def _update_status(self, now_s: float, reason: str) -> None:
         if self._obedience.stopped:
             status = AtvStatus.STOPPED
-        elif self._problem:
+        elif self._trouble.problem:
             status = AtvStatus.ERROR
         elif self._carriage is not None:
             status = AtvStatus.WORKING
@@ -418,3 +554,15 @@ class Atv(Core):
             self._out.append(Unsubscribe(self._keys.transports(self._cell)))
         self._out.append(Subscribe(self._keys.transports(cell)))
         self._cell = cell
+
+
+def _contract(award: Award, epoch: int, coordinator: str, quote: Quote) -> Contract:
+    return Contract(
+        task=award.task,
+        epoch=epoch,
+        work=cast(Transport, award.work),
+        coordinator=coordinator,
+        source=quote.source,
+        promised_s=quote.finish_s,
+        deadline_s=award.deadline_s,
+    )

@@ -82,6 +82,10 @@ class Bidder:
             work = msgspec.structs.replace(work, sources=(award.source,))
         return self._consider(work, award.role, award.primary, award.deadline_s, standing, now_s)
 
+    def quote(self, work: Work, standing: Standing, now_s: float) -> Quote | Unable:
+        """What it would take to carry this from here, however late: for a task that is taken over."""
+        return self._consider(work, Role.PRIMARY, "", float("inf"), standing, now_s)
+
     def _consider(
         self,
         work: Work,

@@ -4,16 +4,25 @@
          |            |           |            |
          +-- ended    +-----------+------------+--> RETURNING -> ended      (superseded, withdrawn)
 
-At the coordinator's own dock, and before anything is put down anywhere, the carrier asks first
-(`Docked`); the coordinator opens the dock to the present epoch alone. Questions and the handover are
-repeated until they are answered, so a lost message costs seconds and no load.
+At the coordinator's own dock, and before material is put down, the carrier asks first (`Docked`); the
+coordinator opens the dock to the present epoch alone. Goods that reach a delivery warehouse are fenced
+by its gate instead, which knows what each goal may still bring. Questions and the handover are repeated
+until they are answered, so a lost message costs seconds and no load; a coordinator that answers nothing
+for GIVE_UP_AFTER questions has failed, and the load goes back.
+
+Who has taken a task over from a failed vehicle says so until its coordinator has confirmed it, and drives
+meanwhile.
 """
 
 from __future__ import annotations
 
+import msgspec
+
 from dray.body import Drop, Pick
+from dray.memory import Contract
 from dray.messages import (
     Brief,
+    Confirmed,
     Docked,
     DockHeld,
     DockOpened,
@@ -21,9 +30,10 @@ from dray.messages import (
     HandoverAccepted,
     Message,
     Phase,
+    Resigned,
     Role,
     Superseded,
-    Transport,
+    TakenOver,
     Withdrawn,
 )
 from dray.messages.fact import PhaseEntered
@@ -35,8 +45,14 @@ from dray.protocol.timers import Timers
 ASK = "ask"
 """The alarm for whatever the carriage waits for: an answer, or another try."""
 
+CLAIM_TASK = "claim task"
+"""The alarm for saying again that a task was taken over."""
+
 ASK_AGAIN_S = 3.0
 """A question is repeated after many times the latency of a good link."""
+
+GIVE_UP_AFTER = 10
+"""Questions without an answer: half a minute, longer than a machine's software needs to start again."""
 
 HELD_ASK_AGAIN_S = 5.0
 """A dock that is held has no room yet: asking often would not make any."""
@@ -44,30 +60,34 @@ HELD_ASK_AGAIN_S = 5.0
 RETRY_S = 5.0
 """After a failed manoeuvre."""
 
+TRIES = 3
+"""Manoeuvres at one place before another one is looked for."""
+
+HANDED_OVER = "handed_over"
+
 
 class Carriage:
     """One transport of one vehicle.
 
     Args:
         atv: the vehicle.
-        task, epoch, work, coordinator, source: the contract.
-        promised_s: when the vehicle promised to be done.
+        contract: what it is bound to.
         plant, vehicle_type: for ways and handling times.
         driver: the vehicle's place on the lanes.
-        timers: the vehicle's alarms; this class uses `ASK`.
+        timers: the vehicle's alarms; this class uses `ASK` and `CLAIM_TASK`.
         out: where effects go.
+
+    Attributes:
+        phase: how far it has come.
+        due_s: when it now expects to hand over (plant clock).
+        ended: why it is over: `handed_over`, or another reason; empty while it lasts.
     """
 
     def __init__(
         self,
         atv: str,
+        contract: Contract,
         *,
-        task: str,
-        epoch: int,
-        work: Transport,
-        coordinator: str,
-        source: str,
-        promised_s: float,
         plant: Plant,
         vehicle_type: str,
         driver: Driver,
@@ -75,17 +95,16 @@ class Carriage:
         out: list[Effect],
     ) -> None:
         self._atv = atv
-        self.task = task
-        self.epoch = epoch
-        self.work = work
-        self.coordinator = coordinator
-        self.source = source
-        self.promised_s = promised_s
-        self.due_s = promised_s
-        """When it now expects to hand over."""
-        self.phase = Phase.APPROACHING
+        self._contract = contract
+        self.task = contract.task
+        self.epoch = contract.epoch
+        self.work = contract.work
+        self.coordinator = contract.coordinator
+        self.source = contract.source
+        self.promised_s = contract.promised_s
+        self.phase = contract.phase
+        self.due_s = contract.promised_s
         self.ended = ""
-        """Why it is over: `handed_over`, `superseded`, `withdrawn`, or a reason; empty while it lasts."""
         self._plant = plant
         self._type = plant.vehicle_types[vehicle_type]
         self._routes = plant.routes(vehicle_type)
@@ -95,9 +114,17 @@ class Carriage:
         self._action = 0
         """The order number of the running pick or drop; 0 for none."""
         self._loaded = False
-        self._cancelled = ""
+        self._cancelled = contract.cancelled
         """Why it is to end as soon as the running manoeuvre is over."""
-        self._station = source
+        self._station = contract.source
+        self._asked = 0
+        """Questions since the last answer."""
+        self._failed = 0
+        """Manoeuvres that failed at this station."""
+        self._full: set[str] = set()
+        """Stations that did not take the load back. Only ever asked for membership."""
+        self._claim: TakenOver | None = None
+        """What is said until the coordinator has confirmed the takeover."""
 
     def brief(self) -> Brief:
         """What the vehicle tells about it in its heartbeat."""
@@ -112,12 +139,42 @@ class Carriage:
             due_s=self.due_s,
         )
 
+    def memory(self) -> Contract:
+        """What the vehicle's next life must know of it."""
+        return msgspec.structs.replace(self._contract, phase=self.phase, cancelled=self._cancelled)
+
+    @property
+    def slack_s(self) -> float:
+        """How much later than now expected it may be done."""
+        return self._contract.deadline_s - self.due_s
+
     # --- what happens ---
 
     def begin(self, now_s: float) -> None:
         """Set off for the source."""
         self._enter(Phase.APPROACHING, self.source)
         self._drive(self.source, now_s)
+
+    def take_over(self, claim: TakenOver, now_s: float) -> None:
+        """Set off in the place of a failed vehicle, and tell the coordinator until it has heard."""
+        self._claim = claim
+        self._say_claim(now_s)
+        self.begin(now_s)
+
+    def resume(self, load: str, now_s: float) -> None:
+        """Go on after a restart, from what the vehicle has on board."""
+        self._loaded = bool(load)
+        if self._cancelled:
+            self._give_up(now_s)
+        elif self._loaded:
+            self._carry(now_s)
+        elif self.phase in (Phase.UNLOADING, Phase.HANDING_OVER):
+            self._enter(Phase.HANDING_OVER, self.work.destination)
+            self._say_handover(now_s)
+        elif self.phase in (Phase.CARRYING, Phase.RETURNING):
+            self._miss_load(now_s)
+        else:
+            self.begin(now_s)
 
     def arrived(self, now_s: float) -> None:
         """The vehicle stands where it was sent."""
@@ -126,7 +183,7 @@ class Carriage:
             self._ask_to_load(now_s)
         elif self.phase is Phase.CARRYING:
             self._enter(Phase.UNLOADING, self.work.destination)
-            self._ask_for_dock(now_s)
+            self._ask_to_unload(now_s)
         elif self.phase is Phase.RETURNING:
             self._drop()
 
@@ -138,14 +195,13 @@ class Carriage:
         """A pick or drop has ended well."""
         if order != self._action:
             return
-        self._action = 0
+        self._action, self._failed = 0, 0
         if self.phase is Phase.LOADING:
             self._loaded = True
             if self._cancelled:
                 self._return(now_s)
             else:
-                self._enter(Phase.CARRYING, self.work.destination)
-                self._drive(self.work.destination, now_s)
+                self._carry(now_s)
         elif self.phase is Phase.UNLOADING:
             self._loaded = False
             if self._cancelled:
@@ -157,24 +213,36 @@ class Carriage:
             self._loaded = False
             self._end(self._cancelled)
 
-    def action_failed(self, order: int, now_s: float) -> None:
+    def action_failed(self, order: int, reason: str, now_s: float) -> None:
         """A pick or drop ended without effect."""
         if order != self._action:
             return
         self._action = 0
+        self._failed += 1
         if self._cancelled and self.phase is not Phase.RETURNING:
             self._give_up(now_s)
+        elif self._failed < TRIES:
+            self._timers.set(ASK, now_s + RETRY_S)
+        elif self.phase is Phase.RETURNING:
+            self._full.add(self._station)
+            self._return(now_s)
+        elif self.phase is Phase.UNLOADING and self._is_gated:
+            self.resign(f"refused: {reason}", now_s)
         else:
             self._timers.set(ASK, now_s + RETRY_S)
 
     def hear(self, message: Message, now_s: float) -> None:
         """Take an answer of the coordinator; what is late or doubled changes nothing."""
+        self._asked = 0
         if isinstance(message, Superseded) and not 0 < message.epoch < self.epoch:
             self.cancel("superseded", now_s)
         elif isinstance(message, Withdrawn):
             self.cancel("withdrawn", now_s)
+        elif isinstance(message, Confirmed) and self._claim is not None:
+            self._claim = None
+            self._timers.clear(CLAIM_TASK)
         elif isinstance(message, HandoverAccepted) and self.phase is Phase.HANDING_OVER:
-            self._end("handed_over")
+            self._end(HANDED_OVER)
         elif isinstance(message, DockHeld) and self._waits_at(message.station):
             self._timers.set(ASK, now_s + HELD_ASK_AGAIN_S)
         elif isinstance(message, DockOpened) and self._waits_at(message.station):
@@ -192,12 +260,38 @@ class Carriage:
         if not self._action:
             self._give_up(now_s)
 
-    def wake(self, now_s: float) -> None:
-        """No answer has come, or a failed manoeuvre is due again."""
-        if self.phase is Phase.LOADING:
+    def resign(self, reason: str, now_s: float) -> None:
+        """Give the contract back to its coordinator, and end it."""
+        if not self._cancelled and not self.ended:
+            resigned = Resigned(task=self.task, epoch=self.epoch, role=Role.PRIMARY, reason=reason)
+            self._out.append(Send(self.coordinator, resigned))
+        self.cancel(reason, now_s)
+
+    def claim_again(self, now_s: float) -> None:
+        """The coordinator has not confirmed the takeover yet."""
+        if self._claim is not None:
+            self._say_claim(now_s)
+
+    def wake(self, load: str, now_s: float) -> None:
+        """No answer has come, or a failed manoeuvre is due again.
+
+        Args:
+            load: what is on board now: an action of an earlier life may have ended, or a person has
+                taken the load off.
+            now_s: the present time.
+        """
+        if self._asked >= GIVE_UP_AFTER:
+            self._be_left_alone(now_s)
+        elif bool(load) != self._loaded:
+            self._loaded = bool(load)
+            if self._loaded:
+                self._carry(now_s)
+            else:
+                self._miss_load(now_s)
+        elif self.phase is Phase.LOADING:
             self._ask_to_load(now_s)
         elif self.phase is Phase.UNLOADING:
-            self._ask_for_dock(now_s)
+            self._ask_to_unload(now_s)
         elif self.phase is Phase.HANDING_OVER:
             self._say_handover(now_s)
         else:
@@ -205,8 +299,13 @@ class Carriage:
 
     # --- how it is done ---
 
+    @property
+    def _is_gated(self) -> bool:
+        """Whether a gate decides about the load, and not the coordinator."""
+        return self.work.destination in self._plant.delivery_warehouses
+
     def _enter(self, phase: Phase, station: str) -> None:
-        self.phase, self._station = phase, station
+        self.phase, self._station, self._failed = phase, station, 0
         fact = PhaseEntered(task=self.task, epoch=self.epoch, phase=phase, station=station)
         self._out.append(Record(fact))
 
@@ -223,16 +322,37 @@ class Carriage:
         if not away:
             self.arrived(now_s)
 
+    def _carry(self, now_s: float) -> None:
+        self._enter(Phase.CARRYING, self.work.destination)
+        self._drive(self.work.destination, now_s)
+
     def _ask_to_load(self, now_s: float) -> None:
         if self.source == self.coordinator:
             self._ask_for_dock(now_s)
         else:
             self._pick()
 
+    def _ask_to_unload(self, now_s: float) -> None:
+        if self._is_gated:
+            self._drop()
+        else:
+            self._ask_for_dock(now_s)
+
     def _ask_for_dock(self, now_s: float) -> None:
-        docked = Docked(task=self.task, epoch=self.epoch, station=self._station)
-        self._out.append(Send(self.coordinator, docked))
+        self._ask(Docked(task=self.task, epoch=self.epoch, station=self._station), now_s)
+
+    def _say_handover(self, now_s: float) -> None:
+        self._ask(Handover(task=self.task, epoch=self.epoch, quantity=self.work.quantity), now_s)
+
+    def _ask(self, question: Message, now_s: float) -> None:
+        self._asked += 1
+        self._out.append(Send(self.coordinator, question))
         self._timers.set(ASK, now_s + ASK_AGAIN_S)
+
+    def _say_claim(self, now_s: float) -> None:
+        if self._claim is not None:
+            self._out.append(Send(self.coordinator, self._claim))
+            self._timers.set(CLAIM_TASK, now_s + ASK_AGAIN_S)
 
     def _waits_at(self, station: str) -> bool:
         asking = self.phase is Phase.LOADING or self.phase is Phase.UNLOADING
@@ -257,12 +377,25 @@ class Carriage:
 
     def _drop(self) -> None:
         self._action = self._driver.next_order()
-        self._driver.act(Drop(order=self._action, station=self._station))
+        goal = self.work.goal if self.phase is Phase.UNLOADING else ""
+        self._driver.act(Drop(order=self._action, station=self._station, goal=goal))
 
-    def _say_handover(self, now_s: float) -> None:
-        handover = Handover(task=self.task, epoch=self.epoch, quantity=self.work.quantity)
-        self._out.append(Send(self.coordinator, handover))
-        self._timers.set(ASK, now_s + ASK_AGAIN_S)
+    def _be_left_alone(self, now_s: float) -> None:
+        """The coordinator answers nothing any more: its transports end with it (paper, case 1)."""
+        self._asked = 0
+        if self.phase is Phase.HANDING_OVER:
+            self._end("handed over to a silent machine")
+        else:
+            self.resign("its machine is silent", now_s)
+
+    def _miss_load(self, now_s: float) -> None:
+        """The load was taken off by a person."""
+        if self._cancelled:
+            self._end(self._cancelled)
+        elif self.work.goal:
+            self.resign("its load was taken off", now_s)
+        else:
+            self.begin(now_s)
 
     def _give_up(self, now_s: float) -> None:
         if self._loaded:
@@ -271,14 +404,23 @@ class Carriage:
             self._end(self._cancelled)
 
     def _return(self, now_s: float) -> None:
-        """Bring the load to the nearest storage that keeps it, or back to where it came from."""
-        stored = self.work.item in self._plant.materials
-        refuges = self._plant.storages_of(self.work.item) if stored else (self.source,)
+        """Bring the load to a storage that keeps it; goods are set aside at the delivery warehouse."""
+        refuges = self._plant.storages_of(self.work.item) if self._is_material else (self.work.destination,)
+        roomy = [refuge for refuge in refuges if refuge not in self._full]
+        if not roomy:
+            self._full.clear()
         here = self._driver.next_node
-        nearest = min(refuges, key=lambda each: self._routes.duration_s(here, self._plant.node_of(each)))
+        nearest = min(
+            roomy or refuges, key=lambda each: self._routes.duration_s(here, self._plant.node_of(each))
+        )
         self._enter(Phase.RETURNING, nearest)
         self._drive(nearest, now_s)
+
+    @property
+    def _is_material(self) -> bool:
+        return self.work.item in self._plant.materials
 
     def _end(self, reason: str) -> None:
         self.ended = reason
         self._timers.clear(ASK)
+        self._timers.clear(CLAIM_TASK)

@@ -3,25 +3,41 @@
 A machine coordinates its transports, the strategist the production goals; both through this class.
 It elects a primary for every task and, where its agent wants a watch, a secondary that it keeps
 elected: whenever one leaves, another is sought for as long as the task lasts (protocol, step 4).
+
+When a primary fails, its secondary has GRACE_S to take over; else the task is announced anew. Either
+way its epoch rises, and that is the fence: there is one carrier, whoever else believes to be it.
+
+    AUCTION --accepted--> CARRIED --delivered, withdrawn--> closed
+       ^                    |  ^
+       |                    |  +-- TakenOver: epoch + 1, another carrier
+       +--- epoch + 1 ------+ failed and nobody takes over, resigned, restarted without it
+
+Goods that have left their machine exist only once: nobody else can carry them, so their task waits for
+its carrier, and is given up after ASTRAY_S.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Literal
+from typing import Literal, cast
 
+from dray.memory import TaskMemory
 from dray.messages import (
     Accepted,
     AtvHeartbeat,
     Bid,
+    Confirmed,
     Declined,
     Release,
     Resigned,
     Role,
+    Superseded,
+    TakenOver,
+    Transport,
     Withdrawn,
     Work,
 )
-from dray.messages.fact import PrimarySuspected, TaskClosed, WatchLost
+from dray.messages.fact import CarrierChanged, PrimarySuspected, TaskClosed, WatchLost
 from dray.protocol.auction import Auction, AuctionRules, Place, Terms
 from dray.protocol.events import NEVER_S, Effect, Ignore, Record, Send
 from dray.protocol.supervision import Following, Vigil
@@ -36,6 +52,17 @@ CLOSED_KEPT = 1024
 WATCH_RULES = AuctionRules(radius_m=50.0, rest_s=10.0, rest_growth=1.0, rest_max_s=10.0)
 """A missing watch is less urgent than a missing primary, so it asks wider and rests longer."""
 
+GRACE_S = 2.0
+"""How long a secondary may take after its primary has failed, beside the delay of one message: both judge
+by the same heartbeats, which reach them within each other's lateness."""
+
+ASTRAY_S = 600.0
+"""How long goods on board of a silent vehicle are waited for before they are made anew."""
+
+UNNAMED_S = 5.0
+"""Somebody who is contracted and does not say so for this long has lost the contract: many times the
+latency of a good link, so that the contract has reached it and its heartbeat has come back."""
+
 PRIMARY_AUCTION = "primary auction"
 WATCH_AUCTION = "watch auction"
 PRIMARY_VIGIL = "primary vigil"
@@ -48,22 +75,28 @@ class OpenTask:
     __slots__ = (
         "auction",
         "epoch",
+        "grace",
         "guard",
         "id",
+        "loaded",
         "opened_s",
         "primary",
         "promised_s",
         "secondary",
         "source",
+        "span_s",
+        "trouble",
+        "unnamed_s",
+        "unwatched_s",
         "vigil",
         "watch",
         "work",
     )
 
-    def __init__(self, task: str, work: Work, auction: Auction, now_s: float) -> None:
+    def __init__(self, task: str, work: Work, auction: Auction, opened_s: float) -> None:
         self.id = task
         self.work = work
-        self.epoch = 1
+        self.epoch = auction.terms.epoch
         """Rises whenever the carrier changes; whatever comes with a lower one is refused."""
         self.auction = auction
         self.watch: Auction | None = None
@@ -77,11 +110,42 @@ class OpenTask:
         """The watch over the primary."""
         self.guard: Vigil | None = None
         """The watch over the secondary."""
-        self.opened_s = now_s
+        self.opened_s = opened_s
+        self.span_s = auction.terms.deadline_s - opened_s
+        """How much time the task was given."""
+        self.loaded = False
+        """Goods that have left this machine: nobody else can fetch them again."""
+        self.trouble = ""
+        """Why it does not go on, in words."""
+        self.grace = False
+        """The primary has failed, and the secondary may still take over."""
+        self.unnamed_s = NEVER_S
+        """Since when the primary does not name this task in its heartbeat."""
+        self.unwatched_s = NEVER_S
+        """Since when the secondary does not."""
 
     @property
     def deadline_s(self) -> float:
         return self.auction.terms.deadline_s
+
+    @property
+    def work_item(self) -> str:
+        """What is carried, or made."""
+        return self.work.item if isinstance(self.work, Transport) else self.work.product
+
+    def memory(self) -> TaskMemory:
+        """A transport for its machine's next life."""
+        return TaskMemory(
+            task=self.id,
+            epoch=self.epoch,
+            work=cast(Transport, self.work),
+            deadline_s=self.deadline_s,
+            opened_s=self.opened_s,
+            primary=self.primary,
+            source=self.source,
+            promised_s=self.promised_s,
+            loaded=self.loaded,
+        )
 
     @property
     def round(self) -> int:
@@ -108,7 +172,8 @@ class Coordinator:
         timers: the agent's alarms; this class uses names ``(kind, task)``.
         following: which heartbeats the agent hears; None where contractors are not watched.
         out: where effects go.
-        contracted: called when a task has got its primary.
+        contracted: called when a task has got its primary, another one, or is without one again.
+        lost: called when goods are given up with the vehicle that had them on board.
     """
 
     def __init__(
@@ -121,6 +186,7 @@ class Coordinator:
         following: Following | None,
         out: list[Effect],
         contracted: Callable[[OpenTask, float], None],
+        lost: Callable[[OpenTask, float], None] | None = None,
     ) -> None:
         self._agent = agent
         self._place = place
@@ -130,6 +196,7 @@ class Coordinator:
         self._following = following
         self._out = out
         self._contracted = contracted
+        self._lost = lost
         self.alarms = {
             PRIMARY_AUCTION: self._wake_auction,
             WATCH_AUCTION: self._wake_watch_auction,
@@ -154,14 +221,42 @@ class Coordinator:
 
     # --- the life of a task ---
 
-    def open(self, task: str, work: Work, deadline_s: float, now_s: float) -> OpenTask:
+    def open(self, task: str, work: Work, deadline_s: float, now_s: float, *, epoch: int = 1) -> OpenTask:
         """Put a task up for auction."""
-        terms = Terms(task=task, epoch=1, role=Role.PRIMARY, work=work, deadline_s=deadline_s)
-        opened = OpenTask(task, work, self._auction(terms, self._rules), now_s)
+        opened = OpenTask(task, work, self._primary_auction(task, epoch, work, deadline_s), now_s)
         self._open[task] = opened
-        opened.auction.open(now_s)
-        self._arm(PRIMARY_AUCTION, task, opened.auction)
+        self._announce(opened, now_s)
         return opened
+
+    def restore(self, memory: TaskMemory, now_s: float) -> OpenTask:
+        """Go on with a task of an earlier life.
+
+        One that had a primary is followed as if nothing had been: the vehicle's own heartbeat shows soon
+        enough whether it still carries it. One that had none is announced anew, since an award may be
+        under way that nobody remembers.
+        """
+        if not memory.primary:
+            return self.open(memory.task, memory.work, memory.deadline_s, now_s, epoch=memory.epoch + 1)
+        auction = self._primary_auction(memory.task, memory.epoch, memory.work, memory.deadline_s)
+        auction.cancel()
+        task = OpenTask(memory.task, memory.work, auction, memory.opened_s)
+        self._open[task.id] = task
+        task.loaded = memory.loaded
+        self._bind(task, memory.primary, memory.source, memory.promised_s, IDLE_INTERVAL_S, now_s)
+        self._seek_watch(task, (), now_s)
+        return task
+
+    def reopen(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """Announce a task anew, with a higher epoch; whoever carried it is superseded."""
+        replaced, silent_s = task.primary, self._silent_s(task, now_s)
+        self._unbind(task, reason)
+        task.epoch += 1
+        deadline_s = max(task.deadline_s, now_s + task.span_s)
+        task.auction = self._primary_auction(task.id, task.epoch, task.work, deadline_s)
+        self._out.append(Send(replaced, Superseded(task=task.id, epoch=task.epoch)))
+        self._note_change(task, replaced, reason, silent_s)
+        self._announce(task, now_s)
+        self._contracted(task, now_s)
 
     def close(self, task: OpenTask, outcome: Outcome) -> None:
         """End a task; whoever is bound by it, except a carrier that has delivered, is let go."""
@@ -228,20 +323,40 @@ class Coordinator:
             self._arm(WATCH_AUCTION, task.id, task.watch)
 
     def hear_resigned(self, sender: str, message: Resigned, now_s: float) -> None:
-        """A secondary leaves: another one is sought at once."""
+        """A secondary leaves, or a primary gives its task back: another one is sought at once."""
         task = self._open.get(message.task)
-        if task is not None and message.role is Role.SECONDARY and sender == task.secondary:
+        if task is None or message.epoch != task.epoch:
+            self._out.append(Ignore("resigned from a contract that has ended"))
+        elif message.role is Role.SECONDARY and sender == task.secondary:
             self._lose_watch(task, message.reason, now_s)
+        elif message.role is Role.PRIMARY and sender == task.primary:
+            self._without_carrier(task, message.reason, now_s)
         else:
-            self._out.append(Ignore("resigned from a watch that has ended"))
+            self._out.append(Ignore("resigned from a contract that it does not have"))
+
+    def hear_taken_over(self, sender: str, message: TakenOver, now_s: float) -> None:
+        """A secondary carries a task from now on, because its primary has failed."""
+        task = self._open.get(message.task)
+        if task is not None and task.primary == sender and task.epoch == message.epoch:
+            self._confirm(task)
+        elif task is None or message.epoch <= task.epoch:
+            closed = self._closed.get(message.task)
+            known = task.epoch if task is not None else closed.epoch if closed is not None else 0
+            self._out.append(Send(sender, Superseded(task=message.task, epoch=known)))
+        elif veto := self._veto(task, message, now_s):
+            self._release(sender, task.id, message.epoch, Role.PRIMARY, veto)
+        else:
+            self._hand_over(task, sender, message, now_s)
 
     def hear_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        """Note that a contracted vehicle lives."""
-        for task in self._open.values():
+        """Note that a contracted vehicle lives, and whether it knows of its contract."""
+        for task in list(self._open.values()):
             if task.primary == heartbeat.atv and task.vigil is not None:
-                task.vigil.hear(heartbeat, now_s)
+                if task.vigil.hear(heartbeat, now_s):
+                    self._hear_primary(task, heartbeat, now_s)
             elif task.secondary == heartbeat.atv and task.guard is not None:
-                task.guard.hear(heartbeat, now_s)
+                if task.guard.hear(heartbeat, now_s):
+                    self._hear_secondary(task, heartbeat, now_s)
 
     # --- time passes ---
 
@@ -261,25 +376,122 @@ class Coordinator:
         task = self._open.get(task_id)
         if task is None or task.vigil is None:
             return
-        if task.vigil.check(now_s):
-            suspected = PrimarySuspected(
-                task=task.id,
-                epoch=task.epoch,
-                primary=task.primary,
-                silent_s=now_s - task.vigil.heard_s,
-            )
-            self._out.append(Record(suspected))
-        self._timers.set((PRIMARY_VIGIL, task.id), task.vigil.next_look_s(now_s))
+        failure = task.vigil.failure(now_s)
+        if not failure:
+            task.grace = False
+            self._timers.set((PRIMARY_VIGIL, task.id), task.vigil.fails_at_s)
+        elif task.grace or not task.secondary:
+            self._note_suspicion(task, now_s)
+            self._without_carrier(task, failure, now_s)
+        else:
+            self._note_suspicion(task, now_s)
+            task.grace = True
+            self._timers.set((PRIMARY_VIGIL, task.id), now_s + GRACE_S + task.vigil.delay_s)
+
+    def _note_suspicion(self, task: OpenTask, now_s: float) -> None:
+        if task.grace or task.trouble:
+            return
+        suspected = PrimarySuspected(
+            task=task.id,
+            epoch=task.epoch,
+            primary=task.primary,
+            silent_s=self._silent_s(task, now_s),
+        )
+        self._out.append(Record(suspected))
 
     def _check_secondary(self, task_id: str, now_s: float) -> None:
         task = self._open.get(task_id)
         if task is None or task.guard is None:
             return
-        if task.guard.check(now_s):
-            self._release(task.secondary, task.id, task.epoch, Role.SECONDARY, "silent")
-            self._lose_watch(task, "silent", now_s)
+        failure = task.guard.failure(now_s)
+        if failure:
+            self._release(task.secondary, task.id, task.epoch, Role.SECONDARY, failure)
+            self._lose_watch(task, failure, now_s)
         else:
-            self._timers.set((SECONDARY_VIGIL, task.id), task.guard.overdue_at_s)
+            self._timers.set((SECONDARY_VIGIL, task.id), task.guard.fails_at_s)
+
+    # --- when somebody fails ---
+
+    def _hear_primary(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
+        vigil = cast(Vigil, task.vigil)
+        task.grace, task.trouble = False, heartbeat.problem
+        self._timers.set((PRIMARY_VIGIL, task.id), vigil.fails_at_s)
+        brief = heartbeat.task
+        if brief is not None and brief.task == task.id and brief.epoch == task.epoch:
+            task.unnamed_s = NEVER_S
+        elif task.unnamed_s == NEVER_S:
+            task.unnamed_s = now_s
+        elif now_s - task.unnamed_s > UNNAMED_S:
+            self._without_carrier(task, "does not carry it any more", now_s)
+
+    def _hear_secondary(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
+        guard = cast(Vigil, task.guard)
+        self._timers.set((SECONDARY_VIGIL, task.id), guard.fails_at_s)
+        if any(brief.task == task.id and brief.epoch == task.epoch for brief in heartbeat.watches):
+            task.unwatched_s = NEVER_S
+        elif task.unwatched_s == NEVER_S:
+            task.unwatched_s = now_s
+        elif now_s - task.unwatched_s > UNNAMED_S:
+            self._lose_watch(task, "does not watch any more", now_s)
+
+    def _without_carrier(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """Nobody carries a task: announce it anew, or wait while its goods are out there."""
+        if not task.loaded:
+            self.reopen(task, reason, now_s)
+            return
+        vigil = cast(Vigil, task.vigil)
+        astray_at_s = vigil.fails_at_s + ASTRAY_S
+        if vigil.failure(now_s) and now_s < astray_at_s:
+            task.trouble = f"{task.primary} is {reason}, with the load on board"
+            self._timers.set((PRIMARY_VIGIL, task.id), astray_at_s)
+            self._contracted(task, now_s)
+            return
+        self.close(task, "withdrawn")
+        if self._lost is not None:
+            self._lost(task, now_s)
+
+    def _veto(self, task: OpenTask, message: TakenOver, now_s: float) -> str:
+        """Why nobody may take a task over; empty when it is right."""
+        if message.primary != task.primary:
+            return "another one carries it"
+        if task.loaded:
+            return f"the load is on board of {task.primary}"
+        vigil = task.vigil
+        if vigil is not None and vigil.heard_lately(now_s) and not vigil.failure(now_s):
+            return f"{task.primary} is heard"
+        return ""
+
+    def _hand_over(self, task: OpenTask, atv: str, message: TakenOver, now_s: float) -> None:
+        replaced, silent_s = task.primary, self._silent_s(task, now_s)
+        failure = task.vigil.failure(now_s) if task.vigil is not None else ""
+        if task.secondary == atv:
+            self._end_guard(task)
+        self._unbind(task, "another one has taken over")
+        task.epoch = message.epoch
+        self._out.append(Send(replaced, Superseded(task=task.id, epoch=task.epoch)))
+        self._bind(task, atv, message.source, message.finish_s, WORKING_INTERVAL_S, now_s)
+        self._confirm(task)
+        self._note_change(task, replaced, failure or message.reason, silent_s)
+        self._seek_watch(task, (), now_s)
+        self._contracted(task, now_s)
+
+    def _confirm(self, task: OpenTask) -> None:
+        self._out.append(Send(task.primary, Confirmed(task=task.id, epoch=task.epoch)))
+
+    def _note_change(self, task: OpenTask, replaced: str, reason: str, silent_s: float) -> None:
+        changed = CarrierChanged(
+            task=task.id,
+            epoch=task.epoch,
+            replaced=replaced,
+            carrier=task.primary,
+            reason=reason,
+            silent_s=silent_s,
+        )
+        self._out.append(Record(changed))
+
+    @staticmethod
+    def _silent_s(task: OpenTask, now_s: float) -> float:
+        return max(0.0, now_s - task.vigil.heard_s) if task.vigil is not None else 0.0
 
     # --- how it is done ---
 
@@ -291,6 +503,14 @@ class Coordinator:
 
         return Auction(self._agent, terms, self._place, audience, rules, self._out, candidates)
 
+    def _primary_auction(self, task: str, epoch: int, work: Work, deadline_s: float) -> Auction:
+        terms = Terms(task=task, epoch=epoch, role=Role.PRIMARY, work=work, deadline_s=deadline_s)
+        return self._auction(terms, self._rules)
+
+    def _announce(self, task: OpenTask, now_s: float) -> None:
+        task.auction.open(now_s)
+        self._arm(PRIMARY_AUCTION, task.id, task.auction)
+
     def _arm(self, kind: str, task: str, auction: Auction) -> None:
         if auction.wake_at_s < NEVER_S:
             self._timers.set((kind, task), auction.wake_at_s)
@@ -299,18 +519,37 @@ class Coordinator:
 
     def _bind_primary(self, task: OpenTask, atv: str, answer: Accepted, now_s: float) -> None:
         bid = task.auction.winning_bid
-        task.primary = atv
-        task.source = bid.source if bid is not None else ""
-        task.promised_s = answer.finish_s
+        source = bid.source if bid is not None else ""
         self._timers.clear((PRIMARY_AUCTION, task.id))
-        if self._following is not None:
-            self._following.begin(atv)
-            task.vigil = Vigil(atv, WORKING_INTERVAL_S, now_s)
-            self._timers.set((PRIMARY_VIGIL, task.id), task.vigil.overdue_at_s)
-            self._seek_watch(task, task.auction.left_over, now_s)
+        self._bind(task, atv, source, answer.finish_s, WORKING_INTERVAL_S, now_s)
+        self._seek_watch(task, task.auction.left_over, now_s)
         self._contracted(task, now_s)
 
+    def _bind(
+        self,
+        task: OpenTask,
+        atv: str,
+        source: str,
+        promised_s: float,
+        interval_s: float,
+        now_s: float,
+    ) -> None:
+        task.primary, task.source, task.promised_s = atv, source, promised_s
+        task.unnamed_s, task.grace, task.trouble = NEVER_S, False, ""
+        if self._following is not None:
+            self._following.begin(atv)
+            task.vigil = Vigil(atv, interval_s, now_s, self._following.hearing)
+            self._timers.set((PRIMARY_VIGIL, task.id), task.vigil.fails_at_s)
+
+    def _unbind(self, task: OpenTask, reason: str) -> None:
+        self._drop_watch(task, reason)
+        self._end_vigil(PRIMARY_VIGIL, task.id, task.vigil)
+        task.primary, task.vigil, task.source, task.loaded = "", None, "", False
+        task.grace, task.trouble = False, ""
+
     def _seek_watch(self, task: OpenTask, candidates: tuple[tuple[str, Bid], ...], now_s: float) -> None:
+        if self._following is None:
+            return
         terms = Terms(
             task=task.id,
             epoch=task.epoch,
@@ -326,16 +565,16 @@ class Coordinator:
     def _bind_secondary(self, task: OpenTask, atv: str, now_s: float) -> None:
         task.secondary, task.watch = atv, None
         self._timers.clear((WATCH_AUCTION, task.id))
+        task.unwatched_s = NEVER_S
         if self._following is not None:
             self._following.begin(atv)
-        task.guard = Vigil(atv, IDLE_INTERVAL_S, now_s)
-        self._timers.set((SECONDARY_VIGIL, task.id), task.guard.overdue_at_s)
+            task.guard = Vigil(atv, IDLE_INTERVAL_S, now_s, self._following.hearing)
+            self._timers.set((SECONDARY_VIGIL, task.id), task.guard.fails_at_s)
 
     def _lose_watch(self, task: OpenTask, reason: str, now_s: float) -> None:
         fact = WatchLost(task=task.id, epoch=task.epoch, secondary=task.secondary, reason=reason)
         self._out.append(Record(fact))
-        self._end_vigil(SECONDARY_VIGIL, task.id, task.guard)
-        task.secondary, task.guard = "", None
+        self._end_guard(task)
         self._seek_watch(task, (), now_s)
 
     def _drop_watch(self, task: OpenTask, reason: str) -> None:
@@ -345,7 +584,11 @@ class Coordinator:
             self._timers.clear((WATCH_AUCTION, task.id))
         if task.secondary:
             self._release(task.secondary, task.id, task.epoch, Role.SECONDARY, reason)
-            self._end_vigil(SECONDARY_VIGIL, task.id, task.guard)
+            self._end_guard(task)
+
+    def _end_guard(self, task: OpenTask) -> None:
+        self._end_vigil(SECONDARY_VIGIL, task.id, task.guard)
+        task.secondary, task.guard = "", None
 
     def _end_vigil(self, kind: str, task: str, vigil: Vigil | None) -> None:
         if vigil is not None and self._following is not None:

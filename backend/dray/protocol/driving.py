@@ -18,9 +18,10 @@ class Driver:
         plant: where the lanes are.
         vehicle_type: id of the vehicle's type.
         out: where effects go.
+        first_order: ways and actions are numbered from here on.
     """
 
-    def __init__(self, plant: Plant, vehicle_type: str, out: list[Effect]) -> None:
+    def __init__(self, plant: Plant, vehicle_type: str, out: list[Effect], *, first_order: int = 0) -> None:
         self._plant = plant
         self._routes = plant.routes(vehicle_type)
         self._out = out
@@ -29,7 +30,7 @@ class Driver:
         """The last node that was passed."""
         self.pose = Pose(x_m=0.0, y_m=0.0, heading_rad=0.0)
         self.speed_mps = 0.0
-        self.order = 0
+        self.order = first_order
         """The number of the newest way or action: reports about older ones are ignored."""
         self.way: tuple[str, ...] = ()
         """The whole present way; empty when the vehicle stands."""
@@ -64,6 +65,11 @@ class Driver:
         """Take the vehicle's own word for where it is."""
         self.pose, self.node, self.speed_mps = state.pose, state.node, state.speed_mps
 
+    def take_control(self, state: VehicleState, now_s: float) -> None:
+        """End a way that an earlier life has given, at the end of the lane that the vehicle is on."""
+        if state.next_node != state.node:
+            self._take_way((state.next_node,), state.next_node_s, now_s)
+
     def go(self, node: str, now_s: float) -> bool:
         """Drive to a node.
 
@@ -73,11 +79,14 @@ class Driver:
         if not self.way and self.node == node:
             return False
         way = self._routes.way(self.next_node, node)
-        self.order += 1
-        self.way, self._passed = way.nodes, 0
-        self.started_s, self.arrives_s = now_s, now_s + way.duration_s
-        self._out.append(Instruct(Drive(order=self.order, nodes=way.nodes, released=len(way.nodes))))
+        self._take_way(way.nodes, way.duration_s, now_s)
         return True
+
+    def _take_way(self, nodes: tuple[str, ...], duration_s: float, now_s: float) -> None:
+        self.order += 1
+        self.way, self._passed = nodes, 0
+        self.started_s, self.arrives_s = now_s, now_s + duration_s
+        self._out.append(Instruct(Drive(order=self.order, nodes=nodes, released=len(nodes))))
 
     def act(self, instruction: VehicleInstruction) -> None:
         """Let the standing vehicle do something; number it with `next_order` first."""

@@ -21,7 +21,7 @@ from dray.body import (
     WorkcellState,
 )
 from dray.errors import ProtocolViolation
-from dray.memory import Memory
+from dray.memory import MachineMemory, Memory
 from dray.messages import (
     Accepted,
     AtvHeartbeat,
@@ -37,6 +37,7 @@ from dray.messages import (
     MachineStatus,
     Release,
     Resigned,
+    TakenOver,
     TaskAnnounced,
     TaskBrief,
     Transport,
@@ -107,7 +108,8 @@ class Machine(Core):
             self._timers,
             Following(self._keys.atv_heartbeat, self._out),
             self._out,
-            self._on_contracted,
+            self._on_carrier_changed,
+            self._on_lost,
         )
         self._dock = Dock(machine, self._tasks, self._supply, self._out)
         self._cycling = ""
@@ -124,6 +126,7 @@ class Machine(Core):
             Accepted: self._tasks.hear_accepted,
             Declined: self._tasks.hear_declined,
             Resigned: self._tasks.hear_resigned,
+            TakenOver: self._tasks.hear_taken_over,
             Docked: self._dock.hear_docked,
             Handover: self._hear_handover,
             TaskAnnounced: lambda _sender, message, now_s: self._bidder.hear(message, self._problem, now_s),
@@ -144,7 +147,7 @@ class Machine(Core):
 
     # --- the beginning, and time passing ---
 
-    def _start(self, body: BodyState | None, _memory: Memory | None, now_s: float) -> None:
+    def _start(self, body: BodyState | None, memory: Memory | None, now_s: float) -> None:
         if not isinstance(body, WorkcellState):
             raise ProtocolViolation(f"{self.id}: a machine needs a workcell, not {body!r}")
         self._supply.sense(body.stock)
@@ -153,8 +156,29 @@ class Machine(Core):
         for product in self._products:
             self._goals.add_spare(product, self._supply.level(product))
         self._out.extend(Subscribe(self._keys.goals(product)) for product in self._products)
+        if isinstance(memory, MachineMemory):
+            self._recall(memory, now_s)
         self._timers.set(BEAT, now_s)
         self._pursue(now_s)
+
+    def _recall(self, memory: MachineMemory, now_s: float) -> None:
+        """Go on with what an earlier life was bound by."""
+        self._task_count = memory.task_count
+        for kept in memory.tasks:
+            work, goal = kept.work, self._goals.get(kept.work.goal)
+            if work.goal and goal is None:
+                continue  # The goal has ended; the carrier hears so when it asks.
+            self._tasks.restore(kept, now_s)
+            if goal is not None:
+                goal.committed += work.quantity
+            else:
+                self._supply.ordered(work)
+
+    def _memory(self) -> Memory:
+        return MachineMemory(
+            tasks=tuple(task.memory() for task in self._tasks),
+            task_count=self._task_count,
+        )
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
         if isinstance(body, WorkcellState) and self._supply.sense(body.stock):
@@ -209,7 +233,21 @@ class Machine(Core):
 
     def _stock_changed(self, report: StockChanged, now_s: float) -> None:
         self._supply.change(report.item, report.change)
+        if report.item in self._products:
+            self._goods_moved(report, now_s)
         self._pursue(now_s)
+
+    def _goods_moved(self, report: StockChanged, now_s: float) -> None:
+        """Goods have left with a vehicle, or a person has brought some back from one that failed."""
+        for task in list(self._tasks):
+            if task.work_item != report.item:
+                continue
+            if report.vehicle == task.primary and report.change < 0:
+                task.loaded = True
+                self._commit()
+            elif not report.vehicle and task.loaded and report.change == cast(Transport, task.work).quantity:
+                self._tasks.reopen(task, "its load was brought back", now_s)
+                return
 
     def _broken(self, report: Broken, now_s: float) -> None:
         self._problem = report.reason
@@ -268,6 +306,7 @@ class Machine(Core):
         self._task_count += 1
         life = "" if self.incarnation == 1 else f".{self.incarnation}"
         self._tasks.open(f"{self.id}{life}-{self._task_count}", work, deadline_s, now_s)
+        self._commit()
         self._timers.set(BEAT, now_s)
 
     def _update_status(self, now_s: float) -> None:
@@ -296,13 +335,25 @@ class Machine(Core):
         x_m, y_m = self._plant.position_of(self.id)
         return tuple(self._keys.transports(cell) for cell in self._plant.cells_within(x_m, y_m, radius_m))
 
-    def _on_contracted(self, _task: OpenTask, now_s: float) -> None:
+    def _on_carrier_changed(self, _task: OpenTask, now_s: float) -> None:
+        self._commit()
         self._timers.set(BEAT, now_s)
+
+    def _on_lost(self, task: OpenTask, now_s: float) -> None:
+        """A vehicle has vanished with goods: they are made anew."""
+        work = cast(Transport, task.work)
+        goal = self._goals.get(work.goal)
+        if goal is not None:
+            goal.committed -= work.quantity
+            goal.astray += work.quantity
+        self._goals_changed(now_s)
+        self._commit()
 
     def _hear_handover(self, sender: str, message: Handover, now_s: float) -> None:
         task = self._dock.hear_handover(sender, message)
         if task is None:
             return
+        self._commit()
         work = cast(Transport, task.work)
         if work.goal:
             self._note_delivered(work)
@@ -368,4 +419,5 @@ def _brief(task: OpenTask) -> TaskBrief:
         primary=task.primary,
         secondary=task.secondary,
         round=task.round,
+        trouble=task.trouble,
     )

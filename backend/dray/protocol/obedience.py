@@ -21,7 +21,8 @@ class Obedience:
 
     def __init__(self, out: list[Effect]) -> None:
         self._out = out
-        self._acknowledged = False
+        self.acknowledged = False
+        """The present stop was acknowledged, and not resumed yet."""
         self.stopped = False
         self.speed_frac = 1.0
         """The limit, as a part of the vehicle's own top speed."""
@@ -33,6 +34,16 @@ class Obedience:
             Whether it was carried out.
         """
         refused = self._try(command)
+        self.answer(sender, command, refused)
+        return not refused
+
+    def recall(self, acknowledged: bool, speed_frac: float) -> None:
+        """Go on with what an earlier life was told; whether it is stopped, its body knows."""
+        self.acknowledged = acknowledged and self.stopped
+        self.speed_frac = speed_frac
+
+    def answer(self, sender: str, command: VehicleCommand, refused: str) -> None:
+        """Say what became of a command; `refused` tells why not."""
         answer = CommandAnswered(command=command.command, done=not refused, reason=refused)
         fact = CommandObeyed(
             command=command.command,
@@ -42,12 +53,11 @@ class Obedience:
             issued_by=command.issued_by,
         )
         self._out += (Send(sender, answer), Record(fact))
-        return not refused
 
     def _try(self, command: VehicleCommand) -> str:
         """Why not, or nothing."""
         if command.kind is CommandKind.STOP:
-            self.stopped, self._acknowledged = True, False
+            self.stopped, self.acknowledged = True, False
             self._out.append(Instruct(Hold()))
             return ""
         if command.kind is CommandKind.SET_SPEED:
@@ -55,9 +65,9 @@ class Obedience:
         if not self.stopped:
             return "it is not stopped"
         if command.kind is CommandKind.ACKNOWLEDGE:
-            self._acknowledged = True
+            self.acknowledged = True
             return ""
-        if not self._acknowledged:
+        if not self.acknowledged:
             return "acknowledge the stop first"
         self.stopped = False
         self._out.append(Instruct(Unhold()))

@@ -1,61 +1,85 @@
-"""The watch over a contracted vehicle: who is followed, and when silence is noticed.
+"""The watch over a contracted vehicle: who is followed, and when its failure is noticed.
 
 The machine follows its primary and its secondary, the secondary follows the primary (paper, 4.1 and
-Figure 3). What follows from a suspicion is decided by whoever watches.
+Figure 3). A vehicle has failed when nothing is heard of it past the bound, on the WLAN and through the
+radio mesh alike, or when it says itself that it cannot go on and the time for help is over (paper,
+cases 3 and 4). What follows from that is decided by whoever watches.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from dray.messages import AtvHeartbeat
-from dray.protocol.events import Effect, Subscribe, Unsubscribe
-from dray.protocol.suspicion import atv_interval_s, bound_s
+from dray.messages import AtvHeartbeat, AtvStatus
+from dray.protocol.events import NEVER_S, Effect, Subscribe, Unsubscribe
+from dray.protocol.suspicion import Hearing, atv_interval_s, bound_s
+
+SILENT = "silent"
+IN_ERROR = "in error, and not helped in time"
 
 
 class Vigil:
-    """What was last heard of one vehicle, and how long it may still be silent.
+    """What was last heard of one vehicle, and how long it may still go on like this.
 
     Args:
         subject: the vehicle.
         interval_s: how often it is expected to beat before the first heartbeat is heard.
         now_s: when the vigil begins.
+        prior: how heartbeats arrive at the agent that watches; it learns from this vigil too.
     """
 
-    __slots__ = ("_last", "bound_s", "heard_s", "subject", "suspected")
+    __slots__ = ("_hearing", "_help_until_s", "_last", "_prior", "bound_s", "heard_s", "last", "subject")
 
-    def __init__(self, subject: str, interval_s: float, now_s: float) -> None:
+    def __init__(self, subject: str, interval_s: float, now_s: float, prior: Hearing | None = None) -> None:
         self.subject = subject
         self.heard_s = now_s
-        self.bound_s = bound_s(interval_s)
-        self.suspected = False
+        self.last: AtvHeartbeat | None = None
+        """The newest heartbeat; None before the first."""
+        self._prior = prior if prior is not None else Hearing()
+        self._hearing = Hearing(self._prior)
+        self.bound_s = bound_s(interval_s, self._hearing.loss_frac, self._hearing.deviation_s)
         self._last = (0, 0)
+        self._help_until_s = NEVER_S
 
     @property
-    def overdue_at_s(self) -> float:
-        """When its silence becomes suspicious."""
-        return self.heard_s + self.bound_s
+    def delay_s(self) -> float:
+        """How long its heartbeats are under way, on average."""
+        return self._hearing.delay_s
 
-    def hear(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        """Note a heartbeat; one that was overtaken by a newer one tells nothing."""
+    @property
+    def fails_at_s(self) -> float:
+        """When it counts as failed, if nothing more is heard."""
+        return min(self.heard_s + self.bound_s, self._help_until_s)
+
+    def hear(self, heartbeat: AtvHeartbeat, now_s: float) -> bool:
+        """Note a heartbeat; False for one that was overtaken by a newer one: it tells nothing."""
         order = (heartbeat.incarnation, heartbeat.seq)
         if order <= self._last:
-            return
-        self._last = order
-        self.heard_s = now_s
-        self.bound_s = bound_s(atv_interval_s(heartbeat))
-        self.suspected = False
-
-    def check(self, now_s: float) -> bool:
-        """Whether it has become suspect just now: true once per silence."""
-        if self.suspected or now_s < self.overdue_at_s:
             return False
-        self.suspected = True
+        same_life = order[0] == self._last[0]
+        missed = order[1] - self._last[1] - 1 if same_life else 0
+        delay_s = now_s - heartbeat.at_s
+        self._hearing.note(missed, delay_s)
+        self._prior.note(missed, delay_s)
+        self._last = order
+        self.last = heartbeat
+        self.heard_s = now_s
+        self.bound_s = bound_s(atv_interval_s(heartbeat), self._hearing.loss_frac, self._hearing.deviation_s)
+        if heartbeat.help is not None:
+            self._help_until_s = heartbeat.help.until_s
+        else:
+            self._help_until_s = now_s if heartbeat.status is AtvStatus.ERROR else NEVER_S
         return True
 
-    def next_look_s(self, now_s: float) -> float:
-        """When to look again: a suspect may speak up, so it is not looked at all the time."""
-        return now_s + self.bound_s if self.suspected else self.overdue_at_s
+    def failure(self, now_s: float) -> str:
+        """Why it has failed by now: `SILENT` or `IN_ERROR`; empty while it has not."""
+        if now_s >= self.heard_s + self.bound_s:
+            return SILENT
+        return IN_ERROR if now_s >= self._help_until_s else ""
+
+    def heard_lately(self, now_s: float) -> bool:
+        """Whether it was heard in the newer half of the bound: then its silence is somebody else's trouble."""
+        return now_s - self.heard_s < self.bound_s / 2
 
 
 class Following:
@@ -64,11 +88,15 @@ class Following:
     Args:
         key_of: the bus key of an agent's heartbeats.
         out: where effects go.
+
+    Attributes:
+        hearing: how heartbeats have arrived so far, over all that were followed.
     """
 
-    __slots__ = ("_count", "_key_of", "_out")
+    __slots__ = ("_count", "_key_of", "_out", "hearing")
 
     def __init__(self, key_of: Callable[[str], str], out: list[Effect]) -> None:
+        self.hearing = Hearing()
         self._key_of = key_of
         self._out = out
         self._count: dict[str, int] = {}

@@ -1,4 +1,4 @@
-"""A secondary's watches: whom it guards, for which tasks, and when their silence is noticed.
+"""A secondary's watches: whom it guards, for which tasks, and when their failure is noticed.
 
 A watch reserves nothing: the vehicle goes on bidding, and gives every watch back when it wins work
 of its own (protocol, step 4).
@@ -6,7 +6,7 @@ of its own (protocol, step 4).
 
 from __future__ import annotations
 
-from dray.messages import AtvHeartbeat, Award, Brief, Release, Resigned, Role, Transport
+from dray.messages import AtvHeartbeat, Award, Brief, Phase, Release, Resigned, Role, Transport
 from dray.messages.fact import ContractEnded, ContractTaken, PrimarySuspected
 from dray.protocol.events import Effect, Record, Send
 from dray.protocol.supervision import Following, Vigil
@@ -14,6 +14,9 @@ from dray.protocol.suspicion import WORKING_INTERVAL_S
 from dray.protocol.timers import Timers
 
 WATCH_VIGIL = "watch vigil"
+
+GOODS_ABOARD = frozenset({Phase.CARRYING, Phase.UNLOADING, Phase.HANDING_OVER, Phase.RETURNING})
+"""Phases in which the load has left its source."""
 
 OVER_AFTER_S = 15.0
 """A primary that has named another task, or none, for this long has finished the one that is
@@ -23,14 +26,25 @@ watched: the coordinator's release was lost on the way."""
 class Watch:
     """One task that this vehicle is secondary of."""
 
-    __slots__ = ("award", "coordinator", "named_s", "vigil")
+    __slots__ = ("award", "coordinator", "named_s", "reported", "vigil")
 
-    def __init__(self, award: Award, coordinator: str, now_s: float) -> None:
+    def __init__(self, award: Award, coordinator: str, vigil: Vigil, now_s: float) -> None:
         self.award = award
         self.coordinator = coordinator
-        self.vigil = Vigil(award.primary, WORKING_INTERVAL_S, now_s)
+        self.vigil = vigil
         self.named_s = now_s
         """When the primary last named this task as its own."""
+        self.reported = False
+        """The present failure of the primary is in the history."""
+
+    @property
+    def can_be_taken_over(self) -> bool:
+        """Whether the load can still be fetched: goods that have left their machine exist only once."""
+        work, last = self.award.work, self.vigil.last
+        if not isinstance(work, Transport) or not work.goal:
+            return True
+        brief = last.task if last is not None else None
+        return brief is None or brief.task != self.award.task or brief.phase not in GOODS_ABOARD
 
     def brief(self) -> Brief:
         work = self.award.work
@@ -78,10 +92,10 @@ class Watches:
         """Guard the primary of an award; a newer epoch of the same task replaces the older one."""
         if award.task in self._watches:
             self.end(award.task, "renewed")
-        watch = Watch(award, coordinator, now_s)
-        self._watches[award.task] = watch
+        vigil = Vigil(award.primary, WORKING_INTERVAL_S, now_s, self._following.hearing)
+        self._watches[award.task] = Watch(award, coordinator, vigil, now_s)
         self._following.begin(award.primary)
-        self._timers.set((WATCH_VIGIL, award.task), watch.vigil.overdue_at_s)
+        self._timers.set((WATCH_VIGIL, award.task), vigil.fails_at_s)
         taken = ContractTaken(
             task=award.task, epoch=award.epoch, role=Role.SECONDARY, coordinator=coordinator
         )
@@ -107,29 +121,45 @@ class Watches:
 
     def resign(self, reason: str) -> None:
         """Give every watch back to its coordinator, who elects another."""
-        for task, watch in list(self._watches.items()):
-            resigned = Resigned(task=task, epoch=watch.award.epoch, role=Role.SECONDARY, reason=reason)
-            self._out.append(Send(watch.coordinator, resigned))
-            self.end(task, "resigned")
+        for task in list(self._watches):
+            self.resign_from(task, reason)
+
+    def resign_from(self, task: str, reason: str) -> None:
+        """Give one watch back."""
+        watch = self._watches[task]
+        resigned = Resigned(task=task, epoch=watch.award.epoch, role=Role.SECONDARY, reason=reason)
+        self._out.append(Send(watch.coordinator, resigned))
+        self.end(task, "resigned")
 
     def hear(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """A followed vehicle lives."""
         for task, watch in list(self._watches.items()):
-            if watch.award.primary != heartbeat.atv:
+            if watch.award.primary != heartbeat.atv or not watch.vigil.hear(heartbeat, now_s):
                 continue
-            watch.vigil.hear(heartbeat, now_s)
+            watch.reported = False
+            # A heartbeat may bring the failure nearer: the time for help is over, or was cut short.
+            self._timers.set((WATCH_VIGIL, task), watch.vigil.fails_at_s)
             if heartbeat.task is not None and heartbeat.task.task == task:
                 watch.named_s = now_s
             elif now_s - watch.named_s > OVER_AFTER_S:
                 self.end(task, "over")
 
-    def wake(self, task: str, now_s: float) -> None:
-        """A primary may have been silent for too long."""
+    def failed(self, task: str, now_s: float) -> Watch | None:
+        """Look after a primary whose time may have come.
+
+        Returns:
+            Its watch when it has failed and the task can be taken over; None otherwise.
+        """
         watch = self._watches.get(task)
         if watch is None:
-            return
+            return None
         vigil = watch.vigil
-        if vigil.check(now_s):
+        reason = vigil.failure(now_s)
+        if not reason:
+            self._timers.set((WATCH_VIGIL, task), vigil.fails_at_s)
+            return None
+        if not watch.reported:
+            watch.reported = True
             suspected = PrimarySuspected(
                 task=task,
                 epoch=watch.award.epoch,
@@ -137,4 +167,8 @@ class Watches:
                 silent_s=now_s - vigil.heard_s,
             )
             self._out.append(Record(suspected))
-        self._timers.set((WATCH_VIGIL, task), vigil.next_look_s(now_s))
+        if watch.can_be_taken_over:
+            return watch
+        # Its coordinator waits for it too. It may speak up again, and that sets the alarm anew.
+        self._timers.clear((WATCH_VIGIL, task))
+        return None
