@@ -8,6 +8,7 @@ body and its journal stay, and the next life starts from them. Without power the
 from __future__ import annotations
 
 import asyncio
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from random import Random
@@ -25,6 +26,7 @@ from dray.protocol.machine import Machine
 from dray.protocol.strategist import STRATEGIST, Strategist
 from dray.worker import Worker
 from dray_sim.chargers import Chargers
+from dray_sim.gate import Gate
 from dray_sim.journal import HeldJournal
 from dray_sim.loop import VirtualClock
 from dray_sim.network import WLAN, Latency, SimNetwork
@@ -95,6 +97,8 @@ class SimFactory:
         vehicles, workcells, storages: the bodies and places by id.
         workers: by agent id; of a crashed agent, that of its last life.
         journals: by agent id.
+        gate: of all delivery warehouses; the strategist's body.
+        in_hands: pieces that people carry, by item.
     """
 
     def __init__(
@@ -115,8 +119,10 @@ class SimFactory:
         # One generator per concern, so that a change to one does not shift the chances of another.
         self.bus = SimNetwork(clock, Random(f"{seed} network"), latency, codec=codec, trace=ear)
         self.source = SourceWarehouse(plant.source_warehouses[0], plant.materials)
+        self.gate = Gate(clock)
         self.delivery: Mapping[str, DeliveryWarehouse] = {
-            warehouse: DeliveryWarehouse(warehouse, plant.products) for warehouse in plant.delivery_warehouses
+            warehouse: DeliveryWarehouse(warehouse, plant.products, self.gate)
+            for warehouse in plant.delivery_warehouses
         }
         self.storages: Mapping[str, Storage] = {
             spec.id: Storage(spec, clock, self.source) for spec in plant.storages.values()
@@ -126,6 +132,7 @@ class SimFactory:
             spec.id: SimWorkcell(spec, plant, clock, stock=_first_stock(plant, spec.id, stock_frac, stock))
             for spec in plant.machines.values()
         }
+        self.in_hands: Counter[str] = Counter()
         self._places: dict[str, Place] = {**self.storages, **self.workcells, **self.delivery}
         self._chargers = Chargers()
         self.vehicles: dict[str, SimVehicle] = {}
@@ -137,7 +144,7 @@ class SimFactory:
             self._employ(machine, self._machine(machine), workcell)
         for spec in plant.fleet.values():
             self.add_vehicle(spec)
-        self._employ(STRATEGIST, self._strategist, None)
+        self._employ(STRATEGIST, self._strategist, self.gate)
 
     @property
     def journals(self) -> Mapping[str, HeldJournal]:

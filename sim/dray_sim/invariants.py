@@ -10,7 +10,6 @@ import asyncio
 from collections.abc import Mapping
 
 from dray.body import VehicleState
-from dray.errors import DrayError
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
@@ -31,6 +30,7 @@ from dray.messages.fact import (
     TaskOpened,
 )
 from dray.messages.order import CommandKind
+from dray_sim.broken import InvariantBroken
 from dray_sim.factory import Ear, SimFactory
 
 BRAKING_S = 10.0
@@ -38,20 +38,6 @@ BRAKING_S = 10.0
 
 STILL_M = 1e-6
 """Less than this is rounding, not motion."""
-
-
-class InvariantBroken(DrayError):
-    """Something was seen that the protocol excludes.
-
-    Attributes:
-        number: of the invariant in protocol.md.
-        at_s: when it was seen (plant clock).
-        seen: what.
-    """
-
-    def __init__(self, number: int, at_s: float, seen: str) -> None:
-        self.number, self.at_s, self.seen = number, at_s, seen
-        super().__init__(f"invariant {number} is broken at {at_s:.3f} s: {seen}")
 
 
 class TasksEnd:
@@ -144,17 +130,21 @@ class DeliveredExactly:
 
 
 class StoppedStands:
-    """Invariant 5: a stopped vehicle does not move before acknowledge and resume."""
+    """Invariant 5: a stopped vehicle does not move before acknowledge and resume.
+
+    A loss of power ends no stop. People may carry a vehicle about: what counts is what it drives.
+    """
 
     def __init__(self, factory: SimFactory) -> None:
         self._factory = factory
         self._stopped_s: dict[str, float] = {}
-        self._stands_at: dict[str, tuple[float, float]] = {}
+        self._stood_m: dict[str, float] = {}
+        """What a stopped vehicle had driven when it came to its stand."""
         self._acknowledged: dict[str, None] = {}
 
     def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         if type(message) is AtvHeartbeat and sender in self._stopped_s:
-            self._check_pose(sender, at_s)
+            self._check_stand(sender, at_s)
         elif type(message) is Event:
             fact = message.fact
             if type(fact) is CommandObeyed and fact.done:
@@ -173,21 +163,23 @@ class StoppedStands:
             if atv in self._stopped_s and atv not in self._acknowledged:
                 raise InvariantBroken(5, at_s, f"{atv} resumed without an acknowledge")
             self._stopped_s.pop(atv, None)
-            self._stands_at.pop(atv, None)
+            self._stood_m.pop(atv, None)
 
-    def _check_pose(self, atv: str, at_s: float) -> None:
+    def _check_stand(self, atv: str, at_s: float) -> None:
         if at_s < self._stopped_s[atv] + BRAKING_S:
             return
-        state = self._factory.vehicles[atv].sense()
-        here = (state.pose.x_m, state.pose.y_m)
-        stood = self._stands_at.setdefault(atv, here)
-        moved_m = abs(here[0] - stood[0]) + abs(here[1] - stood[1])
-        if moved_m > STILL_M or state.speed_mps > STILL_M:
+        vehicle = self._factory.vehicles[atv]
+        driven_m = vehicle.odometer().metres_m
+        moved_m = driven_m - self._stood_m.setdefault(atv, driven_m)
+        if moved_m > STILL_M or vehicle.sense().speed_mps > STILL_M:
             raise InvariantBroken(5, at_s, f"{atv} is stopped and has moved {moved_m:.3f} m")
 
 
 class MaterialConserved:
-    """Invariant 2, second half: storage + on board + buffers + consumed + scrapped = supplied."""
+    """Invariant 2, second half: storage + on board + buffers + consumed + scrapped = supplied.
+
+    On board means of dead vehicles, too; goods that were set aside and what people carry are in sight.
+    """
 
     INTERVAL_S = 60.0
     """Counting the whole plant takes a while, and what is lost stays lost."""
@@ -222,6 +214,7 @@ class MaterialConserved:
         for warehouse in factory.delivery.values():
             _add(total, warehouse.arrived)
             _add(total, warehouse.aside)
+        _add(total, factory.in_hands)
         for vehicle in factory.vehicles.values():
             state: VehicleState = vehicle.sense()
             if state.load:

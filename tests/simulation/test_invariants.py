@@ -35,6 +35,7 @@ from dray.plant import default_plant
 from dray_sim.factory import SimFactory
 from dray_sim.invariants import Invariants
 from dray_sim.loop import VirtualClock
+from dray_sim.vehicle import SimVehicle
 
 WORK = Transport(item="shaft", quantity=40, sources=("S3",), destination="M8", ability="tote")
 OPENED = TaskOpened(
@@ -125,13 +126,41 @@ def _conjure_into_a_warehouse(factory: SimFactory) -> None:
     factory.delivery["DELIVERY"].arrived["gear-unit-g2"] += 1
 
 
-@pytest.mark.parametrize("tamper", [_steal_from_a_storage, _conjure_into_a_warehouse])
+def _lose_on_the_way(factory: SimFactory) -> None:
+    factory.storages["S3"].take("ATV2", "shaft", 5)
+
+
+def _set_aside_what_nobody_made(factory: SimFactory) -> None:
+    factory.delivery["DELIVERY"].aside["gear-unit-g2"] += 1
+
+
+def _take_in_hand_what_was_not_there(factory: SimFactory) -> None:
+    factory.in_hands["shaft"] += 1
+
+
+@pytest.mark.parametrize(
+    "tamper",
+    [
+        _steal_from_a_storage,
+        _conjure_into_a_warehouse,
+        _lose_on_the_way,
+        _set_aside_what_nobody_made,
+        _take_in_hand_what_was_not_there,
+    ],
+)
 def test_a_piece_that_vanishes_or_appears_is_noticed(
     watched: Watched, tamper: Callable[[SimFactory], None]
 ) -> None:
     tamper(watched.factory)
     watched.say("M8", machine_heartbeat())
     assert watched.broken == 2
+
+
+def test_what_people_carry_is_not_lost(watched: Watched) -> None:
+    watched.factory.storages["S3"].take("ATV2", "shaft", 5)
+    watched.factory.in_hands["shaft"] += 5
+    watched.say("M8", machine_heartbeat())
+    assert watched.broken == 0
 
 
 def test_a_vehicle_with_two_tasks_is_noticed(watched: Watched) -> None:
@@ -184,31 +213,58 @@ def test_a_stop_that_ends_by_itself_is_noticed(watched: Watched) -> None:
     assert watched.broken == 5
 
 
-def test_a_stopped_vehicle_that_moves_is_noticed() -> None:
-    watched = Watched()
-    vehicle = watched.factory.vehicles["ATV2"]
-    here = vehicle.sense()
-    heartbeat = AtvHeartbeat(
-        atv="ATV2",
+def stopped_heartbeat(vehicle: SimVehicle) -> AtvHeartbeat:
+    return AtvHeartbeat(
+        atv=vehicle.id,
         incarnation=1,
         seq=1,
         at_s=0.0,
         status=AtvStatus.STOPPED,
         pose=Pose(x_m=0.0, y_m=0.0, heading_rad=0.0),
-        node=here.node,
+        node=vehicle.sense().node,
         speed_mps=0.0,
         battery_frac=1.0,
     )
-    watched.say("ATV2", command("stop"))
+
+
+def stop(watched: Watched, vehicle: SimVehicle) -> None:
+    """Stop it, and let it stand for longer than braking takes."""
+    watched.say(vehicle.id, command("stop"))
     for _ in range(15):
-        watched.say("ATV2", heartbeat)
-    assert watched.broken == 0
-    clock = watched.factory.clock
-    way = watched.factory.plant.routes("heavy").way(here.node, "c3")
+        watched.say(vehicle.id, stopped_heartbeat(vehicle))
+
+
+def drive_off(watched: Watched, vehicle: SimVehicle) -> None:
+    here = vehicle.sense().node
+    way = watched.factory.plant.routes("heavy").way(here, "c3")
     vehicle.instruct(Drive(order=1, nodes=way.nodes, released=len(way.nodes)))
-    clock.time_s += 5.0
-    watched.say("ATV2", heartbeat)
+    watched.factory.clock.time_s += 5.0
+    watched.say(vehicle.id, stopped_heartbeat(vehicle))
+
+
+def test_a_stopped_vehicle_that_moves_is_noticed(watched: Watched) -> None:
+    vehicle = watched.factory.vehicles["ATV2"]
+    stop(watched, vehicle)
+    assert watched.broken == 0
+    drive_off(watched, vehicle)
     assert watched.broken == 5
+
+
+def test_a_stop_is_not_forgotten_with_the_power(watched: Watched) -> None:
+    vehicle = watched.factory.vehicles["ATV2"]
+    stop(watched, vehicle)
+    vehicle.power_off()
+    vehicle.power_on()
+    drive_off(watched, vehicle)
+    assert watched.broken == 5
+
+
+def test_people_may_carry_a_stopped_vehicle(watched: Watched) -> None:
+    vehicle = watched.factory.vehicles["ATV2"]
+    stop(watched, vehicle)
+    vehicle.place_at("c3")
+    watched.say(vehicle.id, stopped_heartbeat(vehicle))
+    assert watched.broken == 0
 
 
 def test_the_chances_of_a_factory_do_not_depend_on_one_another() -> None:

@@ -35,7 +35,6 @@ from dray.messages.base import Part
 from dray_sim.odometer import Activity
 from dray_sim.vehicle import SimVehicle
 
-
 ROUNDING = 1e-9
 NODES = st.sampled_from(sorted(PLANT.nodes))
 WHO = st.sampled_from(["ATV1", "ATV2"])

@@ -1,0 +1,384 @@
+"""People on the floor: operators who look after the vehicles of their area (paper, cases 4 and 5).
+
+An operator has a tablet that shows the vehicles' heartbeats, two legs and two hands, and does one thing
+at a time. All that an operator knows comes from heartbeats and from own eyes on the spot; all that an
+operator says to a vehicle is a command like any other, repeated until it is answered. How quick people
+are is chance, from a generator of each operator's own.
+
+    problem    react -> promise -> walk -> mend
+    shifted    react -> promise -> walk -> STOP -> mend -> slow down -> ACKNOWLEDGE -> RESUME
+    silence    react -> walk -> carry the load away -> push it to a charger -> switch it on
+
+Who was interrupted, by a vehicle that went silent in the middle say, remembers which stops are own ones
+and ends them when the vehicle is heard again.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+from random import Random
+from typing import TYPE_CHECKING
+
+from dray.messages import (
+    AtvHeartbeat,
+    AtvStatus,
+    CommandAnswered,
+    CommandKind,
+    Message,
+    VehicleCommand,
+)
+from dray.messages.keys import Keys
+from dray.plant import Plant
+from dray.ports import Bus, Clock, Session
+from dray_sim.hands import Hands
+from dray_sim.vehicle import LOAD_SHIFTED
+
+if TYPE_CHECKING:
+    from dray_sim.factory import SimFactory
+
+LOOK_S = 5.0
+"""How often somebody glances at the tablet."""
+
+ANSWER_S = 2.0
+"""A vehicle answers within a network round trip; after this long a command is said again."""
+
+TRIES = 15
+"""Half a minute of saying it again; then the vehicle does not hear."""
+
+EVERYWHERE = "plant"
+"""The area of the only operator of a plant that has no areas."""
+
+Range = tuple[float, float]
+"""From and to; chance takes anything in between."""
+
+
+@dataclass(frozen=True, slots=True)
+class Habits:
+    """How an operator works. Seconds are from and to.
+
+    Attributes:
+        present_frac: the chance that an alarm finds somebody at all.
+        away_s: how long nobody is there when it does not.
+        react_s: from seeing an alarm to doing something about it.
+        promises_frac: the chance that somebody tells a vehicle to be on the way.
+        estimate: what is promised, as a part of the time that it will take; above 1 is cautious.
+        walk_s: to the vehicle.
+        mend_s: to put a problem right.
+        carry_s: to bring a dead vehicle's load to where it belongs.
+        push_s: to bring a dead vehicle to a charger.
+        silent_s: a vehicle that was not heard for so long is looked for; well above what a takeover
+            takes, so that people come after the agents have helped themselves.
+        slow_frac: a shifted load is driven on with this part of the top speed; 1 for as before.
+        slow_s: how long.
+    """
+
+    present_frac: float = 1.0
+    away_s: Range = (300.0, 900.0)
+    react_s: Range = (3.0, 15.0)
+    promises_frac: float = 1.0
+    estimate: Range = (1.0, 1.5)
+    walk_s: Range = (15.0, 60.0)
+    mend_s: Range = (15.0, 90.0)
+    carry_s: Range = (30.0, 90.0)
+    push_s: Range = (30.0, 120.0)
+    silent_s: float = 30.0
+    slow_frac: float = 0.5
+    slow_s: float = 60.0
+
+
+class Duty(IntEnum):
+    """What may be asked of an operator, the most urgent first."""
+
+    HELP = 0
+    """A vehicle has a problem."""
+    RELEASE = 1
+    """A vehicle still stands by an own stop."""
+    RECOVER = 2
+    """A vehicle is silent."""
+    SPEED_UP = 3
+    """A vehicle has driven slowly for long enough."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Sight:
+    """A vehicle as the tablet shows it."""
+
+    heartbeat: AtvHeartbeat
+    at_s: float
+    """When that was heard."""
+
+
+class Operator:
+    """One person, who is responsible for one area and joins the bus as `operator-<area>`.
+
+    Invariants: a command is said when the one before it was answered; every stop of an operator is
+    followed by an acknowledge and a resume of the same operator, as soon as the vehicle hears it.
+
+    Args:
+        area: for which vehicles, by where they are; `EVERYWHERE` for all of them.
+        plant: where areas are.
+        bus: joined while `run` runs.
+        clock: the plant's clock.
+        hands: to do something with.
+        random: all chance in this person's life.
+        habits: how this person works.
+
+    Attributes:
+        name: on the bus.
+        done: how often which duty was done.
+    """
+
+    def __init__(
+        self,
+        area: str,
+        *,
+        plant: Plant,
+        bus: Bus,
+        clock: Clock,
+        hands: Hands,
+        random: Random,
+        habits: Habits,
+    ) -> None:
+        self.name = f"operator-{area}"
+        self.done = dict.fromkeys(Duty, 0)
+        self._area = area
+        self._plant = plant
+        self._bus = bus
+        self._clock = clock
+        self._hands = hands
+        self._random = random
+        self._habits = habits
+        self._sights: dict[str, _Sight] = {}
+        """The last heartbeat of every vehicle, wherever it is."""
+        self._stops: dict[str, float] = {}
+        """Vehicles that an own stop may hold, and since when."""
+        self._slowed: dict[str, float] = {}
+        """Vehicles that an own limit holds back, and until when."""
+        self._commands = 0
+        self._answers: dict[str, asyncio.Future[CommandAnswered]] = {}
+        """At most one: the command that waits for its answer."""
+
+    async def run(self) -> None:
+        """Work until cancelled."""
+        session = self._bus.join(self.name, self._hear)
+        session.subscribe(Keys(self._plant.id).atv_heartbeat("*"))
+        try:
+            while True:
+                await asyncio.sleep(LOOK_S)
+                alarm = self._most_urgent()
+                if alarm is None:
+                    continue
+                if self._random.random() < self._habits.present_frac:
+                    await self._attend(session, *alarm)
+                else:
+                    await self._spend(self._habits.away_s)
+        finally:
+            session.leave()
+
+    # --- seeing ----------------------------------------------------------------------------------
+
+    def _hear(self, _sender: str, message: Message) -> None:
+        if isinstance(message, AtvHeartbeat):
+            self._sights[message.atv] = _Sight(message, self._clock.now_s())
+        elif isinstance(message, CommandAnswered):
+            answer = self._answers.get(message.command)
+            # A command that was said twice may be answered twice.
+            if answer is not None and not answer.done():
+                answer.set_result(message)
+
+    def _most_urgent(self) -> tuple[Duty, str] | None:
+        """What to do next, and for which vehicle; what is equally urgent in the order of names."""
+        now_s = self._clock.now_s()
+        alarms: list[tuple[Duty, float, str]] = []
+        for atv, sight in self._sights.items():
+            alarm = self._alarm(atv, sight, now_s)
+            if alarm is not None and (atv in self._stops or atv in self._slowed or self._is_here(sight)):
+                alarms.append((*alarm, atv))
+        if not alarms:
+            return None
+        duty, _, atv = min(alarms)
+        return duty, atv
+
+    def _alarm(self, atv: str, sight: _Sight, now_s: float) -> tuple[Duty, float] | None:
+        """What a vehicle needs, and by when."""
+        heartbeat = sight.heartbeat
+        if now_s - sight.at_s > self._habits.silent_s:
+            return Duty.RECOVER, sight.at_s
+        if self._stops.get(atv, now_s) < heartbeat.at_s:
+            if heartbeat.status is AtvStatus.STOPPED:
+                return Duty.RELEASE, sight.at_s
+            del self._stops[atv]
+        if heartbeat.problem:
+            return Duty.HELP, heartbeat.help.until_s if heartbeat.help is not None else float("inf")
+        if self._slowed.get(atv, now_s) < now_s:
+            return Duty.SPEED_UP, now_s
+        return None
+
+    def _is_here(self, sight: _Sight) -> bool:
+        pose = sight.heartbeat.pose
+        return area_at(self._plant, pose.x_m, pose.y_m) == self._area
+
+    # --- doing -----------------------------------------------------------------------------------
+
+    async def _attend(self, session: Session, duty: Duty, atv: str) -> None:
+        await self._spend(self._habits.react_s)
+        if duty is Duty.HELP:
+            await self._help(session, atv)
+        elif duty is Duty.RELEASE:
+            self._hands.mend(atv)
+            await self._release(session, atv)
+        elif duty is Duty.RECOVER:
+            await self._recover(atv)
+        else:
+            await self._speed_up(session, atv)
+        self.done[duty] += 1
+
+    async def _help(self, session: Session, atv: str) -> None:
+        """Mend a vehicle, where it is still needed."""
+        walk_s, mend_s = self._draw(self._habits.walk_s), self._draw(self._habits.mend_s)
+        promises = self._random.random() < self._habits.promises_frac
+        estimate_s = (walk_s + mend_s) * self._draw(self._habits.estimate)
+        if promises and self._sights[atv].heartbeat.help is not None:
+            await self._say(session, atv, CommandKind.PROMISE, wait_s=estimate_s)
+        await asyncio.sleep(walk_s)
+        problem = self._hands.problem(atv)
+        # Who else has stopped it lets it go, too.
+        if problem == LOAD_SHIFTED and self._sights[atv].heartbeat.status is not AtvStatus.STOPPED:
+            await self._secure(session, atv, mend_s)
+        elif problem:
+            await asyncio.sleep(mend_s)
+            self._hands.mend(atv)
+
+    async def _secure(self, session: Session, atv: str, mend_s: float) -> None:
+        """Put a shifted load right: nobody reaches into a vehicle that could drive on by itself."""
+        # From here on it may be stopped, answered or not.
+        self._stops[atv] = self._clock.now_s()
+        if await self._say(session, atv, CommandKind.STOP) is None:
+            return
+        await asyncio.sleep(mend_s)
+        self._hands.mend(atv)
+        if self._habits.slow_frac < 1.0:
+            await self._say(session, atv, CommandKind.SET_SPEED, speed_frac=self._habits.slow_frac)
+            self._slowed[atv] = self._clock.now_s() + self._habits.slow_s
+        await self._release(session, atv)
+
+    async def _release(self, session: Session, atv: str) -> None:
+        """End an own stop. Whether it has worked is seen in the heartbeats that follow."""
+        for kind in (CommandKind.ACKNOWLEDGE, CommandKind.RESUME):
+            answer = await self._say(session, atv, kind)
+            if answer is None or not answer.done:
+                break
+        self._stops[atv] = self._clock.now_s()
+
+    async def _recover(self, atv: str) -> None:
+        """Look for a silent vehicle, clear up after it and bring it back to life."""
+        sight = self._sights[atv]
+        await self._spend(self._habits.walk_s)
+        if self._hands.is_off(atv):
+            item, quantity = self._hands.unload(atv)
+            if item:
+                await self._spend(self._habits.carry_s)
+                task = sight.heartbeat.task
+                machine = task.coordinator if task is not None else ""
+                self._hands.put_down(item, quantity, sight.heartbeat.node, machine)
+            await self._spend(self._habits.push_s)
+            if self._hands.is_off(atv):
+                self._hands.bring_home(atv)
+        # One that lives has only lost its voice, which hands cannot mend. Heard again, it is seen again.
+        if self._sights[atv] is sight:
+            del self._sights[atv]
+
+    async def _speed_up(self, session: Session, atv: str) -> None:
+        """Take an own limit back."""
+        answer = await self._say(session, atv, CommandKind.SET_SPEED, speed_frac=1.0)
+        if answer is not None:
+            del self._slowed[atv]
+
+    async def _say(
+        self,
+        session: Session,
+        atv: str,
+        kind: CommandKind,
+        *,
+        speed_frac: float | None = None,
+        wait_s: float | None = None,
+    ) -> CommandAnswered | None:
+        """Give a command, again and again until it is answered; None when it never is."""
+        self._commands += 1
+        command = VehicleCommand(
+            command=f"{self.name}-{self._commands}",
+            kind=kind,
+            speed_frac=speed_frac,
+            wait_s=wait_s,
+            issued_by=self.name,
+        )
+        answer: asyncio.Future[CommandAnswered] = asyncio.get_running_loop().create_future()
+        self._answers[command.command] = answer
+        try:
+            for _ in range(TRIES):
+                session.send(atv, command)
+                await asyncio.wait((answer,), timeout=ANSWER_S)
+                if answer.done():
+                    return answer.result()
+            return None
+        finally:
+            del self._answers[command.command]
+
+    # --- chance ----------------------------------------------------------------------------------
+
+    def _draw(self, seconds: Range) -> float:
+        return self._random.uniform(*seconds)
+
+    async def _spend(self, seconds: Range) -> None:
+        await asyncio.sleep(self._draw(seconds))
+
+
+def area_at(plant: Plant, x_m: float, y_m: float) -> str:
+    """The one area whose operator answers for a point.
+
+    On a common border it is the first area in the plant file; outside of all, the one with the closest
+    corner; `EVERYWHERE` where the plant has none.
+    """
+    areas = plant.areas_at(x_m, y_m)
+    if areas:
+        return areas[0]
+    away_m2 = {
+        area.id: min((corner.x_m - x_m) ** 2 + (corner.y_m - y_m) ** 2 for corner in area.polygon)
+        for area in plant.areas.values()
+    }
+    return min(away_m2, key=away_m2.__getitem__, default=EVERYWHERE)
+
+
+def hire(
+    factory: SimFactory,
+    *,
+    seed: int,
+    habits: Habits | None = None,
+    areas: Mapping[str, Habits] | None = None,
+) -> tuple[Operator, ...]:
+    """One operator for every area of a factory; whoever calls this lets them `run`.
+
+    Args:
+        factory: where they work.
+        seed: each operator draws from a generator of its own that follows from it.
+        habits: of everybody.
+        areas: habits of single operators, by area, in place of those.
+    """
+    of_all = habits or Habits()
+    special = areas or {}
+    hands = Hands(factory)
+    return tuple(
+        Operator(
+            area,
+            plant=factory.plant,
+            bus=factory.bus,
+            clock=factory.clock,
+            hands=hands,
+            random=Random(f"{seed} operator {area}"),
+            habits=special.get(area, of_all),
+        )
+        for area in factory.plant.areas or (EVERYWHERE,)
+    )

@@ -1,0 +1,88 @@
+"""People in a running factory: what a stop, an acknowledge and a resume do (paper, case 5)."""
+
+from __future__ import annotations
+
+import asyncio
+from random import Random
+
+from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand
+from dray.plant import default_plant
+from dray_sim import demand
+from dray_sim.desk import Desk
+from dray_sim.factory import Ears, SimFactory
+from dray_sim.invariants import Invariants
+from dray_sim.loop import clock, run
+
+ANSWER_S = 10.0
+"""Virtual: long enough on this network that a missing answer is a fault."""
+
+
+class Tablet:
+    """Somebody who does as the test says."""
+
+    def __init__(self, factory: SimFactory) -> None:
+        self._session = factory.bus.join("tablet", self._hear)
+        self._answers: dict[str, asyncio.Future[CommandAnswered]] = {}
+
+    async def order(self, atv: str, kind: CommandKind, speed_frac: float | None = None) -> CommandAnswered:
+        name = f"c{len(self._answers)}"
+        self._answers[name] = asyncio.get_running_loop().create_future()
+        self._session.send(atv, VehicleCommand(command=name, kind=kind, speed_frac=speed_frac))
+        return await asyncio.wait_for(self._answers[name], ANSWER_S)
+
+    def _hear(self, _sender: str, message: Message) -> None:
+        if isinstance(message, CommandAnswered):
+            self._answers[message.command].set_result(message)
+
+
+async def _stop_everybody_once(seed: int) -> tuple[Invariants, int]:
+    ears = Ears()
+    plant = default_plant()
+    factory = SimFactory(plant, clock(), seed=seed, ear=ears)
+    checks = Invariants(factory)
+    ears.add(checks)
+    orders = demand.orders(plant, Random(seed), load=0.9, until_s=3600.0)
+    chance, tablet = Random(seed), Tablet(factory)
+    stops = 0
+    async with asyncio.TaskGroup() as group:
+        life = group.create_task(factory.run())
+        desk = group.create_task(Desk(factory.bus, factory.clock).place(orders))
+        await asyncio.sleep(300.0)
+        for atv in list(factory.vehicles) * 3:
+            assert (await tablet.order(atv, CommandKind.STOP)).done
+            await asyncio.sleep(chance.uniform(0.0, 60.0))
+            early = await tablet.order(atv, CommandKind.RESUME)
+            assert not early.done
+            assert "acknowledge" in early.reason
+            await asyncio.sleep(chance.uniform(0.0, 30.0))
+            assert (await tablet.order(atv, CommandKind.ACKNOWLEDGE)).done
+            await asyncio.sleep(chance.uniform(0.0, 30.0))
+            assert (await tablet.order(atv, CommandKind.RESUME)).done
+            assert (await tablet.order(atv, CommandKind.SET_SPEED, chance.uniform(0.3, 1.0))).done
+            stops += 1
+        await asyncio.sleep(600.0)
+        life.cancel()
+        desk.cancel()
+    checks.check_end(factory.clock.now_s())
+    return checks, stops
+
+
+def test_stops_in_the_middle_of_everything_break_nothing() -> None:
+    checks, stops = run(_stop_everybody_once(seed=3))
+    assert stops == 24
+    assert checks.broken is None
+
+
+def test_a_speed_of_nothing_is_refused() -> None:
+    async def main() -> CommandAnswered:
+        factory = SimFactory(default_plant(), clock(), seed=1)
+        tablet = Tablet(factory)
+        life = asyncio.create_task(factory.run())
+        await asyncio.sleep(1.0)
+        answer = await tablet.order("ATV1", CommandKind.SET_SPEED, 0.0)
+        life.cancel()
+        return answer
+
+    answer = run(main())
+    assert not answer.done
+    assert "above 0" in answer.reason
