@@ -2,9 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
-from dray.messages import AtvHeartbeat, AtvStatus, Event, Message, Pose, Production, Role, Transport
+from dray.messages import (
+    AtvHeartbeat,
+    AtvStatus,
+    Event,
+    EventsAsked,
+    Message,
+    Pose,
+    Production,
+    Role,
+    Transport,
+)
 from dray.messages.fact import (
     AnyFact,
     GoalContracted,
@@ -29,11 +39,19 @@ PRODUCTS = ("P1", "P2")
 
 
 class Line:
-    """A session and a bus for one listener: what the test says is heard at once."""
+    """A session and a bus for one listener: what the test says is heard at once.
+
+    Attributes:
+        keys: what the listener has subscribed to.
+        asked: what it has asked, and whom.
+        answer: what an agent answers when it is asked.
+    """
 
     def __init__(self) -> None:
         self.heard_by: Receive | None = None
         self.keys: list[str] = []
+        self.asked: list[tuple[str, EventsAsked]] = []
+        self.answer: Callable[[str, EventsAsked], Iterable[Message]] = lambda _agent, _question: ()
 
     def join(self, agent: str, receive: Receive) -> Line:
         self.heard_by = receive
@@ -46,18 +64,21 @@ class Line:
         self.keys.remove(key)
 
     def publish(self, key: str, message: Message) -> None:
-        raise AssertionError("the historian says nothing")
+        raise AssertionError("the historian says nothing to all")
 
     def send(self, to: str, message: Message) -> None:
-        raise AssertionError("the historian says nothing")
+        assert isinstance(message, EventsAsked)
+        self.asked.append((to, message))
+        for said in self.answer(to, message):
+            self.say([said], by=to)
 
     def leave(self) -> None:
         self.heard_by = None
 
-    def say(self, messages: Iterable[Message]) -> None:
+    def say(self, messages: Iterable[Message], by: str = "somebody") -> None:
         assert self.heard_by is not None
         for message in messages:
-            self.heard_by("somebody", message)
+            self.heard_by(by, message)
 
 
 def same_clock(plant_s: float) -> float:

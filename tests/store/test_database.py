@@ -6,11 +6,13 @@ import sqlite3
 from pathlib import Path
 
 import pytest
+from history import made, same_clock, tell
 from sqlalchemy import text
 
 from dray.errors import UnavailableError
 from dray.store import Database, Store, open_store
 from dray.store import database as database_module
+from dray.store.progress import Goal
 
 pytestmark = pytest.mark.anyio
 
@@ -88,3 +90,13 @@ async def test_incarnations_grow_over_restarts(url: str) -> None:
         given += [await store.next_incarnation("plant"), await store.next_incarnation("other")]
         await store.close()
     assert given == [1, 1, 2, 2, 3, 3]
+
+
+async def test_a_start_goes_on_after_the_lives_that_agents_had_by_themselves(store: Store) -> None:
+    assert await store.next_incarnation("plant") == 1
+    async with store.write() as work:
+        await work.events.add(tell("M1", made("G1", 1), life=4), same_clock)
+    assert await store.next_incarnation("plant") == 5
+    async with store.write() as work:
+        await work.goals.put([Goal("G2", incarnation=9)])
+    assert await store.next_incarnation("plant") == 10

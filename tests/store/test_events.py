@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import msgspec
 import pytest
-from history import a_day, delivered, keep, order, same_clock, tell
+from history import a_day, delivered, keep, made, order, same_clock, tell
 
 from dray.store import Store
 from dray.store.events import EventFilter, EventRow
+from dray.store.gaps import MISSING_PER_LIFE, Known
 from dray.store.progress import Goal
 
 pytestmark = pytest.mark.anyio
@@ -72,3 +73,30 @@ async def test_positions_of_pruned_events_are_never_given_again(kept: Store) -> 
         await work.events.add(tell("M1", delivered("G1", 0, 4), life=2), same_clock)
     (row,) = await found(kept)
     assert row.position > last
+
+
+async def test_the_newest_lives_are_known_with_their_holes(store: Store) -> None:
+    async with store.write() as work:
+        for life in (1, 2, 3):
+            told = tell("M1", *[made("G1", 1)] * 5, life=life)
+            await work.events.add([event for event in told if event.number not in {2, life + 1}], same_clock)
+        await work.events.add(tell("M2", made("G2", 1), first=3), same_clock)
+        assert await work.events.known() == [
+            Known("M1", 2, 5, (2, 3)),
+            Known("M1", 3, 5, (2, 4)),
+            Known("M2", 1, 3, (1, 2)),
+        ]
+
+
+async def test_of_a_long_history_only_what_an_agent_may_still_have_is_looked_through(store: Store) -> None:
+    told = tell("M1", *[made("G1", 1)] * (MISSING_PER_LIFE + 10))
+    async with store.write() as work:
+        await work.events.add([event for event in told if event.number not in {3, 500}], same_clock)
+        assert await work.events.known() == [Known("M1", 1, MISSING_PER_LIFE + 10, (500,))]
+
+
+async def test_pruned_events_are_not_missing(store: Store) -> None:
+    async with store.write() as work:
+        await work.events.add(tell("M1", *[made("G1", 1)] * 9), same_clock)
+        await work.events.prune(4)
+        assert await work.events.known() == [Known("M1", 1, 9)]

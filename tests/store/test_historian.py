@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import tempfile
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
 from random import Random
@@ -30,9 +31,10 @@ from hypothesis import strategies as st
 from sqlalchemy import select
 from sqlalchemy.exc import DataError, OperationalError
 
-from dray.messages import Event, OrderTaken
+from dray.messages import Event, EventsAsked, EventsKept, Message, OrderTaken
 from dray.messages.keys import Keys
 from dray.store import Historian, Store, open_store
+from dray.store import gaps as gaps_module
 from dray.store import historian as historian_module
 from dray.store.events import EventFilter, Events
 from dray.store.progress import OrderStatus
@@ -144,13 +146,127 @@ async def test_events_about_orders_of_somebody_else_are_kept_all_the_same(store:
     assert len((await rows(store))["events"]) == len(a_day())
 
 
-async def test_a_number_that_never_came_is_counted_also_after_a_restart(store: Store) -> None:
+# --- what it has not heard -------------------------------------------------------------------------
+
+
+class Told:
+    """Agents that keep what they have told: the newest `keep` events of a life."""
+
+    def __init__(self, events: Sequence[Event], keep: int = 1_000) -> None:
+        self._kept: dict[tuple[str, int], list[Event]] = {}
+        for event in events:
+            self._kept.setdefault((event.agent, event.incarnation), []).append(event)
+        self._kept = {life: told[-keep:] for life, told in self._kept.items()}
+
+    def __call__(self, agent: str, asked: EventsAsked) -> list[Message]:
+        life = max(life for name, life in self._kept if name == agent)
+        told = self._kept.get((agent, asked.incarnation), [])
+        first, last = (told[0].number, told[-1].number) if told else (1, 0)
+        kept = EventsKept(incarnation=asked.incarnation, first=first, last=last, life=life)
+        return [*(event for event in told if asked.first <= event.number <= asked.last), kept]
+
+
+@pytest.fixture
+def soon(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No waiting before an agent is asked, or asked again."""
+    monkeypatch.setattr(historian_module, "ASK_EVERY_S", 0.0)
+    monkeypatch.setattr(gaps_module, "SETTLE_S", 0.0)
+    monkeypatch.setattr(gaps_module, "AGAIN_S", (0.0, 0.0))
+
+
+async def until(done: Callable[[], bool]) -> None:
+    """Give the others their turn until it is so."""
+    for _ in range(100_000):
+        if done():
+            return
+        await asyncio.sleep(0)
+    pytest.fail("it never came to that")
+
+
+def without(*missed: tuple[str, int]) -> list[Event]:
+    return [event for event in a_day() if (event.agent, event.number) not in missed]
+
+
+@pytest.mark.usefixtures("soon")
+async def test_what_was_not_heard_is_asked_for_and_the_day_is_whole(store: Store) -> None:
+    await keep(store, order(1, 4, 2))
     async with writing(store) as (historian, line):
-        line.say([event for event in a_day() if (event.agent, event.number) != ("M1", 3)])
-        assert historian.missing == 1
+        line.answer = Told(a_day())
+        # The last one of M2 among them: nothing that was heard tells that it was missed.
+        line.say(without(("M1", 3), ("M1", 6), ("M2", 3)))
+        assert historian.missing == 2
+        await until(lambda: historian.missing == 0 and len(line.asked) >= 3)
+        await historian.written()
+    kept = (await rows(store))["events"]
+    assert len(kept) == len(a_day())
+    assert historian.gone == 0
+
+
+@pytest.mark.usefixtures("soon")
+async def test_what_happened_while_the_historian_was_away_is_asked_for(store: Store) -> None:
+    async with writing(store) as (_, line):
+        line.say(without(("M1", 2))[:9])
+    afterwards = tell("M1", made("G1", 5), life=2)
     async with writing(store) as (historian, line):
-        line.say(tell("M1", made("G1", 4), first=10))
         assert historian.missing == 1
+        line.answer = Told([*a_day(), *afterwards])
+        await until(lambda: historian.missing == 0 and len(line.asked) >= 4)
+        await historian.written()
+    numbers = [(row["agent"], row["incarnation"], row["number"]) for row in (await rows(store))["events"]]
+    assert sorted(numbers) == sorted(
+        (event.agent, event.incarnation, event.number)
+        for event in [*a_day(), *afterwards]
+        # Nobody has ever heard of M2, and it says nothing now either.
+        if event.agent != "M2"
+    )
+
+
+@pytest.mark.usefixtures("soon")
+async def test_what_agents_have_forgotten_is_a_hole_that_is_counted_and_logged(
+    store: Store, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with writing(store) as (historian, line):
+        line.answer = Told(a_day(), keep=4)
+        with caplog.at_level(logging.WARNING):
+            line.say(event for event in a_day() if (event.agent, event.number) in {("M1", 1), ("M1", 8)})
+            await until(lambda: historian.missing == 0)
+        await historian.written()
+    assert historian.gone == 3
+    assert "M1 no longer has 3 events of its life 1" in caplog.text
+    assert [row["number"] for row in (await rows(store))["events"]] == [1, 5, 6, 7, 8]
+
+
+@pytest.mark.usefixtures("soon")
+async def test_what_a_full_queue_has_dropped_is_asked_for_again(store: Store) -> None:
+    async with writing(store, queue_events=5) as (historian, line):
+        line.answer = Told(a_day())
+        line.say(a_day())
+        assert historian.lost == len(a_day()) - 5
+        await historian.written()
+        await until(lambda: historian.missing == 0 and len(line.asked) >= 6)
+        await historian.written()
+    assert len((await rows(store))["events"]) == len(a_day())
+
+
+@pytest.mark.usefixtures("soon")
+async def test_nobody_is_asked_while_the_database_cannot_be_written(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with writing(store) as (historian, line):
+        historian.failing = True
+        line.say(without(("M1", 3)))
+        for _ in range(100):
+            await asyncio.sleep(0)
+        assert line.asked == []
+
+
+async def test_pruned_events_are_no_holes(store: Store) -> None:
+    async with writing(store) as (_, line):
+        line.say(a_day())
+    async with store.write() as work:
+        await work.events.prune(5)
+    async with writing(store) as (historian, _):
+        assert historian.missing == 0
 
 
 async def test_a_full_queue_drops_the_newest_and_counts_them(store: Store) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import groupby
 from typing import Any
 
 import msgspec
@@ -12,8 +13,12 @@ from sqlalchemy.ext.asyncio import AsyncConnection
 from dray.messages import Event, Production, Transport
 from dray.messages.fact import TaskOpened
 from dray.store.dialect import insert_new
+from dray.store.gaps import MISSING_PER_LIFE, Known
 from dray.store.progress import ToWall
 from dray.store.tables import events, goals
+
+KNOWN_LIVES = 2
+"""Lives of an agent that are looked through for holes at a start; what an older one lacks is gone by now."""
 
 
 class EventRow(msgspec.Struct, frozen=True, gc=False):
@@ -82,22 +87,42 @@ class Events:
                 query = query.where(position > after)
         return [_record(row._mapping) for row in await self._connection.execute(query)]  # noqa: SLF001
 
-    async def last_numbers(self) -> dict[str, tuple[int, int]]:
-        """Per agent its newest incarnation and the highest number kept of it."""
-        newest = (
-            select(events.c.agent, func.max(events.c.incarnation).label("incarnation"))
-            .group_by(events.c.agent)
-            .subquery()
-        )
-        rows = await self._connection.execute(
-            select(events.c.agent, events.c.incarnation, func.max(events.c.number))
-            .join(
-                newest,
-                (newest.c.agent == events.c.agent) & (newest.c.incarnation == events.c.incarnation),
+    async def known(self) -> list[Known]:
+        """What is kept of the last lives of every agent, each agent's in their order, holes included."""
+        lives = await self._connection.execute(
+            select(
+                events.c.agent,
+                events.c.incarnation,
+                func.min(events.c.number),
+                func.max(events.c.number),
+                func.count(),
             )
             .group_by(events.c.agent, events.c.incarnation)
+            .order_by(events.c.agent, events.c.incarnation)
         )
-        return {agent: (incarnation, number) for agent, incarnation, number in rows}
+        oldest = (await self._connection.execute(select(func.min(events.c.position)))).scalar()
+        found: list[Known] = []
+        for _, of_agent in groupby(lives.all(), key=lambda row: row[0]):
+            for agent, life, first, last, count in list(of_agent)[-KNOWN_LIVES:]:
+                # What was pruned is no hole; nothing was, as long as the first row of all is there.
+                start = 1 if oldest == 1 else first
+                missing: tuple[int, ...] = ()
+                if count < last - start + 1:
+                    start = max(start, last - MISSING_PER_LIFE + 1)
+                    missing = await self._missing(agent, life, start, last)
+                found.append(Known(agent, life, last, missing))
+        return found
+
+    async def _missing(self, agent: str, incarnation: int, first: int, last: int) -> tuple[int, ...]:
+        """The numbers of a life from `first` to `last` that are not kept."""
+        number = events.c.number
+        kept = await self._connection.execute(
+            select(number).where(
+                events.c.agent == agent, events.c.incarnation == incarnation, number.between(first, last)
+            )
+        )
+        there = set(kept.scalars())
+        return tuple(each for each in range(first, last + 1) if each not in there)
 
     async def prune(self, keep: int) -> None:
         """Forget all but the newest `keep` events."""

@@ -1,45 +1,241 @@
-"""Gaps: which numbers of agents' histories have not arrived."""
+"""Gaps: which numbers of agents' histories have not arrived, and when to ask for them again. Pure.
+
+An agent numbers the events of each of its lives from 1 on, so a number that arrives tells of all that
+were before it. It tells nothing of those after it: the last event of a life may be the one that was
+lost. Heartbeats carry no numbers, and should not for the sake of one listener; so every agent is asked
+now and then for what comes after the last number known, whether or not it seems to have said anything.
+One answer tells all: the missing events, and which numbers there are (`EventsKept`).
+
+    a number was skipped       -> ask for it, after `SETTLE_S`
+    a life has begun           -> ask for it, and for the end of the one before it
+    nothing is known to lack   -> ask for what comes next, every `TAIL_S`
+    no answer, or no progress  -> ask again, after twice the pause
+
+An agent is asked one thing at a time, and its oldest life first. A number is *missing* until it has come,
+and *gone* when its agent says that it is not kept any more.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable
 
-MISSING_PER_AGENT = 1_000
-"""Numbers remembered one by one, to see them arrive late; beyond that they are only counted."""
+import msgspec
+
+from dray.messages import EventsAsked, EventsKept
+
+MISSING_PER_LIFE = 1_000
+"""Numbers looked for one by one; as many as a journal keeps, so that older ones are gone anyway."""
+
+LIVES = 4
+"""Lives of one agent that are followed; an agent that starts more often than this in a historian's absence
+has worse troubles than its history."""
+
+SETTLE_S = 1.0
+"""Seconds before a skipped number is asked for: most of them are only late."""
+
+AGAIN_S = (2.0, 60.0)
+"""Seconds before the first and between later repetitions of a question, doubling."""
+
+SILENCE_S = 10.0
+"""An agent that is heard after so long a silence is back, and is asked at once. Twice a resting agent's
+heartbeat interval."""
+
+TAIL_S = 60.0
+"""Seconds between two questions to an agent that seems to lack nothing: two messages a minute, beside the
+dozen heartbeats or more that it sends in that time."""
+
+ASKED_AT_ONCE = 32
+"""Agents with an open question: their answers, of some 200 events each, fit the historian's queue."""
+
+WINDOW = 200
+"""Numbers in one question: what an answer holds."""
+
+
+class Known(msgspec.Struct, frozen=True, gc=False):
+    """What is known of one life of an agent from before."""
+
+    agent: str
+    incarnation: int
+    last: int
+    missing: tuple[int, ...] = ()
+
+
+class _Life(msgspec.Struct, gc=False):
+    """One life of an agent.
+
+    Invariant: every number up to `last` has arrived, is missing, or is gone.
+    """
+
+    last: int = 0
+    missing: set[int] = msgspec.field(default_factory=set)
+    open: bool = True
+    """How far it goes is not known: nobody has said so since it began, or since the next one did."""
+
+
+class _Teller(msgspec.Struct, gc=False):
+    """One agent, and how it is asked.
+
+    Invariant: lives stand in their order, and the newest is there; one before it is there as long as it
+    is open or lacks something.
+    """
+
+    heard_s: float
+    due_s: float
+    lives: dict[int, _Life] = msgspec.field(default_factory=dict)
+    pause_s: float = AGAIN_S[0]
+    waiting: bool = False
+    """A question was asked, and its answer may still come."""
+    filled: int = 0
+    """Missing numbers that have come since the last question."""
 
 
 class Gaps:
-    """Watches the numbers of every agent's newest incarnation.
+    """Watches the numbers of all agents. Times are on a clock of the caller's choice that never goes back.
 
     Args:
-        last: per agent the incarnation and highest number that are known already.
+        known: the lives that are known already, each agent's in their order.
+        now_s: the time.
+
+    Attributes:
+        missing: numbers that have not come yet, over all agents.
+        gone: numbers that never will, so far.
     """
 
-    def __init__(self, last: Mapping[str, tuple[int, int]] | None = None) -> None:
-        self._last = dict(last or {})
-        self._missing: dict[str, set[int]] = {}
+    def __init__(self, known: Iterable[Known] = (), now_s: float = 0.0) -> None:
         self.missing = 0
-        """How many numbers were skipped and have not come since, over all agents."""
+        self.gone = 0
+        self._tellers: dict[str, _Teller] = {}
+        for one in known:
+            teller = self._tellers.setdefault(one.agent, _Teller(heard_s=now_s, due_s=now_s))
+            teller.lives[one.incarnation] = life = _Life(last=one.last)
+            life.missing.update(one.missing[-MISSING_PER_LIFE:])
+            self.missing += len(life.missing)
 
-    def note(self, agent: str, incarnation: int, number: int) -> None:
+    # --- what is heard ---------------------------------------------------------------------------
+
+    def note(self, agent: str, incarnation: int, number: int, now_s: float) -> None:
         """An event has arrived; doubled and late ones are normal."""
-        known, last = self._last.get(agent, (0, 0))
-        if incarnation < known:
+        teller = self._heard(agent, incarnation, now_s)
+        life = teller.lives.get(incarnation)
+        if life is None:
             return
-        if incarnation > known:
-            self._missing.pop(agent, None)
-            last = 0
-        if number > last:
-            self._skipped(agent, last + 1, number)
-            self._last[agent] = (incarnation, number)
-        elif number in (late := self._missing.get(agent, set())):
-            late.remove(number)
+        if number in life.missing:
+            life.missing.remove(number)
             self.missing -= 1
+            teller.filled += 1
+        elif number > life.last:
+            if number > life.last + 1:
+                self._miss(life, life.last + 1, number)
+                self._ask_by(teller, now_s + SETTLE_S)
+            life.last = number
 
-    def _skipped(self, agent: str, first: int, end: int) -> None:
-        if first == end:
-            return
-        self.missing += end - first
-        numbers = self._missing.setdefault(agent, set())
-        room = MISSING_PER_AGENT - len(numbers)
-        numbers.update(range(max(first, end - room), end))
+    def note_alive(self, agent: str, incarnation: int, now_s: float) -> None:
+        """The agent was heard, in this life."""
+        self._heard(agent, incarnation, now_s)
+
+    def answered(self, agent: str, kept: EventsKept, now_s: float) -> int:
+        """The agent has told which numbers there are, after those that it was asked for.
+
+        Returns:
+            How many of the missing are gone.
+        """
+        teller = self._heard(agent, kept.life, now_s)
+        gone, found = 0, teller.filled > 0
+        if (life := teller.lives.get(kept.incarnation)) is not None:
+            over = kept.incarnation < kept.life
+            found |= kept.last > life.last or life.open
+            if kept.last > life.last:
+                self._miss(life, life.last + 1, kept.last + 1)
+                life.last = kept.last
+            # Of a life that is over and of which nothing is kept, not even the last number is known.
+            nothing_left = over and kept.last < kept.first
+            gone = self._give_up(life, life.last + 1 if nothing_left else kept.first)
+            life.open = not over and kept.incarnation != next(reversed(teller.lives))
+            _forget_whole_lives(teller)
+        teller.waiting = False
+        lacking = any(life.missing or life.open for life in teller.lives.values())
+        if lacking and not (found or gone):
+            teller.due_s = now_s + teller.pause_s
+        else:
+            teller.pause_s = AGAIN_S[0]
+            teller.due_s = now_s if lacking else now_s + TAIL_S
+        return gone
+
+    # --- what is asked ---------------------------------------------------------------------------
+
+    def due(self, now_s: float) -> list[tuple[str, EventsAsked]]:
+        """What is to be asked now, and whom; call it once a second or so."""
+        room = ASKED_AT_ONCE - sum(teller.waiting for teller in self._tellers.values())
+        due = [item for item in self._tellers.items() if item[1].due_s <= now_s]
+        room += sum(teller.waiting for _, teller in due)
+        # Those who wait longest come first, so that the mute ones do not keep the others from their turn.
+        due.sort(key=lambda item: item[1].due_s)
+        for _, teller in due[:room]:
+            teller.waiting, teller.filled = True, 0
+            teller.due_s = now_s + teller.pause_s
+            teller.pause_s = min(2 * teller.pause_s, AGAIN_S[1])
+        return [(agent, _question(teller)) for agent, teller in due[:room]]
+
+    # --- how it is done --------------------------------------------------------------------------
+
+    def _heard(self, agent: str, incarnation: int, now_s: float) -> _Teller:
+        teller = self._tellers.get(agent)
+        if teller is None:
+            teller = self._tellers[agent] = _Teller(heard_s=now_s, due_s=now_s + SETTLE_S)
+        elif now_s > teller.heard_s + SILENCE_S:
+            teller.pause_s, teller.waiting = AGAIN_S[0], False
+            self._ask_by(teller, now_s + SETTLE_S)
+        teller.heard_s = now_s
+        newest = next(reversed(teller.lives), incarnation - 1)
+        if incarnation > newest:
+            self._begin_life(teller, newest, incarnation)
+            self._ask_by(teller, now_s + SETTLE_S)
+        return teller
+
+    def _begin_life(self, teller: _Teller, newest: int, incarnation: int) -> None:
+        """There is a newer life than the newest known; there may have been others between the two."""
+        if newest in teller.lives:
+            teller.lives[newest].open = True
+        for life in range(max(newest + 1, incarnation - LIVES + 1), incarnation + 1):
+            teller.lives[life] = _Life()
+        while len(teller.lives) > LIVES:
+            oldest = teller.lives.pop(next(iter(teller.lives)))
+            self._give_up(oldest, oldest.last + 1)
+
+    def _ask_by(self, teller: _Teller, when_s: float) -> None:
+        if not teller.waiting:
+            teller.due_s = min(teller.due_s, when_s)
+
+    def _miss(self, life: _Life, first: int, end: int) -> None:
+        """These numbers were skipped; `end` is not one of them."""
+        sought = max(first, end - MISSING_PER_LIFE)
+        self.gone += sought - first
+        life.missing.update(range(sought, end))
+        self.missing += end - sought
+        if len(life.missing) > MISSING_PER_LIFE:
+            self._give_up(life, sorted(life.missing)[-MISSING_PER_LIFE])
+
+    def _give_up(self, life: _Life, first: int) -> int:
+        """The numbers before this one are gone; returns how many of them were missing."""
+        gone = {number for number in life.missing if number < first}
+        life.missing -= gone
+        self.missing -= len(gone)
+        self.gone += len(gone)
+        return len(gone)
+
+
+def _forget_whole_lives(teller: _Teller) -> None:
+    newest = next(reversed(teller.lives))
+    for incarnation, life in list(teller.lives.items()):
+        if incarnation != newest and not life.missing and not life.open:
+            del teller.lives[incarnation]
+
+
+def _question(teller: _Teller) -> EventsAsked:
+    lacking = (item for item in teller.lives.items() if item[1].missing or item[1].open)
+    incarnation, life = next(lacking, None) or next(reversed(teller.lives.items()))
+    if not life.missing:
+        return EventsAsked(incarnation=incarnation, first=life.last + 1, last=life.last + WINDOW)
+    first = min(life.missing)
+    last = max(number for number in life.missing if number < first + WINDOW)
+    return EventsAsked(incarnation=incarnation, first=first, last=last)

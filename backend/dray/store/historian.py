@@ -2,8 +2,11 @@
 
 Nobody waits for it. Events are gathered in a bounded queue and written in batches, one transaction
 each; the same event twice is one row. From the facts it keeps goals and orders up to date. When the
-database fails it tries again later; when the queue is full the newest events are lost, are counted,
-and show as gaps in the agents' numbers.
+database fails it tries again later; when the queue is full the newest events are dropped and counted.
+
+What it has not heard, for whatever reason and also while it was away, it asks the agents for: they keep
+their newest events (`dray.store.gaps` decides whom to ask for what). So a history has holes only where
+an agent forgot what was not fetched in time; those are counted and logged.
 """
 
 from __future__ import annotations
@@ -16,9 +19,9 @@ from contextlib import asynccontextmanager
 
 from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError
 
-from dray.messages import AtvHeartbeat, Event, Heartbeat, MachineHeartbeat, Message
+from dray.messages import AtvHeartbeat, Event, EventsKept, Heartbeat, MachineHeartbeat, Message
 from dray.messages.keys import Keys
-from dray.ports import Bus
+from dray.ports import Bus, Session
 from dray.store.gaps import Gaps
 from dray.store.progress import Goal, ToWall, accepted_order, goal_of, note, progress
 from dray.store.work import Store, Work
@@ -40,6 +43,10 @@ SAMPLE_EVERY_S = 30.0
 
 PRUNE_EVERY = 10_000
 """Rows written between two prunings: the tables exceed their bounds by no more than this."""
+
+ASK_EVERY_S = 1.0
+"""Wall seconds between two looks at what is missing. A gap waits about as long before it is asked for, so
+that looking costs nothing beside hearing."""
 
 RETRY_S = (0.5, 30.0)
 """Wall seconds before the first and between later attempts on a failing database, doubling."""
@@ -87,39 +94,51 @@ class Historian:
         self._written.set()
         self._unpruned = 0
         self.lost = 0
-        """Events that found the queue full, or that the database refused."""
+        """Events that found the queue full and are asked for again, or that the database refused."""
         self.failing = False
         """True while the database cannot be written."""
 
     @property
     def missing(self) -> int:
-        """Numbers in agents' histories that have not arrived."""
+        """Numbers in agents' histories that have not arrived yet."""
         return self._gaps.missing
+
+    @property
+    def gone(self) -> int:
+        """Numbers in agents' histories that will never arrive: the holes since it has started."""
+        return self._gaps.gone
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
-        """Listen and write; at the end, write what has been heard."""
+        """Listen, ask and write; at the end, write what has been heard."""
         async with self._store.read() as work:
-            self._gaps = Gaps(await work.events.last_numbers())
+            self._gaps = Gaps(await work.events.known(), self._now_s())
         session = self._bus.join(AGENT, self.receive)
         session.subscribe(self._keys.all_events)
         session.subscribe(self._keys.all_heartbeats)
         writer = asyncio.create_task(self._write_on(), name=AGENT)
+        asker = asyncio.create_task(self._ask_on(session), name=f"{AGENT} asks")
         try:
             yield
         finally:
+            asker.cancel()
             session.leave()
             self._closing.set()
             self._arrived.set()
             await writer
 
-    def receive(self, _sender: str, message: Message) -> None:
+    def receive(self, sender: str, message: Message) -> None:
         """Take one message from the bus; never blocks."""
         match message:
             case Event():
                 self._take_event(message)
             case AtvHeartbeat(atv=agent) | MachineHeartbeat(machine=agent):
+                self._gaps.note_alive(agent, message.incarnation, self._now_s())
                 self._take_heartbeat(agent, message)
+            case EventsKept():
+                if gone := self._gaps.answered(sender, message, self._now_s()):
+                    life = message.incarnation
+                    _log.warning("%s no longer has %d events of its life %d", sender, gone, life)
             case _:
                 pass
 
@@ -129,9 +148,11 @@ class Historian:
 
     def _take_event(self, event: Event) -> None:
         if len(self._events) >= self._queue_events:
+            # Its number is not noted, so that it is missing, and asked for when there is room.
+            self._gaps.note_alive(event.agent, event.incarnation, self._now_s())
             self.lost += 1
             return
-        self._gaps.note(event.agent, event.incarnation, event.number)
+        self._gaps.note(event.agent, event.incarnation, event.number, self._now_s())
         self._events.append(event)
         self._wake()
 
@@ -146,6 +167,17 @@ class Historian:
     def _wake(self) -> None:
         self._written.clear()
         self._arrived.set()
+
+    def _now_s(self) -> float:
+        return asyncio.get_running_loop().time()
+
+    async def _ask_on(self, session: Session) -> None:
+        while True:
+            # Not while the database is away: what cannot be kept is better left where it is.
+            if not self.failing:
+                for agent, question in self._gaps.due(self._now_s()):
+                    session.send(agent, question)
+            await asyncio.sleep(ASK_EVERY_S)
 
     async def _write_on(self) -> None:
         while not self._closing.is_set() or self._events or self._samples:

@@ -1,12 +1,17 @@
-"""Incarnations in SQL: a number that grows with every start of a plant's agents."""
+"""Incarnations in SQL: a number that grows with every start of a plant's agents.
+
+Between two starts of a plant its agents may be restarted one by one, and count up by themselves. Their
+names for tasks and goals, and the keys of their events, hold these numbers; so a start goes on after the
+highest that has left a trace.
+"""
 
 from __future__ import annotations
 
-from sqlalchemy import select, update
+from sqlalchemy import func, select, update
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dray.store.dialect import insert_new
-from dray.store.tables import incarnations
+from dray.store.tables import events, goals, incarnations, orders
 
 
 class Incarnations:
@@ -16,13 +21,19 @@ class Incarnations:
         self._connection = connection
 
     async def next(self, plant: str) -> int:
-        """A number greater than all that were given for this plant before; the first is 1."""
+        """A number greater than all that were given for this plant, or lived, before; the first is 1."""
         await self._connection.execute(
             insert_new(self._connection, incarnations), [{"plant": plant, "incarnation": 0}]
         )
         mine = incarnations.c.plant == plant
-        await self._connection.execute(
-            update(incarnations).where(mine).values(incarnation=incarnations.c.incarnation + 1)
-        )
-        query = select(incarnations.c.incarnation).where(mine)
-        return int((await self._connection.execute(query)).scalar_one())
+        highest = 0
+        for query in (
+            select(incarnations.c.incarnation).where(mine),
+            # One database serves one plant at a time; were it two, skipping numbers does no harm.
+            select(func.max(events.c.incarnation)),
+            select(func.max(goals.c.incarnation)),
+            select(func.max(orders.c.incarnation)),
+        ):
+            highest = max(highest, (await self._connection.execute(query)).scalar() or 0)
+        await self._connection.execute(update(incarnations).where(mine).values(incarnation=highest + 1))
+        return highest + 1
