@@ -7,7 +7,7 @@ factory's own. The TypeScript types of the panels are generated from these struc
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 import msgspec
 
@@ -28,6 +28,15 @@ class BriefView(View, kw_only=True):
     item: str = ""
     quantity: int = 0
     due_at_s: float | None = None
+
+
+class HelpView(View, kw_only=True):
+    """A problem that a person can solve, while its task waits for that."""
+
+    until_at_s: float
+    """Solved by then, the vehicle goes on; else somebody else takes its task."""
+    promised_by: str = ""
+    """Who has said to be on the way; empty while nobody has."""
 
 
 class AtvView(View, kw_only=True):
@@ -54,6 +63,7 @@ class AtvView(View, kw_only=True):
     berth: str = ""
     speed_limit_frac: float = 1.0
     problem: str = ""
+    help: HelpView | None = None
     software: str = ""
     seen_at_s: float = 0.0
 
@@ -91,6 +101,8 @@ class OpenTaskView(View, kw_only=True):
     primary: str = ""
     secondary: str = ""
     round: int = 1
+    trouble: str = ""
+    """Why it does not go on, in the machine's words; empty when all is well."""
 
 
 class MachineView(View, kw_only=True):
@@ -134,6 +146,23 @@ class RefusalView(View, kw_only=True):
     detail: str = ""
 
 
+class CarrierView(View, kw_only=True):
+    """Who carried a task from when on, or that it was put up for auction again."""
+
+    carrier: str
+    """Empty when it was announced anew."""
+    epoch: int
+    since_at_s: float
+    replaced: str = ""
+    """Who carried it before; empty for the first one."""
+    reason: str = ""
+    """Why the carrier changed; empty for one who won the auction."""
+    silent_s: float = 0.0
+    """How long nothing had been heard of the one before, in factory seconds."""
+    confirmed: bool = True
+    """False while only the carrier itself says so, and the coordinator has not."""
+
+
 class TaskView(View, kw_only=True):
     """A task from its announcement to its end."""
 
@@ -160,6 +189,10 @@ class TaskView(View, kw_only=True):
     promised_at_s: float | None = None
     deadline_at_s: float
     closed_at_s: float | None = None
+    trouble: str = ""
+    """Why it does not go on, in its coordinator's words; empty when all is well."""
+    carriers: tuple[CarrierView, ...] = ()
+    """Oldest first."""
     bids: tuple[BidView, ...] = ()
     refusals: tuple[RefusalView, ...] = ()
 
@@ -184,6 +217,58 @@ class OrderView(View, kw_only=True):
     created_at_s: float
     due_at_s: float | None = None
     delivered_at_s: float | None = None
+    waits: str = ""
+    """Why it waits: nobody who lives can make what is missing, say; empty when it goes on."""
+
+
+class NewsView(View, kw_only=True):
+    """Something that people should know of without looking for it: a failure, and what became of it."""
+
+    id: str
+    kind: Literal[
+        "took_over",
+        "takeover_refused",
+        "announced_anew",
+        "link_lost",
+        "link_back",
+        "help_asked",
+        "help_promised",
+        "goal_lost",
+        "goal_waits",
+    ]
+    at_s: float
+    """Wall clock, as all times of views."""
+    agent: str
+    """Whom it is about: the vehicle or machine to look at."""
+    other: str = ""
+    """Whom `agent` has replaced; or who has promised to help."""
+    task: str = ""
+    epoch: int = 0
+    goal: str = ""
+    successor: str = ""
+    """The goal under which what is missing of `goal` goes on; empty when nothing is."""
+    arrived: int = 0
+    """Pieces of `goal` that had been delivered, and count."""
+    order: str = ""
+    reason: str = ""
+    silent_s: float = 0.0
+    """How long nothing had been heard of `other`, in factory seconds."""
+    until_at_s: float | None = None
+    """How long help is waited for."""
+    confirmed: bool = True
+    """False for a takeover that the task's coordinator has not confirmed."""
+
+
+class FaultView(View, kw_only=True):
+    """A fault that was begun by hand in a simulated factory, and has not ended."""
+
+    id: str
+    kind: str
+    fault: dict[str, Any]
+    """As it was begun: its `kind` and its fields."""
+    agents: tuple[str, ...]
+    """Whom it is about; empty where it is about the network as a whole."""
+    began_at_s: float
 
 
 class FactoryView(View, kw_only=True):
@@ -219,6 +304,12 @@ class Snapshot(View, kw_only=True, tag_field="type", tag="snapshot"):
     """The open ones and the last 50 that closed."""
     orders: tuple[OrderView, ...]
     """The open ones and the last 50 that closed."""
+    news: tuple[NewsView, ...] = ()
+    """The last 50, oldest first."""
+    trials: bool = False
+    """Whether faults can be begun by hand: the factory is simulated."""
+    faults: tuple[FaultView, ...] = ()
+    """Those that were begun by hand and have not ended."""
 
 
 class Delta(View, kw_only=True, tag_field="type", tag="delta"):
@@ -232,5 +323,7 @@ class Delta(View, kw_only=True, tag_field="type", tag="delta"):
     machines: tuple[MachineView, ...] = ()
     tasks: tuple[TaskView, ...] = ()
     orders: tuple[OrderView, ...] = ()
+    news: tuple[NewsView, ...] = ()
+    faults: tuple[FaultView, ...] = ()
     gone: tuple[str, ...] = ()
     """Ids that left the stream, as `task:M8-214` or `order:...`."""

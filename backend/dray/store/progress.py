@@ -4,8 +4,9 @@ Facts come late, doubled and in any order, so a goal only ever keeps the most th
 and an order is computed anew from all of its goals: the result does not depend on the order in
 which the facts came.
 
-A goal *counts as running* while the strategist's newest life knows it. What a lost life's goal had
-made but not delivered is gone; what it delivered stays delivered and is never made again.
+A goal *counts as running* while the strategist's newest life knows it and its machine has not failed
+with it. What another goal had made but not delivered is gone; what it delivered stays delivered and is
+never made again.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from enum import StrEnum
 import msgspec
 
 from dray.messages import Event
-from dray.messages.fact import GoalContracted, GoodsDelivered, OrderAccepted, PieceMade
+from dray.messages.fact import GoalContracted, GoalLost, GoodsDelivered, OrderAccepted, PieceMade
 
 ToWall = Callable[[float], float]
 """Plant clock to wall clock, both in seconds."""
@@ -49,9 +50,10 @@ class Goal(msgspec.Struct, gc=False):
     product: str = ""
     quantity: int = 0
     machine: str = ""
+    """Empty before a contract was heard of, and again when the machine has failed with it."""
     promised_at_s: float | None = None
     incarnation: int = 0
-    """Life of the strategist that contracted it; 0 while the contract was not heard of."""
+    """Life of the strategist that contracted it, or that lost it; 0 while neither was heard of."""
     number: int = 0
     """Which of that life's facts told it."""
     made: int = 0
@@ -60,6 +62,11 @@ class Goal(msgspec.Struct, gc=False):
     """Never falls."""
     delivered_at_s: float | None = None
     """When the last delivery arrived (wall clock)."""
+
+    @property
+    def lost(self) -> bool:
+        """Whether its machine has failed with it: what is missing goes on under another name."""
+        return self.incarnation > 0 and not self.machine
 
 
 class Progress(msgspec.Struct, frozen=True, gc=False):
@@ -76,7 +83,9 @@ class Progress(msgspec.Struct, frozen=True, gc=False):
 def goal_of(event: Event) -> str | None:
     """The id of the goal that this event tells something about, if any."""
     match event.fact:
-        case GoalContracted(goal=goal) | PieceMade(goal=goal) | GoodsDelivered(goal=goal):
+        case (
+            GoalContracted(goal=goal) | GoalLost(goal=goal) | PieceMade(goal=goal) | GoodsDelivered(goal=goal)
+        ):
             return goal or None
         case _:
             return None
@@ -96,6 +105,14 @@ def note(goal: Goal, event: Event, to_wall_s: ToWall) -> None:
                 goal.incarnation, goal.number = event.incarnation, event.number
                 goal.quantity, goal.machine = fact.quantity, fact.machine
                 goal.promised_at_s = to_wall_s(fact.finish_s)
+        case GoalLost() as fact:
+            if (event.incarnation, event.number) > (goal.incarnation, goal.number):
+                goal.incarnation, goal.number = event.incarnation, event.number
+                goal.machine, goal.promised_at_s = "", None
+            if fact.arrived > goal.delivered:
+                # The delivery warehouse has counted more than the machine could still tell.
+                goal.delivered = fact.arrived
+                goal.delivered_at_s = max(goal.delivered_at_s or 0.0, to_wall_s(event.at_s))
         case PieceMade() as fact:
             goal.product = fact.product
             goal.made = max(goal.made, fact.made)
@@ -121,7 +138,7 @@ def progress(quantities: Sequence[int], goals: Iterable[Goal], incarnation: int)
     for goal in goals:
         if goal.item is None or not 0 <= goal.item < len(quantities):
             continue
-        alive = goal.incarnation >= incarnation
+        alive = goal.incarnation >= incarnation and not goal.lost
         running = running or (alive and goal.incarnation > 0)
         made[goal.item] += goal.made if alive else goal.delivered
         delivered[goal.item] += goal.delivered

@@ -22,6 +22,7 @@ export interface AtvView {
   battery_frac: number;
   berth: string;
   heading_rad: number;
+  help: HelpView | null;
   id: string;
   link: "mesh" | "wlan";
   load: string;
@@ -40,6 +41,13 @@ export interface AtvView {
   way: string[];
   x_m: number;
   y_m: number;
+}
+/**
+ * A problem that a person can solve, while its task waits for that.
+ */
+export interface HelpView {
+  promised_by: string;
+  until_at_s: number;
 }
 /**
  * A vehicle's part in one task.
@@ -96,6 +104,18 @@ export interface BufferView {
   reorder_point: number;
 }
 /**
+ * Who carried a task from when on, or that it was put up for auction again.
+ */
+export interface CarrierView {
+  carrier: string;
+  confirmed: boolean;
+  epoch: number;
+  reason: string;
+  replaced: string;
+  silent_s: number;
+  since_at_s: number;
+}
+/**
  * A charging station: one vehicle at a time.
  */
 export interface Charger {
@@ -110,8 +130,10 @@ export interface Delta {
   at_s: number;
   atvs: AtvView[];
   factory: FactoryView | null;
+  faults: FaultView[];
   gone: string[];
   machines: MachineView[];
+  news: NewsView[];
   number: number;
   orders: OrderView[];
   tasks: TaskView[];
@@ -135,6 +157,16 @@ export interface FactoryView {
   starved_frac: number | null;
   transport_p50_s: number | null;
   transport_p95_s: number | null;
+}
+/**
+ * A fault that was begun by hand in a simulated factory, and has not ended.
+ */
+export interface FaultView {
+  agents: string[];
+  began_at_s: number;
+  fault: {};
+  id: string;
+  kind: string;
 }
 /**
  * A machine, as its last heartbeat told.
@@ -176,6 +208,36 @@ export interface OpenTaskView {
   secondary: string;
   source: string;
   task: string;
+  trouble: string;
+}
+/**
+ * Something that people should know of without looking for it: a failure, and what became of it.
+ */
+export interface NewsView {
+  agent: string;
+  arrived: number;
+  at_s: number;
+  confirmed: boolean;
+  epoch: number;
+  goal: string;
+  id: string;
+  kind:
+    | "announced_anew"
+    | "goal_lost"
+    | "goal_waits"
+    | "help_asked"
+    | "help_promised"
+    | "link_back"
+    | "link_lost"
+    | "takeover_refused"
+    | "took_over";
+  order: string;
+  other: string;
+  reason: string;
+  silent_s: number;
+  successor: string;
+  task: string;
+  until_at_s: number | null;
 }
 /**
  * An order and how far it has come.
@@ -189,6 +251,7 @@ export interface OrderView {
   items: OrderItemView[];
   reference: string | null;
   status: "cancelled" | "delivered" | "in_delivery" | "in_production" | "released" | "stored";
+  waits: string;
 }
 /**
  * A line of an order and how far it has come.
@@ -204,6 +267,7 @@ export interface OrderItemView {
  */
 export interface TaskView {
   bids: BidView[];
+  carriers: CarrierView[];
   closed_at_s: number | null;
   contracted_at_s: number | null;
   coordinator: string;
@@ -227,6 +291,7 @@ export interface TaskView {
   source: string;
   sources: string[];
   state: "bidding" | "contracted" | "delivered" | "withdrawn";
+  trouble: string;
 }
 /**
  * Who did not bid, and why.
@@ -393,10 +458,13 @@ export interface Snapshot {
   at_s: number;
   atvs: AtvView[];
   factory: FactoryView;
+  faults: FaultView[];
   machines: MachineView[];
+  news: NewsView[];
   number: number;
   orders: OrderView[];
   plant: string;
   tasks: TaskView[];
+  trials: boolean;
   type: "snapshot";
 }

@@ -27,7 +27,7 @@ const plant = {
 
 const order = (more: Partial<OrderView>): OrderView => ({
   id: "O-1", customer: "c", reference: null, status: "released", items: [], created_at_s: 0, due_at_s: null,
-  delivered_at_s: null, ...more,
+  delivered_at_s: null, waits: "", ...more,
 });
 
 describe("a draft", () => {
@@ -87,7 +87,7 @@ describe("alerts", () => {
   const atv = (id: string, more: Partial<AtvView>) =>
     ({ id, status: "idle", seen_at_s: 100, battery_frac: 0.9, problem: "", ...more }) as AtvView;
   const world = (atvs: AtvView[], machines: MachineView[], orders: OrderView[] = []): World => ({
-    number: 1, atS: 100, plant: "p", factory: { speed: 1 } as FactoryView, tasks: new Map(),
+    number: 1, atS: 100, plant: "p", factory: { speed: 1 } as FactoryView, tasks: new Map(), news: new Map(), trials: false, faults: new Map(),
     atvs: new Map(atvs.map((each) => [each.id, each])),
     machines: new Map(machines.map((each) => [each.id, each])),
     orders: new Map(orders.map((each) => [each.id, each])),

@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import type { AtvView, Delta, FactoryView, Snapshot, TaskView } from "../api/types";
+import type { AtvView, Delta, FactoryView, FaultView, NewsView, Snapshot, TaskView } from "../api/types";
 import { advance, worldOf } from "./world";
 
 const factory = { speed: 1 } as FactoryView;
@@ -7,9 +7,11 @@ const atv = (id: string, battery_frac = 1) => ({ id, battery_frac }) as AtvView;
 
 export const snapshot = (number: number, atvs: AtvView[] = []): Snapshot => ({
   type: "snapshot", number, at_s: 100, plant: "dray", factory, atvs, machines: [], tasks: [], orders: [],
+  news: [], trials: false, faults: [],
 });
 export const delta = (number: number, more: Partial<Delta> = {}): Delta => ({
-  type: "delta", number, at_s: 101, factory: null, atvs: [], machines: [], tasks: [], orders: [], gone: [], ...more,
+  type: "delta", number, at_s: 101, factory: null, atvs: [], machines: [], tasks: [], orders: [], news: [],
+  faults: [], gone: [], ...more,
 });
 
 describe("a world", () => {
@@ -41,6 +43,14 @@ describe("a world", () => {
     const after = advance(begun, delta(3, { gone: ["task:a:b", "ghost:x"] }));
     expect(begun?.tasks.size).toBe(1);
     expect(after?.tasks.size).toBe(0);
+  });
+
+  test("loses a fault that has ended, and keeps what was said about it", () => {
+    const begun = advance(worldOf(snapshot(1)), delta(2, {
+      faults: [{ id: "1" } as FaultView], news: [{ id: "T1@2" } as NewsView],
+    }));
+    const after = advance(begun, delta(3, { gone: ["fault:1"] }));
+    expect([begun?.faults.size, after?.faults.size, after?.news.size]).toEqual([1, 0, 1]);
   });
 
   test("keeps the very map of a kind that did not change", () => {

@@ -6,7 +6,9 @@ import type {
   AtvView,
   Delta,
   FactoryView,
+  FaultView,
   MachineView,
+  NewsView,
   OrderView,
   Snapshot,
   TaskView,
@@ -25,10 +27,23 @@ export interface World {
   readonly machines: ReadonlyMap<string, MachineView>;
   readonly tasks: ReadonlyMap<string, TaskView>;
   readonly orders: ReadonlyMap<string, OrderView>;
+  /** What has happened lately, oldest first. */
+  readonly news: ReadonlyMap<string, NewsView>;
+  /** Whether faults can be begun by hand. */
+  readonly trials: boolean;
+  /** Those that were begun by hand and have not ended. */
+  readonly faults: ReadonlyMap<string, FaultView>;
 }
 
 /** The prefix of an id in `Delta.gone`, and the collection that it leaves. */
-const GONE = { atv: "atvs", machine: "machines", task: "tasks", order: "orders" } as const;
+const GONE = {
+  atv: "atvs",
+  machine: "machines",
+  task: "tasks",
+  order: "orders",
+  news: "news",
+  fault: "faults",
+} as const;
 
 export function worldOf(frame: Snapshot): World {
   return {
@@ -40,6 +55,9 @@ export function worldOf(frame: Snapshot): World {
     machines: byId(frame.machines),
     tasks: byId(frame.tasks),
     orders: byId(frame.orders),
+    news: byId(frame.news),
+    trials: frame.trials,
+    faults: byId(frame.faults),
   };
 }
 
@@ -60,6 +78,8 @@ export function advance(world: World | null, frame: Frame): World | null {
     machines: changed(world.machines, frame.machines, gone.machines),
     tasks: changed(world.tasks, frame.tasks, gone.tasks),
     orders: changed(world.orders, frame.orders, gone.orders),
+    news: changed(world.news, frame.news, gone.news),
+    faults: changed(world.faults, frame.faults, gone.faults),
   };
 }
 
@@ -83,7 +103,7 @@ function changed<T extends { id: string }>(
 type Kind = (typeof GONE)[keyof typeof GONE];
 
 function goneByKind(ids: readonly string[]): Record<Kind, string[]> {
-  const gone: Record<Kind, string[]> = { atvs: [], machines: [], tasks: [], orders: [] };
+  const gone: Record<Kind, string[]> = { atvs: [], machines: [], tasks: [], orders: [], news: [], faults: [] };
   for (const id of ids) {
     const cut = id.indexOf(":");
     const prefix = id.slice(0, cut);

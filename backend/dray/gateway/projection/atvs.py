@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from typing import Any
 
 from dray.gateway.projection.changes import Changes
-from dray.gateway.views import AtvView, BriefView
-from dray.messages import AtvHeartbeat, Brief
+from dray.gateway.views import AtvView, BriefView, HelpView
+from dray.messages import AtvHeartbeat, Brief, HelpWanted
 from dray.plant.model import VehicleSpec
 from dray.store.progress import ToWall
 
@@ -90,6 +90,7 @@ class Atvs:
             berth=heartbeat.berth,
             speed_limit_frac=heartbeat.speed_limit_frac,
             problem=heartbeat.problem,
+            help=None if heartbeat.help is None else self._help(heartbeat.help),
             software=heartbeat.software,
             seen_at_s=self._to_wall_s(heartbeat.at_s),
         )
@@ -105,6 +106,9 @@ class Atvs:
             quantity=brief.quantity,
             due_at_s=None if brief.due_s is None else self._to_wall_s(brief.due_s),
         )
+
+    def _help(self, wanted: HelpWanted) -> HelpView:
+        return HelpView(until_at_s=self._to_wall_s(wanted.until_s), promised_by=wanted.promised_by)
 
 
 def plain(word: Any) -> Any:

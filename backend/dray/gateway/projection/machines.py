@@ -120,6 +120,7 @@ class Machines:
             primary=task.primary,
             secondary=task.secondary,
             round=task.round,
+            trouble=task.trouble,
         )
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dray.gateway.projection.changes import Changes
 from dray.gateway.views import OrderItemView, OrderView
 from dray.messages import Event
+from dray.messages.fact import GoalContracted, GoalWaits
 from dray.store.orders import Order, OrderTotals
 from dray.store.progress import (
     ENDED,
@@ -37,6 +38,8 @@ class Orders:
         """Per order that is kept here, its goals by id."""
         self._order_of: dict[str, str] = {}
         """Per goal that is kept here, its order."""
+        self._waits: dict[str, dict[str, str]] = {}
+        """Per order that waits, the goals that nobody can make now, and why."""
         self._ended: dict[str, None] = {}
         """Ended orders, oldest first."""
         self.delivered, self.on_time = 0, 0
@@ -72,13 +75,16 @@ class Orders:
         Returns:
             False when it tells nothing new about an order that is kept here.
         """
+        if isinstance(event.fact, GoalWaits):
+            return self._wait(event, event.fact)
         order = self._orders.get(self._subject(event) or "")
         if order is None or order.status is OrderStatus.STORED:
             return False
+        went_on = isinstance(event.fact, GoalContracted) and self._goes_on(order.id, event.fact.goal)
         if accepted_order(event):
             order.incarnation = max(order.incarnation, event.incarnation)
         advanced = self._advanced(order)
-        if advanced == order:
+        if advanced == order and not went_on:
             return False
         if advanced.status is OrderStatus.DELIVERED and order.status is not OrderStatus.DELIVERED:
             self._count(advanced)
@@ -89,13 +95,42 @@ class Orders:
         """One order, if it is kept here."""
         return self._orders.get(order)
 
+    def waits(self, order: str) -> str:
+        """Why an order waits; empty when it goes on, or is not kept here."""
+        return next(iter(self._waits.get(order, {}).values()), "")
+
     def views(self) -> tuple[OrderView, ...]:
         """The open ones, and the last that ended."""
-        return tuple(order_view(order) for order in self._orders.values())
+        return tuple(self._view(order) for order in self._orders.values())
 
     def take_changed(self) -> tuple[OrderView, ...]:
         """Those that have changed since the last call."""
-        return tuple(order_view(self._orders[order]) for order in self.changes.take_changed())
+        return tuple(self._view(self._orders[order]) for order in self.changes.take_changed())
+
+    def _wait(self, event: Event, fact: GoalWaits) -> bool:
+        """Nobody can make a goal: its order waits until somebody has taken it."""
+        order = self._orders.get(fact.order)
+        goal = self._goals.get(fact.order, {}).get(fact.goal)
+        late = goal is not None and (goal.incarnation, goal.number) > (event.incarnation, event.number)
+        if order is None or order.status in ENDED or late:
+            return False
+        waits = self._waits.setdefault(fact.order, {})
+        if waits.get(fact.goal) == fact.reason:
+            return False
+        waits[fact.goal] = fact.reason
+        self.changes.mark(fact.order)
+        return True
+
+    def _goes_on(self, order: str, goal: str) -> bool:
+        """Somebody has taken a goal; returns whether its order had waited for that."""
+        waits = self._waits.get(order, {})
+        waited = waits.pop(goal, None) is not None
+        if waited and not waits:
+            del self._waits[order]
+        return waited
+
+    def _view(self, order: Order) -> OrderView:
+        return order_view(order, self.waits(order.id))
 
     def _subject(self, event: Event) -> str | None:
         """Note what the event tells about a goal; returns the order that it is about."""
@@ -143,6 +178,7 @@ class Orders:
         self.changes.mark(order.id)
         if order.status in ENDED and order.id not in self._ended:
             self._ended[order.id] = None
+            self._waits.pop(order.id, None)
             if len(self._ended) > ENDED_KEPT:
                 self._forget(next(iter(self._ended)))
 
@@ -153,8 +189,13 @@ class Orders:
         self.changes.drop(order)
 
 
-def order_view(order: Order) -> OrderView:
-    """An order, as panels see it."""
+def order_view(order: Order, waits: str = "") -> OrderView:
+    """An order, as panels see it.
+
+    Args:
+        order: the order.
+        waits: why it waits; empty when it goes on.
+    """
     return OrderView(
         id=order.id,
         customer=order.customer,
@@ -169,4 +210,5 @@ def order_view(order: Order) -> OrderView:
         created_at_s=order.created_at_s,
         due_at_s=order.due_at_s,
         delivered_at_s=order.delivered_at_s,
+        waits=waits,
     )

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dray.gateway.projection.atvs import Atvs
 from dray.gateway.projection.machines import Machines
+from dray.gateway.projection.news import News
 from dray.gateway.projection.orders import Orders
 from dray.gateway.projection.tasks import Tasks
+from dray.gateway.projection.trials import Trials
 from dray.gateway.timescale import TimeScale
 from dray.gateway.views import Delta, FactoryView, Snapshot
 from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, Message
@@ -18,15 +20,19 @@ class Projection:
     Args:
         plant: names and types of what stands in it.
         time: the two clocks.
+        trials: whether faults can be begun by hand.
     """
 
-    def __init__(self, plant: PlantFile, time: TimeScale) -> None:
+    def __init__(self, plant: PlantFile, time: TimeScale, *, trials: bool = False) -> None:
         self._plant, self._time = plant.plant, time
         self.atvs = Atvs(plant.fleet, time.to_wall_s)
         self.machines = Machines(plant.machines, time.to_wall_s)
         self.tasks = Tasks(time.to_wall_s)
         self.orders = Orders(time.to_wall_s)
-        self._all = (self.atvs.changes, self.machines.changes, self.tasks.changes, self.orders.changes)
+        self.news = News(time.to_wall_s)
+        self.trials = Trials(possible=trials)
+        kinds = (self.atvs, self.machines, self.tasks, self.orders, self.news, self.trials)
+        self._all = tuple(kind.changes for kind in kinds)
         self.heard = 0
         """Messages that told something."""
         self.ignored = 0
@@ -44,9 +50,11 @@ class Projection:
                 told = self.atvs.fold(message)
             case MachineHeartbeat():
                 told = self.machines.fold(message)
+                if told:
+                    self.tasks.hear(message)
             case Event():
-                # Both look: GoalContracted is about an order, TaskOpened about a task.
-                told = self.tasks.fold(message) | self.orders.fold(message)
+                # All look: GoalWaits is about a task and an order, and news.
+                told = self.tasks.fold(message) | self.orders.fold(message) | self.news.fold(message)
             case _:
                 told = False
         if told:
@@ -82,6 +90,9 @@ class Projection:
             machines=self.machines.views(),
             tasks=self.tasks.views(),
             orders=self.orders.views(),
+            news=self.news.views(),
+            trials=self.trials.possible,
+            faults=self.trials.views(),
         )
 
     def delta(self, number: int, wall_s: float, factory: FactoryView | None) -> Delta:
@@ -94,6 +105,8 @@ class Projection:
             machines=self.machines.take_changed(),
             tasks=self.tasks.take_changed(),
             orders=self.orders.take_changed(),
+            news=self.news.take_changed(),
+            faults=self.trials.take_changed(),
             gone=tuple(name for changes in self._all for name in changes.take_gone()),
         )
 

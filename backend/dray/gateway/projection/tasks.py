@@ -15,18 +15,22 @@ from typing import Any
 from dray.gateway.projection.atvs import plain
 from dray.gateway.projection.changes import Changes
 from dray.gateway.projection.transports import Transports
-from dray.gateway.views import BidView, RefusalView, TaskView
-from dray.messages import Cost, Event, Production, Role, Transport, TransportCost
+from dray.gateway.views import BidView, CarrierView, RefusalView, TaskView
+from dray.messages import Cost, Event, MachineHeartbeat, Production, Role, Transport, TransportCost
 from dray.messages.fact import (
     AwardAnswered,
     AwardGiven,
     BidReceived,
     BidRefused,
+    CarrierChanged,
+    ContractEnded,
     ContractTaken,
+    GoalWaits,
     PhaseEntered,
     RoundFailed,
     TaskClosed,
     TaskOpened,
+    TookOver,
     WatchLost,
 )
 from dray.store.progress import ToWall
@@ -40,6 +44,9 @@ MAX_OPEN = 5_000
 MAX_BIDS = 64
 """Bids kept per task, newest last, and as many refusals: a person reads no more, and a task that waits
 for days would gather them without end."""
+
+MAX_CARRIERS = 16
+"""Changes of a task's carrier that are kept, newest last: more than one task sees while somebody looks."""
 
 EARLY_KEPT = 512
 """Facts kept that came before their task was opened: some seconds of a plant of 1,000 vehicles."""
@@ -65,8 +72,12 @@ class Tasks:
             AwardAnswered: self._answer,
             RoundFailed: _failed,
             WatchLost: _watch_lost,
-            ContractTaken: _taken,
+            CarrierChanged: self._carrier_changed,
+            TookOver: self._took_over,
+            ContractTaken: self._taken,
+            ContractEnded: _contract_ended,
             PhaseEntered: _phase,
+            GoalWaits: _waits,
         }
         self.changes = Changes("task")
         self.transports = Transports()
@@ -85,7 +96,8 @@ class Tasks:
         handler = self._on.get(type(fact))
         if handler is None:
             return False
-        name: str = fact.task  # type: ignore[union-attr]  # every fact with a handler is about a task
+        # Every fact with a handler is about a task; a goal is the task that gives it out.
+        name: str = fact.goal if isinstance(fact, GoalWaits) else fact.task  # type: ignore[union-attr]
         task = self._open.get(name)
         if task is None:
             if name not in self._closed:
@@ -95,6 +107,14 @@ class Tasks:
             return False
         self.changes.mark(name)
         return True
+
+    def hear(self, heartbeat: MachineHeartbeat) -> None:
+        """Take in what a machine says about its open tasks."""
+        for brief in heartbeat.tasks:
+            task = self._open.get(brief.task)
+            if task is not None and brief.trouble != task.trouble:
+                task.trouble = brief.trouble
+                self.changes.mark(task.id)
 
     def view(self, task: str) -> TaskView | None:
         """One task, open or lately ended."""
@@ -176,9 +196,49 @@ class Tasks:
             return True
         task.epoch, task.primary, task.state = fact.epoch, fact.bidder, "contracted"
         task.contracted_at_s = self._to_wall_s(event.at_s)
+        task.trouble = ""
         if bid is not None:
             task.promised_at_s, task.source = bid.finish_at_s, bid.source
+        _carried(task, self._carrier(event, fact.bidder, fact.epoch))
         return True
+
+    def _carrier_changed(self, task: TaskView, event: Event, fact: CarrierChanged) -> bool:
+        """The coordinator's word on who carries the task: it counts for more than a carrier's own."""
+        if fact.epoch < task.epoch:
+            return False
+        if fact.carrier:
+            _give_to(task, fact.carrier, fact.epoch)
+        else:
+            _begin_again(task)
+            # The announcement that follows begins with round 1 of the new epoch.
+            task.epoch, task.round = fact.epoch, 0
+        changed = self._carrier(event, fact.carrier, fact.epoch)
+        changed.replaced, changed.reason, changed.silent_s = fact.replaced, fact.reason, fact.silent_s
+        _carried(task, changed)
+        return True
+
+    def _took_over(self, task: TaskView, event: Event, fact: TookOver) -> bool:
+        """A secondary carries the task: it may say so before the coordinator does."""
+        if fact.epoch < task.epoch or (fact.epoch == task.epoch and task.primary != event.agent):
+            return False
+        _give_to(task, event.agent, fact.epoch)
+        taken = self._carrier(event, event.agent, fact.epoch)
+        taken.replaced, taken.reason, taken.silent_s = fact.primary, fact.reason, fact.silent_s
+        taken.confirmed = False
+        known = task.carriers[-1] if task.carriers else None
+        if known is None or (known.carrier, known.epoch) != (taken.carrier, taken.epoch):
+            _carried(task, taken)
+        return True
+
+    def _taken(self, task: TaskView, event: Event, fact: ContractTaken) -> bool:
+        """A carrier with a higher epoch has taken over: it may say so before the coordinator does."""
+        if fact.role is Role.SECONDARY or fact.epoch <= task.epoch:
+            return False
+        _give_to(task, event.agent, fact.epoch)
+        return True
+
+    def _carrier(self, event: Event, carrier: str, epoch: int) -> CarrierView:
+        return CarrierView(carrier=carrier, epoch=epoch, since_at_s=self._to_wall_s(event.at_s))
 
     def _ended(self, event: Event, fact: TaskClosed) -> bool:
         task = self._open.pop(fact.task, None)
@@ -188,7 +248,7 @@ class Tasks:
         task.state = "delivered" if fact.outcome == "delivered" else "withdrawn"
         task.primary = fact.carrier or task.primary
         task.closed_at_s = self._to_wall_s(event.at_s)
-        task.phase = ""
+        task.phase = task.trouble = ""
         if fact.promised_s > 0:
             task.promised_at_s = self._to_wall_s(fact.promised_s)
         if task.kind == "transport":
@@ -228,8 +288,24 @@ def _new_task(event: Event, fact: TaskOpened, to_wall_s: ToWall) -> TaskView:
 
 def _begin_again(task: TaskView) -> None:
     """Nobody carries it any more: another one is sought, in a new epoch."""
+    task.trouble = ""
     task.state, task.primary, task.phase, task.source = "bidding", "", "", ""
     task.contracted_at_s = task.promised_at_s = None
+
+
+def _give_to(task: TaskView, carrier: str, epoch: int) -> None:
+    """Somebody else carries it."""
+    if carrier != task.primary:
+        task.phase = ""
+    task.epoch, task.primary, task.state = epoch, carrier, "contracted"
+    if task.secondary == carrier:
+        task.secondary = ""
+
+
+def _carried(task: TaskView, carrier: CarrierView) -> None:
+    """Add to the list of carriers, which has one line per epoch."""
+    others = [other for other in task.carriers if other.epoch != carrier.epoch]
+    task.carriers = (*others[1 - MAX_CARRIERS :], carrier)
 
 
 def _parts(cost: Cost) -> dict[str, float]:
@@ -265,6 +341,14 @@ def _failed(task: TaskView, _event: Event, fact: RoundFailed) -> bool:
     return True
 
 
+def _waits(task: TaskView, _event: Event, fact: GoalWaits) -> bool:
+    """Nobody can make this goal; the next machine that takes it ends that."""
+    if task.state != "bidding" or task.trouble == fact.reason:
+        return False
+    task.trouble = fact.reason
+    return True
+
+
 def _watch_lost(task: TaskView, _event: Event, fact: WatchLost) -> bool:
     if fact.epoch < task.epoch or task.secondary != fact.secondary:
         return False
@@ -291,13 +375,20 @@ def _refusal(task: TaskView, event: Event, fact: BidRefused) -> bool:
     return True
 
 
-def _taken(task: TaskView, event: Event, fact: ContractTaken) -> bool:
-    """A carrier with a higher epoch has taken over: it may say so before the coordinator does."""
-    if fact.role is Role.SECONDARY or fact.epoch <= task.epoch:
+def _contract_ended(task: TaskView, event: Event, fact: ContractEnded) -> bool:
+    """A takeover that its coordinator has refused is undone: the carrier before it still carries."""
+    last = task.carriers[-1] if task.carriers else None
+    if last is None or last.confirmed or (last.carrier, last.epoch) != (event.agent, fact.epoch):
         return False
-    task.epoch, task.primary, task.state = fact.epoch, event.agent, "contracted"
-    if task.secondary == event.agent:
-        task.secondary = ""
+    if fact.reason == "handed_over":
+        return False
+    task.carriers = task.carriers[:-1]
+    before = task.carriers[-1] if task.carriers else None
+    if before is None or not before.carrier:
+        _begin_again(task)
+    else:
+        task.primary, task.phase = before.carrier, ""
+    task.epoch = fact.epoch - 1 if before is None else before.epoch
     return True
 
 

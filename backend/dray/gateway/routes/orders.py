@@ -25,7 +25,7 @@ from dray.gateway.answers import (
 )
 from dray.gateway.bodies import json_only
 from dray.gateway.intake import OrderDraft
-from dray.gateway.parts import Gateway
+from dray.gateway.parts import Gateway, Parts
 from dray.gateway.problems import not_found
 from dray.gateway.projection.orders import order_view
 from dray.gateway.views import OrderItemView, OrderView
@@ -137,7 +137,7 @@ async def list_orders(
     last = orders[limit - 1] if len(orders) > limit else None
     base = str(request.base_url)
     return listing(
-        [order_answer(order, base) for order in orders[:limit]],
+        [order_answer(order, base, gateway.projection.orders.waits(order.id)) for order in orders[:limit]],
         None if last is None else write_cursor(last.created_at_s, last.id),
     )
 
@@ -154,7 +154,7 @@ async def get_order(gateway: Gateway, request: Request, order: str) -> Json:
     """One order."""
     async with gateway.store.read() as work:
         found = await work.orders.get(order)
-    return _answer(found, order, request)
+    return _answer(gateway, found, order, request)
 
 
 @router.post(
@@ -167,7 +167,7 @@ async def get_order(gateway: Gateway, request: Request, order: str) -> Json:
 )
 async def release_order(gateway: Gateway, request: Request, order: str) -> Json:
     """Hand a stored order to the factory; doing it twice is harmless."""
-    return _answer(await intake.release(gateway, order), order, request)
+    return _answer(gateway, await intake.release(gateway, order), order, request)
 
 
 @router.post(
@@ -180,17 +180,18 @@ async def release_order(gateway: Gateway, request: Request, order: str) -> Json:
 )
 async def cancel_order(gateway: Gateway, request: Request, order: str) -> Json:
     """Cancel an order; doing it twice is harmless. What is made already is not taken apart."""
-    return _answer(await intake.cancel(gateway, order), order, request)
+    return _answer(gateway, await intake.cancel(gateway, order), order, request)
 
 
-def order_answer(order: Order, base_url: str) -> OrderAnswer:
+def order_answer(order: Order, base_url: str, waits: str = "") -> OrderAnswer:
     """An order, as REST shows it.
 
     Args:
         order: the order.
         base_url: where this gateway is asked at, with a slash at the end.
+        waits: why it waits; empty when it goes on.
     """
-    view = order_view(order)
+    view = order_view(order, waits)
     fields = {name: getattr(view, name) for name in view.__struct_fields__}
     return OrderAnswer(
         **fields,
@@ -211,7 +212,7 @@ def _created(order_id: str, answer: bytes, headers: Mapping[str, str] | None = N
     return Json(answer, HTTPStatus.CREATED, headers=location | dict(headers or {}))
 
 
-def _answer(order: Order | None, order_id: str, request: Request) -> Json:
+def _answer(gateway: Parts, order: Order | None, order_id: str, request: Request) -> Json:
     if order is None:
         raise not_found("order", order_id, "GET /api/orders")
-    return Json(order_answer(order, str(request.base_url)))
+    return Json(order_answer(order, str(request.base_url), gateway.projection.orders.waits(order.id)))
