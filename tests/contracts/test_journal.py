@@ -1,0 +1,174 @@
+"""The conformance suite of `dray.ports.Journal`: every journal runs all of it.
+
+A new journal is one more `Case`: how to begin an agent's first life with it, and how to begin the next.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import pytest
+
+from dray.memory import (
+    AtvMemory,
+    Contract,
+    GoalBooked,
+    GoalMemory,
+    MachineMemory,
+    Memory,
+    OrderMemory,
+    StrategistMemory,
+    TaskMemory,
+)
+from dray.messages import Event, OrderItem, Phase, Production, Transport
+from dray.messages.fact import OrderFulfilled
+from dray.ports import Journal
+from dray_sim.journal import HeldJournal
+
+KEPT = 10
+"""Events that the journals of these tests hold."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One implementation of the port."""
+
+    first_life: Callable[[], Journal]
+    next_life: Callable[[Journal], Journal]
+    """The journal as the agent finds it after a restart."""
+
+
+def held_again(journal: Journal) -> Journal:
+    assert isinstance(journal, HeldJournal)
+    journal.begin_life()
+    return journal
+
+
+CASES = {"held": Case(lambda: HeldJournal(events_kept=KEPT), held_again)}
+
+
+@pytest.fixture(params=list(CASES.values()), ids=list(CASES))
+def case(request: pytest.FixtureRequest) -> Case:
+    made: Case = request.param
+    return made
+
+
+def event(life: int, number: int) -> Event:
+    return Event("M1", life, number, float(number), OrderFulfilled(order=f"{life}.{number}"))
+
+
+def write(journal: Journal, numbers: range) -> list[Event]:
+    written = [event(journal.incarnation, number) for number in numbers]
+    for one in written:
+        journal.append(one)
+    return written
+
+
+FETCH = Transport(item="steel", quantity=4, sources=("S1", "S2"), destination="M1", ability="tote")
+MAKE = Production(product="P1", quantity=4, order="O-1", item=0)
+
+CONTRACT = Contract(
+    task="M1-7",
+    epoch=3,
+    work=FETCH,
+    coordinator="M1",
+    source="S2",
+    promised_s=17.5,
+    deadline_s=99.0,
+    phase=Phase.CARRYING,
+    cancelled="withdrawn",
+)
+GOAL = GoalMemory(
+    goal="O-1-1.1",
+    work=MAKE,
+    strategist="strategist",
+    deadline_s=99.0,
+    made=3,
+    delivered=2,
+    astray=1,
+    epoch=2,
+)
+TASK = TaskMemory(
+    task="M1-7",
+    epoch=3,
+    work=FETCH,
+    deadline_s=99.0,
+    opened_s=1.5,
+    primary="ATV1",
+    source="S2",
+    promised_s=12.0,
+)
+BOOKED = GoalBooked(goal="O-1-1.1", work=MAKE, deadline_s=99.0, machine="M1")
+ORDER = OrderMemory(order="O-1", items=(OrderItem("P1", 4),), due_s=99.0, goals=(BOOKED,))
+
+MEMORIES: list[Memory] = [
+    AtvMemory(),
+    AtvMemory(contract=CONTRACT, acknowledged=True, speed_frac=0.25),
+    MachineMemory(goals=(GOAL,), tasks=(TASK,), task_count=7),
+    StrategistMemory(orders=(ORDER,), ended=("O-0",), goal_count=5),
+]
+
+
+def test_lives_are_counted_from_one(case: Case) -> None:
+    journal = case.first_life()
+    assert journal.incarnation == 1
+    journal = case.next_life(journal)
+    assert journal.incarnation == 2
+    assert case.next_life(journal).incarnation == 3
+
+
+def test_an_agent_that_never_committed_anything_remembers_nothing(case: Case) -> None:
+    journal = case.first_life()
+    write(journal, range(1, 3))
+    assert journal.memory is None
+    assert case.next_life(journal).memory is None
+
+
+@pytest.mark.parametrize("memory", MEMORIES, ids=lambda memory: type(memory).__name__)
+def test_every_kind_of_memory_outlives_the_process(case: Case, memory: Memory) -> None:
+    journal = case.first_life()
+    journal.commit(memory)
+    assert journal.memory == memory
+    again = case.next_life(journal)
+    assert again.memory == memory
+    assert case.next_life(again).memory == memory
+
+
+def test_the_last_commitment_replaces_those_before_it(case: Case) -> None:
+    journal = case.first_life()
+    for memory in (*MEMORIES, AtvMemory()):
+        journal.commit(memory)
+    assert case.next_life(journal).memory == AtvMemory()
+
+
+def test_events_are_found_by_life_and_number_both_ends_included(case: Case) -> None:
+    journal = case.first_life()
+    first = write(journal, range(1, 4))
+    journal = case.next_life(journal)
+    second = write(journal, range(1, 6))
+    assert journal.events(1, 1, 3) == first
+    assert journal.events(2, 2, 4) == second[1:4]
+    assert journal.events(2, 4, 100) == second[3:]
+    assert journal.events(2, 4, 3) == journal.events(2, 6, 9) == journal.events(3, 1, 9) == []
+
+
+def test_a_journal_tells_which_numbers_of_a_life_it_keeps(case: Case) -> None:
+    journal = case.first_life()
+    assert journal.kept(1) == (1, 0)
+    write(journal, range(1, 4))
+    assert journal.kept(1) == (1, 3)
+    journal = case.next_life(journal)
+    assert (journal.kept(1), journal.kept(2)) == ((1, 3), (1, 0))
+
+
+def test_old_events_are_dropped_the_oldest_first_over_all_lives(case: Case) -> None:
+    journal = case.first_life()
+    write(journal, range(1, 9))
+    journal = case.next_life(journal)
+    written = write(journal, range(1, 7))
+    assert journal.kept(1) == (5, 8)
+    assert [one.number for one in journal.events(1, 1, 100)] == [5, 6, 7, 8]
+    assert journal.events(2, 1, 100) == written
+    write(journal, range(7, 7 + KEPT))
+    assert (journal.kept(1), journal.kept(2)) == ((1, 0), (7, 6 + KEPT))
