@@ -38,8 +38,8 @@ class AuctionRules(msgspec.Struct, frozen=True):
     window_s: float = 1.0
     """Some ten times the latency of a good WLAN."""
     window_growth: float = 1.5
-    window_max_s: float = 10.0
-    """Covers links with up to 5 s of latency each way."""
+    window_max_s: float = 12.0
+    """Covers links with up to 5 s of latency each way, and what they vary by."""
     answer_s: float = 1.0
     """How long an award may stay unanswered; grows with the window."""
     radius_m: float = 25.0

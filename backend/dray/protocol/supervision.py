@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 from dray.messages import AtvHeartbeat, AtvStatus
 from dray.protocol.events import NEVER_S, Effect, Subscribe, Unsubscribe
-from dray.protocol.suspicion import Hearing, atv_interval_s, bound_s
+from dray.protocol.suspicion import LATENESS_MAX_S, Hearing, atv_interval_s, bound_s
 
 SILENT = "silent"
 IN_ERROR = "in error, and not helped in time"
@@ -32,10 +32,11 @@ class Vigil:
 
     def __init__(self, subject: str, interval_s: float, now_s: float, prior: Hearing | None = None) -> None:
         self.subject = subject
-        self.heard_s = now_s
+        self._prior = prior if prior is not None else Hearing()
+        # The first heartbeat that can be heard is said only now, and may be under way for as long as others are.
+        self.heard_s = now_s + (self._prior.delay_s if self._prior.heard else LATENESS_MAX_S)
         self.last: AtvHeartbeat | None = None
         """The newest heartbeat; None before the first."""
-        self._prior = prior if prior is not None else Hearing()
         self._hearing = Hearing(self._prior)
         self.bound_s = bound_s(interval_s, self._hearing.loss_frac, self._hearing.deviation_s)
         self._last = (0, 0)

@@ -1,0 +1,127 @@
+"""A coordinator at its desk, for tests: one task, the time, and vehicles that beat."""
+
+from __future__ import annotations
+
+from typing import cast
+
+import msgspec
+from kit import (
+    KEYS,
+    accepted,
+    award_number,
+    bid,
+    declined,
+    rhb,
+    sent,
+    transport,
+)
+
+from dray.messages import (
+    AtvHeartbeat,
+    Award,
+    Brief,
+    Refusal,
+    Release,
+    Resigned,
+    Role,
+)
+from dray.protocol.auction import AuctionRules, Place
+from dray.protocol.coordinator import Coordinator, OpenTask
+from dray.protocol.events import Effect
+from dray.protocol.supervision import Following
+from dray.protocol.timers import Timers
+
+
+class Office:
+    """A coordinator, the time, and the one task T1 unless more are opened."""
+
+    def __init__(self, *, watched: bool = True) -> None:
+        self.out: list[Effect] = []
+        self.now_s = 0.0
+        self.timers = Timers()
+        self.contracted: list[str] = []
+        self.desk = Coordinator(
+            "M8",
+            Place(x_m=30.0, y_m=15.0, reach_m=80.0),
+            lambda _work, _radius_m: ("plant/task/0_0",),
+            AuctionRules(),
+            self.timers,
+            Following(KEYS.atv_heartbeat, self.out) if watched else None,
+            self.out,
+            lambda task, _now_s: self.contracted.append(task.id),
+        )
+        self.seq = 0
+
+    def open(self, task: str = "T1") -> OpenTask:
+        return self.desk.open(task, transport(), self.now_s + 300.0, self.now_s)
+
+    @property
+    def task(self) -> OpenTask:
+        found = self.desk.get("T1")
+        assert found is not None
+        return found
+
+    def heartbeat(self, atv: str) -> AtvHeartbeat:
+        """What a vehicle that keeps its contract says: it carries the task, or watches it."""
+        carried = rhb(atv, self.seq, self.now_s, task="T1")
+        if atv != self.task.secondary:
+            return carried
+        brief = cast(Brief, carried.task)
+        watch = msgspec.structs.replace(brief, role=Role.SECONDARY, phase=None)
+        return msgspec.structs.replace(carried, task=None, watches=(watch,))
+
+    def run(self, until_s: float, *alive: str) -> None:
+        """Let time pass; the vehicles that are alive beat every second."""
+        while self.timers.next_s <= until_s or self.now_s + 1.0 <= until_s:
+            if self.timers.next_s <= self.now_s + 1.0:
+                self.now_s = max(self.now_s, self.timers.next_s)
+                for kind, task in self.timers.due(self.now_s):  # type: ignore[misc]
+                    self.desk.alarms[kind](task, self.now_s)
+            else:
+                self.now_s += 1.0
+            self.seq += 1
+            for atv in alive:
+                self.desk.hear_heartbeat(self.heartbeat(atv), self.now_s)
+        self.now_s = until_s
+
+    def bids(self, task: str = "T1", role: Role = Role.PRIMARY, epoch: int = 1, **costs_s: float) -> None:
+        for bidder, cost_s in costs_s.items():
+            message = bid(cost_s, task=task, role=role, epoch=epoch)
+            self.desk.hear_bid(bidder, message, self.now_s)
+
+    def accepts(self, atv: str, role: Role = Role.PRIMARY, task: str = "T1", epoch: int = 1) -> None:
+        """It answers the newest award of that role that it was sent."""
+        answer = accepted(task, role=role, epoch=epoch, number=award_number(self.out, atv, task, role))
+        self.desk.hear_accepted(atv, answer, self.now_s)
+
+    def declines(self, atv: str, role: Role = Role.PRIMARY) -> None:
+        answer = declined(role=role, reason=Refusal.BUSY, number=award_number(self.out, atv, role=role))
+        self.desk.hear_declined(atv, answer, self.now_s)
+
+    def resigns(self, atv: str, task: str = "T1") -> None:
+        message = Resigned(task=task, epoch=1, role=Role.SECONDARY, reason="has work of its own")
+        self.desk.hear_resigned(atv, message, self.now_s)
+
+    def asked(self, role: Role = Role.SECONDARY) -> list[str]:
+        """Everybody who was asked for a role, in order."""
+        return [effect.to for effect in self.out for award in sent([effect], Award) if award.role is role]
+
+    def released(self) -> list[tuple[str, Role]]:
+        return [(effect.to, said.role) for effect in self.out for said in sent([effect], Release)]
+
+
+def contracted() -> Office:
+    """An office whose T1 is carried by ATV2, with ATV1 and ATV4 left over."""
+    office = Office()
+    office.open()
+    office.bids(ATV1=55.9, ATV2=54.8, ATV4=60.0)
+    office.run(1.0)
+    office.accepts("ATV2")
+    return office
+
+
+def watched() -> Office:
+    """An office whose T1 is carried by ATV2 and watched by ATV1."""
+    office = contracted()
+    office.accepts("ATV1", Role.SECONDARY)
+    return office
