@@ -248,6 +248,8 @@ class GoodsArrived(Part, frozen=True):
 
     goal: str
     arrived: int
+    admitted: int
+    """How many may get in at all; 0 tells that the gate is shut and `arrived` the last word."""
 
 
 class GateState(Part, frozen=True):

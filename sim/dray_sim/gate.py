@@ -77,7 +77,7 @@ class Gate:
             return NOT_ADMITTED
         permit.arrived += quantity
         self._renew(goal, permit)
-        self._reporter.say(GoodsArrived(goal=goal, arrived=permit.arrived))
+        self._reporter.say(GoodsArrived(goal=goal, arrived=permit.arrived, admitted=permit.admitted))
         self._reporter.flush_soon()
         return ""
 
@@ -91,7 +91,7 @@ class Gate:
             permit = _Permit(quantity)
         permit.admitted = quantity
         self._renew(goal, permit)
-        self._reporter.say(GoodsArrived(goal=goal, arrived=permit.arrived))
+        self._reporter.say(GoodsArrived(goal=goal, arrived=permit.arrived, admitted=permit.admitted))
 
     def _renew(self, goal: str, permit: _Permit) -> None:
         """Put a goal at the end of those that may be forgotten."""

@@ -14,11 +14,14 @@ import msgspec
 from dray.body import (
     ActionDone,
     ActionFailed,
+    Admit,
     BodyState,
     Charge,
     CycleDone,
     Drive,
     Drop,
+    GateState,
+    GoodsArrived,
     NodePassed,
     Pick,
     Report,
@@ -28,6 +31,7 @@ from dray.body import (
     WayDone,
     WorkcellState,
 )
+from dray.memory import Memory
 from dray.messages import (
     Accepted,
     AtvHeartbeat,
@@ -56,6 +60,7 @@ from dray.protocol.atv import Atv
 from dray.protocol.events import (
     NEVER_S,
     Agent,
+    Commit,
     Effect,
     Event,
     Heard,
@@ -119,6 +124,12 @@ def instructed(effects: list[Effect], kind: type[T]) -> list[T]:
         for effect in effects
         if isinstance(effect, Instruct) and isinstance(effect.instruction, kind)
     ]
+
+
+def committed(effects: list[Effect]) -> Memory | None:
+    """What was written down last; None when nothing was."""
+    memories = [effect.memory for effect in effects if isinstance(effect, Commit)]
+    return memories[-1] if memories else None
 
 
 def listening(effects: list[Effect]) -> set[str]:
@@ -248,6 +259,8 @@ class Rig:
         self.now_s = 0.0
         self.all: list[Effect] = []
         """Every effect from the beginning."""
+        self.memory: Memory | None = None
+        """What an earlier life has committed."""
 
     def sense(self) -> BodyState | None:
         """What the agent's body would tell of itself now."""
@@ -260,7 +273,7 @@ class Rig:
         return effects
 
     def start(self) -> list[Effect]:
-        return self.handle(Started(self.sense()))
+        return self.handle(Started(self.sense(), self.memory))
 
     def hear(self, sender: str, message: Message) -> list[Effect]:
         return self.handle(Heard(sender, message))
@@ -414,10 +427,30 @@ class MachineRig(Rig):
 
 
 class StrategistRig(Rig):
-    """A strategist; it has no body."""
+    """A strategist with its gate, which answers when the test says so."""
 
-    def __init__(self, **options: Any) -> None:
+    def __init__(self, *, memory: Memory | None = None, **options: Any) -> None:
         super().__init__(Strategist(PLANT, **options))
+        self.memory = memory
+        self.arrived: dict[str, int] = {}
+
+    def sense(self) -> GateState:
+        return GateState(arrived=dict(self.arrived))
+
+    def admitted(self, goal: str) -> int:
+        """How many pieces of a goal the gate was told to let in; -1 for a goal it never heard of."""
+        told = [admit.quantity for admit in instructed(self.all, Admit) if admit.goal == goal]
+        return told[-1] if told else -1
+
+    def arrive(self, goal: str, pieces: int) -> list[Effect]:
+        """The gate lets pieces in, and says how many there are."""
+        self.arrived[goal] = self.arrived.get(goal, 0) + pieces
+        return self.gate_answers(goal)
+
+    def gate_answers(self, goal: str) -> list[Effect]:
+        """The gate says how many pieces of a goal are in."""
+        arrived = GoodsArrived(goal=goal, arrived=self.arrived.get(goal, 0), admitted=self.admitted(goal))
+        return self.report(arrived)
 
 
 __all__ = [
@@ -433,6 +466,7 @@ __all__ = [
     "award",
     "award_number",
     "bid",
+    "committed",
     "declined",
     "deeds",
     "facts",

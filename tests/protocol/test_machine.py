@@ -43,6 +43,7 @@ from dray.messages import (
     BerthClaimed,
     Bid,
     CommandKind,
+    Confirmed,
     Declined,
     Docked,
     DockHeld,
@@ -55,6 +56,7 @@ from dray.messages import (
     Message,
     Refusal,
     Release,
+    Resigned,
     Role,
     Superseded,
     TaskAnnounced,
@@ -66,7 +68,6 @@ from dray.messages.fact import (
     BidRefused,
     ContractEnded,
     ContractTaken,
-    GoodsDelivered,
     MachineStatusChanged,
     PieceMade,
     TaskClosed,
@@ -443,15 +444,22 @@ def delivered(rig: MachineRig, task: str) -> list[Effect]:
     return rig.hear("ATV2", handover(task, quantity=work.quantity))  # type: ignore[union-attr]
 
 
+def counted(rig: MachineRig) -> list[tuple[str, int, int]]:
+    """What the next heartbeat says of goals: name, made, delivered."""
+    rig.run(rig.now_s + 5.0)
+    return [(brief.goal, brief.made, brief.delivered) for brief in rig.heartbeats(MachineHeartbeat)[-1].goals]
+
+
 def test_delivered_goods_count_for_their_goal_once() -> None:
     rig = m7(goal=30)
     rig.cycles(30)
     first, second = [each.task for each in published(rig.all, TaskAnnounced) if each.work.goal]  # type: ignore[union-attr]
-    [fact] = facts(delivered(rig, first), GoodsDelivered)
-    assert (fact.goal, fact.order, fact.item, fact.quantity, fact.delivered) == ("G1", "O1", 0, 24, 24)
-    assert facts(rig.hear("ATV2", handover(first)), GoodsDelivered) == []
-    [fact] = facts(delivered(rig, second), GoodsDelivered)
-    assert (fact.quantity, fact.delivered) == (6, 30)
+    delivered(rig, first)
+    assert counted(rig) == [("G1", 30, 24)]
+    rig.hear("ATV2", handover(first))
+    assert counted(rig) == [("G1", 30, 24)]
+    delivered(rig, second)
+    assert counted(rig) == [("G1", 30, 30)]
 
 
 def test_a_full_goods_buffer_blocks_the_machine_until_it_is_emptied() -> None:
@@ -573,7 +581,7 @@ def test_nothing_of_a_goal_is_begun_before_it_is_confirmed() -> None:
     assert transports(rig.all) == []
     assert status(rig) is MachineStatus.IDLE
     gaps_s = [b.at_s - a.at_s for a, b in pairwise(rig.heartbeats(MachineHeartbeat)[-5:])]
-    assert gaps_s == pytest.approx([5.0] * 4)
+    assert gaps_s == pytest.approx([1.0] * 4)
     assert [brief.goal for brief in rig.heartbeats(MachineHeartbeat)[-1].goals] == ["G1"]
     effects = rig.confirm_goal("G1")
     assert instructed(effects, StartCycle)
@@ -631,41 +639,121 @@ def test_a_goal_whose_promise_has_become_empty_is_declined() -> None:
     assert declined.task == "G1"
 
 
-@pytest.mark.parametrize(
-    "message",
-    [
-        Release(task="G1", epoch=1, role=Role.PRIMARY, reason="no answer"),
-        Withdrawn(task="G1", epoch=1, reason="not needed any more"),
-    ],
-    ids=lambda message: type(message).__name__,
-)
-def test_a_goal_is_given_back_when_nothing_of_it_was_begun(message: Message) -> None:
-    rig = m7(NO_HOUSINGS, goal=24)
-    effects = rig.hear("STRATEGIST", message)
-    [ended] = facts(effects, ContractEnded)
+RELEASE = Release(task="G1", epoch=1, role=Role.PRIMARY, reason="no answer")
+WITHDRAWN = Withdrawn(task="G1", epoch=1, reason="not needed any more")
+
+
+@pytest.mark.parametrize("message", [RELEASE, WITHDRAWN], ids=["released", "withdrawn"])
+def test_a_goal_that_is_not_confirmed_is_given_back(message: Message) -> None:
+    rig = m7()
+    rig.award_goal("G1", production())
+    [ended] = facts(rig.hear("STRATEGIST", message), ContractEnded)
     assert ended.task == "G1"
-    assert rig.hear("STRATEGIST", message) == [] or facts(rig.all, ContractEnded) == [ended]
-    rig.stocked("housing", 24)
-    assert not rig.is_cycling
+    rig.hear("STRATEGIST", message)
+    rig.confirm_goal("G1")
+    assert facts(rig.all, ContractEnded) == [ended]
     rig.run(10.0)
+    assert not rig.is_cycling
     assert rig.heartbeats(MachineHeartbeat)[-1].goals == ()
 
 
-def test_a_goal_that_was_begun_is_kept_when_it_is_withdrawn() -> None:
+def test_a_release_that_comes_after_the_confirmation_changes_nothing() -> None:
+    rig = m7(goal=24)
+    assert deeds(rig.hear("STRATEGIST", RELEASE)) == []
+    assert rig.is_cycling
+
+
+def test_a_withdrawn_goal_is_made_no_further_and_its_pieces_serve_the_next_one() -> None:
+    rig = m7(goal=24)
+    rig.cycles(3)
+    [ended] = facts(rig.hear("STRATEGIST", WITHDRAWN), ContractEnded)
+    assert (ended.task, ended.reason) == ("G1", "not needed any more")
+    rig.cycle()  # The piece that was begun.
+    assert not rig.is_cycling
+    assert counted(rig) == []
+    rig.take_goal("G2", production(quantity=5))
+    rig.cycle()
+    assert outgoing(rig.all) == [("G2", 5)]
+
+
+def test_goods_of_a_withdrawn_goal_that_nobody_has_come_for_stay_for_the_next_one() -> None:
     rig = m7(goal=2)
-    withdrawn = Withdrawn(task="G1", epoch=1, reason="not needed any more")
-    assert facts(rig.hear("STRATEGIST", withdrawn), ContractEnded) == []
-    rig.cycle()
-    assert facts(rig.hear("STRATEGIST", withdrawn), ContractEnded) == []
-    rig.cycle()
+    rig.cycles(2)
     assert outgoing(rig.all) == [("G1", 2)]
+    effects = rig.hear("STRATEGIST", WITHDRAWN)
+    assert [closed.outcome for closed in facts(effects, TaskClosed)] == ["withdrawn"]
+    rig.take_goal("G2", production(quantity=2))
+    assert not rig.is_cycling
+    assert outgoing(rig.all) == [("G1", 2), ("G2", 2)]
+
+
+def test_goods_of_a_withdrawn_goal_that_are_on_their_way_are_left_to_the_gate() -> None:
+    rig = m7(goal=2)
+    rig.cycles(2)
+    [task] = [each.task for each in published(rig.all, TaskAnnounced) if each.work.goal]  # type: ignore[union-attr]
+    rig.hire(task, "ATV2")
+    assert facts(rig.hear("STRATEGIST", WITHDRAWN), TaskClosed) == []
+    rig.take_goal("G2", production(quantity=2))
+    assert rig.is_cycling
+
+
+def test_spare_pieces_that_fill_the_machine_are_set_aside() -> None:
+    full = FULL | {"pump-p3": 60}
+    rig = MachineRig("M7", full)
+    rig.start()
+    works = [each.work for each in published(rig.all, TaskAnnounced)]
+    assert [(work.item, work.goal) for work in works if isinstance(work, Transport)][:1] == [("pump-p3", "")]
+    tasks = [each.task for each in published(rig.all, TaskAnnounced)]
+    rig.hire(tasks[0], "ATV2")
+    docked = rig.hear("ATV2", Docked(task=tasks[0], epoch=1, station="M7"))
+    assert instructed(docked, OpenDock) == [OpenDock(vehicle="ATV2", item="pump-p3", quantity=24)]
+    rig.stocked("pump-p3", -24, "ATV2")
+    rig.hear("ATV2", handover(tasks[0]))
+    rig.take_goal("G1", production(quantity=40))
+    assert outgoing(rig.all)[-1] == ("G1", 24)  # Of those that are still there.
+    assert rig.is_cycling
+
+
+# --- pieces that get lost ------------------------------------------------------------------------
+
+
+def lost_lot() -> MachineRig:
+    """A vehicle has resigned from a lot of 24 of G1 that it had on board."""
+    rig = m7(goal=30)
+    rig.cycles(24)
+    [task] = [each.task for each in published(rig.all, TaskAnnounced) if each.work.goal]  # type: ignore[union-attr]
+    rig.hire(task, "ATV2")
+    rig.stocked("pump-p3", -24, "ATV2")
+    rig.stock |= FULL
+    rig.hear("ATV2", Resigned(task=task, epoch=1, role=Role.PRIMARY, reason="refused: not admitted"))
+    return rig
+
+
+def test_a_lot_that_was_lost_is_made_anew_and_the_gate_asked() -> None:
+    rig = lost_lot()
+    [asked] = sent(rig.all, Accepted, to="STRATEGIST")[1:]
+    assert (asked.task, asked.epoch) == ("G1", 1)
+    rig.hear("STRATEGIST", Confirmed(task="G1", epoch=1, arrived=0))
+    rig.run(rig.now_s + 60.0)
+    assert len(sent(rig.all, Accepted, to="STRATEGIST")) == 2
+    rig.cycles(6 + 24)
+    assert sum(quantity for _, quantity in outgoing(rig.all)) == 24 + 30
+    assert not rig.is_cycling
+
+
+def test_a_lot_that_was_lost_and_arrived_all_the_same_is_not_made_anew() -> None:
+    rig = lost_lot()
+    rig.hear("STRATEGIST", Confirmed(task="G1", epoch=1, arrived=24))
+    assert counted(rig) == [("G1", 24, 24)]
+    rig.cycles(6)
+    assert not rig.is_cycling
+    assert [quantity for _, quantity in outgoing(rig.all)] == [24, 6]
 
 
 def test_a_goal_stays_in_the_heartbeat_until_the_strategist_has_closed_it() -> None:
     rig = m7(goal=24)
     rig.cycles(24)
     [task] = [each.task for each in published(rig.all, TaskAnnounced) if each.work.goal]  # type: ignore[union-attr]
-    assert facts(rig.hear("STRATEGIST", GoalClosed(goal="G1")), ContractEnded) == []
     delivered(rig, task)
     rig.run(rig.now_s + 20.0)
     [brief] = rig.heartbeats(MachineHeartbeat)[-1].goals

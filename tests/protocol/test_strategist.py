@@ -48,12 +48,13 @@ from dray.messages import (
 from dray.messages.fact import (
     AwardGiven,
     GoalContracted,
+    GoodsDelivered,
     OrderAccepted,
     OrderDropped,
     OrderFulfilled,
     TaskClosed,
 )
-from dray.protocol.events import NEVER_S, Effect
+from dray.protocol.events import NEVER_S, Effect, Started
 
 
 def order(name: str = "O1", due_s: float = 7200.0, **quantities: int) -> OrderReleased:
@@ -304,49 +305,55 @@ def test_no_secondary_is_sought_for_a_goal() -> None:
     rig.hear("M8", goal_bid(goal, 200.0))
     contract(rig, goal, "M7")
     assert sent(rig.run(600.0), Award) == []
-    assert rig.agent.wake_at_s == NEVER_S
 
 
-def test_a_machine_is_heard_while_it_has_a_goal_and_no_longer() -> None:
-    rig = released(order(pump=24))
-    [(goal, _, _)] = announced(rig.all)
-    assert listening(rig.all) == set()
-    contract(rig, goal, "M7")
-    assert listening(rig.all) == {KEYS.machine_heartbeat("M7")}
-    rig.hear("M7", mhb("M7", done(goal, 24)))
-    assert listening(rig.all) == set()
+def test_all_machines_are_heard_from_the_beginning() -> None:
+    rig = StrategistRig()
+    assert listening(rig.start()) == {KEYS.all_machine_heartbeats}
 
 
 # --- following -----------------------------------------------------------------------------------
 
 
-def test_a_goal_is_closed_when_all_of_it_is_delivered_and_not_before() -> None:
+def test_a_goal_is_closed_when_the_gate_has_counted_all_of_it_and_not_before() -> None:
     rig = released(order(pump=24))
     [(goal, _, _)] = announced(rig.all)
     contract(rig, goal, "M7")
-    assert rig.hear("M7", mhb("M7", done(goal, 24, delivered=0))) == []
-    assert rig.hear("M7", mhb("M7", done(goal, 24, delivered=23))) == []
-    effects = rig.hear("M7", mhb("M7", done(goal, 24)))
+    assert rig.admitted(goal) == 24
+    [first] = facts(rig.arrive(goal, 20), GoodsDelivered)
+    assert (first.goal, first.order, first.quantity, first.delivered) == (goal, "O1", 20, 20)
+    assert deeds(rig.gate_answers(goal)) == []
+    effects = rig.arrive(goal, 4)
+    assert [fact.delivered for fact in facts(effects, GoodsDelivered)] == [24]
     assert sent(effects, GoalClosed, to="M7") == [GoalClosed(goal=goal)]
     assert [fact.outcome for fact in facts(effects, TaskClosed)] == ["delivered"]
 
 
-@pytest.mark.parametrize("contracted", [True, False])
-def test_a_goal_is_not_closed_on_the_word_of_a_machine_that_is_not_bound(contracted: bool) -> None:
+def test_the_word_of_a_machine_closes_no_goal() -> None:
+    rig = released(order(pump=24))
+    [(goal, _, _)] = announced(rig.all)
+    contract(rig, goal, "M7")
+    effects = rig.hear("M7", mhb("M7", done(goal, 24)))
+    assert facts(effects, TaskClosed) == []
+    assert sent(effects, Confirmed, to="M7") == [Confirmed(task=goal, epoch=1, arrived=0)]
+
+
+def test_a_machine_that_is_not_bound_is_told_so_once_the_goal_is_anothers() -> None:
     rig = released(order(pump=120))
     [(goal, _, quantity), *_] = announced(rig.all)
-    if contracted:
-        contract(rig, goal, "M7")
-    effects = rig.hear("M8", mhb("M8", done(goal, quantity)))
-    assert deeds(effects) == []
+    assert deeds(rig.hear("M8", mhb("M8", done(goal, quantity)))) == []
+    contract(rig, goal, "M7")
+    effects = rig.hear("M8", mhb("M8", done(goal, quantity), seq=2))
+    assert [message.task for message in sent(effects, Withdrawn, to="M8")] == [goal]
+    assert facts(effects, TaskClosed) == []
 
 
 def test_an_order_is_fulfilled_when_its_last_goal_is_delivered() -> None:
     rig = released(order(pump=240))
     taken = contract_all(rig)
-    for number, (goal, (machine, quantity)) in enumerate(taken.items(), start=1):
+    for number, (goal, (_, quantity)) in enumerate(taken.items(), start=1):
         assert facts(rig.all, OrderFulfilled) == []
-        rig.hear(machine, mhb(machine, done(goal, quantity)))
+        rig.arrive(goal, quantity)
         assert bool(facts(rig.all, OrderFulfilled)) is (number == len(taken))
 
 
@@ -354,9 +361,9 @@ def test_an_order_of_several_products_needs_them_all() -> None:
     rig = released(order(pump=24, g1=40))
     taken = contract_all(rig)
     assert len(taken) == 2
-    for goal, (machine, quantity) in taken.items():
+    for goal, (_, quantity) in taken.items():
         assert facts(rig.all, OrderFulfilled) == []
-        rig.hear(machine, mhb(machine, done(goal, quantity)))
+        rig.arrive(goal, quantity)
     assert [fact.order for fact in facts(rig.all, OrderFulfilled)] == ["O1"]
 
 
@@ -364,22 +371,24 @@ def test_the_closing_of_a_goal_is_said_again_while_the_machine_still_names_it() 
     rig = released(order(pump=48 * 5))
     taken = contract_all(rig)
     goal, (machine, quantity) = next(iter(taken.items()))
-    rig.hear(machine, mhb(machine, done(goal, quantity)))
+    rig.arrive(goal, quantity)
     effects = rig.hear(machine, mhb(machine, done(goal, quantity), seq=2))
     assert sent(effects, GoalClosed, to=machine) == [GoalClosed(goal=goal)]
     assert facts(effects, TaskClosed) == []
 
 
-def test_a_goal_that_nobody_knows_is_left_alone() -> None:
+def test_a_goal_that_nobody_knows_is_over() -> None:
     rig = released(order(pump=24))
-    assert rig.hear("M7", mhb("M7", done("X1", 24))) == []
+    effects = rig.hear("M7", mhb("M7", done("X1", 24), done("X2", 24, delivered=23)))
+    assert sent(effects, GoalClosed, to="M7") == [GoalClosed(goal="X1")]
+    assert [message.task for message in sent(effects, Withdrawn, to="M7")] == ["X2"]
 
 
 def test_a_fulfilled_order_that_is_released_again_is_not_made_again() -> None:
     rig = released(order(pump=24))
     [(goal, _, _)] = announced(rig.all)
     contract(rig, goal, "M7")
-    rig.hear("M7", mhb("M7", done(goal, 24)))
+    rig.arrive(goal, 24)
     effects = rig.hear("gateway", order(pump=24))
     assert sent(effects, OrderTaken)
     assert announced(effects) == []
@@ -426,14 +435,16 @@ def test_a_cancelled_order_that_is_released_again_is_not_made() -> None:
     assert sent(effects, OrderTaken)
 
 
-def test_a_goal_that_was_begun_before_the_cancellation_is_closed_when_it_is_delivered() -> None:
+def test_the_gate_is_shut_for_the_goals_of_a_cancelled_order() -> None:
     rig = released(order(pump=24))
     [(goal, _, _)] = announced(rig.all)
     contract(rig, goal, "M7")
     rig.hear("gateway", OrderCancelled(order="O1"))
-    effects = rig.hear("M7", mhb("M7", done(goal, 24)))
-    assert sent(effects, GoalClosed, to="M7") == [GoalClosed(goal=goal)]
-    assert facts(effects, OrderFulfilled) == []
+    assert rig.admitted(goal) == 0
+    assert deeds(rig.gate_answers(goal)) == []
+    effects = rig.hear("M7", mhb("M7", done(goal, 24, delivered=0)))
+    assert [message.task for message in sent(effects, Withdrawn, to="M7")] == [goal]
+    assert facts(rig.all, OrderFulfilled) == []
 
 
 # --- robustness ----------------------------------------------------------------------------------
@@ -462,9 +473,11 @@ def test_what_is_not_meant_for_a_strategist_is_ignored() -> None:
         assert deeds(rig.hear("X", message)) == [], message
 
 
-def test_a_strategist_has_no_body() -> None:
+def test_a_strategist_has_a_gate_and_no_other_body() -> None:
     with pytest.raises(ProtocolViolation, match="no body"):
         released(order(pump=24)).report(Repaired())
+    with pytest.raises(ProtocolViolation, match="needs a gate"):
+        StrategistRig().handle(Started(None))
 
 
 def test_being_woken_for_nothing_is_harmless() -> None:

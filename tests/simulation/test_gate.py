@@ -32,8 +32,8 @@ def admit(goal: str, quantity: int) -> Admit:
     return Admit(goal=goal, quantity=quantity)
 
 
-def arrived(goal: str, quantity: int) -> GoodsArrived:
-    return GoodsArrived(goal=goal, arrived=quantity)
+def arrived(goal: str, quantity: int, *, of: int) -> GoodsArrived:
+    return GoodsArrived(goal=goal, arrived=quantity, admitted=of)
 
 
 def test_nothing_gets_in_that_nobody_has_admitted(gate: Gate) -> None:
@@ -58,17 +58,17 @@ def test_a_goal_uses_up_its_own_permit_only(gate: Gate) -> None:
 
 
 def test_every_admit_and_every_arrival_is_answered_with_what_is_in(yard: Yard, gate: Gate) -> None:
-    assert yard.do(gate, admit("G1", 5)) == [arrived("G1", 0)]
+    assert yard.do(gate, admit("G1", 5)) == [arrived("G1", 0, of=5)]
     assert gate.enter("G1", 3) == ""
-    assert yard.do(gate) == [arrived("G1", 3)]
-    assert yard.do(gate, admit("G1", 5)) == [arrived("G1", 3)]
+    assert yard.do(gate) == [arrived("G1", 3, of=5)]
+    assert yard.do(gate, admit("G1", 6)) == [arrived("G1", 3, of=6)]
 
 
 def test_no_report_comes_inside_an_instruction_or_an_arrival(yard: Yard, gate: Gate) -> None:
     gate.instruct(admit("G1", 5))
     gate.enter("G1", 3)
     assert yard.said == []
-    assert yard.do(gate) == [arrived("G1", 0), arrived("G1", 3)]
+    assert yard.do(gate) == [arrived("G1", 0, of=5), arrived("G1", 3, of=5)]
 
 
 def test_what_is_refused_is_not_told(yard: Yard, gate: Gate) -> None:
@@ -80,12 +80,12 @@ def test_a_shut_gate_tells_what_is_in_and_lets_nothing_more_in(yard: Yard, gate:
     yard.do(gate, admit("G1", 10))
     gate.enter("G1", 4)
     yard.do(gate)
-    assert yard.do(gate, admit("G1", 0)) == [arrived("G1", 4)]
+    assert yard.do(gate, admit("G1", 0)) == [arrived("G1", 4, of=0)]
     assert gate.enter("G1", 1) == NOT_ADMITTED
 
 
 def test_a_goal_that_is_shut_before_its_first_piece_stays_shut(yard: Yard, gate: Gate) -> None:
-    assert yard.do(gate, admit("G1", 0)) == [arrived("G1", 0)]
+    assert yard.do(gate, admit("G1", 0)) == [arrived("G1", 0, of=0)]
     assert gate.enter("G1", 1) == NOT_ADMITTED
 
 

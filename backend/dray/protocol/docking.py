@@ -79,7 +79,7 @@ class Dock:
         return None
 
     def _why_held(self, work: Transport) -> str:
-        if work.goal:
+        if work.destination != self._machine:
             return "" if self._supply.level(work.item) >= work.quantity else "the goods are not ready"
         return "" if self._supply.room(work.item) >= work.quantity else "the buffer is full"
 

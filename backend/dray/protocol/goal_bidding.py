@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from dray.messages import (
     Accepted,
     Award,
@@ -43,6 +45,7 @@ class GoalBidder:
         supply: what is at hand.
         timers: the machine's alarms; this class uses names ``(CONFIRM, goal)``.
         out: where effects go.
+        commit: called when the machine is bound to something else than before.
     """
 
     def __init__(
@@ -52,16 +55,18 @@ class GoalBidder:
         supply: Supply,
         timers: Timers,
         out: list[Effect],
+        commit: Callable[[], None],
     ) -> None:
         self._products = products
         self._goals = goals
         self._supply = supply
         self._timers = timers
         self._out = out
+        self._commit = commit
         self._quoted_s: dict[str, float] = {}
         """By goal: when it was promised to be done. Oldest first."""
-        self._unconfirmed: dict[str, tuple[str, Accepted]] = {}
-        """By goal: who is to confirm it, and what was said."""
+        self._unconfirmed: dict[str, Accepted] = {}
+        """By goal: what is said until its strategist has confirmed it."""
 
     def hear(self, message: TaskAnnounced, unfit: str, now_s: float) -> None:
         """Answer an announcement with a bid, or note why not.
@@ -104,72 +109,92 @@ class GoalBidder:
         if not isinstance(work, Production) or work.product not in self._products:
             self._decline(sender, award, Refusal.ABILITY)
             return False
-        if self._goals.get(award.task) is not None:
-            self._accept(sender, award, now_s)  # Its first answer was lost.
+        known = self._goals.get(award.task)
+        if known is not None:
+            # Its first answer was lost, or the strategist has lost it with an earlier life.
+            known.epoch = max(known.epoch, award.epoch)
+            self._ask(known, award.number, now_s)
             return False
         reason = self._why_not(award.task, work, unfit, now_s)
         if reason is not None:
             self._decline(sender, award, reason)
             return False
-        self._goals.add(Goal(award.task, work, award.deadline_s))
-        self._accept(sender, award, now_s)
+        goal = Goal(award.task, work, award.deadline_s, sender, award.epoch)
+        self._goals.add(goal)
+        self._ask(goal, award.number, now_s)
         taken = ContractTaken(task=award.task, epoch=award.epoch, role=award.role, coordinator=sender)
         self._out.append(Record(taken))
         return True
 
+    def ask(self, goal: Goal, now_s: float) -> None:
+        """Ask whether a goal is still this machine's, and how much of it has arrived."""
+        self._ask(goal, 1, now_s)
+
     def hear_confirmed(self, message: Confirmed) -> bool:
-        """The contract stands on both sides; True when that is news."""
+        """The contract stands on both sides; True when that, or what has arrived, is news."""
         goal = self._goals.get(message.task)
         if goal is None:
             return False
         # Also when it was confirmed before: a doubled award has made the machine ask again.
         self._settled(goal.id)
-        news, goal.confirmed = not goal.confirmed, True
-        return news
+        before = (goal.confirmed, goal.delivered, goal.astray)
+        goal.confirmed = True
+        self._goals.add_spare(goal.work.product, goal.note_arrived(message.arrived))
+        if before == (goal.confirmed, goal.delivered, goal.astray):
+            return False
+        self._commit()
+        return True
 
     def wake(self, goal: str, now_s: float) -> None:
         """Nobody has confirmed a goal yet: ask again, for ever. A Release would end it too."""
-        waiting = self._unconfirmed.get(goal)
-        if waiting is not None:
-            strategist, accepted = waiting
-            self._out.append(Send(strategist, accepted))
+        accepted = self._unconfirmed.get(goal)
+        known = self._goals.get(goal)
+        if accepted is not None and known is not None:
+            self._out.append(Send(known.strategist, accepted))
             self._timers.set((CONFIRM, goal), now_s + CONFIRM_AGAIN_S)
 
-    def hear_over(self, message: Release | Withdrawn, running: Goal | None) -> bool:
-        """The goal is not needed; True when it was given back: nothing of it was begun yet."""
-        goal = self._goals.get(message.task)
-        if goal is None or goal.made or goal is running:
-            return False
-        self._end(goal, message.epoch, message.reason)
-        return True
+    def hear_over(self, message: Release | Withdrawn) -> Goal | None:
+        """The goal is not this machine's any more: it stops, and what is ready is spare.
 
-    def hear_closed(self, message: GoalClosed) -> None:
-        """The strategist has noted that all of a goal is delivered."""
+        Returns:
+            The goal, if it was known; None for words that change nothing. A Release answers a machine
+            that asks: to one whose goal is confirmed it comes from an earlier award, and too late.
+        """
+        goal = self._goals.get(message.task)
+        if goal is None:
+            return None
+        if isinstance(message, Release) and (goal.id not in self._unconfirmed or message.epoch < goal.epoch):
+            return None
+        return self._end(goal, message.reason)
+
+    def hear_closed(self, message: GoalClosed) -> Goal | None:
+        """All of a goal is delivered: the gate has counted it. Returns the goal, if it was known."""
         goal = self._goals.get(message.goal)
-        if goal is not None and goal.delivered >= goal.work.quantity:
-            self._end(goal, 1, "delivered")
+        return None if goal is None else self._end(goal, "delivered")
 
     def _settled(self, goal: str) -> None:
         self._unconfirmed.pop(goal, None)
         self._timers.clear((CONFIRM, goal))
 
-    def _end(self, goal: Goal, epoch: int, reason: str) -> None:
+    def _end(self, goal: Goal, reason: str) -> Goal:
         self._goals.remove(goal.id)
         self._settled(goal.id)
-        ended = ContractEnded(task=goal.id, epoch=epoch, role=Role.PRIMARY, reason=reason)
+        self._commit()
+        ended = ContractEnded(task=goal.id, epoch=goal.epoch, role=Role.PRIMARY, reason=reason)
         self._out.append(Record(ended))
+        return goal
 
-    def _accept(self, sender: str, award: Award, now_s: float) -> None:
+    def _ask(self, goal: Goal, number: int, now_s: float) -> None:
         accepted = Accepted(
-            task=award.task,
-            epoch=award.epoch,
-            role=award.role,
-            finish_s=self._quoted_s.get(award.task, now_s),
-            number=award.number,
+            task=goal.id,
+            epoch=goal.epoch,
+            role=Role.PRIMARY,
+            finish_s=self._quoted_s.get(goal.id, now_s),
+            number=number,
         )
-        self._out.append(Send(sender, accepted))
-        self._unconfirmed[award.task] = (sender, accepted)
-        self._timers.set((CONFIRM, award.task), now_s + CONFIRM_AGAIN_S)
+        self._out.append(Send(goal.strategist, accepted))
+        self._unconfirmed[goal.id] = accepted
+        self._timers.set((CONFIRM, goal.id), now_s + CONFIRM_AGAIN_S)
 
     def _decline(self, sender: str, award: Award, reason: Refusal) -> None:
         declined = Declined(

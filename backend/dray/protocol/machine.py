@@ -44,7 +44,7 @@ from dray.messages import (
     Withdrawn,
     Work,
 )
-from dray.messages.fact import GoodsDelivered, MachineStatusChanged, PieceMade
+from dray.messages.fact import MachineStatusChanged, PieceMade
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.auction import AuctionRules, Place
@@ -98,7 +98,9 @@ class Machine(Core):
         self._delivery = plant.closest(node, plant.delivery_warehouses, 1)[0]
         self._goals = GoalBook(machine, plant)
         self._supply = Supply(machine, plant, self._goals)
-        self._bidder = GoalBidder(self._products, self._goals, self._supply, self._timers, self._out)
+        self._bidder = GoalBidder(
+            self._products, self._goals, self._supply, self._timers, self._out, self._commit
+        )
         x_m, y_m = plant.position_of(machine)
         self._tasks = Coordinator(
             machine,
@@ -153,29 +155,37 @@ class Machine(Core):
         self._supply.sense(body.stock)
         self._problem = body.broken
         self._cycling = body.cycling
-        for product in self._products:
-            self._goals.add_spare(product, self._supply.level(product))
-        self._out.extend(Subscribe(self._keys.goals(product)) for product in self._products)
         if isinstance(memory, MachineMemory):
             self._recall(memory, now_s)
+        for product in self._products:
+            self._goals.add_spare(product, max(0, self._supply.level(product) - self._claimed(product)))
+        self._out.extend(Subscribe(self._keys.goals(product)) for product in self._products)
         self._timers.set(BEAT, now_s)
         self._pursue(now_s)
 
     def _recall(self, memory: MachineMemory, now_s: float) -> None:
         """Go on with what an earlier life was bound by."""
         self._task_count = memory.task_count
+        for booked in memory.goals:
+            # It goes on with them: the strategist may be away, and the gate knows what may still get in.
+            self._bidder.ask(self._goals.restore(booked), now_s)
         for kept in memory.tasks:
             work, goal = kept.work, self._goals.get(kept.work.goal)
-            if work.goal and goal is None:
-                continue  # The goal has ended; the carrier hears so when it asks.
             self._tasks.restore(kept, now_s)
             if goal is not None:
                 goal.committed += work.quantity
-            else:
+            elif work.destination == self.id:
                 self._supply.ordered(work)
+
+    def _claimed(self, product: str) -> int:
+        """Pieces in the goods that belong to a goal or wait for a vehicle."""
+        ready = sum(goal.ready for goal in self._goals if goal.work.product == product)
+        works = (cast(Transport, task.work) for task in self._tasks if not task.loaded)
+        return ready + sum(work.quantity for work in works if work.item == product)
 
     def _memory(self) -> Memory:
         return MachineMemory(
+            goals=self._goals.memories(),
             tasks=tuple(task.memory() for task in self._tasks),
             task_count=self._task_count,
         )
@@ -208,7 +218,8 @@ class Machine(Core):
             software=self._software,
         )
         self._out.append(Publish(self._beat_key, heartbeat))
-        interval_s = WORKING_INTERVAL_S if self._goals.unfinished else IDLE_INTERVAL_S
+        # Whoever holds goals is relied on, also while all that is left of them is on the way.
+        interval_s = WORKING_INTERVAL_S if len(self._goals) else IDLE_INTERVAL_S
         self._timers.set(BEAT, now_s + (self._spread(interval_s) if self._seq == 1 else interval_s))
 
     # --- the workcell reports ---
@@ -216,15 +227,17 @@ class Machine(Core):
     def _cycle_done(self, report: CycleDone, now_s: float) -> None:
         goal, self._running, self._cycling = self._running, None, ""
         self._supply.change(report.product, 1)
-        if goal is None:
+        if goal is None or self._goals.get(goal.id) is not goal:
             self._goals.add_spare(report.product, 1)
         else:
             goal.made += 1
-            self._record_made(goal)
+            self._note_made(goal)
         self._pursue(now_s)
 
-    def _record_made(self, goal: Goal) -> None:
-        self._out.append(Record(PieceMade(goal=goal.id, product=goal.work.product, made=goal.made)))
+    def _note_made(self, goal: Goal) -> None:
+        self._commit()
+        made = goal.brief().made
+        self._out.append(Record(PieceMade(goal=goal.id, product=goal.work.product, made=made)))
 
     def _cycle_failed(self, _report: CycleFailed, now_s: float) -> None:
         # The senses put the stock right at the next beat; then it is tried again.
@@ -261,6 +274,7 @@ class Machine(Core):
 
     def _pursue(self, now_s: float) -> None:
         """Do whatever the present state asks for."""
+        self._share_spare()
         self._start_cycle()
         while (order := self._supply.next_order(self._cycling, now_s)) is not None:
             work, deadline_s = order
@@ -268,7 +282,15 @@ class Machine(Core):
             self._open(work, deadline_s, now_s)
         for goal in self._goals:
             self._send_goods(goal, now_s)
+        if self._goods_full():
+            self._clear_spare(now_s)
         self._update_status(now_s)
+
+    def _share_spare(self) -> None:
+        """Finished pieces of goals that ended early serve the next ones."""
+        for goal in self._goals.confirmed():
+            if self._goals.use_spare(goal, self._running):
+                self._note_made(goal)
 
     def _start_cycle(self) -> None:
         if self._cycling or self._problem or self._goods_full():
@@ -292,15 +314,26 @@ class Machine(Core):
         while goal.ready >= product.lot or (goal.ready > 0 and not whole):
             quantity = min(goal.ready, product.lot)
             goal.committed += quantity
-            work = Transport(
-                item=product.id,
-                quantity=quantity,
-                sources=(self.id,),
-                destination=self._delivery,
-                ability=product.ability,
-                goal=goal.id,
-            )
-            self._open(work, max(goal.deadline_s, now_s + self._supply.patience_s()), now_s)
+            deadline_s = max(goal.deadline_s, now_s + self._supply.patience_s())
+            self._open(self._way_out(product.id, quantity, goal.id), deadline_s, now_s)
+
+    def _clear_spare(self, now_s: float) -> None:
+        """Pieces that no goal wants must not fill the machine for ever: they are set aside."""
+        for product in self._products:
+            quantity = min(self._goals.spare(product), self._plant.products[product].lot)
+            if quantity:
+                self._goals.take_spare(product, quantity)
+                self._open(self._way_out(product, quantity, ""), now_s + self._supply.patience_s(), now_s)
+
+    def _way_out(self, product: str, quantity: int, goal: str) -> Transport:
+        return Transport(
+            item=product,
+            quantity=quantity,
+            sources=(self.id,),
+            destination=self._delivery,
+            ability=self._plant.products[product].ability,
+            goal=goal,
+        )
 
     def _open(self, work: Transport, deadline_s: float, now_s: float) -> None:
         self._task_count += 1
@@ -335,17 +368,26 @@ class Machine(Core):
         x_m, y_m = self._plant.position_of(self.id)
         return tuple(self._keys.transports(cell) for cell in self._plant.cells_within(x_m, y_m, radius_m))
 
-    def _on_carrier_changed(self, _task: OpenTask, now_s: float) -> None:
+    def _on_carrier_changed(self, task: OpenTask, now_s: float) -> None:
         self._commit()
         self._timers.set(BEAT, now_s)
+        self._withdraw_if_idle(task)
+
+    def _withdraw_if_idle(self, task: OpenTask) -> None:
+        """Goods that nobody wants any more and nobody has come for yet stay here, as spare."""
+        work = cast(Transport, task.work)
+        if work.goal and not task.primary and self._goals.get(work.goal) is None:
+            self._tasks.close(task, "withdrawn")
+            self._goals.add_spare(work.item, work.quantity)
 
     def _on_lost(self, task: OpenTask, now_s: float) -> None:
         """A vehicle has vanished with goods: they are made anew."""
         work = cast(Transport, task.work)
         goal = self._goals.get(work.goal)
         if goal is not None:
-            goal.committed -= work.quantity
-            goal.astray += work.quantity
+            goal.lose(work.quantity)
+            # It may have arrived all the same: the gate has the last word.
+            self._bidder.ask(goal, now_s)
         self._goals_changed(now_s)
         self._commit()
 
@@ -355,27 +397,13 @@ class Machine(Core):
             return
         self._commit()
         work = cast(Transport, task.work)
-        if work.goal:
-            self._note_delivered(work)
-        else:
+        goal = self._goals.get(work.goal)
+        if goal is not None:
+            goal.delivered += work.quantity
+        elif work.destination == self.id:
             self._supply.settled(work, now_s - task.opened_s)
         self._timers.set(BEAT, now_s)
         self._pursue(now_s)
-
-    def _note_delivered(self, work: Transport) -> None:
-        goal = self._goals.get(work.goal)
-        if goal is None:
-            return
-        goal.delivered += work.quantity
-        fact = GoodsDelivered(
-            goal=goal.id,
-            order=goal.work.order,
-            item=goal.work.item,
-            product=goal.work.product,
-            quantity=work.quantity,
-            delivered=goal.delivered,
-        )
-        self._out.append(Record(fact))
 
     # --- goals ---
 
@@ -384,20 +412,23 @@ class Machine(Core):
             self._goals_changed(now_s)
 
     def _hear_confirmed(self, _sender: str, message: Confirmed, now_s: float) -> None:
-        if not self._bidder.hear_confirmed(message):
+        if self._bidder.hear_confirmed(message):
+            self._goals_changed(now_s)
+        else:
             self._out.append(Ignore("confirmed twice"))
-            return
-        goal = self._goals.get(message.task)
-        if goal is not None and self._goals.use_spare(goal):
-            self._record_made(goal)
-        self._goals_changed(now_s)
 
     def _hear_goal_over(self, _sender: str, message: Release | Withdrawn, now_s: float) -> None:
-        if self._bidder.hear_over(message, self._running):
-            self._goals_changed(now_s)
+        self._end_goal(self._bidder.hear_over(message), now_s)
 
     def _hear_goal_closed(self, _sender: str, message: GoalClosed, now_s: float) -> None:
-        self._bidder.hear_closed(message)
+        self._end_goal(self._bidder.hear_closed(message), now_s)
+
+    def _end_goal(self, goal: Goal | None, now_s: float) -> None:
+        if goal is None:
+            self._out.append(Ignore("the end of a goal that has ended"))
+            return
+        for task in list(self._tasks):
+            self._withdraw_if_idle(task)
         self._goals_changed(now_s)
 
     def _goals_changed(self, now_s: float) -> None:

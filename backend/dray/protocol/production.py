@@ -4,42 +4,107 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from dray.memory import GoalMemory
 from dray.messages import GoalBrief, Production, ProductionCost
 from dray.plant import Plant
 
 
 class Goal:
-    """One production goal of a machine. `delivered <= committed <= made <= quantity` at all times."""
+    """One production goal of a machine. `delivered + astray <= committed <= made` at all times.
 
-    __slots__ = ("committed", "confirmed", "deadline_s", "delivered", "id", "made", "work")
+    Args:
+        goal: its name.
+        work: what is to be made.
+        deadline_s: when it should be done (plant clock).
+        strategist: who has given it out.
+        epoch: of the contract.
+    """
 
-    def __init__(self, goal: str, work: Production, deadline_s: float) -> None:
+    __slots__ = (
+        "astray",
+        "committed",
+        "confirmed",
+        "deadline_s",
+        "delivered",
+        "epoch",
+        "id",
+        "made",
+        "strategist",
+        "work",
+    )
+
+    def __init__(
+        self, goal: str, work: Production, deadline_s: float, strategist: str = "", epoch: int = 1
+    ) -> None:
         self.id = goal
         self.work = work
         self.deadline_s = deadline_s
+        self.strategist = strategist
+        self.epoch = epoch
         self.confirmed = False
         """Whether the strategist has heard that it was accepted; nothing is begun before."""
         self.made = 0
         self.committed = 0
         """Pieces that a transport was announced for."""
         self.delivered = 0
+        """Pieces that were handed over at the delivery warehouse."""
+        self.astray = 0
+        """Pieces that were sent and will not arrive: they are made once more."""
 
     @property
     def to_make(self) -> int:
-        return self.work.quantity - self.made
+        return self.work.quantity - self.made + self.astray
 
     @property
     def ready(self) -> int:
         """Finished pieces that no transport was announced for."""
         return self.made - self.committed
 
+    @property
+    def on_the_way(self) -> int:
+        """Pieces of transports that have not ended."""
+        return self.committed - self.delivered - self.astray
+
+    def lose(self, pieces: int) -> None:
+        """Pieces on the way will not arrive."""
+        self.astray += pieces
+
+    def note_arrived(self, arrived: int) -> int:
+        """Believe the gate's count where it is not the machine's own.
+
+        While something is on the way the two may differ, and nothing is changed.
+
+        Returns:
+            Ready pieces that are not needed for this goal any more.
+        """
+        if self.on_the_way or arrived == self.delivered:
+            return 0
+        # Whatever was sent has either arrived or will not: no piece is in between.
+        self.delivered = min(arrived, self.committed)
+        self.astray = self.committed - self.delivered
+        surplus = min(self.ready, max(0, -self.to_make))
+        self.made -= surplus
+        return surplus
+
     def brief(self) -> GoalBrief:
         return GoalBrief(
             goal=self.id,
             product=self.work.product,
             quantity=self.work.quantity,
+            made=min(self.made, self.work.quantity),
+            delivered=self.delivered,
+        )
+
+    def memory(self) -> GoalMemory:
+        return GoalMemory(
+            goal=self.id,
+            work=self.work,
+            strategist=self.strategist,
+            deadline_s=self.deadline_s,
             made=self.made,
             delivered=self.delivered,
+            astray=self.astray,
+            epoch=self.epoch,
         )
 
 
@@ -72,16 +137,45 @@ class GoalBook:
         self._goals = {each.id: each for each in urgent_first}
 
     def remove(self, goal: str) -> None:
-        self._goals.pop(goal, None)
+        """Forget a goal; what is ready of it is spare from now on. Unknown is harmless."""
+        removed = self._goals.pop(goal, None)
+        if removed is not None:
+            self.add_spare(removed.work.product, removed.ready)
+
+    def restore(self, memory: GoalMemory) -> Goal:
+        """Take up a goal of an earlier life; what was allowed then is allowed now.
+
+        Pieces that are on the way are to be added to what is committed.
+        """
+        goal = Goal(memory.goal, memory.work, memory.deadline_s, memory.strategist, memory.epoch)
+        goal.confirmed = True
+        goal.made, goal.delivered, goal.astray = memory.made, memory.delivered, memory.astray
+        goal.committed = memory.delivered + memory.astray
+        self.add(goal)
+        return goal
 
     def add_spare(self, product: str, pieces: int) -> None:
-        """Finished pieces lie there that belong to no goal: made in an earlier life of the machine."""
+        """Finished pieces lie there that belong to no goal: its machine or its goal has failed."""
         self._spare[product] = self._spare.get(product, 0) + pieces
 
-    def use_spare(self, goal: Goal) -> int:
-        """Give spare pieces to a goal; returns how many."""
+    def spare(self, product: str) -> int:
+        """Pieces that belong to no goal."""
+        return self._spare.get(product, 0)
+
+    def take_spare(self, product: str, pieces: int) -> None:
+        """Pieces that belonged to no goal leave the machine."""
+        self._spare[product] -= pieces
+
+    def use_spare(self, goal: Goal, running: Goal | None = None) -> int:
+        """Give spare pieces to a goal; returns how many.
+
+        Args:
+            goal: which.
+            running: the goal whose next piece is being made: that one needs a piece less.
+        """
         product = goal.work.product
-        pieces = min(self._spare.get(product, 0), goal.to_make)
+        missing = goal.to_make - (1 if goal is running else 0)
+        pieces = max(0, min(self.spare(product), missing))
         if pieces:
             self._spare[product] -= pieces
             goal.made += pieces
@@ -90,11 +184,11 @@ class GoalBook:
     @property
     def unfinished(self) -> bool:
         """Whether anything is still to be made."""
-        return any(goal.to_make > 0 for goal in self._confirmed())
+        return any(goal.to_make > 0 for goal in self.confirmed())
 
     def next_to_make(self, stock: Mapping[str, int]) -> Goal | None:
         """The most urgent goal for whose next piece everything is at hand."""
-        for goal in self._confirmed():
+        for goal in self.confirmed():
             if goal.to_make > 0 and self._at_hand(goal.work.product, stock):
                 return goal
         return None
@@ -107,7 +201,7 @@ class GoalBook:
             cycling: the product of the running cycle, whose material is out already; empty for none.
         """
         pieces = 0
-        for goal in self._confirmed():
+        for goal in self.confirmed():
             per_piece = self._per_piece(goal.work.product, material)
             if per_piece:
                 running = 1 if goal.work.product == cycling else 0
@@ -121,7 +215,7 @@ class GoalBook:
         rates = [
             self._per_piece(goal.work.product, material)
             / self._plant.cycle_s(self._machine, goal.work.product)
-            for goal in self._confirmed()
+            for goal in self.confirmed()
             if goal.to_make > 0
         ]
         return max(rates, default=0.0)
@@ -139,18 +233,24 @@ class GoalBook:
             for goal in self._goals.values()
         ]
         queue_s = sum(waits_s, start=0.0)
+        to_make = max(0, work.quantity - self.spare(work.product))
         # While it works at other goals the material for this one is on its way.
-        missing = not self._at_hand(work.product, stock)
+        missing = to_make > 0 and not self._at_hand(work.product, stock)
         return ProductionCost(
             queue_s=queue_s,
             material_s=max(0.0, lead_time_s - queue_s) if missing else 0.0,
-            making_s=work.quantity * self._plant.cycle_s(self._machine, work.product),
+            making_s=to_make * self._plant.cycle_s(self._machine, work.product),
         )
 
     def briefs(self) -> tuple[GoalBrief, ...]:
         return tuple(goal.brief() for goal in self._goals.values())
 
-    def _confirmed(self) -> Iterator[Goal]:
+    def memories(self) -> tuple[GoalMemory, ...]:
+        """What the next life must know: a goal that is not confirmed binds nobody."""
+        return tuple(goal.memory() for goal in self.confirmed())
+
+    def confirmed(self) -> Iterator[Goal]:
+        """The goals that may be worked at, most urgent first."""
         return (goal for goal in self._goals.values() if goal.confirmed)
 
     def _per_piece(self, product: str, material: str) -> int:

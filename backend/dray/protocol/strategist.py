@@ -1,40 +1,62 @@
 """The strategist: turns sales orders into production goals, and never decides a transport (paper, 3.2).
 
-An order is split into goals, each goal is put up for auction among the machines that can make its
-product, and what the machines say of their goals in their heartbeats is followed until all is
-delivered. Goals of one product are auctioned one after another, so that every machine bids with
-its real queue; different products at the same time.
+An order is split into goals, and each goal is put up for auction among the machines that can make its
+product. Goals of one product are auctioned one after another, so that every machine bids with its real
+queue; different products at the same time.
+
+What is delivered is counted by the gate of the delivery warehouses, its body. The gate is also the fence.
+A machine that does not name its goal any more has lost it: the gate is shut for that goal, says how
+much has arrived, and the rest is put up under a new name. Whatever the machine still sends finds the gate
+shut, so every ordered piece is delivered exactly once (invariant 4), and no machine needs a lease:
+all goes on while the strategist is away.
+
+    UNCLAIMED --accepted--> MADE BY A MACHINE --all has arrived--> closed
+        ^                      |
+        |                      +-- not named for GOAL_SILENCE_S, or broken for BREAKDOWN_S,
+        |                          and somebody else could make it: the gate is shut
+        +-- the rest, as a new goal --+
 """
 
 from __future__ import annotations
 
-from collections import deque
 from typing import cast
 
-from dray.body import BodyState
-from dray.memory import Memory
+from dray.body import Admit, BodyState, GateState, GoodsArrived
+from dray.errors import ProtocolViolation
+from dray.memory import Memory, StrategistMemory
 from dray.messages import (
     Accepted,
     Bid,
     Confirmed,
     Declined,
+    GoalBrief,
     GoalClosed,
     MachineHeartbeat,
     OrderCancelled,
-    OrderItem,
     OrderReleased,
     OrderTaken,
     Production,
+    Withdrawn,
     Work,
 )
-from dray.messages.fact import GoalContracted, OrderAccepted, OrderDropped, OrderFulfilled
+from dray.messages.fact import (
+    GoalContracted,
+    GoalLost,
+    GoalWaits,
+    GoodsDelivered,
+    OrderAccepted,
+    OrderDropped,
+    OrderFulfilled,
+    TaskClosed,
+)
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.auction import AuctionRules, Place
 from dray.protocol.coordinator import Coordinator, OpenTask, Outcome
 from dray.protocol.core import Core
-from dray.protocol.events import Ignore, Record, Send
-from dray.protocol.supervision import Following
+from dray.protocol.events import Ignore, Instruct, Record, Send, Subscribe
+from dray.protocol.machine_watch import GOAL_SILENCE_S, MachineWatch
+from dray.protocol.order_book import OpenGoal, OrderBook, OrderInWork
 
 STRATEGIST = "strategist"
 """The agent's id where a plant has one strategist."""
@@ -42,23 +64,16 @@ STRATEGIST = "strategist"
 GOAL_RULES = AuctionRules(window_s=0.5, rest_s=5.0)
 """Machines are wired and few: the window may be shorter than for vehicles."""
 
-DELIVERY_S = 300.0
-"""How long before an order is due its goals should be made: carrying the last lot away."""
+NOT_NEEDED = "not needed any more"
 
-FULFILLED_KEPT = 1024
-"""Ended orders whose repeated release is still recognised."""
+REASON_CHARS = 500
+"""Words for people; a large plant has more machines than anybody reads."""
 
+GOAL_VIGIL = "goal vigil"
+"""The alarm for looking whether a goal is still made, by goal."""
 
-class OrderInWork:
-    """An order that is not delivered yet."""
-
-    __slots__ = ("due_s", "goals", "id")
-
-    def __init__(self, order: str, due_s: float, goals: tuple[str, ...]) -> None:
-        self.id = order
-        self.due_s = due_s
-        self.goals = set(goals)
-        """Those that are not delivered. Only ever asked for membership and emptiness."""
+TAKERS = "takers"
+"""The alarm for looking whether anybody could take a goal, by product."""
 
 
 class Strategist(Core):
@@ -67,22 +82,18 @@ class Strategist(Core):
     Args:
         plant: what can be made where.
         agent: its id.
-        incarnation: how often it has been started; goals of an earlier life keep their names.
+        incarnation: how often it has been started.
     """
 
     def __init__(self, plant: Plant, *, agent: str = STRATEGIST, incarnation: int = 1) -> None:
         super().__init__(agent, incarnation)
         self._plant = plant
         self._keys = Keys(plant.id)
-        self._orders: dict[str, OrderInWork] = {}
-        self._ended: dict[str, None] = {}
-        """Ended orders, oldest first; a dict for its order."""
-        self._waiting: dict[str, deque[tuple[str, Production, float]]] = {}
-        """By product: goals that were not announced yet, with their deadlines."""
+        self._book = OrderBook(plant, "" if incarnation == 1 else f"r{incarnation}")
         self._asking: dict[str, str] = {}
         """By product: the goal that is up for auction."""
-        self._machines = Following(self._keys.machine_heartbeat, self._out)
-        self._goals = Coordinator(
+        self._watch = MachineWatch(plant.machines, 0.0)
+        self._auctions = Coordinator(
             agent,
             # A goal's audience has no place: whoever can make the product is asked.
             Place(x_m=0.0, y_m=0.0, reach_m=0.0),
@@ -94,17 +105,48 @@ class Strategist(Core):
             self._on_contracted,
         )
         self._on_message = {
-            Bid: self._goals.hear_bid,
+            Bid: self._auctions.hear_bid,
             Accepted: self._hear_accepted,
-            Declined: self._goals.hear_declined,
+            Declined: self._auctions.hear_declined,
             MachineHeartbeat: self._hear_machine,
             OrderReleased: self._hear_released,
             OrderCancelled: self._hear_cancelled,
         }
-        self._on_alarm = self._goals.alarms
+        self._on_report = {GoodsArrived: self._hear_arrived}
+        self._on_alarm = {
+            GOAL_VIGIL: self._check_goal,
+            TAKERS: self._check_takers,
+            **self._auctions.alarms,
+        }
 
-    def _start(self, body: BodyState | None, _memory: Memory | None, now_s: float) -> None:
-        """Nothing is to be done before the first order comes."""
+    # --- from life to life ---
+
+    def _start(self, body: BodyState | None, memory: Memory | None, now_s: float) -> None:
+        if not isinstance(body, GateState):
+            raise ProtocolViolation(f"{self.id}: a strategist needs a gate, not {body!r}")
+        self._watch = MachineWatch(self._plant.machines, now_s)
+        self._out.append(Subscribe(self._keys.all_machine_heartbeats))
+        if isinstance(memory, StrategistMemory):
+            self._recall(memory, body, now_s)
+
+    def _recall(self, memory: StrategistMemory, gate: GateState, now_s: float) -> None:
+        """Go on with what an earlier life was bound by, and with what has arrived since."""
+        self._book.restore(memory)
+        for goal in list(self._book):
+            if not goal.machine:
+                # An award may be under way that nobody remembers: an answer to it comes too late.
+                goal.epoch += 1
+                continue
+            self._follow(goal, now_s)
+            self._note_arrived(goal, gate.arrived.get(goal.id, 0))
+            if goal.arrived >= goal.work.quantity:
+                self._deliver(goal)
+        for product in self._plant.products:
+            self._ask_next(product, now_s)
+        self._commit()
+
+    def _memory(self) -> Memory:
+        return self._book.memory()
 
     # --- orders ---
 
@@ -112,126 +154,232 @@ class Strategist(Core):
         if any(item.product not in self._plant.products for item in message.items):
             self._out.append(Ignore("an order for a product that this plant does not make"))
             return
-        if message.order not in self._orders and message.order not in self._ended:
-            self._begin(message, now_s)
+        if message.order not in self._book:
+            order = self._book.take(message)
+            self._commit()
+            self._out.append(Record(OrderAccepted(order=order.id, goals=tuple(order.goals))))
+            for item in message.items:
+                self._ask_next(item.product, now_s)
+            self._end_if_done(order)
         self._out.append(Send(sender, OrderTaken(order=message.order)))
 
-    def _begin(self, message: OrderReleased, now_s: float) -> None:
-        goals = [
-            (index, number, item.product, quantity)
-            for index, item in enumerate(message.items)
-            for number, quantity in enumerate(self._split(item), start=1)
-        ]
-        life = "" if self.incarnation == 1 else f"r{self.incarnation}"
-        names = tuple(f"{message.order}{life}-{index + 1}.{number}" for index, number, _, _ in goals)
-        self._orders[message.order] = OrderInWork(message.order, message.due_s, names)
-        self._out.append(Record(OrderAccepted(order=message.order, goals=names)))
-        for name, (index, _, product, quantity) in zip(names, goals, strict=True):
-            work = Production(product=product, quantity=quantity, order=message.order, item=index)
-            waiting = self._waiting.setdefault(product, deque())
-            waiting.append((name, work, message.due_s - DELIVERY_S))
-        for item in message.items:
-            self._ask_next(item.product, now_s)
-        self._end_if_done(self._orders[message.order])
-
-    def _split(self, item: OrderItem) -> list[int]:
-        """Share an item among the machines that can make it, in whole containers."""
-        if not item.quantity:
-            return []  # All of it was delivered in an earlier life.
-        lot = self._plant.products[item.product].lot
-        machines = len(self._plant.machines_for(item.product))
-        lots = -(-item.quantity // lot)
-        share = -(-lots // machines) * lot
-        whole, rest = divmod(item.quantity, share)
-        return [share] * whole + ([rest] if rest else [])
-
     def _hear_cancelled(self, _sender: str, message: OrderCancelled, now_s: float) -> None:
-        order = self._orders.pop(message.order, None)
+        order = self._book.end(message.order)
         if order is None:
             return
-        for product, waiting in self._waiting.items():
-            self._waiting[product] = deque(goal for goal in waiting if goal[1].order != order.id)
-        for task in list(self._goals):
-            work = cast(Production, task.work)
-            if work.order == order.id:
-                self._close(task, "withdrawn")
-                self._ask_next(work.product, now_s)
-        self._remember(order.id)
+        self._commit()
+        for goal in order.goals.values():
+            if goal.machine:
+                # From now on the gate is shut for it, as for any goal that nobody is to make.
+                self._out.append(Instruct(Admit(goal=goal.id, quantity=0)))
+            self._end(goal, "withdrawn")
+        for goal in order.goals.values():
+            self._ask_next(goal.work.product, now_s)
         self._out.append(Record(OrderDropped(order=order.id)))
 
-    # --- goals ---
+    def _end_if_done(self, order: OrderInWork) -> None:
+        if not order.goals:
+            self._book.end(order.id)
+            self._out.append(Record(OrderFulfilled(order=order.id)))
 
-    def _hear_accepted(self, sender: str, answer: Accepted, now_s: float) -> None:
-        """Bind the machine, and confirm as often as it asks: it begins only then."""
-        self._goals.hear_accepted(sender, answer, now_s)
-        task = self._goals.get(answer.task)
-        if task is not None and task.primary == sender and task.epoch == answer.epoch:
-            self._out.append(Send(sender, Confirmed(task=task.id, epoch=task.epoch)))
+    # --- goals are given out ---
 
     def _audience(self, work: Work, _radius_m: float) -> tuple[str, ...]:
         return (self._keys.goals(cast(Production, work).product),)
 
     def _ask_next(self, product: str, now_s: float) -> None:
         """Put the next goal of a product up for auction, unless one is."""
-        waiting = self._waiting.get(product)
-        if not waiting or product in self._asking:
+        if product in self._asking:
             return
-        goal, work, deadline_s = waiting.popleft()
-        self._asking[product] = goal
-        self._goals.open(goal, work, deadline_s, now_s)
+        goal = next(self._book.unclaimed(product), None)
+        if goal is None:
+            self._timers.clear((TAKERS, product))
+            return
+        self._asking[product] = goal.id
+        self._auctions.open(goal.id, goal.work, goal.deadline_s, now_s, epoch=goal.epoch)
+        if not self._timers.is_set((TAKERS, product)):
+            self._check_takers(product, now_s)
+
+    def _hear_accepted(self, sender: str, answer: Accepted, now_s: float) -> None:
+        """Bind the machine, and confirm as often as it asks: it begins only then."""
+        goal = self._book.goal(answer.task)
+        if goal is None or goal.machine != sender:
+            self._auctions.hear_accepted(sender, answer, now_s)
+        if goal is not None and goal.machine == sender and goal.epoch == answer.epoch:
+            goal.named_s = now_s
+            self._confirm(goal)
+
+    def _confirm(self, goal: OpenGoal) -> None:
+        confirmed = Confirmed(task=goal.id, epoch=goal.epoch, arrived=goal.arrived)
+        self._out.append(Send(goal.machine, confirmed))
 
     def _on_contracted(self, task: OpenTask, now_s: float) -> None:
-        work = cast(Production, task.work)
+        goal = self._book.goal(task.id)
+        if goal is None:
+            raise ProtocolViolation(f"{self.id}: {task.id} was put up and is in no order")
+        goal.machine, goal.waits = task.primary, False
+        self._commit()
+        work = goal.work
         contracted = GoalContracted(
-            goal=task.id,
+            goal=goal.id,
             order=work.order,
             item=work.item,
             product=work.product,
             quantity=work.quantity,
-            machine=task.primary,
+            machine=goal.machine,
             finish_s=task.promised_s,
         )
         self._out.append(Record(contracted))
-        self._machines.begin(task.primary)
-        self._asking.pop(work.product, None)
+        # The auction is over; from now on the goal is followed, not its task.
+        self._follow(goal, now_s)
+        del self._asking[work.product]
         self._ask_next(work.product, now_s)
 
-    def _hear_machine(self, _sender: str, heartbeat: MachineHeartbeat, _now_s: float) -> None:
-        for brief in heartbeat.goals:
-            if brief.delivered < brief.quantity:
-                continue
-            task = self._goals.get(brief.goal)
-            if task is not None:
-                if task.primary == heartbeat.machine:
-                    self._deliver(task)
-            elif self._goals.closed(brief.goal) is not None:
-                # The machine has not heard that its goal is closed.
-                self._out.append(Send(heartbeat.machine, GoalClosed(goal=brief.goal)))
+    # --- and followed ---
 
-    def _deliver(self, task: OpenTask) -> None:
-        self._out.append(Send(task.primary, GoalClosed(goal=task.id)))
-        self._close(task, "delivered")
-        order = self._orders.get(cast(Production, task.work).order)
-        if order is not None:
-            order.goals.discard(task.id)
-            self._end_if_done(order)
+    def _follow(self, goal: OpenGoal, now_s: float) -> None:
+        goal.named_s = now_s
+        self._out.append(Instruct(Admit(goal=goal.id, quantity=goal.work.quantity)))
+        self._timers.set((GOAL_VIGIL, goal.id), now_s + GOAL_SILENCE_S)
 
-    def _close(self, task: OpenTask, outcome: Outcome) -> None:
-        if task.primary:
-            self._machines.end(task.primary)
-        product = cast(Production, task.work).product
-        if self._asking.get(product) == task.id:
-            del self._asking[product]
-        self._goals.close(task, outcome)
-
-    def _end_if_done(self, order: OrderInWork) -> None:
-        if order.goals:
+    def _hear_machine(self, _sender: str, heartbeat: MachineHeartbeat, now_s: float) -> None:
+        machine = heartbeat.machine
+        if not self._watch.hear(heartbeat, now_s):
+            self._out.append(Ignore("an old heartbeat"))
             return
-        del self._orders[order.id]
-        self._remember(order.id)
-        self._out.append(Record(OrderFulfilled(order=order.id)))
+        for brief in heartbeat.goals:
+            goal = self._book.goal(brief.goal)
+            if goal is None:
+                # It has not heard that its goal is closed, or was away when others got it.
+                self._say_closed(machine, brief)
+            elif goal.machine == machine:
+                goal.named_s = now_s
+                if brief.delivered > goal.arrived:
+                    self._confirm(goal)  # It believes that pieces are in which the gate has not seen.
+            elif goal.machine:
+                self._withdraw(machine, goal.id, goal.epoch)
 
-    def _remember(self, order: str) -> None:
-        self._ended[order] = None
-        if len(self._ended) > FULFILLED_KEPT:
-            del self._ended[next(iter(self._ended))]
+    def _say_closed(self, machine: str, brief: GoalBrief) -> None:
+        closed = self._auctions.closed(brief.goal)
+        # What an earlier life has closed is not known here; the machine's own word will do for its end.
+        delivered = brief.delivered >= brief.quantity if closed is None else closed.outcome == "delivered"
+        if delivered:
+            self._out.append(Send(machine, GoalClosed(goal=brief.goal)))
+        else:
+            self._withdraw(machine, brief.goal, 1 if closed is None else closed.epoch)
+
+    def _withdraw(self, machine: str, goal: str, epoch: int) -> None:
+        self._out.append(Send(machine, Withdrawn(task=goal, epoch=epoch, reason=NOT_NEEDED)))
+
+    def _hear_arrived(self, report: GoodsArrived, now_s: float) -> None:
+        goal = self._book.goal(report.goal)
+        if goal is None:
+            self._out.append(Ignore("goods of a goal that is closed"))
+            return
+        self._note_arrived(goal, report.arrived)
+        if goal.arrived >= goal.work.quantity:
+            self._deliver(goal)
+        elif goal.failure and not report.admitted:
+            self._give_to_others(goal, now_s)
+
+    def _note_arrived(self, goal: OpenGoal, arrived: int) -> None:
+        news = arrived - goal.arrived
+        if news <= 0:
+            return
+        goal.arrived = arrived
+        self._commit()
+        work = goal.work
+        delivered = GoodsDelivered(
+            goal=goal.id,
+            order=work.order,
+            item=work.item,
+            product=work.product,
+            quantity=news,
+            delivered=arrived,
+        )
+        self._out.append(Record(delivered))
+
+    def _deliver(self, goal: OpenGoal) -> None:
+        self._out.append(Send(goal.machine, GoalClosed(goal=goal.id)))
+        self._end(goal, "delivered")
+        order = self._book.close(goal)
+        self._commit()
+        self._end_if_done(order)
+
+    def _end(self, goal: OpenGoal, outcome: Outcome) -> None:
+        """A goal has ended, whether it was put up or not."""
+        self._timers.clear((GOAL_VIGIL, goal.id))
+        if self._asking.get(goal.work.product) == goal.id:
+            del self._asking[goal.work.product]
+        task = self._auctions.get(goal.id)
+        if task is not None:
+            self._auctions.close(task, outcome)
+        elif goal.machine:
+            # It was contracted in an earlier life, whose auctions are forgotten.
+            if outcome == "withdrawn":
+                self._withdraw(goal.machine, goal.id, goal.epoch)
+            ended = TaskClosed(task=goal.id, epoch=goal.epoch, outcome=outcome, carrier=goal.machine)
+            self._out.append(Record(ended))
+
+    # --- when a machine fails ---
+
+    def _check_goal(self, goal_id: str, now_s: float) -> None:
+        """See whether a goal is still made; if not, and somebody else could make it, shut the gate for it."""
+        goal = self._book.goal(goal_id)
+        if goal is None:
+            return
+        failure = self._failure(goal, now_s)
+        if not failure:
+            goal.waits = False
+            if goal.failure:
+                # It is back before the gate has answered: nothing was given away yet.
+                goal.failure = ""
+                self._out.append(Instruct(Admit(goal=goal.id, quantity=goal.work.quantity)))
+        elif self._fit_for(goal.work.product, now_s):
+            goal.failure = failure
+            self._out.append(Instruct(Admit(goal=goal.id, quantity=0)))
+        else:
+            self._say_waits(goal, now_s)
+        look_s = now_s if failure else goal.named_s
+        self._timers.set((GOAL_VIGIL, goal.id), look_s + GOAL_SILENCE_S)
+
+    def _failure(self, goal: OpenGoal, now_s: float) -> str:
+        """Why a goal is not made any more; empty while it is."""
+        if now_s >= goal.named_s + GOAL_SILENCE_S:
+            return self._watch.trouble(goal.machine, now_s) or "has forgotten it"
+        return "broken" if self._watch.is_broken_for_long(goal.machine, now_s) else ""
+
+    def _give_to_others(self, goal: OpenGoal, now_s: float) -> None:
+        """The gate is shut and has counted: put up what has not arrived, under a name of its own."""
+        self._end(goal, "withdrawn")
+        successor = self._book.succeed(goal)
+        self._commit()
+        lost = GoalLost(goal=goal.id, machine=goal.machine, arrived=goal.arrived, successor=successor.id)
+        self._out.append(Record(lost))
+        self._ask_next(goal.work.product, now_s)
+
+    def _check_takers(self, product: str, now_s: float) -> None:
+        """Say so when nobody lives who could take the goals of a product, and look again."""
+        waiting = list(self._book.unclaimed(product))
+        if not waiting:
+            return
+        if self._fit_for(product, now_s):
+            for goal in waiting:
+                goal.waits = False
+        else:
+            for goal in waiting:
+                self._say_waits(goal, now_s)
+        self._timers.set((TAKERS, product), now_s + GOAL_SILENCE_S)
+
+    def _fit_for(self, product: str, now_s: float) -> bool:
+        """Whether anybody lives and works who can make it."""
+        return any(self._watch.is_fit(machine, now_s) for machine in self._plant.machines_for(product))
+
+    def _say_waits(self, goal: OpenGoal, now_s: float) -> None:
+        if goal.waits:
+            return
+        goal.waits = True
+        machines = self._plant.machines_for(goal.work.product)
+        troubles = (f"{machine} is {self._watch.trouble(machine, now_s)}" for machine in machines)
+        reason = ", ".join(troubles)[:REASON_CHARS]
+        self._out.append(Record(GoalWaits(goal=goal.id, order=goal.work.order, reason=reason)))

@@ -1,0 +1,194 @@
+"""What the strategist has promised: orders in work and the goals that they were split into."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from dray.memory import GoalBooked, OrderMemory, StrategistMemory
+from dray.messages import OrderItem, OrderReleased, Production
+from dray.plant import Plant
+
+DELIVERY_S = 300.0
+"""How long before an order is due its goals should be made: carrying the last lot away."""
+
+ENDED_KEPT = 1024
+"""Ended orders whose repeated release is still recognised."""
+
+
+class OpenGoal:
+    """A goal that is not delivered yet."""
+
+    __slots__ = (
+        "arrived",
+        "deadline_s",
+        "epoch",
+        "failure",
+        "id",
+        "machine",
+        "named_s",
+        "waits",
+        "work",
+    )
+
+    def __init__(self, goal: str, work: Production, deadline_s: float) -> None:
+        self.id = goal
+        self.work = work
+        self.deadline_s = deadline_s
+        self.machine = ""
+        """Who makes it; empty while nobody has taken it."""
+        self.epoch = 1
+        """Of its announcement: one that an earlier life has made is not answered to any more."""
+        self.arrived = 0
+        """Pieces that the gate has counted."""
+        self.named_s = 0.0
+        """When its machine has last said that it has this goal (plant clock)."""
+        self.failure = ""
+        """Why it is being taken from its machine; the gate's last count is awaited."""
+        self.waits = False
+        """Whether it was said that nobody can make it."""
+
+    def booked(self) -> GoalBooked:
+        """What the next life must know of it."""
+        return GoalBooked(
+            goal=self.id,
+            work=self.work,
+            deadline_s=self.deadline_s,
+            machine=self.machine,
+            epoch=self.epoch,
+            arrived=self.arrived,
+        )
+
+
+class OrderInWork:
+    """An order that is not delivered yet."""
+
+    __slots__ = ("due_s", "goals", "id", "items")
+
+    def __init__(self, order: str, items: tuple[OrderItem, ...], due_s: float) -> None:
+        self.id = order
+        self.items = items
+        self.due_s = due_s
+        self.goals: dict[str, OpenGoal] = {}
+        """Those that are not delivered."""
+
+
+class OrderBook:
+    """All orders of one plant, oldest first.
+
+    Args:
+        plant: what can be made where.
+        life: marks the names of goals, so that no two lives give the same.
+    """
+
+    def __init__(self, plant: Plant, life: str) -> None:
+        self._plant = plant
+        self._life = life
+        self._orders: dict[str, OrderInWork] = {}
+        self._goals: dict[str, OpenGoal] = {}
+        self._ended: dict[str, None] = {}
+        """Ended orders, oldest first; a dict for its order."""
+        self._count = 0
+        """Goals that were ever named."""
+
+    def __iter__(self) -> Iterator[OpenGoal]:
+        """All open goals, those of the oldest order first."""
+        return (goal for order in self._orders.values() for goal in order.goals.values())
+
+    def __contains__(self, order: str) -> bool:
+        """Whether this order is in work, or has ended."""
+        return order in self._orders or order in self._ended
+
+    def goal(self, goal: str) -> OpenGoal | None:
+        return self._goals.get(goal)
+
+    def unclaimed(self, product: str) -> Iterator[OpenGoal]:
+        """Goals of a product that nobody has taken, in the order in which they are put up."""
+        return (goal for goal in self if not goal.machine and goal.work.product == product)
+
+    # --- orders and goals come and go ---
+
+    def take(self, message: OrderReleased) -> OrderInWork:
+        """Split a new order into goals."""
+        order = OrderInWork(message.order, message.items, message.due_s)
+        self._orders[order.id] = order
+        for index, item in enumerate(message.items):
+            for quantity in self._split(item):
+                work = Production(product=item.product, quantity=quantity, order=order.id, item=index)
+                self._add(order, work, message.due_s - DELIVERY_S)
+        return order
+
+    def succeed(self, goal: OpenGoal) -> OpenGoal:
+        """Replace a goal by one for what has not arrived of it."""
+        order = self._orders[goal.work.order]
+        self.close(goal)
+        work = goal.work
+        rest = Production(
+            product=work.product,
+            quantity=work.quantity - goal.arrived,
+            order=work.order,
+            item=work.item,
+        )
+        return self._add(order, rest, goal.deadline_s)
+
+    def close(self, goal: OpenGoal) -> OrderInWork:
+        """Forget a goal; returns its order."""
+        order = self._orders[goal.work.order]
+        del self._goals[goal.id], order.goals[goal.id]
+        return order
+
+    def end(self, order: str) -> OrderInWork | None:
+        """Forget an order and its goals, and recognise it if it is released again; None if unknown."""
+        ended = self._orders.pop(order, None)
+        if ended is None:
+            return None
+        for goal in ended.goals:
+            del self._goals[goal]
+        self._ended[order] = None
+        if len(self._ended) > ENDED_KEPT:
+            del self._ended[next(iter(self._ended))]
+        return ended
+
+    # --- from life to life ---
+
+    def memory(self) -> StrategistMemory:
+        """All of it, to be written down."""
+        orders = tuple(
+            OrderMemory(
+                order=order.id,
+                items=order.items,
+                due_s=order.due_s,
+                goals=tuple(goal.booked() for goal in order.goals.values()),
+            )
+            for order in self._orders.values()
+        )
+        return StrategistMemory(orders=orders, ended=tuple(self._ended), goal_count=self._count)
+
+    def restore(self, memory: StrategistMemory) -> None:
+        """Take up what an earlier life has written down."""
+        self._ended = dict.fromkeys(memory.ended)
+        self._count = memory.goal_count
+        for kept in memory.orders:
+            order = self._orders[kept.order] = OrderInWork(kept.order, kept.items, kept.due_s)
+            for booked in kept.goals:
+                goal = OpenGoal(booked.goal, booked.work, booked.deadline_s)
+                goal.machine, goal.epoch, goal.arrived = booked.machine, booked.epoch, booked.arrived
+                self._goals[goal.id] = order.goals[goal.id] = goal
+
+    # --- how it is done ---
+
+    def _add(self, order: OrderInWork, work: Production, deadline_s: float) -> OpenGoal:
+        self._count += 1
+        goal = OpenGoal(f"{order.id}{self._life}-{work.item + 1}.{self._count}", work, deadline_s)
+        self._goals[goal.id] = order.goals[goal.id] = goal
+        return goal
+
+    def _split(self, item: OrderItem) -> list[int]:
+        """Share an item among the machines that can make it, in whole containers."""
+        if not item.quantity:
+            return []  # All of it was delivered before the order was released again.
+        lot = self._plant.products[item.product].lot
+        machines = len(self._plant.machines_for(item.product))
+        lots = -(-item.quantity // lot)
+        share = -(-lots // machines) * lot
+        whole, rest = divmod(item.quantity, share)
+        return [share] * whole + ([rest] if rest else [])
