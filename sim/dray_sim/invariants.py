@@ -24,13 +24,13 @@ from dray.messages.fact import (
     CommandObeyed,
     ContractEnded,
     ContractTaken,
-    GoalContracted,
-    GoodsDelivered,
     TaskClosed,
     TaskOpened,
 )
 from dray.messages.order import CommandKind
 from dray_sim.broken import InvariantBroken
+from dray_sim.company import ReplacedInTime, SpeaksOn
+from dray_sim.delivered import DeliveredExactly
 from dray_sim.factory import Ear, SimFactory
 
 BRAKING_S = 10.0
@@ -102,31 +102,6 @@ class OnePrimaryEach:
         elif type(fact) is ContractEnded and fact.role is Role.PRIMARY:
             if self._primary_of.get(sender) == fact.task:
                 del self._primary_of[sender]
-
-
-class DeliveredExactly:
-    """Invariant 4: an ordered quantity is delivered exactly once."""
-
-    def __init__(self) -> None:
-        self._ordered: dict[str, int] = {}
-        self._delivered: dict[str, int] = {}
-
-    def hear(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
-        if type(message) is not Event:
-            return
-        fact = message.fact
-        if type(fact) is GoalContracted:
-            self._ordered[fact.goal] = fact.quantity
-        elif type(fact) is GoodsDelivered:
-            delivered = self._delivered.get(fact.goal, 0) + fact.quantity
-            self._delivered[fact.goal] = delivered
-            if delivered != fact.delivered or delivered > self._ordered.get(fact.goal, delivered):
-                seen = f"{fact.goal}: {delivered} came, {fact.delivered} were counted"
-                raise InvariantBroken(4, at_s, seen)
-        elif type(fact) is TaskClosed and fact.task in self._ordered and fact.outcome == "delivered":
-            if self._delivered.get(fact.task, 0) != self._ordered[fact.task]:
-                seen = f"{fact.task} was closed with {self._delivered.get(fact.task, 0)} pieces"
-                raise InvariantBroken(4, at_s, seen)
 
 
 class StoppedStands:
@@ -246,8 +221,10 @@ class Invariants:
             TasksEnd(),
             HandedOverOnce(),
             OnePrimaryEach(),
-            DeliveredExactly(),
+            DeliveredExactly(factory),
             StoppedStands(factory),
+            SpeaksOn(factory),
+            ReplacedInTime(factory),
             self._conservation,
             *more,
         )
