@@ -81,6 +81,18 @@ def test_what_is_known_from_before_may_have_holes() -> None:
     assert asked(gaps, 0.0) == [(1, 3, 3)]
 
 
+def test_whoever_listens_beside_is_told_of_what_was_missed() -> None:
+    gaps = Gaps()
+    assert not gaps.note("M1", 1, 1, 0.0)
+    assert not gaps.note("M1", 1, 4, 0.0)
+    assert gaps.note("M1", 1, 2, 0.0)
+    assert not gaps.note("M1", 1, 2, 0.0)
+    assert asked(gaps, SETTLE_S) == [(1, 3, 3)]
+    assert gaps.note("M1", 1, 5, 1.1)
+    gaps.answered("M1", kept(1, 5), 1.2)
+    assert not gaps.note("M1", 1, 6, 1.3)
+
+
 # --- what is asked ---------------------------------------------------------------------------------
 
 

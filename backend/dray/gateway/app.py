@@ -88,7 +88,7 @@ def create_app(
         app.state.parts = parts
         async with AsyncExitStack() as stack:
             if historian is not None:
-                await stack.enter_async_context(historian.running())
+                await stack.enter_async_context(historian.running(projection.fold))
             stack.callback(peer.leave)
             peer.join(projection, parts.desk, parts.commands)
             tasks = await stack.enter_async_context(asyncio.TaskGroup())

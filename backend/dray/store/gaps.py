@@ -113,21 +113,29 @@ class Gaps:
 
     # --- what is heard ---------------------------------------------------------------------------
 
-    def note(self, agent: str, incarnation: int, number: int, now_s: float) -> None:
-        """An event has arrived; doubled and late ones are normal."""
+    def note(self, agent: str, incarnation: int, number: int, now_s: float) -> bool:
+        """An event has arrived; doubled and late ones are normal.
+
+        Returns:
+            Whether it has been missed, or may have been: others may not have heard it either.
+        """
         teller = self._heard(agent, incarnation, now_s)
         life = teller.lives.get(incarnation)
         if life is None:
-            return
+            return False
         if number in life.missing:
             life.missing.remove(number)
             self.missing -= 1
             teller.filled += 1
-        elif number > life.last:
-            if number > life.last + 1:
-                self._miss(life, life.last + 1, number)
-                self._ask_by(teller, now_s + SETTLE_S)
-            life.last = number
+            return True
+        if number <= life.last:
+            return False
+        if number > life.last + 1:
+            self._miss(life, life.last + 1, number)
+            self._ask_by(teller, now_s + SETTLE_S)
+        life.last = number
+        # An answer to what comes next looks like any other event.
+        return teller.waiting
 
     def note_alive(self, agent: str, incarnation: int, now_s: float) -> None:
         """The agent was heard, in this life."""

@@ -14,7 +14,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections import deque
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 
 from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError
@@ -90,6 +90,7 @@ class Historian:
         self._samples: deque[Heartbeat] = deque(maxlen=QUEUE_SAMPLES)
         self._sampled_at_s: dict[str, float] = {}
         self._gaps = Gaps()
+        self._recovered: Callable[[Event], object] | None = None
         self._arrived, self._written, self._closing = asyncio.Event(), asyncio.Event(), asyncio.Event()
         self._written.set()
         self._unpruned = 0
@@ -109,8 +110,14 @@ class Historian:
         return self._gaps.gone
 
     @asynccontextmanager
-    async def running(self) -> AsyncIterator[None]:
-        """Listen, ask and write; at the end, write what has been heard."""
+    async def running(self, recovered: Callable[[Event], object] | None = None) -> AsyncIterator[None]:
+        """Listen, ask and write; at the end, write what has been heard.
+
+        Args:
+            recovered: called with every event that was fetched again; whoever listens beside the
+                historian has missed it too.
+        """
+        self._recovered = recovered
         async with self._store.read() as work:
             self._gaps = Gaps(await work.events.known(), self._now_s())
         session = self._bus.join(AGENT, self.receive)
@@ -152,7 +159,9 @@ class Historian:
             self._gaps.note_alive(event.agent, event.incarnation, self._now_s())
             self.lost += 1
             return
-        self._gaps.note(event.agent, event.incarnation, event.number, self._now_s())
+        was_missed = self._gaps.note(event.agent, event.incarnation, event.number, self._now_s())
+        if was_missed and self._recovered is not None:
+            self._recovered(event)
         self._events.append(event)
         self._wake()
 

@@ -243,6 +243,9 @@ class Tasks:
     def _ended(self, event: Event, fact: TaskClosed) -> bool:
         task = self._open.pop(fact.task, None)
         if task is None:
+            if fact.task not in self._closed:
+                # Its announcement was lost, and may be fetched again: it must not stay open then.
+                self._early.append(event)
             return False
         task.epoch = max(task.epoch, fact.epoch)
         task.state = "delivered" if fact.outcome == "delivered" else "withdrawn"
