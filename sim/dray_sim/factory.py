@@ -26,6 +26,7 @@ from dray.protocol.machine import Machine
 from dray.protocol.strategist import STRATEGIST, Strategist
 from dray.worker import Worker
 from dray_sim.chargers import Chargers
+from dray_sim.coverage import Coverage
 from dray_sim.gate import Gate
 from dray_sim.journal import HeldJournal
 from dray_sim.loop import VirtualClock
@@ -117,7 +118,15 @@ class SimFactory:
         self.clock = clock
         self.keys = Keys(plant.id)
         # One generator per concern, so that a change to one does not shift the chances of another.
-        self.bus = SimNetwork(clock, Random(f"{seed} network"), latency, codec=codec, trace=ear)
+        self.bus = SimNetwork(
+            clock,
+            Random(f"{seed} network"),
+            latency,
+            codec=codec,
+            trace=ear,
+            chance=Random(f"{seed} network faults"),
+            coverage=Coverage.of_plant(plant),
+        )
         self.source = SourceWarehouse(plant.source_warehouses[0], plant.materials)
         self.gate = Gate(clock)
         self.delivery: Mapping[str, DeliveryWarehouse] = {
@@ -235,6 +244,7 @@ class SimFactory:
         vehicle_type = self.plant.vehicle_types[spec.type]
         vehicle = SimVehicle(spec, vehicle_type, self.plant, self.clock, self._places, self._chargers)
         self.vehicles[spec.id] = vehicle
+        self.bus.equip(spec.id, lambda: vehicle.sense().pose, vehicle.notice_link)
         self._employ(spec.id, self._atv(spec), vehicle)
         self._start(spec.id)
         return vehicle

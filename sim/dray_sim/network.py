@@ -1,62 +1,66 @@
 """The network of the simulated factory: a `dray.ports.Bus` in one process, on virtual time.
 
 Every delivery to every receiver is an event of its own on the clock, after a delay of its own. Chance
-comes from the generator that is handed in and from nothing else, and receivers are gone through in the
+comes from the generators that are handed in and from nothing else, and receivers are gone through in the
 order in which they joined, so one seed gives one run.
 
-What a delivery meets on its way is decided in one place, `SimNetwork._carry`.
+What a delivery meets on its way is decided in one place: `SimNetwork._carry`, as long as nothing is
+wrong, and `SimNetwork._carry_ill` while a fault is active or a vehicle could be without WLAN. A run
+without faults pays for faults with one question per utterance, and none of their chances is drawn.
+
+    sender --WLAN--> receiver                                    all is well, or the link has troubles
+    vehicle --radio--> vehicles ... gateway --WLAN--> receiver   the sender has no WLAN: a frame rises
+    sender --WLAN--> gateway --radio--> vehicles ... vehicle     the receiver has none: a frame falls
+
+Only vehicles have a radio (`equip`); all others are wired. A frame falls the way on which the last
+frame of its receiver rose.
 """
 
 from __future__ import annotations
 
-import math
 import re
-from dataclasses import dataclass
+from collections import Counter
+from random import Random
 from typing import TYPE_CHECKING
+
+from msgspec.structs import replace
 
 from dray.codec import decode, encode
 from dray.errors import ProtocolViolation
+from dray.messages import AtvHeartbeat, Link
+from dray_sim.coverage import Coverage
+from dray_sim.latency import QUANTILE_BITS, WLAN, Latency
+from dray_sim.links import Links
+from dray_sim.modem import NOTICE_S, Modem
+from dray_sim.radio import RADIO, UNFIT, Frame, Radio, RadioSpec
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from random import Random
 
-    from dray.messages import Message
+    from dray.messages import Message, Pose
     from dray.ports import Receive
+    from dray_sim.faults.kinds import NetworkFault
     from dray_sim.loop import VirtualClock
     from dray_sim.trace import Ear
 
-QUANTILE_BITS = 12
-"""Delays are drawn from 2^12 quantiles: one table look-up instead of a logarithm per delivery. Finer
-than 0.1 ms nearly everywhere, and no agent's timer is that fine."""
+__all__ = ["WLAN", "Latency", "SimNetwork", "SimSession", "compile_pattern"]
 
 MAX_ROUTES = 10_000
 """Keys whose listeners are remembered: ten times those of a plant of three hundred agents."""
 
+AGAIN_S = 1.0
+"""A second copy comes at most so much later: longer than any protocol waits before it repeats."""
 
-@dataclass(frozen=True, slots=True)
-class Latency:
-    """How long a message is under way: `base_s` plus an exponential part, at most `cap_s`.
+HELD_UP_S = 2.0
+"""A held-up message is late by at most so much: a heartbeat is overtaken by the next one or two."""
 
-    Attributes:
-        base_s: what even an idle WLAN takes: two radio hops of some 2 ms, and the two stacks.
-        mean_extra_s: waiting for air time and sending again; exponential, since each try is like the last.
-        cap_s: WLAN stops trying again after about this time; longer than this is loss.
-    """
+GATEWAY_S = 12.0
+"""A vehicle is reached over whom it was last heard over, for two heartbeats of an idle vehicle and some."""
 
-    base_s: float = 0.005
-    mean_extra_s: float = 0.015
-    cap_s: float = 0.250
-
-    def quantiles(self) -> list[float]:
-        """2^QUANTILE_BITS delays in seconds, all equally likely."""
-        n = 1 << QUANTILE_BITS
-        middles = ((i + 0.5) / n for i in range(n))
-        return [min(self.base_s - self.mean_extra_s * math.log1p(-p), self.cap_s) for p in middles]
-
-
-WLAN = Latency()
-"""A factory's WLAN on an ordinary day: half of all messages within 15 ms, one in a thousand above 110 ms."""
+NO_WLAN = "no WLAN"
+APART = "partition"
+LOST = "link loss"
+NO_GATEWAY = "no way by radio"
 
 
 class SimSession:
@@ -111,11 +115,22 @@ class SimNetwork:
         random: the only source of chance.
         latency: how long messages are under way.
         codec: pass every message through the wire format. Slower, and the trace is the same.
-        trace: a `Trace` or another ear; hears every utterance, whether or not anybody else does.
+        trace: a `Trace` or another ear; hears every utterance, whether or not anybody else does. What
+            a vehicle says by radio is heard when it says it, and a heartbeat once more when a gateway
+            puts it on the bus: said by the gateway, with the way it came.
+        chance: the only source of chance for faults and the radio.
+        coverage: of the WLAN while nothing is wrong.
+        radio: what vehicles' radios can do.
 
     Attributes:
         delivered: messages that reached an agent.
         missed: messages that found nobody: sent to or by an agent that is not, or no longer, there.
+        lost: what faults and the radio have lost, by reason; reasons are few and fixed. A publication
+            whose sender is without WLAN counts once, every other loss once for each receiver.
+        doubled: second copies made by a link's trouble.
+        held_up: messages that later ones might overtake.
+        relayed: frames that a gateway has put on the bus.
+        radio: the vehicles' radios.
     """
 
     def __init__(
@@ -126,9 +141,16 @@ class SimNetwork:
         *,
         codec: bool = False,
         trace: Ear | None = None,
+        chance: Random | None = None,
+        coverage: Coverage | None = None,
+        radio: RadioSpec = RADIO,
     ) -> None:
         self.delivered = 0
         self.missed = 0
+        self.lost: Counter[str] = Counter()
+        self.doubled = 0
+        self.held_up = 0
+        self.relayed = 0
         self._clock = clock
         self._draw = random.getrandbits
         self._delays_s = latency.quantiles()
@@ -142,6 +164,13 @@ class SimNetwork:
         self._routes: dict[str, tuple[SimSession, ...]] = {}
         # Grows to (agents that ever talked) x (agents they talked to), and no further: names are few.
         self._last_arrival_s: dict[tuple[str, str], float] = {}
+        # A generator of their own, so that a fault does not shift the chances of what it does not touch.
+        self._chance = chance if chance is not None else Random("network faults")
+        self._links = Links(coverage if coverage is not None else Coverage())
+        self.radio = Radio(
+            clock, self._chance, radio, on_air=self._on_air, take=self._take_frame, lost=self.lost
+        )
+        self._ill = not self._links.quiet
 
     # --- the port --------------------------------------------------------------------------------
 
@@ -155,6 +184,49 @@ class SimNetwork:
         self._sessions[agent] = session
         return session
 
+    # --- what can go wrong -----------------------------------------------------------------------
+
+    def equip(self, agent: str, where: Callable[[], Pose], notice: Callable[[Link], None]) -> None:
+        """Give a vehicle its modem. Whoever has none is wired. Again for the same agent: a new modem.
+
+        Args:
+            agent: the vehicle's agent; it need not have joined.
+            where: its pose at this moment.
+            notice: told when its modem has lost the WLAN for `NOTICE_S`, or has it again for so long.
+        """
+        modem = self.radio.stations[agent] = Modem(agent, where, notice)
+        if self._ill:
+            self._look(modem)
+
+    @property
+    def access_points(self) -> tuple[str, ...]:
+        """The ids of all access points, up or down."""
+        return self._links.access_points
+
+    def cover(self, coverage: Coverage) -> None:
+        """Replace the coverage that there is while nothing is wrong."""
+        self._links.cover(coverage)
+        self._look_around()
+
+    def begin(self, fault: NetworkFault) -> None:
+        """Let something go wrong, now. The same fault begun twice must end twice."""
+        self._links.begin(fault)
+        self._look_around()
+
+    def end(self, fault: NetworkFault) -> None:
+        """Put it right.
+
+        Raises:
+            ValueError: this fault is not active.
+        """
+        self._links.end(fault)
+        self._look_around()
+
+    def link_of(self, agent: str) -> Link:
+        """What an agent's modem uses at present; the wired have no other than WLAN."""
+        modem = self.radio.stations.get(agent)
+        return Link.WLAN if modem is None else modem.link
+
     # --- what sessions ask -----------------------------------------------------------------------
 
     def publish(self, sender: SimSession, key: str, message: Message) -> None:
@@ -166,6 +238,9 @@ class SimNetwork:
         receivers = self._routes.get(key)
         if receivers is None:
             receivers = self._find_receivers(key)
+        if self._ill:
+            self._publish_ill(sender, key, message, receivers)
+            return
         for receiver in receivers:
             self._carry(sender, receiver, message)
 
@@ -179,7 +254,10 @@ class SimNetwork:
         if receiver is None:
             self.missed += 1
             return
-        self._carry(sender, receiver, message)
+        if self._ill:
+            self._send_ill(sender, receiver, message)
+        else:
+            self._carry(sender, receiver, message)
 
     def subscribe(self, session: SimSession, key: str) -> None:
         """Let `session` hear `key`, which may hold wildcards."""
@@ -226,7 +304,7 @@ class SimNetwork:
         return decode(encode(sender, message))[1] if self._codec else message
 
     def _carry(self, sender: SimSession, receiver: SimSession, message: Message) -> None:
-        """Decide the fate of one delivery: when it arrives. The one place for whatever can go wrong."""
+        """Decide the fate of one delivery while nothing is wrong: when it arrives."""
         when_s = self._clock.time_s + self._delays_s[self._draw(QUANTILE_BITS)]
         # First in, first out between any two agents: a later message waits for an earlier slow one.
         pair = (sender.agent, receiver.agent)
@@ -235,6 +313,208 @@ class SimNetwork:
             when_s = last_s
         self._last_arrival_s[pair] = when_s
         self._clock.call_at(when_s, receiver.deliver, sender.agent, message)
+
+    # --- the way of a message while something is wrong -------------------------------------------
+
+    def _publish_ill(
+        self, sender: SimSession, key: str, message: Message, receivers: tuple[SimSession, ...]
+    ) -> None:
+        if not self._talks_wlan(sender.agent):
+            if sender in receivers:
+                self._carry(sender, sender, message)
+            if type(message) is AtvHeartbeat:
+                self._rise(Frame(sender.agent, message, key=key))
+            else:
+                self._lose_unsaid(sender.agent)
+            return
+        for receiver in receivers:
+            self._carry_ill(sender.agent, sender.agent, receiver, message)
+
+    def _send_ill(self, sender: SimSession, receiver: SimSession, message: Message) -> None:
+        if receiver is sender:
+            self._carry(sender, receiver, message)
+        elif self._talks_wlan(sender.agent):
+            self._send_over(sender.agent, sender.agent, receiver, message)
+        else:
+            self._rise(Frame(sender.agent, message, to=receiver.agent))
+
+    def _send_over(self, over: str, sender: str, receiver: SimSession, message: Message) -> None:
+        """Send from `over`, who has WLAN, what `sender` says: by WLAN, else by radio."""
+        if self._has_wlan(receiver.agent):
+            self._carry_ill(over, sender, receiver, message)
+            return
+        modem = self.radio.stations.get(receiver.agent)
+        if modem is None:
+            self.lost[NO_WLAN] += 1
+            return
+        short = self.radio.shorten(sender, message)
+        if short is None:
+            return
+        gateway = self._sessions.get(modem.gateway)
+        if gateway is None or self._clock.time_s > modem.gateway_s + GATEWAY_S:
+            self.lost[NO_GATEWAY] += 1
+            return
+        frame = Frame(sender, short, to=receiver.agent, rising=False)
+        self._pass_link(over, gateway.agent, self._fall, gateway.agent, frame)
+
+    def _carry_ill(self, over: str, sender: str, receiver: SimSession, message: Message) -> None:
+        """Decide the fate of one delivery on the WLAN, from `over`, who says it for `sender`."""
+        if receiver.agent != over and not self._has_wlan(receiver.agent):
+            self.lost[NO_WLAN] += 1
+        else:
+            self._pass_link(over, receiver.agent, receiver.deliver, sender, message)
+
+    def _pass_link(self, start: str, end: str, arrive: Callable[..., None], *args: object) -> None:
+        """Let something pass a link with all its troubles: it arrives in time, late, twice or never."""
+        when_s = self._clock.time_s + self._delays_s[self._draw(QUANTILE_BITS)]
+        troubles = self._links.troubles(start, end)
+        if troubles is None:
+            self.lost[APART] += 1
+            return
+        chance = self._chance.random
+        held_up = copied = False
+        for trouble in troubles:
+            if trouble.loss_frac and chance() < trouble.loss_frac:
+                self.lost[LOST] += 1
+                return
+            when_s += trouble.latency_s
+            if trouble.jitter_s:
+                when_s += trouble.jitter_s * chance()
+            held_up = held_up or bool(trouble.reorder_frac and chance() < trouble.reorder_frac)
+            copied = copied or bool(trouble.duplicate_frac and chance() < trouble.duplicate_frac)
+        if held_up:
+            self.held_up += 1
+            when_s += HELD_UP_S * chance()
+        else:
+            pair = (start, end)
+            when_s = max(when_s, self._last_arrival_s.get(pair, 0.0))
+            self._last_arrival_s[pair] = when_s
+        self._clock.call_at(when_s, arrive, *args)
+        if copied:
+            self.doubled += 1
+            self._clock.call_at(when_s + AGAIN_S * chance(), arrive, *args)
+
+    # --- the radio -------------------------------------------------------------------------------
+
+    def _rise(self, frame: Frame) -> None:
+        """Put on the air what a vehicle without WLAN says; a modem that has not noticed yet tries WLAN."""
+        modem = self.radio.stations.get(frame.origin)
+        if modem is None or modem.link is Link.WLAN:
+            self.lost[NO_WLAN] += 1
+            return
+        if not self._on_air(frame.origin):
+            self.lost[NO_GATEWAY] += 1
+            return
+        short = self.radio.shorten(frame.origin, frame.message)
+        if short is not None:
+            frame.message = short
+            self.radio.send(modem, frame)
+
+    def _lose_unsaid(self, sender: str) -> None:
+        """Count what a vehicle without WLAN publishes and cannot."""
+        by_radio = self.link_of(sender) is Link.MESH
+        self.lost[UNFIT if by_radio else NO_WLAN] += 1
+
+    def _fall(self, gateway: str, frame: Frame) -> None:
+        """A frame for a vehicle without WLAN has come to the gateway that is to say it by radio."""
+        if self._on_air(gateway) and self._has_wlan(gateway):
+            self.radio.send(self.radio.stations[gateway], frame)
+        else:
+            self.lost[NO_GATEWAY] += 1
+
+    def _take_frame(self, station: Modem, frame: Frame, via: tuple[str, ...]) -> bool:
+        """Decide what a vehicle does with a frame; true when it should say it again (see `Radio`)."""
+        session = self._sessions[station.agent]
+        if frame.to == station.agent:
+            session.deliver(frame.origin, frame.message)
+            return False
+        if frame.key and not self._has_wlan(station.agent) and session in self._listeners(frame.key):
+            session.deliver(frame.origin, _came_over(frame.message, via))
+        if frame.rising and station.link is Link.WLAN:
+            self._put_on_bus(session, frame, via)
+            return False
+        return True
+
+    def _put_on_bus(self, gateway: SimSession, frame: Frame, via: tuple[str, ...]) -> None:
+        if not self._talks_wlan(gateway.agent):
+            self.lost[NO_WLAN] += 1
+            return
+        # Who hears on the bus that another one was first keeps silent.
+        apart = (self._links.troubles(other, gateway.agent) is None for other in frame.gateways)
+        if not all(apart):
+            return
+        frame.gateways.append(gateway.agent)
+        self.relayed += 1
+        origin = self.radio.stations[frame.origin]
+        origin.gateway, origin.gateway_s = gateway.agent, self._clock.time_s
+        if frame.key:
+            message = _came_over(frame.message, (*via, gateway.agent))
+            message = self._utter(gateway.agent, frame.key, message)
+            for receiver in self._listeners(frame.key):
+                if receiver.agent != frame.origin:
+                    self._carry_ill(gateway.agent, frame.origin, receiver, message)
+            return
+        receiver_or_none = self._sessions.get(frame.to)
+        if receiver_or_none is None:
+            self.missed += 1
+        elif frame.to not in frame.heard:
+            self._send_over(gateway.agent, frame.origin, receiver_or_none, frame.message)
+
+    def _on_air(self, agent: str) -> bool:
+        """Whether a vehicle's radio works: it has power, a process, and no fault in the radio itself."""
+        return agent in self._sessions and agent not in self._links.radio_cut
+
+    # --- who has WLAN, and who has noticed -------------------------------------------------------
+
+    def _has_wlan(self, agent: str) -> bool:
+        """Whether the WLAN reaches an agent now, whatever its modem believes."""
+        links = self._links
+        if agent in links.wlan_cut:
+            return False
+        if links.coverage.perfect:
+            return True
+        modem = self.radio.stations.get(agent)
+        return modem is None or links.coverage.covers(*modem.position_m(self._clock.time_s))
+
+    def _talks_wlan(self, agent: str) -> bool:
+        """Whether what an agent says now goes out by WLAN: it is there, and its modem uses it."""
+        modem = self.radio.stations.get(agent)
+        if modem is None:
+            return self._has_wlan(agent)
+        return self._look(modem) and modem.link is Link.WLAN
+
+    def _look(self, modem: Modem) -> bool:
+        """Let a modem see whether it has WLAN; a change must last before it believes it."""
+        has_wlan = self._has_wlan(modem.agent)
+        if has_wlan is not (modem.link is Link.WLAN) and not modem.pending:
+            modem.pending = True
+            self._clock.call_at(self._clock.time_s + NOTICE_S, self._notice, modem)
+        return has_wlan
+
+    def _notice(self, modem: Modem) -> None:
+        modem.pending = False
+        link = Link.WLAN if self._has_wlan(modem.agent) else Link.MESH
+        if link is not modem.link and self.radio.stations.get(modem.agent) is modem:
+            modem.turn_to(link)
+        self._take_stock()
+
+    def _look_around(self) -> None:
+        """Something has begun or ended: every modem looks, also that of a vehicle that says nothing."""
+        self._ill = True
+        for modem in self.radio.stations.values():
+            self._look(modem)
+        self._take_stock()
+
+    def _take_stock(self) -> None:
+        """See whether all is well again: nothing is wrong, and every modem has noticed."""
+        modems = self.radio.stations.values()
+        self._ill = not self._links.quiet or any(m.pending or m.link is Link.MESH for m in modems)
+
+    # --- who listens -----------------------------------------------------------------------------
+
+    def _listeners(self, key: str) -> tuple[SimSession, ...]:
+        receivers = self._routes.get(key)
+        return self._find_receivers(key) if receivers is None else receivers
 
     def _find_receivers(self, key: str) -> tuple[SimSession, ...]:
         if "*" in key:
@@ -249,6 +529,11 @@ class SimNetwork:
             self._routes.clear()
         self._routes[key] = receivers
         return receivers
+
+
+def _came_over(message: Message, via: tuple[str, ...]) -> Message:
+    """A heartbeat marked with the vehicles that passed it on."""
+    return replace(message, via=via) if type(message) is AtvHeartbeat else message
 
 
 def compile_pattern(pattern: str) -> Callable[[str], object]:

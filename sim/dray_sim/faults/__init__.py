@@ -1,0 +1,58 @@
+"""What can go wrong in a simulated factory, as data: begun and ended by hand, by a script, or by a seed.
+
+`kinds` are the faults themselves, `names` checks whom they are about, `schedule` puts times to them and
+reads them from JSON, `chance` draws whole schedules, `active` begins and ends them in a factory.
+"""
+
+from __future__ import annotations
+
+from dray_sim.faults.active import Faults, World, play
+from dray_sim.faults.chance import WEIGHTS, random_schedule
+from dray_sim.faults.kinds import (
+    AccessPointDown,
+    CoverageHole,
+    Crashed,
+    Fault,
+    LinkTrouble,
+    LoadShifted,
+    MachineBroken,
+    NetworkFault,
+    Partition,
+    PoweredOff,
+    RadioCut,
+    VehicleBroken,
+    WlanCut,
+    describe,
+    kind_of,
+)
+from dray_sim.faults.names import Cast, FaultError
+from dray_sim.faults.schedule import Timed, read_fault, read_schedule, write_schedule
+
+__all__ = [
+    "WEIGHTS",
+    "AccessPointDown",
+    "Cast",
+    "CoverageHole",
+    "Crashed",
+    "Fault",
+    "FaultError",
+    "Faults",
+    "LinkTrouble",
+    "LoadShifted",
+    "MachineBroken",
+    "NetworkFault",
+    "Partition",
+    "PoweredOff",
+    "RadioCut",
+    "Timed",
+    "VehicleBroken",
+    "WlanCut",
+    "World",
+    "describe",
+    "kind_of",
+    "play",
+    "random_schedule",
+    "read_fault",
+    "read_schedule",
+    "write_schedule",
+]

@@ -1,0 +1,241 @@
+"""Faults in a running factory: begun, ended, and counted so that overlapping ones do not end each other.
+
+Several faults may hold one thing at once: an agent without power may crash as well. What a fault has
+taken comes back with the last of those that took it, and what a person has put right before that
+stays right.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
+from types import MappingProxyType
+from typing import Protocol
+
+from dray_sim.faults.kinds import (
+    Crashed,
+    Fault,
+    LoadShifted,
+    MachineBroken,
+    NetworkFault,
+    PoweredOff,
+    VehicleBroken,
+)
+from dray_sim.faults.names import Cast, FaultError
+from dray_sim.faults.schedule import Timed
+
+MAX_ACTIVE = 1000
+"""Faults at one time: more than a plant has agents helps nobody to find anything."""
+
+
+class Clock(Protocol):
+    """What `play` needs of a clock."""
+
+    def now_s(self) -> float: ...
+
+    def call_at(self, when_s: float, callback: Callable[[], object], /) -> None: ...
+
+
+class Network(Protocol):
+    """A network that can fail."""
+
+    @property
+    def access_points(self) -> tuple[str, ...]: ...
+
+    def begin(self, fault: NetworkFault) -> None: ...
+
+    def end(self, fault: NetworkFault) -> None: ...
+
+
+class Breakable(Protocol):
+    """A body that can break."""
+
+    def break_down(self, reason: str) -> None: ...
+
+    def repair(self) -> None: ...
+
+
+class Loadable(Breakable, Protocol):
+    """A vehicle's body."""
+
+    def shift_load(self) -> bool: ...
+
+
+class World(Protocol):
+    """A factory in which things go wrong: `dray_sim.factory.SimFactory` is one."""
+
+    @property
+    def clock(self) -> Clock: ...
+    @property
+    def bus(self) -> Network: ...
+    @property
+    def vehicles(self) -> Mapping[str, Loadable]: ...
+    @property
+    def workcells(self) -> Mapping[str, Breakable]: ...
+    @property
+    def workers(self) -> Mapping[str, object]: ...
+
+    def running(self, agent: str) -> bool: ...
+    def power_off(self, agent: str) -> None: ...
+    def power_on(self, agent: str) -> None: ...
+    def crash(self, agent: str) -> None: ...
+    def restart(self, agent: str) -> None: ...
+
+
+class Faults:
+    """The faults of one factory.
+
+    Args:
+        world: where they happen.
+
+    Attributes:
+        world: the same.
+        skipped: faults of a schedule that could not begin, since there was nothing to go wrong.
+    """
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        self.skipped = 0
+        self._active: dict[str, Fault] = {}
+        self._begun = 0
+
+    @property
+    def active(self) -> Mapping[str, Fault]:
+        """What is wrong now, by id, in the order of beginning."""
+        return MappingProxyType(self._active)
+
+    @property
+    def cast(self) -> Cast:
+        """Whom a fault may be about at this moment."""
+        vehicles, machines = tuple(self.world.vehicles), tuple(self.world.workcells)
+        bodies = {*vehicles, *machines}
+        others = tuple(agent for agent in self.world.workers if agent not in bodies)
+        return Cast(vehicles, machines, others, self.world.bus.access_points)
+
+    def begin(self, fault: Fault) -> str:
+        """Let something go wrong, now.
+
+        Returns:
+            The id with which it is ended.
+
+        Raises:
+            FaultError: it is about somebody who is not there, or there is nothing that could go wrong.
+        """
+        self.cast.check(fault)
+        if len(self._active) >= MAX_ACTIVE:
+            raise FaultError("fault", f"{MAX_ACTIVE} faults are active; end some first")
+        self._do(fault)
+        self._begun += 1
+        name = f"F{self._begun}"
+        self._active[name] = fault
+        return name
+
+    def end(self, name: str) -> None:
+        """Put it right, as far as no other fault holds the same thing.
+
+        Raises:
+            FaultError: no fault of this id is active.
+        """
+        fault = self._active.pop(name, None)
+        if fault is None:
+            active = ", ".join(self._active) or "none"
+            raise FaultError("id", f"no fault {name!r} is active; active are {active}")
+        self._undo(fault)
+
+    def end_all(self) -> None:
+        """Put everything right, in the order of beginning."""
+        for name in tuple(self._active):
+            self.end(name)
+
+    # --- how it is done --------------------------------------------------------------------------
+
+    def _do(self, fault: Fault) -> None:
+        world = self.world
+        match fault:
+            case PoweredOff(agent):
+                world.power_off(agent)
+            case Crashed(agent):
+                world.crash(agent)
+            case MachineBroken(machine, reason):
+                world.workcells[machine].break_down(reason)
+            case VehicleBroken(atv, reason):
+                world.vehicles[atv].break_down(reason)
+            case LoadShifted(atv):
+                if not world.vehicles[atv].shift_load():
+                    reason = f"{atv} has no load that could shift; begin it while a load is on board"
+                    raise FaultError("fault.atv", reason)
+            case _:
+                world.bus.begin(fault)
+
+    def _undo(self, fault: Fault) -> None:
+        world = self.world
+        match fault:
+            case PoweredOff(agent):
+                self._put_on(agent)
+            case Crashed(agent):
+                # Without power there is nothing to start: the process comes with the power.
+                if not self._holds(agent, PoweredOff, Crashed) and not world.running(agent):
+                    world.restart(agent)
+            case MachineBroken(machine):
+                if not self._holds(machine, MachineBroken):
+                    world.workcells[machine].repair()
+            case VehicleBroken(atv) | LoadShifted(atv):
+                if not self._holds(atv, VehicleBroken, LoadShifted):
+                    world.vehicles[atv].repair()
+            case _:
+                world.bus.end(fault)
+
+    def _put_on(self, agent: str) -> None:
+        if self._holds(agent, PoweredOff):
+            return
+        self.world.power_on(agent)
+        if self._holds(agent, Crashed):
+            self.world.crash(agent)
+
+    def _holds(self, name: str, *kinds: type[Fault]) -> bool:
+        """Whether an active fault of these kinds is about `name`."""
+        return any(isinstance(fault, kinds) and _subject(fault) == name for fault in self._active.values())
+
+
+def _subject(fault: Fault) -> str:
+    """Whom a fault in one body or process is about."""
+    match fault:
+        case PoweredOff(name) | Crashed(name) | MachineBroken(name) | VehicleBroken(name) | LoadShifted(name):
+            return name
+        case _:
+            return ""
+
+
+def play(schedule: Iterable[Timed], faults: Faults) -> None:
+    """Let a schedule happen; those of its times that are past mean now.
+
+    A fault for which there is nothing that could go wrong, as a load to shift, is skipped and counted.
+
+    Args:
+        schedule: in any order; within one instant the order is that of the schedule.
+        faults: of the factory in which it happens.
+
+    Raises:
+        FaultError: a fault is about somebody who is not there; nothing of the schedule happens then.
+    """
+    planned = tuple(schedule)
+    for place, timed in enumerate(planned):
+        faults.cast.check(timed.fault, f"schedule[{place}].fault")
+    for timed in planned:
+        faults.world.clock.call_at(timed.at_s, partial(_begin, timed, faults))
+
+
+def _begin(timed: Timed, faults: Faults) -> None:
+    try:
+        name = faults.begin(timed.fault)
+    except FaultError:
+        faults.skipped += 1
+        return
+    if timed.until_s is not None:
+        faults.world.clock.call_at(timed.until_s, partial(_end, name, faults))
+
+
+def _end(name: str, faults: Faults) -> None:
+    # Somebody may have ended it by hand.
+    if name in faults.active:
+        faults.end(name)

@@ -1,0 +1,173 @@
+"""Whole schedules of faults, drawn from a seed: the weather of a search.
+
+Faults begin as in a Poisson process, so they overlap as independent mishaps do; each ends after a time
+that fits its kind. Everything has ended by a given moment: after it a search may ask for calm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from random import Random
+
+from dray.plant import Plant
+from dray_sim.coverage import access_points_of
+from dray_sim.faults.kinds import (
+    AccessPointDown,
+    CoverageHole,
+    Crashed,
+    Fault,
+    LinkTrouble,
+    LoadShifted,
+    MachineBroken,
+    Partition,
+    PoweredOff,
+    RadioCut,
+    VehicleBroken,
+    WlanCut,
+)
+from dray_sim.faults.names import Cast
+from dray_sim.faults.schedule import Timed
+
+MEAN_GAP_S = 60.0
+"""Between the beginnings of two faults at intensity 1: rare enough that something goes on between them."""
+
+MAX_FAULTS = 500
+"""In one schedule; an intensity that asks for more would only ask for standstill."""
+
+WEIGHTS: Mapping[type[Fault], float] = {
+    WlanCut: 4.0,
+    LinkTrouble: 4.0,
+    PoweredOff: 3.0,
+    Crashed: 3.0,
+    VehicleBroken: 2.0,
+    LoadShifted: 2.0,
+    MachineBroken: 2.0,
+    Partition: 2.0,
+    CoverageHole: 2.0,
+    RadioCut: 1.0,
+    AccessPointDown: 1.0,
+}
+"""How often each kind is drawn against the others: most often what strikes a transport in the middle."""
+
+SHORT_S, LONG_S = 2.0, 240.0
+"""How long a fault lasts, evenly on a logarithmic scale: below every bound of suspicion, and above."""
+
+BAD_LINK_FRAC = 0.4
+"""Up to here loss, doubling and reordering go: beyond 40 % the paper's own network is down (case 3)."""
+
+LONG_DELAY_S = 5.0
+"""Up to here delays go, as in the latency sweep."""
+
+
+def random_schedule(
+    plant: Plant,
+    random: Random,
+    duration_s: float,
+    intensity: float = 1.0,
+    *,
+    from_s: float = 0.0,
+    weights: Mapping[type[Fault], float] = WEIGHTS,
+) -> tuple[Timed, ...]:
+    """Draw a schedule; the same for the same arguments, in every process.
+
+    Args:
+        plant: what can fail.
+        random: the only source of chance.
+        duration_s: by then every fault has ended (plant clock).
+        intensity: faults in a minute, on average; 0 for none.
+        from_s: no fault begins before.
+        weights: the kinds that may happen, and how often each is drawn against the others.
+
+    Returns:
+        Faults in the order in which they begin; all of them end.
+    """
+    schedule: list[Timed] = []
+    if intensity <= 0.0 or not weights:
+        return ()
+    kinds, shares = tuple(weights), tuple(weights.values())
+    at_s = from_s
+    while len(schedule) < MAX_FAULTS:
+        at_s += random.expovariate(intensity / MEAN_GAP_S)
+        begin_s = _neat(at_s)
+        if begin_s + SHORT_S > duration_s:
+            break
+        kind = random.choices(kinds, shares)[0]
+        lasts_s = SHORT_S * (LONG_S / SHORT_S) ** random.random()
+        end_s = min(_neat(begin_s + lasts_s), duration_s)
+        schedule.append(Timed(begin_s, _DRAW[kind](plant, random), end_s))
+    return tuple(schedule)
+
+
+def _neat(seconds: float) -> float:
+    """To a hundredth, so that a schedule reads well."""
+    return round(seconds, 2)
+
+
+def _vehicle(plant: Plant, random: Random) -> str:
+    return random.choice(tuple(plant.fleet))
+
+
+def _machine(plant: Plant, random: Random) -> str:
+    return random.choice(tuple(plant.machines))
+
+
+def _agent(plant: Plant, random: Random) -> str:
+    """Anybody with a process; vehicles as often as all others together, for they do the work."""
+    cast = Cast.of_plant(plant)
+    group = cast.vehicles if random.random() < 0.5 else (*cast.machines, *cast.others)
+    return random.choice(group)
+
+
+def _body(plant: Plant, random: Random) -> str:
+    return _vehicle(plant, random) if random.random() < 0.7 else _machine(plant, random)
+
+
+def _some_frac(random: Random) -> float:
+    """Often none at all, so that every trouble is seen alone, too."""
+    return _neat(random.uniform(0.05, BAD_LINK_FRAC)) if random.random() < 0.5 else 0.0
+
+
+def _draw_trouble(plant: Plant, random: Random) -> Fault:
+    ends = ["*", "*"]
+    if random.random() < 0.7:
+        ends[random.randrange(2)] = _agent(plant, random)
+    slow = random.random() < 0.4
+    return LinkTrouble(
+        sender=ends[0],
+        receiver=ends[1],
+        latency_s=_neat(random.uniform(0.1, LONG_DELAY_S)) if slow else 0.0,
+        jitter_s=_neat(random.uniform(0.0, 1.0)) if slow else 0.0,
+        loss_frac=_some_frac(random),
+        duplicate_frac=_some_frac(random),
+        reorder_frac=_some_frac(random),
+    )
+
+
+def _draw_partition(plant: Plant, random: Random) -> Fault:
+    """One part of the factory on its own: some machines with some vehicles, and all others elsewhere."""
+    agents = Cast.of_plant(plant).agents
+    apart = tuple(agent for agent in agents if random.random() < 0.4)
+    return Partition(groups=(apart or (random.choice(agents),),))
+
+
+def _draw_hole(plant: Plant, random: Random) -> Fault:
+    return CoverageHole(
+        x_m=round(random.uniform(0.0, plant.width_m), 1),
+        y_m=round(random.uniform(0.0, plant.height_m), 1),
+        radius_m=round(random.uniform(3.0, 15.0), 1),
+    )
+
+
+_DRAW: Mapping[type[Fault], Callable[[Plant, Random], Fault]] = {
+    WlanCut: lambda plant, random: WlanCut(_agent(plant, random)),
+    RadioCut: lambda plant, random: RadioCut(_vehicle(plant, random)),
+    LinkTrouble: _draw_trouble,
+    Partition: _draw_partition,
+    CoverageHole: _draw_hole,
+    AccessPointDown: lambda plant, random: AccessPointDown(random.choice(access_points_of(plant)).id),
+    PoweredOff: lambda plant, random: PoweredOff(_body(plant, random)),
+    Crashed: lambda plant, random: Crashed(_agent(plant, random)),
+    MachineBroken: lambda plant, random: MachineBroken(_machine(plant, random)),
+    VehicleBroken: lambda plant, random: VehicleBroken(_vehicle(plant, random)),
+    LoadShifted: lambda plant, random: LoadShifted(_vehicle(plant, random)),
+}

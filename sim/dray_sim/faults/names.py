@@ -1,0 +1,107 @@
+"""Whom faults may be about: a fault in somebody who does not exist is a mistake, and is told as one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from dray.errors import InputError
+from dray.plant import Plant
+from dray.protocol.strategist import STRATEGIST
+from dray_sim.coverage import access_points_of
+from dray_sim.faults.kinds import (
+    AccessPointDown,
+    CoverageHole,
+    Crashed,
+    Fault,
+    LinkTrouble,
+    LoadShifted,
+    MachineBroken,
+    Partition,
+    PoweredOff,
+    RadioCut,
+    VehicleBroken,
+    WlanCut,
+)
+
+LISTENERS = ("gateway", "historian", "desk")
+"""Agents that may be on the network without being of the factory: their cable can be pulled."""
+
+SHOWN = 8
+"""Names in an error message: enough to see how they look."""
+
+
+class FaultError(InputError):
+    """A fault that cannot be begun, or that is no fault at all.
+
+    Attributes:
+        field: where, as ``schedule[2].fault.agent``.
+        reason: what is wrong and what to do.
+    """
+
+    def __init__(self, field: str, reason: str) -> None:
+        self.field, self.reason = field, reason
+        super().__init__(f"{field}: {reason}")
+
+
+@dataclass(frozen=True, slots=True)
+class Cast:
+    """All that a fault can be about, by id and in a fixed order.
+
+    Attributes:
+        vehicles, machines: agents with a body.
+        others: agents of the factory that have none that could fail.
+        access_points: of the WLAN.
+    """
+
+    vehicles: tuple[str, ...]
+    machines: tuple[str, ...]
+    others: tuple[str, ...] = (STRATEGIST,)
+    access_points: tuple[str, ...] = ()
+
+    @classmethod
+    def of_plant(cls, plant: Plant) -> Cast:
+        """Whoever stands in a plant file."""
+        points = tuple(point.id for point in access_points_of(plant))
+        return cls(tuple(plant.fleet), tuple(plant.machines), access_points=points)
+
+    @property
+    def agents(self) -> tuple[str, ...]:
+        """Everybody who has a process in the factory."""
+        return (*self.machines, *self.vehicles, *self.others)
+
+    def check(self, fault: Fault, where: str = "fault") -> None:
+        """See that a fault is about somebody who exists.
+
+        Args:
+            fault: of any kind.
+            where: what stands before the field in an error message.
+
+        Raises:
+            FaultError: it is not; names the field.
+        """
+        match fault:
+            case WlanCut(agent):
+                _find(agent, (*self.agents, *LISTENERS), f"{where}.agent", "agent")
+            case RadioCut(agent):
+                _find(agent, self.vehicles, f"{where}.agent", "vehicle")
+            case PoweredOff(agent):
+                _find(agent, (*self.machines, *self.vehicles), f"{where}.agent", "machine or vehicle")
+            case Crashed(agent):
+                _find(agent, self.agents, f"{where}.agent", "agent of the factory")
+            case MachineBroken(machine=machine):
+                _find(machine, self.machines, f"{where}.machine", "machine")
+            case VehicleBroken(atv=atv) | LoadShifted(atv=atv):
+                _find(atv, self.vehicles, f"{where}.atv", "vehicle")
+            case AccessPointDown(access_point):
+                _find(access_point, self.access_points, f"{where}.access_point", "access point")
+            case LinkTrouble() | Partition() | CoverageHole():
+                pass
+
+
+def _find(name: str, known: Iterable[str], field: str, what: str) -> None:
+    names = tuple(known)
+    if name in names:
+        return
+    shown = ", ".join(names[:SHOWN]) + (f" and {len(names) - SHOWN} more" if len(names) > SHOWN else "")
+    raise FaultError(field, f"there is no {what} {name!r}; give one of {shown or 'none: there is none'}")
