@@ -35,7 +35,7 @@ from dray.messages import (
 )
 from dray.messages.fact import CarrierChanged, ContractEnded, HelpAsked, HelpPromised, TaskClosed, TookOver
 from dray.protocol.carriage import ASK_AGAIN_S, GIVE_UP_AFTER
-from dray.protocol.coordinator import ASTRAY_S, GRACE_S, UNNAMED_S
+from dray.protocol.coordinator import ADOPT_S, ASTRAY_S, GRACE_S, UNNAMED_S
 from dray.protocol.events import Commit, Started
 from dray.protocol.suspicion import LATENESS_MAX_S, WORKING_INTERVAL_S, bound_s
 from dray.protocol.trouble import PATIENCE_MAX_S, PATIENCE_MIN_S
@@ -413,6 +413,7 @@ def test_a_restored_task_without_a_carrier_gets_a_higher_epoch() -> None:
     restored = Office()
     restored.desk.restore(office.task.memory(), 0.0)
     assert restored.task.epoch == 2
+    restored.run(ADOPT_S)
     assert [said.epoch for effect in restored.out for said in _announced([effect])] == [2]
 
 

@@ -22,11 +22,12 @@ class Keys:
         plant: the plant's id; it is the first chunk of every key.
     """
 
-    __slots__ = ("all_events", "all_heartbeats", "all_machine_heartbeats", "plant")
+    __slots__ = ("all_atv_heartbeats", "all_events", "all_heartbeats", "all_machine_heartbeats", "plant")
 
     def __init__(self, plant: str) -> None:
         self.plant = plant
         self.all_heartbeats = f"{plant}/hb/**"
+        self.all_atv_heartbeats = f"{plant}/hb/atv/*"
         self.all_machine_heartbeats = f"{plant}/hb/machine/*"
         self.all_events = f"{plant}/event/*"
 

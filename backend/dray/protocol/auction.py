@@ -139,6 +139,11 @@ class Auction:
         else:
             self._announce(now_s)
 
+    def open_later(self, at_s: float) -> None:
+        """Begin at `at_s`, unless it is cancelled before."""
+        self._span_s = self.terms.deadline_s - at_s
+        self.stage, self.wake_at_s = Stage.RESTING, at_s
+
     def hear_bid(self, bidder: str, bid: Bid, now_s: float) -> None:
         """Note a bid. A second one of the same bidder replaces its first."""
         if self.stage is Stage.DECIDED or bidder == self._asked:

@@ -21,6 +21,7 @@ import msgspec
 from dray.body import Drop, Pick
 from dray.memory import Contract
 from dray.messages import (
+    Accepted,
     Brief,
     Confirmed,
     Docked,
@@ -162,8 +163,17 @@ class Carriage:
         self.begin(now_s)
 
     def resume(self, load: str, now_s: float) -> None:
-        """Go on after a restart, from what the vehicle has on board."""
+        """Go on after a restart, from what the vehicle has on board.
+
+        The coordinator is told again that the contract was accepted: if it has moved on, it says so now,
+        and not at the end of a long way.
+        """
         self._loaded = bool(load)
+        if not self._cancelled:
+            accepted = Accepted(
+                task=self.task, epoch=self.epoch, role=Role.PRIMARY, finish_s=self.promised_s, number=0
+            )
+            self._out.append(Send(self.coordinator, accepted))
         if self._cancelled:
             self._give_up(now_s)
         elif self._loaded:

@@ -26,6 +26,7 @@ from dray.messages import (
     Accepted,
     AtvHeartbeat,
     Bid,
+    Brief,
     Confirmed,
     Declined,
     Release,
@@ -40,7 +41,7 @@ from dray.messages import (
 from dray.messages.fact import CarrierChanged, PrimarySuspected, TaskClosed, WatchLost
 from dray.protocol.auction import Auction, AuctionRules, Place, Terms
 from dray.protocol.events import NEVER_S, Effect, Ignore, Record, Send
-from dray.protocol.supervision import Following, Vigil
+from dray.protocol.supervision import GOODS_ABOARD, Following, Vigil
 from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
 from dray.protocol.timers import Timers
 
@@ -58,6 +59,9 @@ by the same heartbeats, which reach them within each other's lateness."""
 
 ASTRAY_S = 600.0
 """How long goods on board of a silent vehicle are waited for before they are made anew."""
+
+ADOPT_S = 10.0
+"""How long a coordinator that was started again listens for vehicles that work for it: many heartbeats."""
 
 UNNAMED_S = 5.0
 """Somebody who is contracted and does not say so for this long has lost the contract: many times the
@@ -127,6 +131,11 @@ class OpenTask:
     @property
     def deadline_s(self) -> float:
         return self.auction.terms.deadline_s
+
+    @property
+    def is_of_goods(self) -> bool:
+        """Whether products are carried away, of which each piece exists once."""
+        return isinstance(self.work, Transport) and bool(self.work.goal)
 
     @property
     def work_item(self) -> str:
@@ -232,18 +241,42 @@ class Coordinator:
         """Go on with a task of an earlier life.
 
         One that had a primary is followed as if nothing had been: the vehicle's own heartbeat shows soon
-        enough whether it still carries it. One that had none is announced anew, since an award may be
-        under way that nobody remembers.
+        enough whether it still carries it. One that had none may have been accepted while nobody listened:
+        it is announced after ADOPT_S, with a higher epoch, unless a vehicle has named it by then.
         """
-        if not memory.primary:
-            return self.open(memory.task, memory.work, memory.deadline_s, now_s, epoch=memory.epoch + 1)
-        auction = self._primary_auction(memory.task, memory.epoch, memory.work, memory.deadline_s)
-        auction.cancel()
+        epoch = memory.epoch if memory.primary else memory.epoch + 1
+        auction = self._primary_auction(memory.task, epoch, memory.work, memory.deadline_s)
         task = OpenTask(memory.task, memory.work, auction, memory.opened_s)
         self._open[task.id] = task
-        task.loaded = memory.loaded
-        self._bind(task, memory.primary, memory.source, memory.promised_s, IDLE_INTERVAL_S, now_s)
+        if memory.primary:
+            auction.cancel()
+            task.loaded = memory.loaded
+            self._bind(task, memory.primary, memory.source, memory.promised_s, IDLE_INTERVAL_S, now_s)
+            self._seek_watch(task, (), now_s)
+        else:
+            auction.open_later(now_s + ADOPT_S)
+            self._arm(PRIMARY_AUCTION, task.id, auction)
+        return task
+
+    def adopt(self, atv: str, brief: Brief, work: Work, now_s: float) -> OpenTask | None:
+        """Acknowledge the contract of a vehicle that names this coordinator, after a restart.
+
+        Returns:
+            The task, when it was without a carrier or not known at all; None when it is in other hands.
+        """
+        task = self._open.get(brief.task)
+        if task is None:
+            deadline_s = brief.due_s if brief.due_s is not None else now_s
+            auction = self._primary_auction(brief.task, brief.epoch, work, deadline_s)
+            task = self._open[brief.task] = OpenTask(brief.task, work, auction, now_s)
+        elif task.primary or task.round:
+            return None
+        task.auction.cancel()
+        task.epoch = brief.epoch
+        self._timers.clear((PRIMARY_AUCTION, task.id))
+        self._bind(task, atv, "", brief.due_s or 0.0, WORKING_INTERVAL_S, now_s)
         self._seek_watch(task, (), now_s)
+        self._contracted(task, now_s)
         return task
 
     def reopen(self, task: OpenTask, reason: str, now_s: float) -> None:
@@ -419,6 +452,8 @@ class Coordinator:
         brief = heartbeat.task
         if brief is not None and brief.task == task.id and brief.epoch == task.epoch:
             task.unnamed_s = NEVER_S
+            if task.is_of_goods and brief.phase in GOODS_ABOARD:
+                task.loaded = True  # Also when they left while this coordinator was away.
         elif task.unnamed_s == NEVER_S:
             task.unnamed_s = now_s
         elif now_s - task.unnamed_s > UNNAMED_S:

@@ -27,6 +27,7 @@ from dray.messages import (
     AtvHeartbeat,
     Award,
     Bid,
+    Brief,
     BufferLevel,
     Confirmed,
     Declined,
@@ -35,6 +36,7 @@ from dray.messages import (
     Handover,
     MachineHeartbeat,
     MachineStatus,
+    Phase,
     Release,
     Resigned,
     TakenOver,
@@ -48,7 +50,7 @@ from dray.messages.fact import MachineStatusChanged, PieceMade
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.auction import AuctionRules, Place
-from dray.protocol.coordinator import Coordinator, OpenTask
+from dray.protocol.coordinator import ADOPT_S, Coordinator, OpenTask
 from dray.protocol.core import Core
 from dray.protocol.docking import Dock
 from dray.protocol.events import (
@@ -57,6 +59,7 @@ from dray.protocol.events import (
     Publish,
     Record,
     Subscribe,
+    Unsubscribe,
 )
 from dray.protocol.goal_bidding import CONFIRM, GoalBidder
 from dray.protocol.production import Goal, GoalBook
@@ -65,6 +68,10 @@ from dray.protocol.supply import Supply
 from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
 
 BEAT = "beat"
+ADOPT = "adopt"
+
+ON_THE_WAY = frozenset({Phase.APPROACHING, Phase.LOADING, Phase.CARRYING, Phase.UNLOADING})
+"""Phases of a transport that has not been handed over: only such a one is news to a machine that forgot all."""
 
 
 class Machine(Core):
@@ -122,8 +129,10 @@ class Machine(Core):
         self._status = MachineStatus.IDLE
         self._seq = 0
         self._task_count = 0
+        self._forgetful = False
+        """It was started again, and has no memory of the life before."""
         self._on_message = {
-            AtvHeartbeat: lambda _sender, message, now_s: self._tasks.hear_heartbeat(message, now_s),
+            AtvHeartbeat: self._hear_vehicle,
             Bid: self._tasks.hear_bid,
             Accepted: self._tasks.hear_accepted,
             Declined: self._tasks.hear_declined,
@@ -145,7 +154,12 @@ class Machine(Core):
             Broken: self._broken,
             Repaired: self._repaired,
         }
-        self._on_alarm = {BEAT: self._beat, CONFIRM: self._bidder.wake, **self._tasks.alarms}
+        self._on_alarm = {
+            BEAT: self._beat,
+            CONFIRM: self._bidder.wake,
+            ADOPT: self._end_adoption,
+            **self._tasks.alarms,
+        }
 
     # --- the beginning, and time passing ---
 
@@ -160,8 +174,19 @@ class Machine(Core):
         for product in self._products:
             self._goals.add_spare(product, max(0, self._supply.level(product) - self._claimed(product)))
         self._out.extend(Subscribe(self._keys.goals(product)) for product in self._products)
+        if self.incarnation > 1:
+            self._begin_adoption(memory is None, now_s)
         self._timers.set(BEAT, now_s)
         self._pursue(now_s)
+
+    def _begin_adoption(self, forgetful: bool, now_s: float) -> None:
+        """Listen for a while to all vehicles: some may work for this machine, and it does not know."""
+        self._forgetful = forgetful
+        self._out.append(Subscribe(self._keys.all_atv_heartbeats))
+        self._timers.set(ADOPT, now_s + ADOPT_S)
+
+    def _end_adoption(self, _about: None, _now_s: float) -> None:
+        self._out.append(Unsubscribe(self._keys.all_atv_heartbeats))
 
     def _recall(self, memory: MachineMemory, now_s: float) -> None:
         """Go on with what an earlier life was bound by."""
@@ -363,6 +388,30 @@ class Machine(Core):
         return MachineStatus.STARVED, "material is missing"
 
     # --- transports ---
+
+    def _hear_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
+        self._tasks.hear_heartbeat(heartbeat, now_s)
+        brief = heartbeat.task
+        if brief is not None and brief.coordinator == self.id and self._timers.is_set(ADOPT):
+            self._adopt(heartbeat.atv, brief, now_s)
+
+    def _adopt(self, atv: str, brief: Brief, now_s: float) -> None:
+        """A vehicle names this machine as the one that it carries for."""
+        known = self._tasks.get(brief.task)
+        if known is not None:
+            self._tasks.adopt(atv, brief, known.work, now_s)
+        elif (
+            self._forgetful and brief.item in self._plant.materials_of(self.id) and brief.phase in ON_THE_WAY
+        ):
+            work = Transport(
+                item=brief.item,
+                quantity=brief.quantity,
+                sources=self._plant.storages_of(brief.item),
+                destination=self.id,
+                ability=self._plant.materials[brief.item].ability,
+            )
+            self._tasks.adopt(atv, brief, work, now_s)
+            self._supply.ordered(work)
 
     def _audience(self, _work: Work, radius_m: float) -> tuple[str, ...]:
         x_m, y_m = self._plant.position_of(self.id)

@@ -10,12 +10,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from dray.messages import AtvHeartbeat, AtvStatus
+from dray.messages import AtvHeartbeat, AtvStatus, Phase
 from dray.protocol.events import NEVER_S, Effect, Subscribe, Unsubscribe
 from dray.protocol.suspicion import LATENESS_MAX_S, Hearing, atv_interval_s, bound_s
 
 SILENT = "silent"
 IN_ERROR = "in error, and not helped in time"
+
+
+GOODS_ABOARD = frozenset({Phase.CARRYING, Phase.UNLOADING, Phase.HANDING_OVER, Phase.RETURNING})
+"""Phases in which a load has left its source: goods cannot be fetched there a second time."""
 
 
 class Vigil:
@@ -80,7 +84,7 @@ class Vigil:
 
     def heard_lately(self, now_s: float) -> bool:
         """Whether it was heard in the newer half of the bound: then its silence is somebody else's trouble."""
-        return now_s - self.heard_s < self.bound_s / 2
+        return self.last is not None and now_s - self.heard_s < self.bound_s / 2
 
 
 class Following:

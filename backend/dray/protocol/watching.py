@@ -6,17 +6,14 @@ of its own (protocol, step 4).
 
 from __future__ import annotations
 
-from dray.messages import AtvHeartbeat, Award, Brief, Phase, Release, Resigned, Role, Transport
+from dray.messages import AtvHeartbeat, Award, Brief, Release, Resigned, Role, Transport
 from dray.messages.fact import ContractEnded, ContractTaken, PrimarySuspected
 from dray.protocol.events import Effect, Record, Send
-from dray.protocol.supervision import Following, Vigil
+from dray.protocol.supervision import GOODS_ABOARD, Following, Vigil
 from dray.protocol.suspicion import WORKING_INTERVAL_S
 from dray.protocol.timers import Timers
 
 WATCH_VIGIL = "watch vigil"
-
-GOODS_ABOARD = frozenset({Phase.CARRYING, Phase.UNLOADING, Phase.HANDING_OVER, Phase.RETURNING})
-"""Phases in which the load has left its source."""
 
 OVER_AFTER_S = 15.0
 """A primary that has named another task, or none, for this long has finished the one that is
