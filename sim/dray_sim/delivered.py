@@ -1,0 +1,93 @@
+"""Invariant 4: an ordered quantity is delivered exactly once, counted where goods leave the factory.
+
+The count is the gate's own, over all goals that an item of an order ever had: who made the pieces, and how
+often a machine or the strategist has failed meanwhile, makes no difference.
+"""
+
+from __future__ import annotations
+
+from dray.messages import Event, Message, OrderReleased, Production, TaskAnnounced
+from dray.messages.fact import GoodsDelivered, OrderDropped, OrderFulfilled, TaskClosed
+from dray_sim.broken import InvariantBroken
+from dray_sim.factory import SimFactory
+
+
+class Ordered:
+    """One order: its quantities, and its goals by item."""
+
+    __slots__ = ("goals", "quantities")
+
+    def __init__(self, quantities: list[int]) -> None:
+        self.quantities = quantities
+        self.goals: list[dict[str, None]] = [{} for _ in quantities]
+
+
+class DeliveredExactly:
+    """Never more than was ordered, and exactly that when an order is fulfilled."""
+
+    def __init__(self, factory: SimFactory) -> None:
+        self._gate = factory.gate
+        self._orders: dict[str, Ordered] = {}
+        """Orders that have not ended; bounded by what is in work."""
+        self._work: dict[str, Production] = {}
+        """What the goals of those orders are for."""
+
+    def hear(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
+        if type(message) is Event:
+            fact = message.fact
+            if type(fact) is GoodsDelivered:
+                self._check_count(fact, at_s)
+            elif type(fact) is TaskClosed and fact.task in self._work and fact.outcome == "delivered":
+                self._check_goal(fact.task, at_s)
+            elif type(fact) is OrderFulfilled:
+                self._check_order(fact.order, at_s)
+                self._forget(fact.order)
+            elif type(fact) is OrderDropped:
+                self._forget(fact.order)
+        elif type(message) is OrderReleased:
+            # It is repeated until it is answered, and later holds less than was ordered.
+            self._orders.setdefault(message.order, Ordered([item.quantity for item in message.items]))
+        elif type(message) is TaskAnnounced and type(message.work) is Production:
+            self._note_goal(message.task, message.work)
+
+    def _note_goal(self, goal: str, work: Production) -> None:
+        order = self._orders.get(work.order)
+        if order is not None:
+            order.goals[work.item][goal] = None
+            self._work[goal] = work
+
+    def _arrived(self, goal: str) -> int:
+        return self._gate.sense().arrived.get(goal, 0)
+
+    def _check_count(self, fact: GoodsDelivered, at_s: float) -> None:
+        arrived = self._arrived(fact.goal)
+        if fact.delivered > arrived:
+            seen = f"{fact.goal}: {fact.delivered} pieces were counted, {arrived} are in"
+            raise InvariantBroken(4, at_s, seen)
+        order = self._orders.get(fact.order)
+        if order is not None:
+            self._check_item(fact.order, order, fact.item, at_s, exactly=False)
+
+    def _check_goal(self, goal: str, at_s: float) -> None:
+        arrived, wanted = self._arrived(goal), self._work[goal].quantity
+        if arrived != wanted:
+            raise InvariantBroken(4, at_s, f"{goal} was closed with {arrived} of {wanted} pieces")
+
+    def _check_order(self, name: str, at_s: float) -> None:
+        order = self._orders.get(name)
+        if order is not None:
+            for item in range(len(order.quantities)):
+                self._check_item(name, order, item, at_s, exactly=True)
+
+    def _check_item(self, name: str, order: Ordered, item: int, at_s: float, *, exactly: bool) -> None:
+        gate = self._gate.sense().arrived
+        arrived, ordered = sum(gate.get(goal, 0) for goal in order.goals[item]), order.quantities[item]
+        if arrived > ordered or (exactly and arrived != ordered):
+            seen = f"item {item + 1} of {name}: {arrived} pieces are in, {ordered} were ordered"
+            raise InvariantBroken(4, at_s, seen)
+
+    def _forget(self, name: str) -> None:
+        order = self._orders.pop(name, None)
+        for goals in order.goals if order is not None else ():
+            for goal in goals:
+                del self._work[goal]
