@@ -425,7 +425,7 @@ def test_what_a_journal_has_forgotten_is_said_to_be_gone() -> None:
 def test_a_life_tells_what_the_one_before_it_has_seen() -> None:
     async def story(stage: Stage) -> None:
         journal = HeldJournal(incarnation=2)
-        journal.append(messages.Event("A1", 2, 1, 0.0, OrderFulfilled("before")))
+        journal.write([messages.Event("A1", 2, 1, 0.0, OrderFulfilled("before"))], None)
         journal.begin_life()
         await with_a_history(stage, 1, journal)
         historian = Listener(stage)
@@ -440,29 +440,47 @@ def test_a_life_tells_what_the_one_before_it_has_seen() -> None:
 # --- what is remembered ----------------------------------------------------------------------------
 
 
-def test_what_is_committed_is_written_before_the_next_effect_and_told_to_the_next_life() -> None:
-    journal = HeldJournal()
-    memories: list[object] = []
+def test_a_step_is_written_down_as_a_whole_before_any_of_it_is_told() -> None:
+    journal = HeldJournal(incarnation=3)
+    seen: list[tuple[object, list[messages.AnyFact]]] = []
 
     def answer(event: Event, _: float) -> list[Effect]:
-        if isinstance(event, Started):
-            return [Commit(AtvMemory(speed_frac=0.5)), Instruct(StartCycle("a"))]
-        return []
+        return [
+            Send("H", say("first of all")),
+            Instruct(StartCycle("a")),
+            Record(OrderFulfilled("o1")),
+            Commit(AtvMemory(speed_frac=0.5)),
+            Record(OrderFulfilled("o2")),
+        ]
 
     class Watchful(Cell):
         def instruct(self, instruction: Instruction) -> None:
-            memories.append(journal.memory)
+            seen.append((journal.memory, [event.fact for event in journal.events(3, 1, 9)]))
 
     async def story(stage: Stage) -> None:
-        first = stage.start(Scripted("M1", answer), Watchful(), journal)
+        stranger = Listener(stage, "**")
+        stage.start(Scripted("M1", answer), Watchful(), journal)
         await asyncio.sleep(1.0)
-        assert memories == [AtvMemory(speed_frac=0.5)]
+        assert seen == [(AtvMemory(speed_frac=0.5), [OrderFulfilled("o1"), OrderFulfilled("o2")])]
+        assert stranger.events == journal.events(3, 1, 9)
+
+    play(story)
+
+
+def test_what_was_written_is_told_to_the_next_life() -> None:
+    def answer(event: Event, _: float) -> list[Effect]:
+        return [Commit(AtvMemory(speed_frac=frac)) for frac in (0.1, 0.2)]
+
+    async def story(stage: Stage) -> None:
+        journal = HeldJournal()
+        first = stage.start(Scripted("M1", answer), Cell(), journal)
+        await asyncio.sleep(1.0)
         first.kill()
         stage.start(second := Scripted("M1"), Cell(), journal)
         await asyncio.sleep(1.0)
         started = second.events[0][1]
         assert isinstance(started, Started)
-        assert started.memory == AtvMemory(speed_frac=0.5)
+        assert started.memory == AtvMemory(speed_frac=0.2)
 
     play(story)
 
@@ -592,7 +610,7 @@ def test_a_killed_agent_does_not_even_finish_what_it_had_begun() -> None:
             Instruct(StartCycle("a")),
             Instruct(StartCycle("b")),
             Send("H", say("after")),
-            Record(OrderFulfilled("after")),
+            Record(OrderFulfilled("written, and never told")),
         ]
 
     agent = Scripted("M1", answer)
@@ -605,7 +623,9 @@ def test_a_killed_agent_does_not_even_finish_what_it_had_begun() -> None:
         assert workers[0].killed
         assert stage.tasks["M1"].done()
         assert stranger.others == [say("before")]
-        assert stranger.events == journal.events(3, 1, 9) == []
+        assert stranger.events == []
+        # Whoever asks the next life will hear it.
+        assert len(journal.events(3, 1, 9)) == 1
         assert cell.instructions == [StartCycle("a")]
         assert len(agent.events) == 1
 

@@ -6,7 +6,7 @@ Every port has one conformance suite in `tests/contracts/` that all of its imple
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from dray.body import BodyState, Instruction, Report
@@ -77,8 +77,9 @@ class Bus(Protocol):
 class Journal(Protocol):
     """One agent's durable notes: they outlive its process, and nobody else reads them.
 
-    Order: what is written is durable before the next call returns. Blocking: a call may take as long as
-    a small write to a local disk. Bounded: old events are dropped, oldest first.
+    Atomic: one `write` is there after a restart wholly or not at all. Order: it is durable when the call
+    returns. Blocking: a call may take as long as a small write to a local disk. Bounded: old events are
+    dropped, oldest first, over all lives.
     """
 
     @property
@@ -88,15 +89,14 @@ class Journal(Protocol):
 
     @property
     def memory(self) -> Memory | None:
-        """What was committed last; None when nothing ever was."""
+        """What was written last; None when nothing ever was."""
         ...
 
-    def commit(self, memory: Memory) -> None:
-        """Replace the memory."""
-        ...
+    def write(self, events: Sequence[Event], memory: Memory | None) -> None:
+        """Keep these events until they are old, and replace the memory, unless there is none.
 
-    def append(self, event: Event) -> None:
-        """Keep an event until it is old. Called in the order of the numbers, in every life."""
+        The numbers of events go on from those of the same life that were written before.
+        """
         ...
 
     def kept(self, incarnation: int) -> tuple[int, int]:

@@ -4,10 +4,9 @@ The agent decides, the worker acts. The worker owns what an agent must not touch
 the body, the task that it all runs in. One worker is one asyncio task; it sleeps until something has
 come, and then handles all that has come.
 
-    bus ----Heard----\                           /--> bus:  Publish, Send, Subscribe, Unsubscribe
-    clock --Woke------> inbox -> agent.handle() -+---> body: Instruct
-    body ---Reported-/                           +---> journal: Commit
-                                                 \--> journal and bus: Record
+    bus ----Heard----\                           /-- first ---> journal: Commit, Record
+    clock --Woke------> inbox -> agent.handle() -+--- then --+-> bus:  Publish, Send, Record, Subscribe ...
+    body ---Reported-/                                       \-> body: Instruct
 
 What an agent must do is none of this module's business: that is `dray.protocol`. What it has told and
 somebody missed is: the worker itself answers from the journal (`EventsAsked`), whoever the agent is.
@@ -17,7 +16,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import Counter, deque
-from typing import TYPE_CHECKING, assert_never
+from typing import TYPE_CHECKING, assert_never, cast
 
 from dray import messages
 from dray.errors import ProtocolViolation
@@ -41,7 +40,10 @@ from dray.protocol.events import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from dray.body import BodyState, Instruction, Report
+    from dray.memory import Memory
     from dray.messages.keys import Keys
     from dray.ports import Body, Bus, Clock, Journal, Session
 
@@ -235,45 +237,59 @@ class Worker:
     def _handle(self, event: Event, session: Session) -> None:
         effects = self.agent.handle(event, self._clock.now_s())
         self.handled += 1
+        written = self._write_down(effects)
         for effect in effects:
             if self._killed:
                 return
-            self._carry_out(effect, session)
+            self._carry_out(effect, written, session)
         self._arm()
 
-    def _carry_out(self, effect: Effect, session: Session) -> None:
-        # The most frequent first: this runs for everything that any agent does.
-        if isinstance(effect, Publish):
-            session.publish(effect.key, effect.message)
-        elif isinstance(effect, Send):
-            session.send(effect.to, effect.message)
-        elif isinstance(effect, Record):
-            self._record(effect.fact, session)
-        elif isinstance(effect, Instruct):
-            self._instruct(effect.instruction)
-        elif isinstance(effect, Subscribe):
-            session.subscribe(effect.key)
-        elif isinstance(effect, Unsubscribe):
-            session.unsubscribe(effect.key)
-        elif isinstance(effect, Commit):
-            self._journal.commit(effect.memory)
-        elif isinstance(effect, Ignore):
-            self.ignored[effect.reason] += 1
-        else:
-            assert_never(effect)
+    def _write_down(self, effects: list[Effect]) -> Iterator[messages.Event]:
+        """Write all that a step wants kept, at once and before any of it is told.
 
-    def _record(self, fact: messages.AnyFact, session: Session) -> None:
+        So the next life knows either the whole step or nothing of it: neither a memory whose fact nobody
+        will ever hear, nor a number that was told and is given again.
+        """
+        events: list[messages.Event] = []
+        memory: Memory | None = None
+        for effect in effects:
+            kind = type(effect)
+            if kind is Record:
+                events.append(self._number(cast(Record, effect).fact))
+            elif kind is Commit:
+                memory = cast(Commit, effect).memory
+        if events or memory is not None:
+            self._journal.write(events, memory)
+        return iter(events)
+
+    def _number(self, fact: messages.AnyFact) -> messages.Event:
         self._facts += 1
-        event = messages.Event(
+        return messages.Event(
             agent=self.agent.id,
             incarnation=self.agent.incarnation,
             number=self._facts,
             at_s=self._clock.now_s(),
             fact=fact,
         )
-        # First this: a number that was told is never given again, and can be told again.
-        self._journal.append(event)
-        session.publish(self._events_key, event)
+
+    def _carry_out(self, effect: Effect, written: Iterator[messages.Event], session: Session) -> None:
+        # The most frequent first: this runs for everything that any agent does.
+        if isinstance(effect, Publish):
+            session.publish(effect.key, effect.message)
+        elif isinstance(effect, Send):
+            session.send(effect.to, effect.message)
+        elif isinstance(effect, Record):
+            session.publish(self._events_key, next(written))
+        elif isinstance(effect, Instruct):
+            self._instruct(effect.instruction)
+        elif isinstance(effect, Subscribe):
+            session.subscribe(effect.key)
+        elif isinstance(effect, Unsubscribe):
+            session.unsubscribe(effect.key)
+        elif isinstance(effect, Ignore):
+            self.ignored[effect.reason] += 1
+        elif not isinstance(effect, Commit):  # which is written down already
+            assert_never(effect)
 
     def _tell_again(self, asker: str, asked: messages.EventsAsked, session: Session) -> None:
         """Answer from the journal, whichever of the agent's lives is asked about."""

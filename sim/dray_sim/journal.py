@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 
 import msgspec
 
@@ -45,13 +46,11 @@ class HeldJournal:
         """The agent is started once more."""
         self._incarnation += 1
 
-    def commit(self, memory: Memory) -> None:
+    def write(self, events: Sequence[Event], memory: Memory | None) -> None:
         """See `dray.ports.Journal`."""
-        self._memory = memory
-
-    def append(self, event: Event) -> None:
-        """See `dray.ports.Journal`."""
-        self._events.append(event)
+        self._events.extend(events)
+        if memory is not None:
+            self._memory = memory
 
     def kept(self, incarnation: int) -> tuple[int, int]:
         """See `dray.ports.Journal`."""

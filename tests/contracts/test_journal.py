@@ -61,7 +61,7 @@ def event(life: int, number: int) -> Event:
 def write(journal: Journal, numbers: range) -> list[Event]:
     written = [event(journal.incarnation, number) for number in numbers]
     for one in written:
-        journal.append(one)
+        journal.write([one], None)
     return written
 
 
@@ -118,7 +118,7 @@ def test_lives_are_counted_from_one(case: Case) -> None:
     assert case.next_life(journal).incarnation == 3
 
 
-def test_an_agent_that_never_committed_anything_remembers_nothing(case: Case) -> None:
+def test_an_agent_that_never_wrote_a_memory_remembers_nothing(case: Case) -> None:
     journal = case.first_life()
     write(journal, range(1, 3))
     assert journal.memory is None
@@ -128,17 +128,27 @@ def test_an_agent_that_never_committed_anything_remembers_nothing(case: Case) ->
 @pytest.mark.parametrize("memory", MEMORIES, ids=lambda memory: type(memory).__name__)
 def test_every_kind_of_memory_outlives_the_process(case: Case, memory: Memory) -> None:
     journal = case.first_life()
-    journal.commit(memory)
+    journal.write([], memory)
     assert journal.memory == memory
     again = case.next_life(journal)
     assert again.memory == memory
     assert case.next_life(again).memory == memory
 
 
-def test_the_last_commitment_replaces_those_before_it(case: Case) -> None:
+def test_events_without_a_memory_leave_the_one_that_is_there(case: Case) -> None:
+    journal = case.first_life()
+    written = [event(1, number) for number in (1, 2, 3)]
+    journal.write(written, AtvMemory(speed_frac=0.5))
+    journal.write([event(1, 4)], None)
+    journal = case.next_life(journal)
+    assert journal.memory == AtvMemory(speed_frac=0.5)
+    assert journal.events(1, 1, 9) == [*written, event(1, 4)]
+
+
+def test_the_last_memory_replaces_those_before_it(case: Case) -> None:
     journal = case.first_life()
     for memory in (*MEMORIES, AtvMemory()):
-        journal.commit(memory)
+        journal.write([], memory)
     assert case.next_life(journal).memory == AtvMemory()
 
 

@@ -104,7 +104,8 @@ class Record(Value, frozen=True):
 class Commit(Value, frozen=True):
     """Write down what the agent is bound by, replacing what was written before.
 
-    It comes before the effects that tell others: what was said is never forgotten by a restart.
+    It is written together with the facts of the same step, wholly or not at all, before any effect of
+    the step is carried out: what was said is never forgotten by a restart.
     """
 
     memory: Memory
