@@ -1,4 +1,4 @@
-"""A vehicle's modem: it has WLAN and a radio, uses the one that it believes in, and says when that changes.
+"""Vehicles' modems: each has WLAN and a radio, uses the one that it believes in, and says when that changes.
 
 Nothing ticks. Whether the WLAN is really there is asked when the vehicle says something, which every
 vehicle does at least every five seconds, and when a fault begins or ends. The modem believes it only
@@ -14,6 +14,8 @@ from dray.messages import Link
 
 if TYPE_CHECKING:
     from dray.messages import Pose
+    from dray_sim.links import Links
+    from dray_sim.loop import VirtualClock
 
 NOTICE_S = 1.0
 """From the loss or the return of the WLAN until the modem says so: some lost beacons of an access
@@ -74,3 +76,72 @@ class Modem:
         """Use this link from now on, and say so."""
         self.link = link
         self.notice(link)
+
+
+class Modems:
+    """All modems of a network, and whom the WLAN reaches. An agent without a modem is wired.
+
+    Args:
+        clock: what has lasted long enough is one of its callbacks.
+        links: what is wrong.
+
+    Attributes:
+        stations: the modems by vehicle, in the order in which they came.
+        busy: whether anybody could be without WLAN, or any link in trouble; while it is False, nobody
+            needs to ask.
+    """
+
+    def __init__(self, clock: VirtualClock, links: Links) -> None:
+        self.stations: dict[str, Modem] = {}
+        self.busy = not links.quiet
+        self._clock = clock
+        self._links = links
+
+    def equip(self, modem: Modem) -> None:
+        """One more vehicle, or another modem for one that is there."""
+        self.stations[modem.agent] = modem
+        if self.busy:
+            self._look(modem)
+
+    def has_wlan(self, agent: str) -> bool:
+        """Whether the WLAN reaches an agent now, whatever its modem believes."""
+        links = self._links
+        if agent in links.wlan_cut:
+            return False
+        if links.coverage.perfect:
+            return True
+        modem = self.stations.get(agent)
+        return modem is None or links.coverage.covers(*modem.position_m(self._clock.time_s))
+
+    def talks_wlan(self, agent: str) -> bool:
+        """Whether what an agent says now goes out by WLAN: it is there, and its modem uses it."""
+        modem = self.stations.get(agent)
+        if modem is None:
+            return self.has_wlan(agent)
+        return self._look(modem) and modem.link is Link.WLAN
+
+    def look_around(self) -> None:
+        """Something has begun or ended: every modem looks, also that of a vehicle that says nothing."""
+        for modem in self.stations.values():
+            self._look(modem)
+        self._take_stock()
+
+    def _look(self, modem: Modem) -> bool:
+        """Let a modem see whether it has WLAN; a change must last before it believes it."""
+        has_wlan = self.has_wlan(modem.agent)
+        if has_wlan is not (modem.link is Link.WLAN) and not modem.pending:
+            modem.pending = True
+            self._clock.call_at(self._clock.time_s + NOTICE_S, self._notice, modem)
+        return has_wlan
+
+    def _notice(self, modem: Modem) -> None:
+        modem.pending = False
+        link = Link.WLAN if self.has_wlan(modem.agent) else Link.MESH
+        if link is not modem.link and self.stations.get(modem.agent) is modem:
+            modem.turn_to(link)
+        self._take_stock()
+
+    def _take_stock(self) -> None:
+        """See whether all is well again: nothing is wrong, and every modem has noticed."""
+        unsettled = any(modem.pending or modem.link is Link.MESH for modem in self.stations.values())
+        self.busy = unsettled or not self._links.quiet

@@ -31,7 +31,7 @@ from dray.messages import AtvHeartbeat, Link
 from dray_sim.coverage import Coverage
 from dray_sim.latency import QUANTILE_BITS, WLAN, Latency
 from dray_sim.links import Links
-from dray_sim.modem import NOTICE_S, Modem
+from dray_sim.modem import Modem, Modems
 from dray_sim.radio import RADIO, UNFIT, Frame, Radio, RadioSpec
 
 if TYPE_CHECKING:
@@ -167,10 +167,16 @@ class SimNetwork:
         # A generator of their own, so that a fault does not shift the chances of what it does not touch.
         self._chance = chance if chance is not None else Random("network faults")
         self._links = Links(coverage if coverage is not None else Coverage())
+        self._modems = Modems(clock, self._links)
         self.radio = Radio(
-            clock, self._chance, radio, on_air=self._on_air, take=self._take_frame, lost=self.lost
+            clock,
+            self._chance,
+            radio,
+            stations=self._modems.stations,
+            on_air=self._on_air,
+            take=self._take_frame,
+            lost=self.lost,
         )
-        self._ill = not self._links.quiet
 
     # --- the port --------------------------------------------------------------------------------
 
@@ -192,11 +198,9 @@ class SimNetwork:
         Args:
             agent: the vehicle's agent; it need not have joined.
             where: its pose at this moment.
-            notice: told when its modem has lost the WLAN for `NOTICE_S`, or has it again for so long.
+            notice: told when its modem has lost the WLAN for a while, or has had it again for as long.
         """
-        modem = self.radio.stations[agent] = Modem(agent, where, notice)
-        if self._ill:
-            self._look(modem)
+        self._modems.equip(Modem(agent, where, notice))
 
     @property
     def access_points(self) -> tuple[str, ...]:
@@ -206,12 +210,12 @@ class SimNetwork:
     def cover(self, coverage: Coverage) -> None:
         """Replace the coverage that there is while nothing is wrong."""
         self._links.cover(coverage)
-        self._look_around()
+        self._modems.look_around()
 
     def begin(self, fault: NetworkFault) -> None:
         """Let something go wrong, now. The same fault begun twice must end twice."""
         self._links.begin(fault)
-        self._look_around()
+        self._modems.look_around()
 
     def end(self, fault: NetworkFault) -> None:
         """Put it right.
@@ -220,11 +224,11 @@ class SimNetwork:
             ValueError: this fault is not active.
         """
         self._links.end(fault)
-        self._look_around()
+        self._modems.look_around()
 
     def link_of(self, agent: str) -> Link:
         """What an agent's modem uses at present; the wired have no other than WLAN."""
-        modem = self.radio.stations.get(agent)
+        modem = self._modems.stations.get(agent)
         return Link.WLAN if modem is None else modem.link
 
     # --- what sessions ask -----------------------------------------------------------------------
@@ -238,7 +242,7 @@ class SimNetwork:
         receivers = self._routes.get(key)
         if receivers is None:
             receivers = self._find_receivers(key)
-        if self._ill:
+        if self._modems.busy:
             self._publish_ill(sender, key, message, receivers)
             return
         for receiver in receivers:
@@ -254,7 +258,7 @@ class SimNetwork:
         if receiver is None:
             self.missed += 1
             return
-        if self._ill:
+        if self._modems.busy:
             self._send_ill(sender, receiver, message)
         else:
             self._carry(sender, receiver, message)
@@ -319,7 +323,7 @@ class SimNetwork:
     def _publish_ill(
         self, sender: SimSession, key: str, message: Message, receivers: tuple[SimSession, ...]
     ) -> None:
-        if not self._talks_wlan(sender.agent):
+        if not self._modems.talks_wlan(sender.agent):
             if sender in receivers:
                 self._carry(sender, sender, message)
             if type(message) is AtvHeartbeat:
@@ -333,17 +337,17 @@ class SimNetwork:
     def _send_ill(self, sender: SimSession, receiver: SimSession, message: Message) -> None:
         if receiver is sender:
             self._carry(sender, receiver, message)
-        elif self._talks_wlan(sender.agent):
+        elif self._modems.talks_wlan(sender.agent):
             self._send_over(sender.agent, sender.agent, receiver, message)
         else:
             self._rise(Frame(sender.agent, message, to=receiver.agent))
 
     def _send_over(self, over: str, sender: str, receiver: SimSession, message: Message) -> None:
         """Send from `over`, who has WLAN, what `sender` says: by WLAN, else by radio."""
-        if self._has_wlan(receiver.agent):
+        if self._modems.has_wlan(receiver.agent):
             self._carry_ill(over, sender, receiver, message)
             return
-        modem = self.radio.stations.get(receiver.agent)
+        modem = self._modems.stations.get(receiver.agent)
         if modem is None:
             self.lost[NO_WLAN] += 1
             return
@@ -359,7 +363,7 @@ class SimNetwork:
 
     def _carry_ill(self, over: str, sender: str, receiver: SimSession, message: Message) -> None:
         """Decide the fate of one delivery on the WLAN, from `over`, who says it for `sender`."""
-        if receiver.agent != over and not self._has_wlan(receiver.agent):
+        if receiver.agent != over and not self._modems.has_wlan(receiver.agent):
             self.lost[NO_WLAN] += 1
         else:
             self._pass_link(over, receiver.agent, receiver.deliver, sender, message)
@@ -398,7 +402,7 @@ class SimNetwork:
 
     def _rise(self, frame: Frame) -> None:
         """Put on the air what a vehicle without WLAN says; a modem that has not noticed yet tries WLAN."""
-        modem = self.radio.stations.get(frame.origin)
+        modem = self._modems.stations.get(frame.origin)
         if modem is None or modem.link is Link.WLAN:
             self.lost[NO_WLAN] += 1
             return
@@ -417,8 +421,8 @@ class SimNetwork:
 
     def _fall(self, gateway: str, frame: Frame) -> None:
         """A frame for a vehicle without WLAN has come to the gateway that is to say it by radio."""
-        if self._on_air(gateway) and self._has_wlan(gateway):
-            self.radio.send(self.radio.stations[gateway], frame)
+        if self._on_air(gateway) and self._modems.has_wlan(gateway):
+            self.radio.send(self._modems.stations[gateway], frame)
         else:
             self.lost[NO_GATEWAY] += 1
 
@@ -428,7 +432,7 @@ class SimNetwork:
         if frame.to == station.agent:
             session.deliver(frame.origin, frame.message)
             return False
-        if frame.key and not self._has_wlan(station.agent) and session in self._listeners(frame.key):
+        if frame.key and not self._modems.has_wlan(station.agent) and session in self._listeners(frame.key):
             session.deliver(frame.origin, _came_over(frame.message, via))
         if frame.rising and station.link is Link.WLAN:
             self._put_on_bus(session, frame, via)
@@ -436,7 +440,7 @@ class SimNetwork:
         return True
 
     def _put_on_bus(self, gateway: SimSession, frame: Frame, via: tuple[str, ...]) -> None:
-        if not self._talks_wlan(gateway.agent):
+        if not self._modems.talks_wlan(gateway.agent):
             self.lost[NO_WLAN] += 1
             return
         # Who hears on the bus that another one was first keeps silent.
@@ -445,7 +449,7 @@ class SimNetwork:
             return
         frame.gateways.append(gateway.agent)
         self.relayed += 1
-        origin = self.radio.stations[frame.origin]
+        origin = self._modems.stations[frame.origin]
         origin.gateway, origin.gateway_s = gateway.agent, self._clock.time_s
         if frame.key:
             message = _came_over(frame.message, (*via, gateway.agent))
@@ -463,52 +467,6 @@ class SimNetwork:
     def _on_air(self, agent: str) -> bool:
         """Whether a vehicle's radio works: it has power, a process, and no fault in the radio itself."""
         return agent in self._sessions and agent not in self._links.radio_cut
-
-    # --- who has WLAN, and who has noticed -------------------------------------------------------
-
-    def _has_wlan(self, agent: str) -> bool:
-        """Whether the WLAN reaches an agent now, whatever its modem believes."""
-        links = self._links
-        if agent in links.wlan_cut:
-            return False
-        if links.coverage.perfect:
-            return True
-        modem = self.radio.stations.get(agent)
-        return modem is None or links.coverage.covers(*modem.position_m(self._clock.time_s))
-
-    def _talks_wlan(self, agent: str) -> bool:
-        """Whether what an agent says now goes out by WLAN: it is there, and its modem uses it."""
-        modem = self.radio.stations.get(agent)
-        if modem is None:
-            return self._has_wlan(agent)
-        return self._look(modem) and modem.link is Link.WLAN
-
-    def _look(self, modem: Modem) -> bool:
-        """Let a modem see whether it has WLAN; a change must last before it believes it."""
-        has_wlan = self._has_wlan(modem.agent)
-        if has_wlan is not (modem.link is Link.WLAN) and not modem.pending:
-            modem.pending = True
-            self._clock.call_at(self._clock.time_s + NOTICE_S, self._notice, modem)
-        return has_wlan
-
-    def _notice(self, modem: Modem) -> None:
-        modem.pending = False
-        link = Link.WLAN if self._has_wlan(modem.agent) else Link.MESH
-        if link is not modem.link and self.radio.stations.get(modem.agent) is modem:
-            modem.turn_to(link)
-        self._take_stock()
-
-    def _look_around(self) -> None:
-        """Something has begun or ended: every modem looks, also that of a vehicle that says nothing."""
-        self._ill = True
-        for modem in self.radio.stations.values():
-            self._look(modem)
-        self._take_stock()
-
-    def _take_stock(self) -> None:
-        """See whether all is well again: nothing is wrong, and every modem has noticed."""
-        modems = self.radio.stations.values()
-        self._ill = not self._links.quiet or any(m.pending or m.link is Link.MESH for m in modems)
 
     # --- who listens -----------------------------------------------------------------------------
 

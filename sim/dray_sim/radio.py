@@ -10,7 +10,7 @@ Each vehicle has a token bucket: what it may not send is dropped and counted, ne
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import hypot
 from typing import TYPE_CHECKING
@@ -137,12 +137,12 @@ class Radio:
         clock: hops are its callbacks.
         random: the only source of chance.
         spec: what the radios can do.
+        stations: all that have a radio, in the order in which they came.
         on_air: whether a vehicle's radio works at this moment.
         take: asked for every frame that a station hears for the first time.
         lost: where losses are counted, by reason.
 
     Attributes:
-        stations: all that have a radio, in the order in which they came.
         sent: frames put on the air, those that were said again included.
     """
 
@@ -152,16 +152,17 @@ class Radio:
         random: Random,
         spec: RadioSpec,
         *,
+        stations: Mapping[str, Modem],
         on_air: Callable[[str], bool],
         take: Take,
         lost: Counter[str],
     ) -> None:
         self.spec = spec
-        self.stations: dict[str, Modem] = {}
         self.sent = 0
         self._clock = clock
         self._random = random
         self._delays_s = spec.latency.quantiles()
+        self._stations = stations
         self._on_air = on_air
         self._take = take
         self._lost = lost
@@ -198,7 +199,7 @@ class Radio:
         now_s, spec, random = self._clock.time_s, self.spec, self._random
         x_m, y_m = station.position_m(now_s)
         alone = True
-        for other in self.stations.values():
+        for other in self._stations.values():
             if other.agent in frame.heard or not self._on_air(other.agent):
                 continue
             other_x_m, other_y_m = other.position_m(now_s)
