@@ -19,10 +19,12 @@ from dray_sim import demand
 from dray_sim.desk import Desk
 from dray_sim.evidence import HELD
 from dray_sim.factory import FIRST_STOCK_FRAC, Ears, SimFactory
+from dray_sim.faults import Faults
 from dray_sim.invariants import Invariants
 from dray_sim.loop import JUMP, clock, run
 from dray_sim.network import WLAN, Latency
 from dray_sim.observer import Observer
+from dray_sim.people import Habits, hire
 from dray_sim.report import Report, make_report
 from dray_sim.trace import Trace
 from dray_sim.witness import Witness
@@ -44,6 +46,7 @@ class Shift:
         codec: pass every message through the wire format.
         stock_frac: how full buffers are at the start, from and to.
         latency: of the network.
+        people: how the operators of all areas work; None for nobody on the floor.
         keep: classes of facts and messages that the witness keeps.
     """
 
@@ -53,6 +56,7 @@ class Shift:
     codec: bool = False
     stock_frac: tuple[float, float] = FIRST_STOCK_FRAC
     latency: Latency = WLAN
+    people: Habits | None = None
     keep: tuple[type[Any], ...] = ()
 
 
@@ -85,6 +89,8 @@ class Stage:
 
     Attributes:
         factory: bodies, network, agents.
+        faults: what goes wrong in it.
+        people: the operators.
         witness: what was said.
         observer: figures so far.
         orders: all of them, placed or still to come.
@@ -109,6 +115,8 @@ class Stage:
             codec=shift.codec,
             ear=ears,
         )
+        self.faults = Faults(self.factory)
+        self.people = hire(self.factory, seed=seed, habits=shift.people) if shift.people is not None else ()
         self.checks = Invariants(self.factory)
         ears.add(self.trace, self.observer, self.checks, self.witness)
         self._desk = Desk(self.factory.bus, self.factory.clock)
@@ -164,6 +172,8 @@ class Stage:
             async with asyncio.TaskGroup() as group:
                 group.create_task(self.factory.run())
                 group.create_task(self._desk.place(self._demand))
+                for operator in self.people:
+                    group.create_task(operator.run(), name=operator.name)
         finally:
             for task in self._placing:
                 task.cancel()

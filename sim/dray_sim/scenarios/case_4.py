@@ -1,0 +1,251 @@
+"""Case 4: a busy vehicle cannot go on. A person helps in time, or promises to; else somebody else carries."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+
+from dray.messages import Phase
+from dray.messages.fact import CarrierChanged, HelpAsked, HelpPromised, TookOver
+from dray_sim.evidence import Check, Table
+from dray_sim.faults import PoweredOff, VehicleBroken
+from dray_sim.people import Habits
+from dray_sim.scenario import Findings, Scenario
+from dray_sim.scenarios.figure_6 import Contract, closed, in_laboratory, reached, replenishment
+from dray_sim.stage import Played, Shift, Stage
+
+REASON = "the way is blocked"
+
+ON_THE_WAY_S = 5.0
+
+QUICK = Habits(react_s=(3.0, 5.0), promises_frac=0.0, walk_s=(5.0, 10.0), mend_s=(5.0, 10.0))
+"""Done before the vehicle's patience is over, without a word."""
+
+SLOW = Habits(
+    react_s=(3.0, 5.0), promises_frac=1.0, estimate=(1.3, 1.5), walk_s=(60.0, 90.0), mend_s=(240.0, 300.0)
+)
+"""Takes longer than the vehicle would wait, and says so."""
+
+IN_TIME_S = 2.0
+"""A takeover follows the end of the help's time by a heartbeat and a message round."""
+
+BACK_S = 60.0
+"""After this long one of the vehicles that were away is switched on again."""
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """What became of a transport whose primary had a problem.
+
+    Attributes:
+        asked_s: until when the vehicle said that it could wait, from the breakdown (s).
+        promised_s: until when somebody promised to help, from the breakdown (s); None for no promise.
+        changed_s: when the task got another carrier or was put up for auction again, from the breakdown (s).
+        took_over: who took over; empty for nobody.
+        auctioned: it was announced anew.
+        done_s: when it was delivered, from the breakdown (s).
+    """
+
+    primary: str
+    secondary: str
+    asked_s: float | None
+    promised_s: float | None
+    changed_s: float | None
+    took_over: str
+    auctioned: bool
+    carrier: str
+    outcome: str
+    done_s: float
+
+
+async def helped_or_not(stage: Stage) -> Told | None:
+    """Break the primary down on its way, and see who delivers."""
+    return await _break(stage, _nothing)
+
+
+async def nobody_left(stage: Stage) -> Told | None:
+    """The same, and all others are switched off meanwhile: nobody is left to take over."""
+    return await _break(stage, _switch_others_off)
+
+
+async def _break(stage: Stage, also: Callable[[Stage, Contract], Awaitable[None]]) -> Told | None:
+    contract = await replenishment(stage)
+    if contract is None:
+        return None
+    await reached(stage, contract, Phase.APPROACHING)
+    await asyncio.sleep(ON_THE_WAY_S)
+    stage.faults.begin(VehicleBroken(contract.primary, REASON))
+    broken_s = stage.now_s()
+    await also(stage, contract)
+    done = await closed(stage, contract)
+    done_s = stage.now_s()
+    witness = stage.witness
+    asked = [seen.said.until_s for seen in witness.all(HelpAsked) if seen.said.task == contract.task]
+    promised = [seen.said.until_s for seen in witness.all(HelpPromised) if seen.agent == contract.primary]
+    took = [seen for seen in witness.all(TookOver) if seen.said.task == contract.task]
+    changed = [seen for seen in witness.all(CarrierChanged) if seen.said.task == contract.task]
+    first_s = min([*(seen.at_s for seen in took), *(seen.at_s for seen in changed)], default=None)
+    return Told(
+        primary=contract.primary,
+        secondary=contract.secondary,
+        asked_s=asked[0] - broken_s if asked else None,
+        promised_s=promised[-1] - broken_s if promised else None,
+        changed_s=first_s - broken_s if first_s is not None else None,
+        took_over=took[0].agent if took else "",
+        auctioned=any(not seen.said.carrier for seen in changed),
+        carrier=done.carrier if done is not None else "",
+        outcome=done.outcome if done is not None else "still open",
+        done_s=done_s - broken_s,
+    )
+
+
+async def _nothing(_stage: Stage, _contract: Contract) -> None:
+    return
+
+
+async def _switch_others_off(stage: Stage, contract: Contract) -> None:
+    others = [atv for atv in stage.factory.vehicles if atv != contract.primary]
+    off = {atv: stage.faults.begin(PoweredOff(atv)) for atv in others}
+    await stage.witness.first(CarrierChanged, lambda fact: fact.task == contract.task, within_s=600.0)
+    await asyncio.sleep(BACK_S)
+    stage.faults.end(off[others[-1]])
+
+
+def case_4(seed: int) -> Findings:
+    """Play all four."""
+    quick = in_laboratory("case-4", seed, helped_or_not, Shift("case-4", 0.0, people=QUICK))
+    promised = in_laboratory("case-4", seed, helped_or_not, Shift("case-4", 0.0, people=SLOW))
+    alone = in_laboratory("case-4", seed, helped_or_not)
+    nobody = in_laboratory("case-4", seed, nobody_left)
+    runs = (quick, promised, alone, nobody)
+    return Findings(
+        runs=runs,
+        checks=(
+            _said(runs),
+            _kept("Helped in time, the vehicle goes on and delivers itself", quick.told),
+            _held_back(promised.told),
+            _taken_over(alone.told),
+            _auctioned(nobody.told),
+        ),
+        tables=(
+            Table(
+                "Seconds after the breakdown",
+                ("", "would wait until", "promised until", "other carrier", "delivered by", "at"),
+                tuple(
+                    _row(name, played)
+                    for name, played in zip(
+                        ("helped in time", "promised", "nobody comes", "nobody comes, no secondary"),
+                        runs,
+                        strict=True,
+                    )
+                ),
+            ),
+        ),
+    )
+
+
+def _said(runs: tuple[Played[Told | None], ...]) -> Check:
+    asked_s = [played.told.asked_s if played.told is not None else None for played in runs]
+    return Check(
+        "The vehicle says what is wrong and how long its task can wait",
+        all(each_s is not None for each_s in asked_s),
+        ", ".join(_seconds(each_s) for each_s in asked_s),
+    )
+
+
+def _kept(name: str, told: Told | None) -> Check:
+    held = told is not None and told.changed_s is None and told.carrier == told.primary
+    return Check(name, held and _delivered(told), _words(told))
+
+
+def _held_back(told: Told | None) -> Check:
+    patience_s = told.asked_s if told is not None and told.asked_s is not None else 0.0
+    waited = told is not None and told.promised_s is not None and told.done_s > patience_s < told.promised_s
+    kept = _kept("", told)
+    return Check(
+        "A promise of help holds the takeover back for longer than the vehicle would have waited",
+        kept.held and waited,
+        kept.figure,
+    )
+
+
+def _taken_over(told: Told | None) -> Check:
+    held = (
+        told is not None
+        and told.took_over == told.secondary == told.carrier
+        and _at_the_end_of_patience(told)
+    )
+    return Check(
+        "Nobody comes: when its time is over, the secondary takes over and delivers",
+        held and _delivered(told),
+        _words(told),
+    )
+
+
+def _auctioned(told: Told | None) -> Check:
+    held = (
+        told is not None and told.auctioned and not told.took_over and told.carrier not in {"", told.primary}
+    )
+    return Check(
+        "Nobody comes and no secondary lives: the machine puts the task up for auction again",
+        held and _delivered(told),
+        _words(told),
+    )
+
+
+def _at_the_end_of_patience(told: Told) -> bool:
+    return (
+        told.changed_s is not None
+        and told.asked_s is not None
+        and told.asked_s <= told.changed_s <= told.asked_s + IN_TIME_S
+    )
+
+
+def _delivered(told: Told | None) -> bool:
+    return told is not None and told.outcome == "delivered"
+
+
+def _words(told: Told | None) -> str:
+    if told is None:
+        return "no contract"
+    changed = (
+        f"another carrier after {told.changed_s:.0f} s" if told.changed_s is not None else "no other carrier"
+    )
+    return f"{changed}; {told.outcome} by {told.carrier or 'nobody'} after {told.done_s:.0f} s"
+
+
+def _row(name: str, played: Played[Told | None]) -> tuple[str, ...]:
+    told = played.told
+    if told is None:
+        return (name, "-", "-", "-", "-", "-")
+    return (
+        name,
+        _seconds(told.asked_s),
+        _seconds(told.promised_s),
+        _seconds(told.changed_s),
+        told.carrier or "-",
+        f"{told.done_s:.0f} s",
+    )
+
+
+def _seconds(seconds: float | None) -> str:
+    return f"{seconds:.0f} s" if seconds is not None else "-"
+
+
+CASE_4 = Scenario(
+    name="case-4",
+    shows="A busy vehicle has a problem: help in time, a promise, a takeover, a new auction.",
+    source="paper, 4.2 case 4",
+    claim=(
+        "When a busy vehicle cannot go on, its problem is weighed first: what a person can solve within a time that the "
+        "task allows, is solved by a person. Otherwise the secondary takes the task over, or the machine puts it up for "
+        "auction again."
+    ),
+    story=(
+        "Machine 8 and three vehicles; ATV3 is primary, ATV1 secondary, and ATV3's way is blocked. Four times: an "
+        "operator helps at once; an operator promises to come and takes minutes; nobody comes; nobody comes, and the "
+        "other vehicles are switched off too until the machine has given up."
+    ),
+    play=case_4,
+)

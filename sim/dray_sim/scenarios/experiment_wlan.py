@@ -1,0 +1,117 @@
+"""Figure 6, centre: ATV3's WLAN is cut in the middle of a transport; its heartbeat goes over a neighbour."""
+
+from __future__ import annotations
+
+import asyncio
+
+from dray.messages import Bid, Link, Phase
+from dray.messages.fact import AwardAnswered, CarrierChanged, PrimarySuspected, TookOver
+from dray.protocol.suspicion import WORKING_INTERVAL_S, bound_s
+from dray_sim.evidence import Check
+from dray_sim.faults import WlanCut
+from dray_sim.scenario import Findings, Scenario
+from dray_sim.scenarios.figure_6 import (
+    PRIMARY,
+    as_in_figure_6,
+    carriers,
+    closed,
+    handed_over_once,
+    in_laboratory,
+    longest_gap_s,
+    mesh_heartbeats,
+    reached,
+    replenishment,
+)
+from dray_sim.scenarios.laboratory import MACHINE
+from dray_sim.stage import Stage
+
+ON_THE_WAY_S = 3.0
+"""After ATV3 has left: both contracts stand, and it drives."""
+
+REPAIR_S = 60.0
+"""The operators plug the cable in again, after the delivery."""
+
+AGAIN_S = 3600.0
+"""Machine 8 needs its next material within half an hour."""
+
+
+async def cut(stage: Stage) -> tuple[Check, ...]:
+    """Cut the WLAN of the primary, let it deliver, repair it."""
+    witness = stage.witness
+    contract = await replenishment(stage)
+    if contract is None:
+        return (Check(f"{MACHINE} contracts a vehicle", False, "no contract"),)
+    await reached(stage, contract, Phase.APPROACHING)
+    await asyncio.sleep(ON_THE_WAY_S)
+    fault, cut_s = stage.faults.begin(WlanCut(contract.primary)), stage.now_s()
+    done = await closed(stage, contract)
+    done_s = stage.now_s()
+    relayed_s, relays = mesh_heartbeats(stage, contract.primary, cut_s, done_s)
+    gap_s = longest_gap_s(relayed_s, cut_s, done_s)
+    await asyncio.sleep(REPAIR_S)
+    stage.faults.end(fault)
+    repaired_s = stage.now_s()
+    bids_meanwhile = [seen for seen in witness.all(Bid, since_s=cut_s) if seen.agent == contract.primary]
+    changed = [*witness.all(CarrierChanged), *witness.all(TookOver), *witness.all(PrimarySuspected)]
+    again = await witness.first(Bid, by=contract.primary, within_s=AGAIN_S)
+    won = await witness.first(
+        AwardAnswered,
+        lambda fact: fact.bidder == contract.primary and fact.answer == "accepted",
+        within_s=AGAIN_S,
+    )
+    allowed_s = bound_s(WORKING_INTERVAL_S)
+    return (
+        as_in_figure_6(contract),
+        Check(
+            f"Without WLAN, {PRIMARY}'s heartbeat reaches the others over a neighbour",
+            bool(relayed_s) and gap_s < allowed_s,
+            f"{len(relayed_s)} heartbeats over {', '.join(relays) or 'nobody'}; longest silence {gap_s:.2f} s of "
+            f"the {allowed_s:.1f} s that are allowed",
+        ),
+        Check(
+            "No second transport starts, and nobody is suspected",
+            not changed and carriers(stage, contract) == (contract.primary,),
+            f"carried by {', '.join(carriers(stage, contract))}; {len(changed)} suspicions and takeovers",
+        ),
+        Check(
+            f"{PRIMARY} delivers",
+            done is not None and done.outcome == "delivered" and done.carrier == contract.primary,
+            f"{done_s - cut_s:.0f} s after the cut, {done_s - done.promised_s:+.1f} s against its promise"
+            if done is not None
+            else "not delivered",
+        ),
+        handed_over_once(stage, contract),
+        Check(
+            "While it is left with its radio it does not bid",
+            not bids_meanwhile,
+            f"{len(bids_meanwhile)} bids in {repaired_s - cut_s:.0f} s",
+        ),
+        Check(
+            f"Repaired, {PRIMARY} bids again, and wins",
+            again is not None and won is not None and stage.witness.atvs[PRIMARY].link is Link.WLAN,
+            f"first bid {again.at_s - repaired_s:.0f} s after the repair" if again is not None else "no bid",
+        ),
+    )
+
+
+def experiment(seed: int) -> Findings:
+    """Play it."""
+    played = in_laboratory("experiment-wlan", seed, cut)
+    return Findings(runs=(played,), checks=played.told or ())
+
+
+EXPERIMENT_WLAN = Scenario(
+    name="experiment-wlan",
+    shows="Figure 6, centre: the primary's WLAN is cut; its heartbeat comes over a neighbour.",
+    source="paper, 4.3, Figure 6 centre",
+    claim=(
+        "A vehicle that loses its WLAN in the middle of a transport is still heard through the radio of a neighbour. "
+        "The machine knows that its task goes on, and starts no second transport; repaired, the vehicle takes part "
+        "in the bidding again."
+    ),
+    story=(
+        "Machine 8 and three equal vehicles. Machine 8 asks for material; ATV3 becomes primary, ATV1 secondary. When "
+        "ATV3 is on its way its WLAN is cut, and comes back a minute after the delivery."
+    ),
+    play=experiment,
+)

@@ -1,0 +1,176 @@
+"""The contracts of the paper's Figure 6: ATV3 carries for machine 8, ATV1 watches.
+
+Both experiments and the cases about one vehicle begin with them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+from dray.messages import Accepted, AtvHeartbeat, Award, Bid, HandoverAccepted, Link, Phase, Role
+from dray.messages.fact import (
+    AwardAnswered,
+    CarrierChanged,
+    ContractTaken,
+    HelpAsked,
+    HelpPromised,
+    PhaseEntered,
+    PrimarySuspected,
+    TaskClosed,
+    TaskOpened,
+    TookOver,
+)
+from dray_sim.evidence import Check
+from dray_sim.scenarios.laboratory import MACHINE, PRODUCT, laboratory
+from dray_sim.stage import Played, Shift, Stage, T, play
+
+PRIMARY, SECONDARY = "ATV3", "ATV1"
+"""As in Figure 6, left."""
+
+LOT = 24
+
+STOCK_FRAC = (0.25, 0.25)
+"""So little that machine 8 asks for one material, and a while later for the next one."""
+
+WAIT_S = 1800.0
+"""Machine 8 asks for material some ten minutes after it has begun."""
+
+SETTLE_S = 3 * 3600.0
+
+KEPT = (
+    AtvHeartbeat,
+    Award,
+    AwardAnswered,
+    Accepted,
+    Bid,
+    CarrierChanged,
+    ContractTaken,
+    HandoverAccepted,
+    HelpAsked,
+    HelpPromised,
+    PhaseEntered,
+    PrimarySuspected,
+    TaskClosed,
+    TaskOpened,
+    TookOver,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Contract:
+    """The transport of the experiment."""
+
+    task: str
+    primary: str
+    secondary: str
+    item: str
+
+
+async def replenishment(stage: Stage) -> Contract | None:
+    """Order a lot of pumps, and wait until machine 8 has both vehicles for its first material."""
+    stage.order(PRODUCT, LOT)
+    primary = await stage.witness.first(
+        AwardAnswered, lambda fact: _accepted(fact, Role.PRIMARY), by=MACHINE, within_s=WAIT_S
+    )
+    if primary is None:
+        return None
+    task = primary.said.task
+    secondary = await stage.witness.first(
+        AwardAnswered,
+        lambda fact: fact.task == task and _accepted(fact, Role.SECONDARY),
+        by=MACHINE,
+        within_s=WAIT_S,
+    )
+    brief = stage.witness.atvs[primary.said.bidder].task
+    return Contract(
+        task,
+        primary.said.bidder,
+        secondary.said.bidder if secondary is not None else "",
+        brief.item if brief is not None else "",
+    )
+
+
+async def reached(stage: Stage, contract: Contract, phase: Phase) -> bool:
+    """Wait until the primary is that far."""
+    brief = stage.witness.atvs[contract.primary].task
+    if brief is not None and brief.phase is phase:
+        return True
+    seen = await stage.witness.first(
+        PhaseEntered,
+        lambda fact: fact.task == contract.task and fact.phase is phase,
+        by=contract.primary,
+        within_s=WAIT_S,
+    )
+    return seen is not None
+
+
+async def closed(stage: Stage, contract: Contract, within_s: float = WAIT_S) -> TaskClosed | None:
+    """Wait until the transport has ended."""
+    for seen in stage.witness.all(TaskClosed):
+        if seen.said.task == contract.task:
+            return seen.said
+    ended = await stage.witness.first(TaskClosed, lambda fact: fact.task == contract.task, within_s=within_s)
+    return ended.said if ended is not None else None
+
+
+def as_in_figure_6(contract: Contract) -> Check:
+    """Whether the contracts are those of the paper."""
+    return Check(
+        f"{MACHINE} contracts {PRIMARY} as primary and {SECONDARY} as secondary, as in Figure 6",
+        (contract.primary, contract.secondary) == (PRIMARY, SECONDARY),
+        f"{contract.task}, {contract.item}: {contract.primary} and {contract.secondary or 'nobody'}",
+    )
+
+
+def carriers(stage: Stage, contract: Contract) -> tuple[str, ...]:
+    """Everybody who has ever carried the task, in order."""
+    first = [
+        taken.agent
+        for taken in stage.witness.all(ContractTaken)
+        if taken.said.task == contract.task and taken.said.role is Role.PRIMARY
+    ]
+    later = [taken.agent for taken in stage.witness.all(TookOver) if taken.said.task == contract.task]
+    return tuple(dict.fromkeys((*first, *later)))
+
+
+def handed_over_once(stage: Stage, contract: Contract) -> Check:
+    """Whether one carrier alone has handed the task over."""
+    ends = [seen.said for seen in stage.witness.all(TaskClosed) if seen.said.task == contract.task]
+    delivered = [end for end in ends if end.outcome == "delivered"]
+    return Check(
+        "The material is handed over once",
+        len(ends) == len(delivered) == 1,
+        ", ".join(f"{end.outcome} by {end.carrier or 'nobody'}" for end in ends) or "it is still open",
+    )
+
+
+def mesh_heartbeats(
+    stage: Stage, atv: str, since_s: float, until_s: float
+) -> tuple[list[float], tuple[str, ...]]:
+    """When a vehicle's heartbeats came by radio, and over whom."""
+    heard = [
+        seen
+        for seen in stage.witness.all(AtvHeartbeat, since_s=since_s)
+        if seen.said.atv == atv and seen.said.via and seen.said.link is Link.MESH and seen.at_s <= until_s
+    ]
+    relays = sorted({relay for seen in heard for relay in seen.said.via})
+    return [seen.at_s for seen in heard], tuple(relays)
+
+
+def longest_gap_s(times_s: list[float], since_s: float, until_s: float) -> float:
+    """The longest time without any of these between two moments (s)."""
+    return max(later - before for before, later in pairwise([since_s, *times_s, until_s]))
+
+
+def in_laboratory(
+    name: str, seed: int, script: Callable[[Stage], Awaitable[T]], shift: Shift | None = None
+) -> Played[T]:
+    """Play a script with the paper's three vehicles and nobody else's demand."""
+    base = shift or Shift(name=name, duration_s=0.0)
+    return play(replace(base, name=name, stock_frac=STOCK_FRAC, keep=KEPT), laboratory(), seed, script)
+
+
+def _accepted(fact: AwardAnswered, role: Role) -> bool:
+    return fact.role is role and fact.answer == "accepted"

@@ -1,0 +1,198 @@
+"""Peak season: more work than the fleet can carry, until vehicles join while everything runs (case 2)."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass
+
+from msgspec import structs
+
+from dray.messages import Role
+from dray.messages.fact import ContractEnded, ContractTaken
+from dray.plant import Plant, VehicleSpec, default_plant
+from dray_sim.evidence import Check, Table
+from dray_sim.observer import percentile
+from dray_sim.scenario import Findings, Scenario
+from dray_sim.stage import Shift, Stage, play
+
+FIRST_FLEET = ("ATV2", "ATV4")
+"""Two that can carry everything: less than the peak needs."""
+
+JOIN_EVERY_S = 30.0
+
+SPAN_S = 3600.0
+"""What is measured, before and after."""
+
+SHIFT = Shift(name="peak-season", duration_s=3.5 * SPAN_S, load=0.85, keep=(ContractTaken, ContractEnded))
+
+FACTOR = 1.2
+"""So much more must be carried with the newcomers for the claim to hold."""
+
+SOON_S = 600.0
+"""A newcomer has its first contract by then."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hour:
+    """What was done in the time that was measured."""
+
+    transports: int
+    pieces: int
+    p50_s: float
+    p95_s: float
+
+    def row(self, when: str, vehicles: int) -> tuple[str, ...]:
+        """A row of the table."""
+        return (
+            when,
+            str(vehicles),
+            str(self.transports),
+            str(self.pieces),
+            f"{self.p50_s:.0f} s",
+            f"{self.p95_s:.0f} s",
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Season:
+    """What was seen.
+
+    Attributes:
+        first_s: how long each newcomer took until it had its first contract.
+        disturbed: transports of the first fleet that did not end by a handover.
+        lives: incarnations of all that were there before, other than the first.
+    """
+
+    before: Hour
+    after: Hour
+    first_s: dict[str, float]
+    disturbed: tuple[str, ...]
+    lives: tuple[str, ...]
+
+
+def short_fleet() -> tuple[Plant, tuple[VehicleSpec, ...]]:
+    """The default plant with a part of its vehicles, and the others."""
+    file = default_plant().file
+    first = tuple(spec for spec in file.fleet if spec.id in FIRST_FLEET)
+    others = tuple(spec for spec in file.fleet if spec.id not in FIRST_FLEET)
+    return Plant(structs.replace(file, fleet=first)), others
+
+
+async def season(stage: Stage, newcomers: tuple[VehicleSpec, ...], span_s: float) -> Season:
+    """Warm up for half a span, measure, let the newcomers join one after another, measure at the end."""
+    await stage.until_s(span_s / 2)
+    before = await _hour(stage, span_s)
+    joined_s: dict[str, float] = {}
+    for spec in newcomers:
+        stage.factory.add_vehicle(spec)
+        joined_s[spec.id] = stage.now_s()
+        await asyncio.sleep(JOIN_EVERY_S)
+    await stage.until_s(stage.shift.duration_s - span_s)
+    after = await _hour(stage, span_s)
+    return Season(before, after, _first_s(stage, joined_s), _disturbed(stage), _lives(stage))
+
+
+async def _hour(stage: Stage, span_s: float) -> Hour:
+    seen = stage.observer
+    transports, pieces = len(seen.transports), sum(seen.delivered.values())
+    await asyncio.sleep(span_s)
+    took_s = [transport.took_s for transport in seen.transports[transports:]]
+    return Hour(
+        len(took_s),
+        sum(seen.delivered.values()) - pieces,
+        percentile(took_s, 0.5),
+        percentile(took_s, 0.95),
+    )
+
+
+def _first_s(stage: Stage, joined_s: dict[str, float]) -> dict[str, float]:
+    first_s: dict[str, float] = {}
+    for taken in stage.witness.all(ContractTaken):
+        if taken.agent in joined_s and taken.said.role is Role.PRIMARY:
+            first_s.setdefault(taken.agent, taken.at_s - joined_s[taken.agent])
+    return first_s
+
+
+def _disturbed(stage: Stage) -> tuple[str, ...]:
+    return tuple(
+        f"{ended.said.task} {ended.said.reason}"
+        for ended in stage.witness.all(ContractEnded)
+        if ended.agent in FIRST_FLEET
+        and ended.said.role is Role.PRIMARY
+        and ended.said.reason != "handed_over"
+    )
+
+
+def _lives(stage: Stage) -> tuple[str, ...]:
+    machines = {machine: heard.incarnation for machine, heard in stage.witness.machines.items()}
+    atvs = {atv: heard.incarnation for atv, heard in stage.witness.atvs.items()}
+    return tuple(agent for agent, life in {**machines, **atvs}.items() if life != 1)
+
+
+def peak(seed: int, shift: Shift = SHIFT, span_s: float = SPAN_S) -> Findings:
+    """Play a season."""
+    plant, newcomers = short_fleet()
+    played = play(shift, plant, seed, lambda stage: season(stage, newcomers, span_s))
+    told = played.told
+    if told is None:
+        return Findings(runs=(played,), checks=())
+    before, after = told.before, told.after
+    slowest_s = max(told.first_s.values(), default=0.0)
+    return Findings(
+        runs=(played,),
+        checks=(
+            Check(
+                f"With the newcomers at least {FACTOR - 1:.0%} more transports are made",
+                after.transports >= FACTOR * before.transports,
+                f"{before.transports} an hour before, {after.transports} with them"
+                if span_s == SPAN_S
+                else f"{before.transports} before, {after.transports} with them",
+            ),
+            Check(
+                "A transport takes less time",
+                after.p50_s < before.p50_s and after.p95_s < before.p95_s,
+                f"p50 {before.p50_s:.0f} s, then {after.p50_s:.0f} s; p95 {before.p95_s:.0f} s, then {after.p95_s:.0f} s",
+            ),
+            Check(
+                f"Every newcomer finds work by itself within {SOON_S / 60:.0f} minutes",
+                len(told.first_s) == len(newcomers) and slowest_s <= SOON_S,
+                f"{len(told.first_s)} of {len(newcomers)}, the slowest after {slowest_s:.0f} s",
+            ),
+            Check(
+                "No transport of those who were there before is disturbed",
+                not told.disturbed,
+                ", ".join(told.disturbed) or "all ended by their handover",
+            ),
+            Check(
+                "Nobody is restarted for it",
+                not told.lives,
+                ", ".join(told.lives) or "every agent is in its first life",
+            ),
+        ),
+        tables=(
+            Table(
+                "Before and after",
+                ("hour" if span_s == SPAN_S else "span", "vehicles", "transports", "pieces", "p50", "p95"),
+                (
+                    before.row("before", len(FIRST_FLEET)),
+                    after.row("after", len(FIRST_FLEET) + len(newcomers)),
+                ),
+            ),
+        ),
+    )
+
+
+PEAK_SEASON = Scenario(
+    name="peak-season",
+    shows="Vehicles join at run time: throughput before and after.",
+    source="paper, 4.2 case 2",
+    claim=(
+        "When there is more to do than usual, it is enough to add vehicles. They take part from the moment they "
+        "join, and nobody who is there already notices more than that its transports are made sooner."
+    ),
+    story=(
+        f"The default plant at {SHIFT.load:.0%} load begins with {len(FIRST_FLEET)} of its 8 vehicles. After an hour and "
+        f"a half the other six join, one every {JOIN_EVERY_S:.0f} s."
+    ),
+    play=peak,
+)
