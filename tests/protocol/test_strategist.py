@@ -30,6 +30,7 @@ from dray.messages import (
     Award,
     BerthClaimed,
     Bid,
+    CancellationTaken,
     Confirmed,
     Docked,
     GoalBrief,
@@ -420,11 +421,21 @@ def test_cancelling_makes_room_for_the_next_order() -> None:
     assert quantity == 24
 
 
-def test_cancelling_twice_or_what_is_unknown_is_harmless() -> None:
+def test_a_cancellation_is_answered_as_often_as_it_is_asked_for() -> None:
     rig = released(order(pump=24))
-    rig.hear("gateway", OrderCancelled(order="O1"))
-    assert rig.hear("gateway", OrderCancelled(order="O1")) == []
-    assert rig.hear("gateway", OrderCancelled(order="O9")) == []
+    for _ in range(2):
+        effects = rig.hear("gateway", OrderCancelled(order="O1"))
+        assert sent(effects, CancellationTaken, to="gateway") == [CancellationTaken(order="O1")]
+    assert len(facts(rig.all, OrderDropped)) == 1
+
+
+def test_an_order_that_is_cancelled_before_it_comes_is_never_begun() -> None:
+    rig = released(order("O1", pump=24))
+    effects = rig.hear("gateway", OrderCancelled(order="O2"))
+    assert sent(effects, CancellationTaken) == [CancellationTaken(order="O2")]
+    effects = rig.hear("gateway", order("O2", pump=24))
+    assert facts(effects, OrderAccepted) == announced(effects) == []
+    assert sent(effects, OrderTaken)
 
 
 def test_a_cancelled_order_that_is_released_again_is_not_made() -> None:

@@ -13,7 +13,7 @@ from starlette.middleware.errors import ServerErrorMiddleware
 from dray import __version__
 from dray.gateway import openapi, problems
 from dray.gateway.commands import Commands
-from dray.gateway.desk import Desk
+from dray.gateway.desk import CANCELLED_AGAIN_S, Desk
 from dray.gateway.panels import PREFIX, STATIC, BuiltFiles, Panels
 from dray.gateway.parts import Parts
 from dray.gateway.peer import Peer
@@ -94,7 +94,8 @@ def create_app(
             tasks = await stack.enter_async_context(asyncio.TaskGroup())
             running = [tasks.create_task(parts.desk.run()), tasks.create_task(parts.hub.run())]
             async with store.read() as work:
-                parts.desk.begin(await work.orders.open())
+                dropped = await work.orders.cancelled(wall_s() - CANCELLED_AGAIN_S)
+                parts.desk.begin(await work.orders.open(), dropped)
             yield
             for task in running:
                 task.cancel()

@@ -2,7 +2,7 @@
 
 The bus promises nothing, so both are repeated with growing pauses until they are answered. Nothing is
 remembered here that SQL does not know: at the start all open orders are sent again, with what is
-still to be delivered; to a strategist who has them already that is no news.
+still to be delivered, and late cancellations too; to a strategist who has them already that is no news.
 """
 
 from __future__ import annotations
@@ -23,8 +23,9 @@ PAUSE_S = (0.5, 15.0)
 """Wall seconds before the first repetition, and between later ones at most; it doubles. The strategist
 may be away for hours, and should have its orders soon after it is back."""
 
-CANCEL_TRIES = 60
-"""A strategist who never had an order does not answer its cancellation: some 15 minutes are enough."""
+CANCELLED_AGAIN_S = 86_400.0
+"""At the start, orders that were cancelled in this time before are cancelled again: nobody wrote down whether
+the strategist has heard of it, and it is seldom away for a day."""
 
 NO_DUE_S = 8 * 3600.0
 """Factory seconds within which an order without a due time is wanted: a shift."""
@@ -35,15 +36,15 @@ _log = logging.getLogger(__name__)
 class Reminder:
     """Something to be said until it is answered."""
 
-    __slots__ = ("due_s", "message", "pause_s", "tries_left")
+    __slots__ = ("due_s", "message", "pause_s")
 
-    def __init__(self, message: Message, tries_left: int | None, now_s: float) -> None:
-        self.message, self.tries_left = message, tries_left
+    def __init__(self, message: Message, now_s: float) -> None:
+        self.message = message
         self.due_s, self.pause_s = now_s + PAUSE_S[0], 2 * PAUSE_S[0]
 
 
 class Reminders:
-    """What is to be said again, and when. Pure; bounded by the open orders.
+    """What is to be said again, and when. Pure; bounded by the open orders and those just cancelled.
 
     All times are on a clock of the caller's choice that never goes back.
     """
@@ -54,9 +55,9 @@ class Reminders:
     def __contains__(self, order: str) -> bool:
         return order in self._reminders
 
-    def add(self, order: str, message: Message, now_s: float, tries: int | None = None) -> None:
-        """It was said now: say it again until it is answered, or `tries` times; replaces an older one."""
-        self._reminders[order] = Reminder(message, tries, now_s)
+    def add(self, order: str, message: Message, now_s: float) -> None:
+        """It was said now: say it again until it is answered; replaces an older one."""
+        self._reminders[order] = Reminder(message, now_s)
 
     def answered(self, order: str, kind: type[Message]) -> bool:
         """The strategist has answered; returns whether something of this kind was waiting for it."""
@@ -68,18 +69,11 @@ class Reminders:
 
     def due(self, now_s: float) -> list[Message]:
         """What is to be said at this moment; the next time is set."""
-        due: list[Message] = []
-        for order, reminder in list(self._reminders.items()):
-            if reminder.due_s > now_s:
-                continue
-            due.append(reminder.message)
+        due = [reminder for reminder in self._reminders.values() if reminder.due_s <= now_s]
+        for reminder in due:
             reminder.due_s = now_s + reminder.pause_s
             reminder.pause_s = min(2 * reminder.pause_s, PAUSE_S[1])
-            if reminder.tries_left is not None:
-                reminder.tries_left -= 1
-                if reminder.tries_left <= 0:
-                    del self._reminders[order]
-        return due
+        return [reminder.message for reminder in due]
 
     def next_s(self) -> float | None:
         """When something is to be said again; None for never."""
@@ -108,10 +102,12 @@ class Desk:
         self._reminders = Reminders()
         self._news = asyncio.Event()
 
-    def begin(self, orders: Iterable[Order]) -> None:
-        """Send all open orders of an earlier life again."""
-        for order in orders:
-            self.release(order)
+    def begin(self, orders: Iterable[Order], cancelled: Iterable[str]) -> None:
+        """Send all open orders of an earlier life again, and drop those that were cancelled lately."""
+        for order in cancelled:
+            self.cancel(order)
+        for opened in orders:
+            self.release(opened)
 
     def release(self, order: Order) -> None:
         """Let the strategist have an order, with what is still to be delivered of it."""
@@ -128,11 +124,11 @@ class Desk:
             items=tuple(OrderItem(item.product, outstanding) for item, outstanding in items),
             due_s=due_s + (NO_DUE_S if wanted_s is None else 0.0),
         )
-        self._say(order.id, message, None)
+        self._say(order.id, message)
 
     def cancel(self, order: str) -> None:
         """Let the strategist drop an order."""
-        self._say(order, OrderCancelled(order=order), CANCEL_TRIES)
+        self._say(order, OrderCancelled(order=order))
 
     def taken(self, order: str) -> None:
         """The strategist has the order."""
@@ -154,7 +150,7 @@ class Desk:
             for message in self._reminders.due(clock.time()):
                 self._send(STRATEGIST, message)
 
-    def _say(self, order: str, message: Message, tries: int | None) -> None:
-        self._reminders.add(order, message, asyncio.get_running_loop().time(), tries)
+    def _say(self, order: str, message: Message) -> None:
+        self._reminders.add(order, message, asyncio.get_running_loop().time())
         self._send(STRATEGIST, message)
         self._news.set()

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dray.gateway.commands import Commands
 from dray.gateway.desk import STRATEGIST, Desk
 from dray.gateway.projection import Projection
-from dray.messages import CommandAnswered, Event, Message, OrderTaken
-from dray.messages.fact import OrderDropped
+from dray.messages import CancellationTaken, CommandAnswered, Message, OrderTaken
 from dray.messages.keys import Keys
 from dray.ports import Bus, Session
 
@@ -43,10 +42,10 @@ class Peer:
                         desk.taken(order)
                 case CommandAnswered():
                     self.ignored += not commands.answered(sender, message)
+                case CancellationTaken(order=order):
+                    if sender == STRATEGIST:
+                        desk.dropped(order)
                 case _:
-                    if isinstance(message, Event) and isinstance(message.fact, OrderDropped):
-                        if sender == STRATEGIST:
-                            desk.dropped(message.fact.order)
                     projection.fold(message)
 
         self._session = self._bus.join(AGENT, receive)

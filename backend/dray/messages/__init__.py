@@ -52,6 +52,7 @@ from dray.messages.heartbeat import (
     TaskBrief,
 )
 from dray.messages.order import (
+    CancellationTaken,
     CommandAnswered,
     CommandKind,
     OrderCancelled,
@@ -86,6 +87,7 @@ AnyMessage = (
     | OrderReleased
     | OrderTaken
     | OrderCancelled
+    | CancellationTaken
     | VehicleCommand
     | CommandAnswered
     | BerthClaimed
@@ -106,6 +108,7 @@ __all__ = [
     "Bid",
     "Brief",
     "BufferLevel",
+    "CancellationTaken",
     "CommandAnswered",
     "CommandKind",
     "Confirmed",

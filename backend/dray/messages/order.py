@@ -33,7 +33,13 @@ class OrderTaken(Message, frozen=True):
 
 
 class OrderCancelled(Message, frozen=True):
-    """Stop working at this order: goals that no machine has begun are withdrawn."""
+    """Stop working at this order: its goals are withdrawn. Repeated until the strategist answers."""
+
+    order: Id
+
+
+class CancellationTaken(Message, frozen=True):
+    """The strategist does not work at this order, and will not begin to."""
 
     order: Id
 

@@ -86,7 +86,7 @@ class OrderBook:
         self._orders: dict[str, OrderInWork] = {}
         self._goals: dict[str, OpenGoal] = {}
         self._ended: dict[str, None] = {}
-        """Ended orders, oldest first; a dict for its order."""
+        """Orders that have ended, or were cancelled before they came, oldest first; a dict for its order."""
         self._count = 0
         """Goals that were ever named."""
 
@@ -95,7 +95,7 @@ class OrderBook:
         return (goal for order in self._orders.values() for goal in order.goals.values())
 
     def __contains__(self, order: str) -> bool:
-        """Whether this order is in work, or has ended."""
+        """Whether this order is in work, or has ended, if only before it came."""
         return order in self._orders or order in self._ended
 
     def goal(self, goal: str) -> OpenGoal | None:
@@ -137,15 +137,18 @@ class OrderBook:
         return order
 
     def end(self, order: str) -> OrderInWork | None:
-        """Forget an order and its goals, and recognise it if it is released again; None if unknown."""
-        ended = self._orders.pop(order, None)
-        if ended is None:
-            return None
-        for goal in ended.goals:
-            del self._goals[goal]
+        """Forget an order and its goals, and take none of this name any more.
+
+        Returns:
+            The order; None when it was not in work.
+        """
         self._ended[order] = None
         if len(self._ended) > ENDED_KEPT:
             del self._ended[next(iter(self._ended))]
+        ended = self._orders.pop(order, None)
+        if ended is not None:
+            for goal in ended.goals:
+                del self._goals[goal]
         return ended
 
     # --- from life to life ---

@@ -27,6 +27,7 @@ from dray.memory import Memory, StrategistMemory
 from dray.messages import (
     Accepted,
     Bid,
+    CancellationTaken,
     Confirmed,
     Declined,
     GoalBrief,
@@ -163,11 +164,15 @@ class Strategist(Core):
             self._end_if_done(order)
         self._out.append(Send(sender, OrderTaken(order=message.order)))
 
-    def _hear_cancelled(self, _sender: str, message: OrderCancelled, now_s: float) -> None:
+    def _hear_cancelled(self, sender: str, message: OrderCancelled, now_s: float) -> None:
+        """Drop an order, and say so as often as it is asked for, also of one that has not come yet."""
         order = self._book.end(message.order)
-        if order is None:
-            return
         self._commit()
+        if order is not None:
+            self._drop(order, now_s)
+        self._out.append(Send(sender, CancellationTaken(order=message.order)))
+
+    def _drop(self, order: OrderInWork, now_s: float) -> None:
         for goal in order.goals.values():
             if goal.machine:
                 # From now on the gate is shut for it, as for any goal that nobody is to make.

@@ -95,6 +95,19 @@ class Orders:
         found = await self._select(orders.c.status.in_(OPEN))
         return sorted(found, key=lambda order: (order.created_at_s, order.id))
 
+    async def cancelled(self, since_s: float) -> list[str]:
+        """Ids of orders that the factory had, and that were cancelled since then, the oldest first."""
+        query = (
+            select(orders.c.id)
+            .where(
+                orders.c.status == OrderStatus.CANCELLED,
+                orders.c.released_at_s.is_not(None),
+                orders.c.cancelled_at_s >= since_s,
+            )
+            .order_by(orders.c.cancelled_at_s, orders.c.id)
+        )
+        return list((await self._connection.execute(query)).scalars())
+
     async def page(
         self, statuses: Sequence[OrderStatus], after: tuple[float, str] | None, limit: int | None
     ) -> list[Order]:
