@@ -117,8 +117,12 @@ def secondary(rig: VehicleRig, task: str = "M8-2", primary: str = "ATV2") -> lis
     return rig.hear("M8", award(task=task, role=Role.SECONDARY, primary=primary))
 
 
-def command(rig: VehicleRig, kind: CommandKind, speed_frac: float | None = None) -> CommandAnswered:
-    message = VehicleCommand(command="C1", kind=kind, speed_frac=speed_frac, issued_by="shift lead")
+def command(
+    rig: VehicleRig, kind: CommandKind, speed_frac: float | None = None, *, name: str = ""
+) -> CommandAnswered:
+    """Give a command; a new one unless it is given the name of one before."""
+    name = name or f"C{len(facts(rig.all, CommandObeyed)) + 1}"
+    message = VehicleCommand(command=name, kind=kind, speed_frac=speed_frac, issued_by="shift lead")
     [answer] = sent(rig.hear("gateway", message), CommandAnswered, to="gateway")
     return answer
 
@@ -541,6 +545,30 @@ def test_a_stop_holds_until_an_acknowledge_and_then_a_resume() -> None:
     assert command(rig, CommandKind.RESUME).done
     assert len(instructed(rig.all, Unhold)) == 1
     assert last_beat(rig).status is AtvStatus.WORKING
+
+
+def test_a_stop_that_comes_again_after_the_resume_stops_nothing() -> None:
+    rig = contracted()
+    for kind in (CommandKind.STOP, CommandKind.ACKNOWLEDGE, CommandKind.RESUME):
+        command(rig, kind)
+    assert command(rig, CommandKind.STOP, name="C1").done
+    assert len(instructed(rig.all, Hold)) == 1
+    assert len(facts(rig.all, CommandObeyed)) == 3
+    assert last_beat(rig).status is AtvStatus.WORKING
+
+
+def test_a_resume_whose_answer_was_lost_is_answered_as_before() -> None:
+    rig = contracted()
+    for kind in (CommandKind.STOP, CommandKind.ACKNOWLEDGE, CommandKind.RESUME):
+        command(rig, kind)
+    assert command(rig, CommandKind.RESUME, name="C3").done
+
+
+def test_commands_of_two_people_are_told_apart_by_who_gave_them() -> None:
+    rig = contracted()
+    command(rig, CommandKind.STOP)
+    rig.hear("operator-north", VehicleCommand(command="C1", kind=CommandKind.ACKNOWLEDGE))
+    assert command(rig, CommandKind.RESUME).done
 
 
 def test_a_second_stop_needs_an_acknowledge_of_its_own() -> None:

@@ -11,6 +11,10 @@ from dray.messages import CommandAnswered, CommandKind, VehicleCommand
 from dray.messages.fact import CommandObeyed
 from dray.protocol.events import Effect, Instruct, Record, Send
 
+COMMANDS_KEPT = 32
+"""Whoever gives a command repeats it until it is answered, and people give few: a command that comes
+again, or late, is among the last ones."""
+
 
 class Obedience:
     """What people have told one vehicle.
@@ -21,6 +25,8 @@ class Obedience:
 
     def __init__(self, out: list[Effect]) -> None:
         self._out = out
+        self._refusals: dict[tuple[str, str], str] = {}
+        """What became of the last commands, by who gave them and their names; the oldest first."""
         self.acknowledged = False
         """The present stop was acknowledged, and not resumed yet."""
         self.stopped = False
@@ -30,10 +36,21 @@ class Obedience:
     def hear(self, sender: str, command: VehicleCommand) -> bool:
         """Carry a command out or refuse it, and answer.
 
+        One that was heard before is answered as before, and nothing else: a stop that the network
+        delivers again after the resume must not stop the vehicle when nobody looks after it any more.
+
         Returns:
-            Whether it was carried out.
+            Whether it was carried out now.
         """
+        name = sender, command.command
+        before = self._refusals.get(name)
+        if before is not None:
+            self._out.append(Send(sender, _answer(command, before)))
+            return False
         refused = self._try(command)
+        if len(self._refusals) >= COMMANDS_KEPT:
+            del self._refusals[next(iter(self._refusals))]
+        self._refusals[name] = refused
         self.answer(sender, command, refused)
         return not refused
 
@@ -44,7 +61,6 @@ class Obedience:
 
     def answer(self, sender: str, command: VehicleCommand, refused: str) -> None:
         """Say what became of a command; `refused` tells why not."""
-        answer = CommandAnswered(command=command.command, done=not refused, reason=refused)
         fact = CommandObeyed(
             command=command.command,
             what=command.kind.value,
@@ -52,7 +68,7 @@ class Obedience:
             reason=refused,
             issued_by=command.issued_by,
         )
-        self._out += (Send(sender, answer), Record(fact))
+        self._out += (Send(sender, _answer(command, refused)), Record(fact))
 
     def _try(self, command: VehicleCommand) -> str:
         """Why not, or nothing."""
@@ -79,3 +95,7 @@ class Obedience:
         self.speed_frac = speed_frac
         self._out.append(Instruct(LimitSpeed(speed_frac=speed_frac)))
         return ""
+
+
+def _answer(command: VehicleCommand, refused: str) -> CommandAnswered:
+    return CommandAnswered(command=command.command, done=not refused, reason=refused)
