@@ -47,6 +47,9 @@ class SpeaksOn:
         if type(message) is AtvHeartbeat or type(message) is MachineHeartbeat:
             self._heard_s[sender] = at_s
         if at_s >= self._look_s:
+            if at_s > self._look_s + LOOK_S:
+                # Nobody has said anything, so nobody knows who was running: all begin anew.
+                self._heard_s = dict.fromkeys(self._heard_s, at_s)
             self._look_s = at_s + LOOK_S
             self._look(at_s)
 

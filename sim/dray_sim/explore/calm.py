@@ -16,8 +16,8 @@ from dray.messages.fact import (
     TaskClosed,
     TaskOpened,
 )
+from dray_sim.broken import InvariantBroken
 from dray_sim.explore.patience import Patience
-from dray_sim.invariants import InvariantBroken
 
 LOOK_S = 5.0
 """How often the bounds are looked at: they are minutes."""

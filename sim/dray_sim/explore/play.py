@@ -4,19 +4,25 @@ from __future__ import annotations
 
 import asyncio
 from collections import Counter
+from random import Random
 
 from dray.errors import DrayError
 from dray.messages import Event, Message
 from dray.messages.fact import TaskClosed, TookOver
 from dray_sim.desk import Desk
+from dray_sim.explore.blame import Blame
 from dray_sim.explore.calm import Calm
 from dray_sim.explore.outcome import Outcome
+from dray_sim.explore.passerby import Passerby
 from dray_sim.explore.patience import Patience
 from dray_sim.explore.story import Story
 from dray_sim.explore.trial import Trial, draw
 from dray_sim.factory import Ears, SimFactory
+from dray_sim.faults import Fault, Faults, describe, kind_of
+from dray_sim.faults import play as let_happen
 from dray_sim.invariants import Invariants
 from dray_sim.loop import JUMP, clock, run
+from dray_sim.people import hire
 from dray_sim.trace import Trace
 
 LONGEST_S = 6 * 3600.0
@@ -64,6 +70,35 @@ class _Tally:
                 self.takeovers += 1
 
 
+class _Diary(Faults):
+    """The faults of a trial, written down as they begin and end."""
+
+    def __init__(self, world: SimFactory, blame: Blame, story: Story | None) -> None:
+        super().__init__(world)
+        self.begun: Counter[str] = Counter()
+        self._factory = world
+        self._blame = blame
+        self._story = story
+
+    def begin(self, fault: Fault) -> str:
+        name = super().begin(fault)
+        self.begun[kind_of(fault)] += 1
+        self._blame.begin(fault)
+        self._note(f"--- {name} begins: {describe(fault)}")
+        return name
+
+    def end(self, name: str) -> None:
+        fault = self.active.get(name)
+        super().end(name)
+        if fault is not None:
+            self._blame.end(fault, self._factory.clock.now_s())
+        self._note(f"--- {name} ends")
+
+    def _note(self, what: str) -> None:
+        if self._story is not None:
+            self._story.note(self._factory.clock.now_s(), what)
+
+
 class _Game:
     """A trial while it is played."""
 
@@ -83,8 +118,11 @@ class _Game:
         factory = SimFactory(
             trial.plant, clock(), seed=trial.seed, stock_frac=trial.stock_frac, codec=trial.codec, ear=ears
         )
-        calm = Calm(Patience(trial.plant))
-        checks = Invariants(factory, calm)
+        blame, calm = Blame(), Calm(Patience(trial.plant, trial.habits))
+        checks = Invariants(factory, blame, calm)
+        faults = _Diary(factory, blame, self._story)
+        self._faults = faults.begun
+        let_happen(trial.schedule, faults)
         ears.add(*(ear for ear in (self._story, self._trace) if ear is not None), self._tally, checks)
         life = asyncio.create_task(self._live(factory))
         broken = asyncio.create_task(checks.wait_broken())
@@ -116,9 +154,23 @@ class _Game:
         )
 
     async def _live(self, factory: SimFactory) -> None:
+        trial = self._trial
         async with asyncio.TaskGroup() as group:
             group.create_task(factory.run())
-            group.create_task(Desk(factory.bus, factory.clock).place(self._trial.orders))
+            group.create_task(Desk(factory.bus, factory.clock).place(trial.orders))
+            if trial.habits is not None:
+                for operator in hire(factory, seed=trial.seed, habits=trial.habits):
+                    group.create_task(operator.run())
+            if trial.passerby:
+                group.create_task(self._pass_by(factory))
+
+    async def _pass_by(self, factory: SimFactory) -> None:
+        trial = self._trial
+        passerby = Passerby(factory.bus, tuple(trial.plant.fleet), Random(f"{trial.seed} passerby"))
+        try:
+            await asyncio.wait_for(passerby.meddle(), trial.faults_until_s)
+        except TimeoutError:
+            await passerby.put_right()
 
     async def _await_end(self, factory: SimFactory, calm: Calm) -> None:
         """The faults, the calm, and the end of everything that is open."""

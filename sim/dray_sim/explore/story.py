@@ -1,7 +1,8 @@
 """What came before a violation, in lines that a person can read.
 
 Heartbeats are left out: there are many, and what matters in them is said otherwise too. When the
-violation names tasks or agents, what was said about them is told further back than the rest.
+violation names tasks, goals or orders, what changed their fate is told as far back as it goes, with the
+faults of that time.
 """
 
 from __future__ import annotations
@@ -14,16 +15,41 @@ from typing import NamedTuple
 
 import msgspec
 
-from dray.messages import Event, Heartbeat, Message, Production, Transport
+from dray.messages import (
+    Bid,
+    Docked,
+    DockHeld,
+    Event,
+    Heartbeat,
+    Message,
+    Production,
+    TaskAnnounced,
+    Transport,
+)
+from dray.messages.fact import BidReceived, BidRefused, BidSent, PieceMade, RoundFailed, TaskOpened
 
 KEPT = 20_000
 """Utterances kept while a trial is played again: all of it, but for the longest."""
 
-LAST = 30
+LAST = 20
 """Lines of whatever was said at the end."""
 
-ABOUT = 40
+ABOUT = 80
 """Lines about what the violation names."""
+
+REPEATED = (
+    Bid,
+    BidReceived,
+    BidRefused,
+    BidSent,
+    Docked,
+    DockHeld,
+    PieceMade,
+    RoundFailed,
+    TaskAnnounced,
+    TaskOpened,
+)
+"""What is said over and over while nothing changes."""
 
 _NAMES = re.compile(r"[A-Za-z][\w.-]*\d[\w.-]*\w|[A-Z]+\d+")
 
@@ -54,7 +80,10 @@ class Story:
         """Keep one utterance."""
         if not isinstance(message, Heartbeat):
             to = address[1:] if address.startswith(">") else "all"
-            self._lines.append(Line(at_s, sender, to, message))
+            line = Line(at_s, sender, to, message)
+            # An announcement goes to many cells.
+            if not self._lines or self._lines[-1] != line:
+                self._lines.append(line)
 
     def note(self, at_s: float, what: str) -> None:
         """Keep something that was done, a fault say."""
@@ -78,9 +107,9 @@ def _concerns(line: Line, names: set[str]) -> bool:
     if isinstance(line.what, str):
         return True
     said = line.what.fact if type(line.what) is Event else line.what
-    about = {getattr(said, field, None) for field in ("task", "goal", "order")}
-    tasks = {name for name in names if name in about}
-    return bool(tasks)
+    if isinstance(said, REPEATED):
+        return False
+    return any(getattr(said, field, None) in names for field in ("task", "goal", "order"))
 
 
 def _words(said: msgspec.Struct) -> str:

@@ -16,7 +16,23 @@ import msgspec
 
 from dray.plant import MachineSpec, Making, Material, Plant, Product, VehicleSpec
 from dray_sim import demand
+from dray_sim.faults import (
+    WEIGHTS,
+    CoverageHole,
+    Crashed,
+    Fault,
+    LinkTrouble,
+    LoadShifted,
+    Partition,
+    PoweredOff,
+    Timed,
+    VehicleBroken,
+    WlanCut,
+    describe,
+    random_schedule,
+)
 from dray_sim.generator import generate_plant
+from dray_sim.people import Habits
 
 DURATION_S = 1200.0
 """The least virtual time of a trial."""
@@ -42,6 +58,10 @@ class Profile:
         load: the demand against what machines and vehicles can do, whichever is less.
         stock_frac: how full buffers are at the beginning.
         battery_frac: of the vehicles at the beginning.
+        intensity: faults in a minute.
+        weights: which kinds of faults, and how often each against the others.
+        operators_frac: the part of the trials with operators.
+        passerby_frac: the part in which somebody presses buttons at random.
     """
 
     machines: tuple[int, int] = (1, 6)
@@ -51,11 +71,18 @@ class Profile:
     load: tuple[float, float] = (0.5, 1.5)
     stock_frac: tuple[float, float] = (0.0, 0.8)
     battery_frac: tuple[float, float] = (0.6, 1.0)
+    intensity: tuple[float, float] = (0.2, 3.0)
+    weights: Mapping[type[Fault], float] = field(default_factory=lambda: WEIGHTS)
+    operators_frac: float = 0.7
+    passerby_frac: float = 0.4
 
 
 PROFILES: Mapping[str, Profile] = {
     "all": Profile(),
-    "tiny": Profile(machines=(1, 2), vehicles=(2, 3)),
+    "deaths": Profile(weights={PoweredOff: 2.0, Crashed: 1.0}, passerby_frac=0.0),
+    "links": Profile(weights={WlanCut: 2.0, LinkTrouble: 4.0, Partition: 2.0, CoverageHole: 1.0}),
+    "hands": Profile(weights={VehicleBroken: 1.0, LoadShifted: 2.0}, operators_frac=1.0, passerby_frac=1.0),
+    "calm": Profile(intensity=(0.0, 0.0), passerby_frac=0.0),
 }
 """By name, as `dray sim explore --profile` takes them."""
 
@@ -72,6 +99,8 @@ class Trial:
         duration_s: it lasts at least so long, and on until everything has ended.
         orders: the demand.
         codec: whether all messages go through the wire format.
+        habits: of the operators; None where there are none.
+        passerby: whether somebody presses buttons at random.
     """
 
     seed: int
@@ -82,7 +111,10 @@ class Trial:
     faults_until_s: float
     duration_s: float
     codec: bool
+    habits: Habits | None
+    passerby: bool
     orders: tuple[demand.Order, ...] = field(repr=False)
+    schedule: tuple[Timed, ...] = field(repr=False)
 
     def __str__(self) -> str:
         """In one line, for a reader."""
@@ -91,12 +123,17 @@ class Trial:
             f"{len(self.plant.fleet)} vehicles",
             f"{len(self.orders)} orders",
             f"load {self.load:.0%}",
+            f"{len(self.schedule)} faults",
+            "operators" if self.habits is not None else "no operators",
         )
-        return ", ".join(parts)
+        return ", ".join((*parts, "a passerby") if self.passerby else parts)
 
     def timetable(self) -> list[str]:
         """What will go wrong, and when, line by line."""
-        return []
+        return [
+            f"{timed.at_s:7.1f} to {timed.until_s or self.faults_until_s:7.1f} s  {describe(timed.fault)}"
+            for timed in self.schedule
+        ]
 
 
 def draw(seed: int, profile: str = "all") -> Trial:
@@ -122,7 +159,31 @@ def draw(seed: int, profile: str = "all") -> Trial:
         duration_s=DURATION_S,
         # It costs time and finds little that the other nine would not: some of them see that it is harmless.
         codec=random.random() < 0.1,
+        habits=_habits(random) if random.random() < ranges.operators_frac else None,
+        passerby=random.random() < ranges.passerby_frac,
         orders=tuple(orders),
+        schedule=random_schedule(
+            plant,
+            Random(f"{seed} faults"),
+            FAULTS_UNTIL_S,
+            random.uniform(*ranges.intensity),
+            weights=ranges.weights,
+        ),
+    )
+
+
+def _habits(random: Random) -> Habits:
+    """Quick people, since trials are short; some promise more than they keep."""
+    return Habits(
+        react_s=(1.0, random.uniform(2.0, 15.0)),
+        promises_frac=random.random(),
+        estimate=(random.uniform(0.3, 1.0), 1.5),
+        walk_s=(5.0, 30.0),
+        mend_s=(5.0, random.uniform(10.0, 60.0)),
+        carry_s=(10.0, 30.0),
+        push_s=(10.0, 30.0),
+        silent_s=random.uniform(10.0, 40.0),
+        slow_frac=random.uniform(0.3, 1.0),
     )
 
 
