@@ -27,6 +27,7 @@ from dray.plant import default_plant
 from dray_sim import demand
 from dray_sim.desk import Desk
 from dray_sim.factory import Ears, SimFactory
+from dray_sim.faults import Faults, LinkTrouble
 from dray_sim.hands import Hands
 from dray_sim.invariants import Invariants
 from dray_sim.loop import clock, run
@@ -488,12 +489,17 @@ def test_an_empty_battery_is_exchanged(factory: SimFactory) -> None:
 # --- all of it in a running factory ---
 
 
-async def _misfortunes(seed: int) -> tuple[SimFactory, Invariants, Counter[Duty]]:
-    """Half an hour in which loads shift and vehicles break or die, and only people help."""
+async def _misfortunes(
+    seed: int, turns: int = 12, *network: LinkTrouble
+) -> tuple[SimFactory, Invariants, Counter[Duty]]:
+    """A time in which loads shift and vehicles break or die, and people help."""
     ears = Ears()
     factory = SimFactory(PLANT, clock(), seed=seed, ear=ears)
     checks = Invariants(factory)
     ears.add(checks)
+    faults = Faults(factory)
+    for each in network:
+        faults.begin(each)
     crew = hire(factory, seed=seed)
     orders = demand.orders(PLANT, Random(seed), load=0.9, until_s=1800.0)
     chance = Random(seed)
@@ -502,7 +508,7 @@ async def _misfortunes(seed: int) -> tuple[SimFactory, Invariants, Counter[Duty]
         lives += [group.create_task(Desk(factory.bus, factory.clock).place(orders))]
         lives += [group.create_task(operator.run()) for operator in crew]
         await asyncio.sleep(200.0)
-        for turn in range(12):
+        for turn in range(turns):
             atv = chance.choice(list(factory.vehicles))
             if turn % 3 == 0:
                 factory.vehicles[atv].break_down("blocked way")
@@ -518,11 +524,22 @@ async def _misfortunes(seed: int) -> tuple[SimFactory, Invariants, Counter[Duty]
     return factory, checks, sum((Counter(operator.done) for operator in crew), Counter())
 
 
-def test_people_bring_everything_back_to_life_and_no_piece_is_lost() -> None:
-    factory, checks, done = run(_misfortunes(seed=5))
+def assert_all_is_well(factory: SimFactory) -> None:
     for vehicle in factory.vehicles.values():
         assert (vehicle.off, vehicle.problem, vehicle.sense().held) == (False, "", False)
+
+
+def test_people_bring_everything_back_to_life_and_no_piece_is_lost() -> None:
+    factory, checks, done = run(_misfortunes(seed=5))
+    assert_all_is_well(factory)
     assert done[Duty.HELP] >= 8
     assert done[Duty.RECOVER] >= 4
     assert sum(factory.in_hands.values()) == 0
     assert checks.broken is None
+
+
+def test_no_stop_outlives_its_operator_though_words_are_lost_doubled_and_overtaken() -> None:
+    bad = LinkTrouble(latency_s=0.1, jitter_s=1.0, loss_frac=0.2, duplicate_frac=0.3, reorder_frac=0.5)
+    factory, _, done = run(_misfortunes(3, 6, bad))
+    assert_all_is_well(factory)
+    assert done[Duty.SPEED_UP] == 2
