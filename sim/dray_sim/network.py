@@ -43,7 +43,18 @@ if TYPE_CHECKING:
     from dray_sim.loop import VirtualClock
     from dray_sim.trace import Ear
 
-__all__ = ["WLAN", "Latency", "SimNetwork", "SimSession", "compile_pattern"]
+__all__ = [
+    "APART",
+    "HELD_UP_S",
+    "LOST",
+    "NO_GATEWAY",
+    "NO_WLAN",
+    "WLAN",
+    "Latency",
+    "SimNetwork",
+    "SimSession",
+    "compile_pattern",
+]
 
 MAX_ROUTES = 10_000
 """Keys whose listeners are remembered: ten times those of a plant of three hundred agents."""
@@ -337,29 +348,12 @@ class SimNetwork:
     def _send_ill(self, sender: SimSession, receiver: SimSession, message: Message) -> None:
         if receiver is sender:
             self._carry(sender, receiver, message)
-        elif self._modems.talks_wlan(sender.agent):
-            self._send_over(sender.agent, sender.agent, receiver, message)
-        else:
+        elif not self._modems.talks_wlan(sender.agent):
             self._rise(Frame(sender.agent, message, to=receiver.agent))
-
-    def _send_over(self, over: str, sender: str, receiver: SimSession, message: Message) -> None:
-        """Send from `over`, who has WLAN, what `sender` says: by WLAN, else by radio."""
-        if self._modems.has_wlan(receiver.agent):
-            self._carry_ill(over, sender, receiver, message)
-            return
-        modem = self._modems.stations.get(receiver.agent)
-        if modem is None:
-            self.lost[NO_WLAN] += 1
-            return
-        short = self.radio.shorten(sender, message)
-        if short is None:
-            return
-        gateway = self._sessions.get(modem.gateway)
-        if gateway is None or self._clock.time_s > modem.gateway_s + GATEWAY_S:
-            self.lost[NO_GATEWAY] += 1
-            return
-        frame = Frame(sender, short, to=receiver.agent, rising=False)
-        self._pass_link(over, gateway.agent, self._fall, gateway.agent, frame)
+        elif self._modems.has_wlan(receiver.agent):
+            self._carry_ill(sender.agent, sender.agent, receiver, message)
+        else:
+            self._hand_down(sender.agent, Frame(sender.agent, message, to=receiver.agent))
 
     def _carry_ill(self, over: str, sender: str, receiver: SimSession, message: Message) -> None:
         """Decide the fate of one delivery on the WLAN, from `over`, who says it for `sender`."""
@@ -419,6 +413,22 @@ class SimNetwork:
         by_radio = self.link_of(sender) is Link.MESH
         self.lost[UNFIT if by_radio else NO_WLAN] += 1
 
+    def _hand_down(self, start: str, frame: Frame) -> None:
+        """Send from `start`, who has WLAN, to a vehicle that has none: by WLAN to its gateway, then by radio."""
+        modem = self._modems.stations.get(frame.to)
+        if modem is None:
+            self.lost[NO_WLAN] += 1
+            return
+        short = self.radio.shorten(frame.origin, frame.message)
+        if short is None:
+            return
+        gateway = self._sessions.get(modem.gateway)
+        if gateway is None or self._clock.time_s > modem.gateway_s + GATEWAY_S:
+            self.lost[NO_GATEWAY] += 1
+            return
+        falling = Frame(frame.origin, short, to=frame.to, rising=False, reached=frame.reached)
+        self._pass_link(start, gateway.agent, self._fall, gateway.agent, falling)
+
     def _fall(self, gateway: str, frame: Frame) -> None:
         """A frame for a vehicle without WLAN has come to the gateway that is to say it by radio."""
         if self._on_air(gateway) and self._modems.has_wlan(gateway):
@@ -430,7 +440,7 @@ class SimNetwork:
         """Decide what a vehicle does with a frame; true when it should say it again (see `Radio`)."""
         session = self._sessions[station.agent]
         if frame.to == station.agent:
-            session.deliver(frame.origin, frame.message)
+            self._reach(session, frame)
             return False
         if frame.key and not self._modems.has_wlan(station.agent) and session in self._listeners(frame.key):
             session.deliver(frame.origin, _came_over(frame.message, via))
@@ -458,11 +468,19 @@ class SimNetwork:
                 if receiver.agent != frame.origin:
                     self._carry_ill(gateway.agent, frame.origin, receiver, message)
             return
-        receiver_or_none = self._sessions.get(frame.to)
-        if receiver_or_none is None:
+        addressee = self._sessions.get(frame.to)
+        if addressee is None:
             self.missed += 1
-        elif frame.to not in frame.heard:
-            self._send_over(gateway.agent, frame.origin, receiver_or_none, frame.message)
+        elif self._modems.has_wlan(frame.to):
+            self._pass_link(gateway.agent, frame.to, self._reach, addressee, frame)
+        else:
+            self._hand_down(gateway.agent, frame)
+
+    def _reach(self, receiver: SimSession, frame: Frame) -> None:
+        """A frame has come to the one agent that it is for: the first of its ways counts."""
+        if not frame.reached:
+            frame.reached.append(receiver.agent)
+            receiver.deliver(frame.origin, frame.message)
 
     def _on_air(self, agent: str) -> bool:
         """Whether a vehicle's radio works: it has power, a process, and no fault in the radio itself."""

@@ -115,6 +115,7 @@ class Frame:
         rising: from a vehicle towards the bus; the other way round it goes to a vehicle.
         heard: who has heard it.
         gateways: who has passed it on to the bus.
+        reached: the one agent that it is for, once it has come there, by radio or by the bus.
     """
 
     origin: str
@@ -124,6 +125,7 @@ class Frame:
     rising: bool = True
     heard: dict[str, None] = field(default_factory=dict)
     gateways: list[str] = field(default_factory=list)
+    reached: list[str] = field(default_factory=list)
 
 
 Take = Callable[["Modem", Frame, tuple[str, ...]], bool]

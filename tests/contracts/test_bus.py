@@ -14,9 +14,11 @@ from typing import Any
 
 import pytest
 
-from dray.messages import Message, OrderTaken
+from dray.messages import Message, OrderTaken, Pose
 from dray.ports import Bus, Session
 from dray_sim.bridge import BridgedBus, SimThread
+from dray_sim.coverage import Coverage, Hole
+from dray_sim.faults import LinkTrouble, Partition, WlanCut
 from dray_sim.loop import VirtualLoop, clock, paced, run
 from dray_sim.network import WLAN, SimNetwork
 
@@ -52,6 +54,21 @@ class InProcess(World):
 
     async def settle(self) -> None:
         await asyncio.sleep(WLAN.cap_s)
+
+
+class Ill(InProcess):
+    """Faults are active, and none of them concerns the agents of the test: nothing may change for them."""
+
+    def run(self, test: Coroutine[Any, Any, None]) -> None:
+        async def main() -> None:
+            network = SimNetwork(clock(), Random(7), coverage=Coverage(holes=[Hole(0.0, 0.0, 1.0)]))
+            network.equip("V", lambda: Pose(0.0, 0.0, 0.0), lambda _: None)
+            for fault in (WlanCut("V"), LinkTrouble(sender="V*", loss_frac=1.0), Partition((("V",),))):
+                network.begin(fault)
+            self.bus = network
+            await test
+
+        run(main())
 
 
 class Bridged(World):
@@ -95,6 +112,7 @@ class Bridged(World):
 WORLDS = {
     "in-process": InProcess,
     "in-process, on the wire format": lambda: InProcess(codec=True),
+    "in-process, while others suffer": Ill,
     "bridged": Bridged,
 }
 
