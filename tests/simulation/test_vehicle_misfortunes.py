@@ -223,6 +223,25 @@ def test_a_battery_watch_begins_anew_with_the_power(yard: Yard) -> None:
     assert yard.said[-1][0] == pytest.approx(1005.0, abs=1e-3)
 
 
+# --- no agent ---
+
+
+def test_a_vehicle_whose_agent_is_gone_drives_as_far_as_was_released_and_stands(
+    yard: Yard, vehicle: SimVehicle
+) -> None:
+    yard.do(vehicle, drive("west", "middle", "east", "north", released=3), for_s=5.0)
+    vehicle.attach(lambda _report: None)
+    yard.run(1000.0)
+    assert (place(vehicle), vehicle.sense().speed_mps) == ((20.0, 0.0), 0.0)
+
+
+def test_a_manoeuvre_is_finished_though_the_agent_is_gone(yard: Yard, vehicle: SimVehicle) -> None:
+    yard.do(vehicle, PICK, for_s=5.0)
+    vehicle.attach(lambda _report: None)
+    yard.run(1000.0)
+    assert vehicle.sense().load == "shaft"
+
+
 # --- a load that slips ---
 
 
