@@ -90,6 +90,7 @@ class OpenTask:
         "source",
         "span_s",
         "trouble",
+        "unloaded",
         "unnamed_s",
         "unwatched_s",
         "vigil",
@@ -119,6 +120,8 @@ class OpenTask:
         """How much time the task was given."""
         self.loaded = False
         """Goods that have left this machine: nobody else can fetch them again."""
+        self.unloaded = False
+        """The coordinator has seen the load put down in its own buffer; the handover is still to come."""
         self.trouble = ""
         """Why it does not go on, in words."""
         self.grace = False
@@ -170,6 +173,10 @@ class ClosedTask:
         self.carrier, self.epoch, self.outcome = carrier, epoch, outcome
 
 
+def _do_nothing(*_args: object) -> None:
+    """For an owner that has nothing to do then."""
+
+
 class Coordinator:
     """All open tasks of one coordinating agent.
 
@@ -183,6 +190,8 @@ class Coordinator:
         out: where effects go.
         contracted: called when a task has got its primary, another one, or is without one again.
         lost: called when goods are given up with the vehicle that had them on board.
+        left: called with a vehicle that does not carry a task any more.
+        unloaded: called when a task has ended because its load is down, though nobody has said so.
     """
 
     def __init__(
@@ -195,7 +204,10 @@ class Coordinator:
         following: Following | None,
         out: list[Effect],
         contracted: Callable[[OpenTask, float], None],
-        lost: Callable[[OpenTask, float], None] | None = None,
+        *,
+        lost: Callable[[OpenTask, float], None] = _do_nothing,
+        left: Callable[[str], None] = _do_nothing,
+        unloaded: Callable[[OpenTask, float], None] = _do_nothing,
     ) -> None:
         self._agent = agent
         self._place = place
@@ -206,6 +218,8 @@ class Coordinator:
         self._out = out
         self._contracted = contracted
         self._lost = lost
+        self._left = left
+        self._unloaded = unloaded
         self.alarms = {
             PRIMARY_AUCTION: self._wake_auction,
             WATCH_AUCTION: self._wake_watch_auction,
@@ -298,6 +312,7 @@ class Coordinator:
         self._timers.clear((PRIMARY_AUCTION, task.id))
         self._drop_watch(task, "the task has ended")
         if task.primary:
+            self._left(task.primary)
             self._end_vigil(PRIMARY_VIGIL, task.id, task.vigil)
             if outcome == "withdrawn":
                 withdrawn = Withdrawn(task=task.id, epoch=task.epoch, reason="not needed any more")
@@ -391,6 +406,12 @@ class Coordinator:
                 if task.guard.hear(heartbeat, now_s):
                     self._hear_secondary(task, heartbeat, now_s)
 
+    def note_loaded(self, task: OpenTask) -> None:
+        """Goods have left with their carrier: nobody else could fetch them, so nobody needs to watch."""
+        if not task.loaded:
+            task.loaded = True
+            self._drop_watch(task, "the load is on board")
+
     # --- time passes ---
 
     def _wake_auction(self, task_id: str, now_s: float) -> None:
@@ -453,7 +474,7 @@ class Coordinator:
         if brief is not None and brief.task == task.id and brief.epoch == task.epoch:
             task.unnamed_s = NEVER_S
             if task.is_of_goods and brief.phase in GOODS_ABOARD:
-                task.loaded = True  # Also when they left while this coordinator was away.
+                self.note_loaded(task)  # Also when they left while this coordinator was away.
         elif task.unnamed_s == NEVER_S:
             task.unnamed_s = now_s
         elif now_s - task.unnamed_s > UNNAMED_S:
@@ -471,6 +492,10 @@ class Coordinator:
 
     def _without_carrier(self, task: OpenTask, reason: str, now_s: float) -> None:
         """Nobody carries a task: announce it anew, or wait while its goods are out there."""
+        if task.unloaded:
+            self.close(task, "delivered")
+            self._unloaded(task, now_s)
+            return
         if not task.loaded:
             self.reopen(task, reason, now_s)
             return
@@ -482,13 +507,14 @@ class Coordinator:
             self._contracted(task, now_s)
             return
         self.close(task, "withdrawn")
-        if self._lost is not None:
-            self._lost(task, now_s)
+        self._lost(task, now_s)
 
     def _veto(self, task: OpenTask, message: TakenOver, now_s: float) -> str:
         """Why nobody may take a task over; empty when it is right."""
         if message.primary != task.primary:
             return "another one carries it"
+        if task.unloaded:
+            return f"{task.primary} has put the load down"
         if task.loaded:
             return f"the load is on board of {task.primary}"
         vigil = task.vigil
@@ -577,13 +603,15 @@ class Coordinator:
             self._timers.set((PRIMARY_VIGIL, task.id), task.vigil.fails_at_s)
 
     def _unbind(self, task: OpenTask, reason: str) -> None:
+        if task.primary:
+            self._left(task.primary)
         self._drop_watch(task, reason)
         self._end_vigil(PRIMARY_VIGIL, task.id, task.vigil)
         task.primary, task.vigil, task.source, task.loaded = "", None, "", False
         task.grace, task.trouble = False, ""
 
     def _seek_watch(self, task: OpenTask, candidates: tuple[tuple[str, Bid], ...], now_s: float) -> None:
-        if self._following is None:
+        if self._following is None or task.loaded:
             return
         terms = Terms(
             task=task.id,

@@ -118,7 +118,9 @@ class Machine(Core):
             Following(self._keys.atv_heartbeat, self._out),
             self._out,
             self._on_carrier_changed,
-            self._on_lost,
+            lost=self._on_lost,
+            left=self._on_left,
+            unloaded=self._settle,
         )
         self._dock = Dock(machine, self._tasks, self._supply, self._out)
         self._cycling = ""
@@ -185,8 +187,12 @@ class Machine(Core):
         self._out.append(Subscribe(self._keys.all_atv_heartbeats))
         self._timers.set(ADOPT, now_s + ADOPT_S)
 
-    def _end_adoption(self, _about: None, _now_s: float) -> None:
+    def _end_adoption(self, _about: None, now_s: float) -> None:
         self._out.append(Unsubscribe(self._keys.all_atv_heartbeats))
+        for product in self._products:
+            # What had left before this life began, its carrier has told by now.
+            self._miss_goods(product, self._claimed(product) - self._supply.level(product), now_s)
+        self._pursue(now_s)
 
     def _recall(self, memory: MachineMemory, now_s: float) -> None:
         """Go on with what an earlier life was bound by."""
@@ -271,21 +277,56 @@ class Machine(Core):
 
     def _stock_changed(self, report: StockChanged, now_s: float) -> None:
         self._supply.change(report.item, report.change)
-        if report.item in self._products:
-            self._goods_moved(report, now_s)
+        if report.item not in self._products:
+            self._material_came(report)
+        elif report.change < 0:
+            self._goods_left(report, now_s)
+        else:
+            self._goods_came_back(report, now_s)
         self._pursue(now_s)
 
-    def _goods_moved(self, report: StockChanged, now_s: float) -> None:
-        """Goods have left with a vehicle, or a person has brought some back from one that failed."""
-        for task in list(self._tasks):
-            if task.work_item != report.item:
-                continue
-            if report.vehicle == task.primary and report.change < 0:
-                task.loaded = True
+    def _material_came(self, report: StockChanged) -> None:
+        for task in self._tasks:
+            if task.primary == report.vehicle and task.work_item == report.item:
+                task.unloaded = True
+
+    def _goods_left(self, report: StockChanged, now_s: float) -> None:
+        for task in self._tasks:
+            if task.primary == report.vehicle and task.work_item == report.item:
+                self._tasks.note_loaded(task)
                 self._commit()
-            elif not report.vehicle and task.loaded and report.change == cast(Transport, task.work).quantity:
+                return
+        self._miss_goods(report.item, -report.change, now_s)
+
+    def _goods_came_back(self, report: StockChanged, now_s: float) -> None:
+        """A person has brought them, from a vehicle that has failed."""
+        for task in list(self._tasks):
+            work = cast(Transport, task.work)
+            if task.loaded and work.item == report.item and work.quantity == report.change:
                 self._tasks.reopen(task, "its load was brought back", now_s)
                 return
+        self._goals.add_spare(report.item, report.change)
+        self._goals_changed(now_s)
+
+    def _miss_goods(self, product: str, pieces: int, now_s: float) -> None:
+        """Goods are gone, and no carrier of ours has them: they are made anew."""
+        if pieces <= 0:
+            return
+        for task in list(self._tasks):
+            work = cast(Transport, task.work)
+            if work.item == product and not task.loaded and work.quantity <= pieces:
+                pieces -= work.quantity
+                self._tasks.close(task, "withdrawn")
+                self._on_lost(task, now_s)
+        spare = min(pieces, self._goals.spare(product))
+        self._goals.take_spare(product, spare)
+        pieces -= spare
+        for goal in self._goals:
+            if goal.work.product == product and pieces > 0:
+                gone = min(pieces, goal.ready)
+                goal.made -= gone
+                pieces -= gone
+        self._commit()
 
     def _broken(self, report: Broken, now_s: float) -> None:
         self._problem = report.reason
@@ -429,6 +470,9 @@ class Machine(Core):
             self._tasks.close(task, "withdrawn")
             self._goals.add_spare(work.item, work.quantity)
 
+    def _on_left(self, atv: str) -> None:
+        self._dock.shut(atv)
+
     def _on_lost(self, task: OpenTask, now_s: float) -> None:
         """A vehicle has vanished with goods: they are made anew."""
         work = cast(Transport, task.work)
@@ -442,8 +486,11 @@ class Machine(Core):
 
     def _hear_handover(self, sender: str, message: Handover, now_s: float) -> None:
         task = self._dock.hear_handover(sender, message)
-        if task is None:
-            return
+        if task is not None:
+            self._settle(task, now_s)
+
+    def _settle(self, task: OpenTask, now_s: float) -> None:
+        """A transport was delivered."""
         self._commit()
         work = cast(Transport, task.work)
         goal = self._goals.get(work.goal)
