@@ -16,10 +16,13 @@ from typing import Any, TypeVar, cast
 import httpx
 from fastapi import FastAPI
 
+from dray.errors import UnavailableError
 from dray.gateway.app import create_app
+from dray.gateway.faultdesk import FaultDesk, FaultKind, FaultRefused
 from dray.gateway.panels import Panels
 from dray.gateway.parts import Parts
 from dray.gateway.timescale import TimeScale
+from dray.gateway.views import FaultView
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
@@ -191,6 +194,37 @@ def events(agent: str, *facts: AnyFact, life: int = 1, first: int = 1, at_s: flo
     ]
 
 
+# --- faults by hand --------------------------------------------------------------------------------
+
+
+class FakeDesk:
+    """A fault desk without a factory: it knows the agent ATV3 only."""
+
+    kinds = (FaultKind("PoweredOff", "Switched off.", ("agent",)),)
+
+    def __init__(self) -> None:
+        self.begun: list[dict[str, Any]] = []
+        self.ended: list[str] = []
+        self.away = False
+        """Whether the factory does not answer."""
+
+    async def begin(self, fault: dict[str, Any]) -> FaultView:
+        self._answer()
+        if fault.get("agent") != "ATV3":
+            raise FaultRefused("agent", "there is no such agent")
+        self.begun.append(fault)
+        name = f"f{len(self.begun)}"
+        return FaultView(id=name, kind=fault["kind"], fault=fault, agents=("ATV3",), began_at_s=NOW_S)
+
+    async def end(self, fault: str) -> None:
+        self._answer()
+        self.ended.append(fault)
+
+    def _answer(self) -> None:
+        if self.away:
+            raise UnavailableError("the simulated factory", "does not answer", "look at the log")
+
+
 # --- the gateway ---------------------------------------------------------------------------------
 
 
@@ -261,6 +295,7 @@ async def gateway(
     speed: float = 1.0,
     incarnation: int = 1,
     panels: Panels | None = None,
+    faults: FaultDesk | None = None,
     change: Callable[[FastAPI], None] = lambda _app: None,
     **settings: Any,
 ) -> AsyncIterator[House]:
@@ -274,6 +309,7 @@ async def gateway(
         speed: plant seconds per wall second.
         incarnation: of the plant's agents.
         panels: templates and built files, when not the package's own.
+        faults: the desk of a simulated factory.
         change: something to do to the application before it starts.
         settings: fields of `Settings` that differ from the defaults.
     """
@@ -291,6 +327,7 @@ async def gateway(
             incarnation=incarnation,
             historian=historian,
             panels=panels,
+            faults=faults,
             wall_s=wall,
         )
         change(app)

@@ -35,7 +35,13 @@ async def ask(house: House, body: Any, atv: str = "ATV1") -> httpx.Response:
 
 @pytest.mark.parametrize(
     "body",
-    [STOP, {"kind": "acknowledge"}, {"kind": "resume"}, {"kind": "set_speed", "speed_frac": 0.5}],
+    [
+        STOP,
+        {"kind": "acknowledge"},
+        {"kind": "resume"},
+        {"kind": "set_speed", "speed_frac": 0.5},
+        {"kind": "promise", "wait_s": 120.0},
+    ],
     ids=lambda body: body["kind"],
 )
 async def test_a_command_is_answered_with_the_vehicles_word(house: House, body: dict[str, Any]) -> None:
@@ -45,7 +51,8 @@ async def test_a_command_is_answered_with_the_vehicles_word(house: House, body: 
     (command,) = heard
     assert answer.json() == {"command": command.command, "done": True, "reason": ""}
     assert command.kind is CommandKind(body["kind"])
-    assert command.speed_frac == body.get("speed_frac")
+    assert (command.speed_frac, command.wait_s) == (body.get("speed_frac"), body.get("wait_s"))
+    assert command.issued_by
 
 
 async def test_a_refused_command_is_answered_with_the_vehicles_reason(house: House) -> None:
@@ -134,6 +141,10 @@ async def test_too_many_waiting_commands_are_refused(house: House, monkeypatch: 
         ({"kind": "set_speed", "speed_frac": 1.01}, "speed_frac"),
         ({"kind": "set_speed", "speed_frac": "0.5"}, "speed_frac"),
         ({"kind": "set_speed", "speed_frac": True}, "speed_frac"),
+        ({"kind": "promise"}, "body"),
+        ({"kind": "stop", "wait_s": 60.0}, "body"),
+        ({"kind": "promise", "wait_s": 0}, "wait_s"),
+        ({"kind": "promise", "wait_s": 900.5}, "wait_s"),
         ({"kind": "fly"}, "kind"),
         ({"kind": None}, "kind"),
         ({}, "kind"),

@@ -15,12 +15,22 @@ import pytest
 import requests
 import schemathesis
 from anyio.from_thread import BlockingPortal, start_blocking_portal
-from gateway_kit import PLANT, PRODUCT, FakeBus, House, atv_heartbeat, events, gateway, machine_heartbeat
+from gateway_kit import (
+    PLANT,
+    PRODUCT,
+    FakeBus,
+    FakeDesk,
+    House,
+    atv_heartbeat,
+    events,
+    gateway,
+    machine_heartbeat,
+)
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from hypothesis.errors import Unsatisfiable
 from schemathesis import GenerationMode
-from schemathesis.specs.openapi.checks import positive_data_acceptance
+from schemathesis.specs.openapi.checks import negative_data_rejection, positive_data_acceptance
 
 from dray.gateway.app import create_app
 from dray.gateway.timescale import TimeScale
@@ -76,7 +86,7 @@ class Running:
 def running(url: str) -> Iterator[Running]:
     with (
         start_blocking_portal("asyncio") as portal,
-        portal.wrap_async_context_manager(gateway(url)) as house,
+        portal.wrap_async_context_manager(gateway(url, faults=FakeDesk())) as house,
     ):
         yield Running(portal, house, portal.call(_fill, house))
 
@@ -91,8 +101,16 @@ async def _fill(house: House) -> dict[str, str]:
     opened = TaskOpened("M1-1", 1, Role.PRIMARY, 1, work, 20.0, 900.0, 105.0)
     await house.say([atv_heartbeat("ATV1"), machine_heartbeat("M1"), *events("M1", opened)])
     order = await house.place()
+    await house.client.post("/api/faults", json={"kind": "PoweredOff", "agent": "ATV3"})
     token = order["tracking_url"].rpartition("/")[2]
-    return {"order": order["id"], "token": token, "atv": "ATV1", "machine": "M1", "task": "M1-1"}
+    return {
+        "order": order["id"],
+        "token": token,
+        "atv": "ATV1",
+        "machine": "M1",
+        "task": "M1-1",
+        "fault": "f1",
+    }
 
 
 @pytest.mark.parametrize("mode", list(GenerationMode), ids=lambda mode: mode.value)
@@ -117,7 +135,11 @@ def test_every_answer_is_one_that_the_document_tells_of(
         request = requests.Request(**case.as_transport_kwargs("http://dray.test")).prepare()
         answer = running.answer(request)
         # What has the right shape may still name a product that nobody makes, or another list's cursor.
-        case.validate_response(answer, excluded_checks=[positive_data_acceptance])
+        excluded = [positive_data_acceptance]
+        if path == "/api/events":
+            # A number in an address is text like any other, and names an agent that nobody knows.
+            excluded.append(negative_data_rejection)
+        case.validate_response(answer, excluded_checks=excluded)
 
     # Where any text may stand, nothing can be wrong.
     with suppress(Unsatisfiable) if mode is GenerationMode.NEGATIVE else nullcontext():

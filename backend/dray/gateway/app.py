@@ -14,6 +14,7 @@ from dray import __version__
 from dray.gateway import openapi, problems
 from dray.gateway.commands import Commands
 from dray.gateway.desk import CANCELLED_AGAIN_S, Desk
+from dray.gateway.faultdesk import FaultDesk
 from dray.gateway.panels import PREFIX, STATIC, BuiltFiles, Panels
 from dray.gateway.parts import Parts
 from dray.gateway.peer import Peer
@@ -43,6 +44,7 @@ def create_app(
     incarnation: int = 1,
     historian: Historian | None = None,
     panels: Panels | None = None,
+    faults: FaultDesk | None = None,
     wall_s: Callable[[], float] = clock.time,
 ) -> FastAPI:
     """Put a gateway together. It joins the bus when the server starts, and leaves it when it ends.
@@ -56,6 +58,7 @@ def create_app(
         incarnation: how often this plant's agents have been started (`Store.next_incarnation`).
         historian: runs as long as the application does, when given.
         panels: templates and built files, when not the ones that came with this package.
+        faults: lets things go wrong, where the factory is simulated.
         wall_s: the wall clock.
     """
 
@@ -63,7 +66,7 @@ def create_app(
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         peer = Peer(bus, Keys(plant.plant))
         products = frozenset(product.id for product in plant.products)
-        projection = Projection(plant, time)
+        projection = Projection(plant, time, trials=faults is not None)
         parts = Parts(
             settings=settings,
             plant=plant,
@@ -82,6 +85,7 @@ def create_app(
             ),
             peer=peer,
             panels=panels or Panels(),
+            faults=faults,
             keys_at_work=set(),
         )
         await _remember(parts)

@@ -31,7 +31,13 @@ class Commands:
         self._count = 0
 
     async def order(
-        self, atv: str, kind: CommandKind, speed_frac: float | None = None, issued_by: str = ""
+        self,
+        atv: str,
+        kind: CommandKind,
+        *,
+        speed_frac: float | None = None,
+        wait_s: float | None = None,
+        issued_by: str = "",
     ) -> CommandAnswered:
         """Send a command and wait for the vehicle's word.
 
@@ -53,7 +59,9 @@ class Commands:
         try:
             self._send(
                 atv,
-                VehicleCommand(command=command, kind=kind, speed_frac=speed_frac, issued_by=issued_by),
+                VehicleCommand(
+                    command=command, kind=kind, speed_frac=speed_frac, wait_s=wait_s, issued_by=issued_by
+                ),
             )
             async with asyncio.timeout(self._timeout_s):
                 return await answer

@@ -13,10 +13,11 @@ from dray.gateway.examples import examples
 from dray.gateway.problems import ProblemDetails
 from dray.gateway.routes.atvs import CommandAnswer
 from dray.gateway.routes.events import EventAnswer
+from dray.gateway.routes.faults import FaultsAnswer
 from dray.gateway.routes.orders import OrderAnswer
 from dray.gateway.routes.products import ProductAnswer
 from dray.gateway.routes.track import TrackAnswer
-from dray.gateway.views import AtvView, FactoryView, MachineView, TaskView
+from dray.gateway.views import AtvView, FactoryView, FaultView, MachineView, TaskView
 from dray.plant.model import PlantFile
 
 SHAPES = (
@@ -24,6 +25,8 @@ SHAPES = (
     CommandAnswer,
     EventAnswer,
     FactoryView,
+    FaultsAnswer,
+    FaultView,
     MachineView,
     OrderAnswer,
     PlantFile,

@@ -11,6 +11,7 @@ from starlette.requests import HTTPConnection
 
 from dray.gateway.commands import Commands
 from dray.gateway.desk import Desk
+from dray.gateway.faultdesk import FaultDesk
 from dray.gateway.panels import Panels
 from dray.gateway.peer import Peer
 from dray.gateway.projection import Projection
@@ -36,6 +37,8 @@ class Parts:
     hub: Hub
     peer: Peer
     panels: Panels
+    faults: FaultDesk | None
+    """None where the factory is not simulated."""
     keys_at_work: set[str]
     """Idempotency keys of requests that are being answered at this moment."""
 

@@ -6,6 +6,7 @@ from dray.gateway.routes import (
     atvs,
     docs,
     events,
+    faults,
     health,
     kpis,
     machines,
@@ -18,7 +19,7 @@ from dray.gateway.routes import (
     track,
 )
 
-API = (orders, track, products, machines, atvs, tasks, events, kpis, plant)
+API = (orders, track, products, machines, atvs, tasks, events, kpis, plant, faults)
 """Those that OpenAPI tells of."""
 
 REST = (docs, stream, health, pages)

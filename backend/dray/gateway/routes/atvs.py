@@ -18,22 +18,39 @@ from dray.messages import CommandKind
 router = APIRouter(tags=["factory"])
 
 
+MAX_PROMISE_S = 900.0
+"""No vehicle waits longer for a promise: it may be forgotten."""
+
+ISSUED_BY = "control room"
+"""Whom the vehicle names as the one who asked: nobody is logged in yet."""
+
+
 class CommandRequest(BaseModel):
     """A command to one vehicle."""
 
     model_config = ConfigDict(
         extra="forbid",
-        json_schema_extra={"examples": [{"kind": "stop"}, {"kind": "set_speed", "speed_frac": 0.5}]},
+        json_schema_extra={
+            "examples": [
+                {"kind": "stop"},
+                {"kind": "set_speed", "speed_frac": 0.5},
+                {"kind": "promise", "wait_s": 120.0},
+            ]
+        },
     )
 
     kind: CommandKind
     speed_frac: Annotated[float | None, Field(strict=True, gt=0, le=1)] = None
     """For `set_speed` only: a part of the vehicle's own top speed."""
+    wait_s: Annotated[float | None, Field(strict=True, gt=0, le=MAX_PROMISE_S)] = None
+    """For `promise` only: how long from now the help will take, in factory seconds."""
 
     @model_validator(mode="after")
-    def _speed_belongs_to_set_speed(self) -> Self:
+    def _numbers_belong_to_their_kinds(self) -> Self:
         if (self.speed_frac is not None) != (self.kind is CommandKind.SET_SPEED):
             raise ValueError("speed_frac is given with kind set_speed, and with no other")
+        if (self.wait_s is not None) != (self.kind is CommandKind.PROMISE):
+            raise ValueError("wait_s is given with kind promise, and with no other")
         return self
 
 
@@ -82,8 +99,10 @@ async def get_atv(gateway: Gateway, atv: str) -> Json:
     response_class=Json,
 )
 async def command_atv(gateway: Gateway, atv: str, command: CommandRequest) -> Json:
-    """Stop a vehicle, acknowledge, let it go on, or limit its speed; waits for the vehicle's word."""
+    """Stop a vehicle, acknowledge, let it go on, limit its speed, or promise help; waits for its word."""
     if atv not in gateway.projection.atvs:
         raise not_found("atv", atv, "GET /api/atvs")
-    answer = await gateway.commands.order(atv, command.kind, command.speed_frac)
+    answer = await gateway.commands.order(
+        atv, command.kind, speed_frac=command.speed_frac, wait_s=command.wait_s, issued_by=ISSUED_BY
+    )
     return Json(CommandAnswer(answer.command, answer.done, answer.reason))

@@ -1,0 +1,153 @@
+"""Faults: what a person lets go wrong in a simulated factory, to see what becomes of it."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable
+from http import HTTPStatus
+from typing import Annotated, TypeVar
+
+import msgspec
+from fastapi import APIRouter, Depends
+from pydantic import BaseModel, ConfigDict, Field
+
+from dray.errors import UnavailableError
+from dray.gateway.answers import Json, described, problems
+from dray.gateway.bodies import json_only
+from dray.gateway.faultdesk import FaultDesk, FaultKind, FaultRefused
+from dray.gateway.parts import Gateway, Parts
+from dray.gateway.problems import FieldError, Problem, not_found, unusable
+from dray.gateway.views import FaultView
+
+router = APIRouter(tags=["trials"])
+
+T = TypeVar("T")
+
+MAX_FAULTS = 100
+"""At work at once: more than anybody begins by hand, and a script should end what it begins."""
+
+
+class FaultRequest(BaseModel):
+    """A fault as data: its kind, and the fields of that kind as `GET /api/faults` tells them."""
+
+    model_config = ConfigDict(
+        extra="allow",
+        json_schema_extra={
+            "examples": [
+                {"kind": "PoweredOff", "agent": "ATV3"},
+                {"kind": "MachineBroken", "machine": "M8", "reason": "spindle"},
+            ]
+        },
+    )
+
+    kind: Annotated[str, Field(min_length=1, max_length=64)]
+
+
+class FaultsAnswer(msgspec.Struct, frozen=True):
+    """What is wrong by hand, and what could be."""
+
+    items: tuple[FaultView, ...]
+    """Those at work, oldest first."""
+    kinds: tuple[FaultKind, ...]
+
+
+EXAMPLE = FaultView(
+    id="f3",
+    kind="PoweredOff",
+    fault={"kind": "PoweredOff", "agent": "ATV3"},
+    agents=("ATV3",),
+    began_at_s=1_893_456_000.0,
+)
+
+KINDS = (FaultKind("PoweredOff", "The vehicle or machine is switched off.", ("agent",)),)
+
+
+@router.get(
+    "/faults",
+    responses={
+        200: described(FaultsAnswer, "Faults", FaultsAnswer((EXAMPLE,), KINDS)),
+        **problems(p409="The factory is not simulated"),
+    },
+    response_class=Json,
+)
+async def list_faults(gateway: Gateway) -> Json:
+    """Faults that were begun by hand and are at work, and the kinds that can be begun."""
+    desk = _desk(gateway)
+    return Json(FaultsAnswer(gateway.projection.trials.views(), desk.kinds))
+
+
+@router.post(
+    "/faults",
+    status_code=HTTPStatus.CREATED,
+    dependencies=[Depends(json_only)],
+    responses={
+        201: described(FaultView, "It has begun", EXAMPLE)
+        | {"headers": {"Location": {"description": "The fault", "schema": {"type": "string"}}}},
+        **problems(
+            p409="The factory is not simulated, or too many faults are at work",
+            p503="The factory does not answer",
+        ),
+    },
+    response_class=Json,
+)
+async def begin_fault(gateway: Gateway, fault: FaultRequest) -> Json:
+    """Let something go wrong, until it is ended."""
+    desk = _desk(gateway)
+    trials = gateway.projection.trials
+    if len(trials.views()) >= MAX_FAULTS:
+        raise Problem(
+            HTTPStatus.CONFLICT,
+            "too-many-faults",
+            "Too many faults are at work",
+            f"{MAX_FAULTS} have not ended; end some with DELETE /api/faults/ID",
+        )
+    begun = await _answered(desk.begin(fault.model_dump()))
+    trials.put(begun)
+    return Json(begun, HTTPStatus.CREATED, headers={"Location": f"/api/faults/{begun.id}"})
+
+
+@router.delete(
+    "/faults/{fault}",
+    responses={
+        200: described(FaultView, "It has ended", EXAMPLE),
+        **problems(
+            p403="Another site's page asked",
+            p404="There is no such fault",
+            p409="The factory is not simulated",
+            p503="The factory does not answer",
+        ),
+    },
+    response_class=Json,
+)
+async def end_fault(gateway: Gateway, fault: str) -> Json:
+    """Put it right again."""
+    desk = _desk(gateway)
+    trials = gateway.projection.trials
+    known = next((view for view in trials.views() if view.id == fault), None)
+    if known is None:
+        raise not_found("fault", fault, "GET /api/faults")
+    await _answered(desk.end(fault))
+    trials.drop(fault)
+    return Json(known)
+
+
+def _desk(gateway: Parts) -> FaultDesk:
+    if gateway.faults is None:
+        raise Problem(
+            HTTPStatus.CONFLICT,
+            "not-simulated",
+            "The factory is not simulated",
+            "faults can be begun by hand in a simulated factory only: start one with `dray up`",
+        )
+    return gateway.faults
+
+
+async def _answered(asked: Awaitable[T]) -> T:
+    """What the desk says, with its errors as problems."""
+    try:
+        return await asked
+    except FaultRefused as refused:
+        raise unusable(FieldError(refused.field, refused.reason)) from None
+    except UnavailableError as error:
+        raise Problem(
+            HTTPStatus.SERVICE_UNAVAILABLE, "no-answer", "The factory does not answer", str(error)
+        ) from None
