@@ -8,7 +8,7 @@ from history import a_day, delivered, keep, made, order, same_clock, tell
 
 from dray.store import Store
 from dray.store.events import EventFilter, EventRow
-from dray.store.gaps import MISSING_PER_LIFE, Known
+from dray.store.gaps import LIVES, MISSING_PER_LIFE, Known
 from dray.store.progress import Goal
 
 pytestmark = pytest.mark.anyio
@@ -76,14 +76,14 @@ async def test_positions_of_pruned_events_are_never_given_again(kept: Store) -> 
 
 
 async def test_the_newest_lives_are_known_with_their_holes(store: Store) -> None:
+    lives = range(1, LIVES + 2)
     async with store.write() as work:
-        for life in (1, 2, 3):
-            told = tell("M1", *[made("G1", 1)] * 5, life=life)
-            await work.events.add([event for event in told if event.number not in {2, life + 1}], same_clock)
+        for life in lives:
+            told = tell("M1", *[made("G1", 1)] * 9, life=life)
+            await work.events.add([event for event in told if event.number not in {2, life + 2}], same_clock)
         await work.events.add(tell("M2", made("G2", 1), first=3), same_clock)
         assert await work.events.known() == [
-            Known("M1", 2, 5, (2, 3)),
-            Known("M1", 3, 5, (2, 4)),
+            *(Known("M1", life, 9, (2, life + 2)) for life in lives[1:]),
             Known("M2", 1, 3, (1, 2)),
         ]
 

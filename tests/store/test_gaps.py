@@ -153,13 +153,29 @@ def test_a_last_event_that_was_lost_is_learnt_of_and_asked_for() -> None:
 
 def test_an_agent_that_was_heard_but_has_told_nothing_is_asked_from_the_beginning() -> None:
     gaps = Gaps()
-    gaps.note_alive("M1", 4, 0.0)
-    assert asked(gaps, SETTLE_S) == [(4, 1, WINDOW)]
+    gaps.note_alive("M1", 1, 0.0)
+    assert asked(gaps, SETTLE_S) == [(1, 1, WINDOW)]
+
+
+def test_an_agent_that_was_never_heard_before_is_asked_for_its_earlier_lives_too() -> None:
+    gaps = note(Gaps(), 1, life=3)
+    lives: list[int] = []
+    for _ in range(3):
+        ((life, _, _),) = asked(gaps, SETTLE_S)
+        lives.append(life)
+        gaps.answered("M1", kept(1, int(life == 3), life=life, said_in=3), SETTLE_S)
+    assert lives == [1, 2, 3]
+
+
+def test_lives_between_two_that_are_known_are_asked_about() -> None:
+    gaps = Gaps([Known("M1", 1, 3), Known("M1", 3, 3)])
+    gaps.answered("M1", kept(1, 3, life=1, said_in=3), 0.0)
+    assert asked(gaps, 0.0) == [(2, 1, WINDOW)]
 
 
 def test_what_came_while_nobody_listened_is_asked_for_first_of_all() -> None:
-    gaps = Gaps([Known("M1", 2, 17)], now_s=5.0)
-    assert asked(gaps, 5.0) == [(2, 18, 17 + WINDOW)]
+    gaps = Gaps([Known("M1", 1, 17)], now_s=5.0)
+    assert asked(gaps, 5.0) == [(1, 18, 17 + WINDOW)]
 
 
 def test_not_all_agents_are_asked_at_once() -> None:

@@ -13,12 +13,9 @@ from sqlalchemy.ext.asyncio import AsyncConnection
 from dray.messages import Event, Production, Transport
 from dray.messages.fact import TaskOpened
 from dray.store.dialect import insert_new
-from dray.store.gaps import MISSING_PER_LIFE, Known
+from dray.store.gaps import LIVES, MISSING_PER_LIFE, Known
 from dray.store.progress import ToWall
 from dray.store.tables import events, goals
-
-KNOWN_LIVES = 2
-"""Lives of an agent that are looked through for holes at a start; what an older one lacks is gone by now."""
 
 
 class EventRow(msgspec.Struct, frozen=True, gc=False):
@@ -103,7 +100,7 @@ class Events:
         oldest = (await self._connection.execute(select(func.min(events.c.position)))).scalar()
         found: list[Known] = []
         for _, of_agent in groupby(lives.all(), key=lambda row: row[0]):
-            for agent, life, first, last, count in list(of_agent)[-KNOWN_LIVES:]:
+            for agent, life, first, last, count in list(of_agent)[-LIVES:]:
                 # What was pruned is no hole; nothing was, as long as the first row of all is there.
                 start = 1 if oldest == 1 else first
                 missing: tuple[int, ...] = ()

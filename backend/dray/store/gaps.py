@@ -27,8 +27,8 @@ MISSING_PER_LIFE = 1_000
 """Numbers looked for one by one; as many as a journal keeps, so that older ones are gone anyway."""
 
 LIVES = 4
-"""Lives of one agent that are followed; an agent that starts more often than this in a historian's absence
-has worse troubles than its history."""
+"""Lives of one agent that are followed, the last ones; an agent that starts more often than this in a
+historian's absence has worse troubles than its history."""
 
 SETTLE_S = 1.0
 """Seconds before a skipped number is asked for: most of them are only late."""
@@ -107,7 +107,9 @@ class Gaps:
         self._tellers: dict[str, _Teller] = {}
         for one in known:
             teller = self._tellers.setdefault(one.agent, _Teller(heard_s=now_s, due_s=now_s))
-            teller.lives[one.incarnation] = life = _Life(last=one.last)
+            self._begin_life(teller, one.incarnation)
+            life = teller.lives[one.incarnation]
+            life.last = one.last
             life.missing.update(one.missing[-MISSING_PER_LIFE:])
             self.missing += len(life.missing)
 
@@ -194,17 +196,17 @@ class Gaps:
             teller.pause_s, teller.waiting = AGAIN_S[0], False
             self._ask_by(teller, now_s + SETTLE_S)
         teller.heard_s = now_s
-        newest = next(reversed(teller.lives), incarnation - 1)
-        if incarnation > newest:
-            self._begin_life(teller, newest, incarnation)
+        if incarnation > next(reversed(teller.lives), 0):
+            self._begin_life(teller, incarnation)
             self._ask_by(teller, now_s + SETTLE_S)
         return teller
 
-    def _begin_life(self, teller: _Teller, newest: int, incarnation: int) -> None:
-        """There is a newer life than the newest known; there may have been others between the two."""
-        if newest in teller.lives:
+    def _begin_life(self, teller: _Teller, incarnation: int) -> None:
+        """There is a newer life than the newest known; there may have been others of which nobody heard."""
+        newest = next(reversed(teller.lives), 0)
+        if newest:
             teller.lives[newest].open = True
-        for life in range(max(newest + 1, incarnation - LIVES + 1), incarnation + 1):
+        for life in range(max(newest, incarnation - LIVES) + 1, incarnation + 1):
             teller.lives[life] = _Life()
         while len(teller.lives) > LIVES:
             oldest = teller.lives.pop(next(iter(teller.lives)))

@@ -1,0 +1,233 @@
+"""Agents that end and begin again at any moment of a running factory, and a history without holes."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Iterable
+from contextlib import asynccontextmanager
+from random import Random
+from typing import cast
+
+import pytest
+
+from dray.messages import AtvHeartbeat, Event, Heartbeat, Message
+from dray.plant import default_plant
+from dray.ports import Receive, Session
+from dray.protocol.strategist import STRATEGIST
+from dray.store import Historian, Store
+from dray.store.gaps import LIVES, MISSING_PER_LIFE, TAIL_S, Known
+from dray.store.goals import Goal
+from dray.store.orders import Order
+from dray_sim import demand
+from dray_sim.desk import Desk
+from dray_sim.factory import Ear, Ears, SimFactory
+from dray_sim.invariants import Invariants
+from dray_sim.journal import HeldJournal
+from dray_sim.loop import clock, run
+from dray_sim.network import SimNetwork
+
+SPAN_S = 1800.0
+"""Of trouble: some hundred lives end in it."""
+
+CALM_S = 300.0
+"""After it. By then the historian has asked everybody about everything."""
+
+FETCHED_S = 2 * TAIL_S
+"""What happened so long ago was fetched if it was missed, though answers get lost too."""
+
+BEAT_S = 10.0
+"""A living agent is heard more often than this, whatever it does."""
+
+Key = tuple[str, int, int]
+
+
+def key(event: Event) -> Key:
+    """What no two events have in common."""
+    return event.agent, event.incarnation, event.number
+
+
+class Shelf:
+    """What the historian writes, in memory: a store for virtual time, where no thread of a database can run."""
+
+    def __init__(self) -> None:
+        self.kept: dict[Key, Event] = {}
+
+    @asynccontextmanager
+    async def read(self) -> AsyncIterator[Shelf]:
+        yield self
+
+    write = read
+
+    @property
+    def events(self) -> Shelf:
+        return self
+
+    samples = orders = goals = events
+
+    async def add(self, told: Iterable[Event | Heartbeat], _to_wall_s: object) -> None:
+        for one in told:
+            if isinstance(one, Event):
+                self.kept.setdefault(key(one), one)
+
+    async def known(self) -> list[Known]:
+        lives: dict[tuple[str, int], set[int]] = {}
+        for agent, life, number in self.kept:
+            lives.setdefault((agent, life), set()).add(number)
+        return [
+            Known(
+                agent, life, max(there), tuple(sorted(set(range(1, max(there))) - there))[-MISSING_PER_LIFE:]
+            )
+            for (agent, life), there in sorted(lives.items())
+            if life + LIVES > max(other for name, other in lives if name == agent)
+        ]
+
+    async def accept(self, _lives: dict[str, int]) -> None:
+        """No orders here."""
+
+    async def many(self, _ids: Iterable[str]) -> dict[str, Goal]:
+        return {}
+
+    async def put(self, _goals: Iterable[Goal]) -> None:
+        """No goals here."""
+
+    async def of_orders(self, _orders: Iterable[str]) -> dict[str, list[Goal]]:
+        return {}
+
+    async def advance(self, _order: Order, _progress: object) -> None:
+        """No orders here."""
+
+
+class Deafened:
+    """A bus on which its only agent misses every fifth message."""
+
+    def __init__(self, bus: SimNetwork, chance: Random) -> None:
+        self._bus, self._chance = bus, chance
+
+    def join(self, agent: str, receive: Receive) -> Session:
+        def hear(sender: str, message: Message) -> None:
+            if self._chance.random() >= 0.2:
+                receive(sender, message)
+
+        return self._bus.join(agent, hear)
+
+
+class Beats:
+    """Hears whether all that live say so.
+
+    Attributes:
+        longest_s: the longest silence of an agent that lived all the time, with its name.
+    """
+
+    def __init__(self) -> None:
+        self.factory: SimFactory
+        self.longest_s: tuple[float, str] = (0.0, "")
+        self._heard: dict[str, tuple[float, int]] = {}
+
+    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+        if not isinstance(message, Heartbeat):
+            return
+        agent = message.atv if isinstance(message, AtvHeartbeat) else message.machine
+        before_s, life = self._heard.get(agent, (at_s, 0))
+        if life == message.incarnation:
+            self.longest_s = max(self.longest_s, (at_s - before_s, agent))
+        self._heard[agent] = (at_s, message.incarnation)
+
+    def silent(self, now_s: float) -> list[str]:
+        """Agents that live and were not heard lately."""
+        agents = (*self.factory.vehicles, *self.factory.workcells)
+        return [agent for agent in agents if now_s - self._heard[agent][0] > BEAT_S]
+
+
+class FirstTime:
+    """An ear that does not hear what is told again to one agent alone."""
+
+    def __init__(self, ear: Ear) -> None:
+        self._ear = ear
+
+    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
+        if not (isinstance(message, Event) and address.startswith(">")):
+            self._ear.hear(at_s, sender, address, message)
+
+
+async def trouble(factory: SimFactory, chance: Random) -> None:
+    """End agents of every kind, at any moment and for any time, until it is enough."""
+    bodies = (*factory.vehicles, *factory.workcells)
+
+    async def one(agent: str) -> None:
+        if agent != STRATEGIST and chance.random() < 0.3:
+            factory.power_off(agent)
+            await asyncio.sleep(chance.uniform(0.0, 60.0))
+            factory.power_on(agent)
+            return
+        if chance.random() < 0.7:
+            factory.crash(agent)
+            await asyncio.sleep(chance.choice((0.0, chance.uniform(0.0, 2.0), chance.uniform(0.0, 60.0))))
+        factory.restart(agent, software=chance.choice(("", "1.9", "2.0")))
+
+    async with asyncio.TaskGroup() as group:
+        while factory.clock.now_s() < SPAN_S:
+            await asyncio.sleep(chance.expovariate(1 / 15.0))
+            agent = STRATEGIST if chance.random() < 0.1 else chance.choice(bodies)
+            group.create_task(one(agent))
+
+
+@asynccontextmanager
+async def historian(shelf: Shelf, factory: SimFactory, chance: Random) -> AsyncIterator[Historian]:
+    made = Historian(
+        store=cast(Store, shelf),
+        bus=Deafened(factory.bus, chance),
+        keys=factory.keys,
+        to_wall_s=lambda plant_s: plant_s,
+    )
+    async with made.running():
+        yield made
+
+
+async def attend(shelf: Shelf, factory: SimFactory, chance: Random) -> Historian:
+    """A historian that is away now and then; the last one, when the trouble is over and all is fetched."""
+    while factory.clock.now_s() < SPAN_S:
+        async with historian(shelf, factory, chance):
+            await asyncio.sleep(chance.uniform(0.0, 200.0))
+        await asyncio.sleep(chance.uniform(0.0, 100.0))
+    async with historian(shelf, factory, chance) as last:
+        await asyncio.sleep(CALM_S)
+    return last
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_agents_end_and_begin_at_any_moment_and_the_history_has_no_holes(seed: int) -> None:
+    async def main() -> None:
+        plant, ears, beats, shelf = default_plant(), Ears(), Beats(), Shelf()
+        factory = beats.factory = SimFactory(plant, clock(), seed=seed, ear=ears)
+        checks = Invariants(factory)
+        ears.add(FirstTime(checks), beats)
+        orders = demand.orders(plant, Random(f"{seed} demand"), load=0.9, until_s=SPAN_S)
+        async with asyncio.TaskGroup() as group:
+            life = group.create_task(factory.run())
+            desk = group.create_task(Desk(factory.bus, factory.clock).place(orders))
+            group.create_task(trouble(factory, Random(f"{seed} trouble")))
+            last = await attend(shelf, factory, Random(f"{seed} historian"))
+            assert checks.broken is None
+            assert beats.silent(factory.clock.now_s()) == []
+            assert beats.longest_s[0] <= BEAT_S, beats.longest_s
+            assert min(journal.incarnation for journal in factory.journals.values()) >= 1
+            assert sum(journal.incarnation - 1 for journal in factory.journals.values()) > 50
+            assert (last.gone, last.lost) == (0, 0)
+            until_s = factory.clock.now_s() - FETCHED_S
+            told = [event for journal in factory.journals.values() for event in written(journal)]
+            assert {key(event): event for event in told if event.at_s < until_s} == {
+                name: event for name, event in shelf.kept.items() if event.at_s < until_s
+            }
+            for task in (life, desk):
+                task.cancel()
+
+    run(main())
+
+
+def written(journal: HeldJournal) -> list[Event]:
+    """All that an agent has written down, in all its lives."""
+    events = [
+        event for life in range(1, journal.incarnation + 1) for event in journal.events(life, 1, 10_000)
+    ]
+    assert len(events) < 1_000, "the journal has forgotten some: make the run shorter"
+    return events
