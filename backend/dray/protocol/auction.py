@@ -31,6 +31,12 @@ from dray.messages import Accepted, Award, Bid, Declined, Release, Role, TaskAnn
 from dray.messages.fact import AwardAnswered, AwardGiven, BidReceived, RoundFailed, TaskOpened
 from dray.protocol.events import NEVER_S, Effect, Ignore, Publish, Record, Send
 
+SPAN_MIN_S = 60.0
+"""What is late already is given as much time as a quick transport takes, round after round more."""
+
+SPANS_MAX = 10
+"""After so many rounds it is not the deadline that keeps bidders away."""
+
 
 class AuctionRules(msgspec.Struct, frozen=True):
     """How patient and how far-reaching a coordinator is."""
@@ -132,7 +138,7 @@ class Auction:
 
     def open(self, now_s: float) -> None:
         """Begin: ask the candidates if there are any, else announce."""
-        self._span_s = self.terms.deadline_s - now_s
+        self._span_s = max(self.terms.deadline_s - now_s, SPAN_MIN_S)
         if self._queue:
             self.stage = Stage.ASKING
             self._ask_next(now_s)
@@ -141,7 +147,7 @@ class Auction:
 
     def open_later(self, at_s: float) -> None:
         """Begin at `at_s`, unless it is cancelled before."""
-        self._span_s = self.terms.deadline_s - at_s
+        self._span_s = max(self.terms.deadline_s - at_s, SPAN_MIN_S)
         self.stage, self.wake_at_s = Stage.RESTING, at_s
 
     def hear_bid(self, bidder: str, bid: Bid, now_s: float) -> None:
@@ -254,7 +260,7 @@ class Auction:
 
     def _move_deadline(self, now_s: float) -> None:
         # A deadline that nobody could keep would be refused for ever: late is better than never.
-        deadline_s = now_s + self._span_s * self.round
+        deadline_s = now_s + self._span_s * min(self.round, SPANS_MAX)
         if self.round > 1 and deadline_s > self.terms.deadline_s:
             self.terms = msgspec.structs.replace(self.terms, deadline_s=deadline_s)
 

@@ -78,6 +78,7 @@ class OpenTask:
 
     __slots__ = (
         "auction",
+        "due_s",
         "epoch",
         "grace",
         "guard",
@@ -88,7 +89,6 @@ class OpenTask:
         "promised_s",
         "secondary",
         "source",
-        "span_s",
         "trouble",
         "unloaded",
         "unnamed_s",
@@ -116,8 +116,8 @@ class OpenTask:
         self.guard: Vigil | None = None
         """The watch over the secondary."""
         self.opened_s = opened_s
-        self.span_s = auction.terms.deadline_s - opened_s
-        """How much time the task was given."""
+        self.due_s = auction.terms.deadline_s
+        """The first deadline; that of the auction moves when nobody could keep it."""
         self.loaded = False
         """Goods that have left this machine: nobody else can fetch them again."""
         self.unloaded = False
@@ -151,7 +151,7 @@ class OpenTask:
             task=self.id,
             epoch=self.epoch,
             work=cast(Transport, self.work),
-            deadline_s=self.deadline_s,
+            deadline_s=self.due_s,
             opened_s=self.opened_s,
             primary=self.primary,
             source=self.source,
@@ -259,8 +259,10 @@ class Coordinator:
         it is announced after ADOPT_S, with a higher epoch, unless a vehicle has named it by then.
         """
         epoch = memory.epoch if memory.primary else memory.epoch + 1
-        auction = self._primary_auction(memory.task, epoch, memory.work, memory.deadline_s)
+        deadline_s = _prolonged_s(memory.deadline_s, memory.opened_s, now_s)
+        auction = self._primary_auction(memory.task, epoch, memory.work, deadline_s)
         task = OpenTask(memory.task, memory.work, auction, memory.opened_s)
+        task.due_s = memory.deadline_s
         self._open[task.id] = task
         if memory.primary:
             auction.cancel()
@@ -298,7 +300,7 @@ class Coordinator:
         replaced, silent_s = task.primary, self._silent_s(task, now_s)
         self._unbind(task, reason)
         task.epoch += 1
-        deadline_s = max(task.deadline_s, now_s + task.span_s)
+        deadline_s = _prolonged_s(task.due_s, task.opened_s, now_s)
         task.auction = self._primary_auction(task.id, task.epoch, task.work, deadline_s)
         self._out.append(Send(replaced, Superseded(task=task.id, epoch=task.epoch)))
         self._note_change(task, replaced, reason, silent_s)
@@ -660,3 +662,8 @@ class Coordinator:
 
     def _release(self, to: str, task: str, epoch: int, role: Role, reason: str) -> None:
         self._out.append(Send(to, Release(task=task, epoch=epoch, role=role, reason=reason)))
+
+
+def _prolonged_s(due_s: float, opened_s: float, now_s: float) -> float:
+    """A deadline for who begins now: as much time as the task was given at first, and no earlier than then."""
+    return max(due_s, now_s + due_s - opened_s)
