@@ -203,10 +203,10 @@ def bid(
     return Bid(task=task, epoch=epoch, role=role, round=round, cost=cost, finish_s=finish_s, source=source)
 
 
-def goal_bid(goal: str, cost_s: float) -> Bid:
+def goal_bid(goal: str, cost_s: float, *, epoch: int = 1) -> Bid:
     """A machine's bid for a goal at a price."""
     cost = ProductionCost(queue_s=0.0, material_s=0.0, making_s=cost_s)
-    return Bid(task=goal, epoch=1, role=Role.PRIMARY, round=1, cost=cost, finish_s=cost_s)
+    return Bid(task=goal, epoch=epoch, role=Role.PRIMARY, round=1, cost=cost, finish_s=cost_s)
 
 
 def accepted(task: str = "T1", *, epoch: int = 1, role: Role = Role.PRIMARY, number: int = 1) -> Accepted:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import msgspec
 import pytest
 from kit import (
     KEYS,
@@ -12,6 +13,7 @@ from kit import (
     announcement,
     award,
     award_number,
+    committed,
     declined,
     deeds,
     facts,
@@ -23,7 +25,7 @@ from kit import (
     sent,
 )
 
-from dray.body import Repaired
+from dray.body import GoodsArrived, Repaired
 from dray.errors import ProtocolViolation
 from dray.messages import (
     Accepted,
@@ -36,6 +38,7 @@ from dray.messages import (
     GoalBrief,
     GoalClosed,
     MachineHeartbeat,
+    MachineStatus,
     OrderCancelled,
     OrderItem,
     OrderReleased,
@@ -49,13 +52,16 @@ from dray.messages import (
 from dray.messages.fact import (
     AwardGiven,
     GoalContracted,
+    GoalLost,
+    GoalWaits,
     GoodsDelivered,
     OrderAccepted,
     OrderDropped,
     OrderFulfilled,
     TaskClosed,
 )
-from dray.protocol.events import NEVER_S, Effect, Started
+from dray.protocol.events import NEVER_S, Commit, Effect, Started
+from dray.protocol.machine_watch import BREAKDOWN_S, GOAL_SILENCE_S
 
 
 def order(name: str = "O1", due_s: float = 7200.0, **quantities: int) -> OrderReleased:
@@ -84,10 +90,12 @@ def announced(effects: list[Effect]) -> list[tuple[str, str, int]]:
 
 def contract(rig: StrategistRig, goal: str, machine: str, cost_s: float = 100.0) -> list[Effect]:
     """One machine bids alone for a goal that is announced now, and takes it."""
-    effects = rig.hear(machine, goal_bid(goal, cost_s))
+    [epoch] = [message.epoch for message in published(rig.all, TaskAnnounced) if message.task == goal][-1:]
+    effects = rig.hear(machine, goal_bid(goal, cost_s, epoch=epoch))
     while not sent(effects, Award, to=machine):
         effects += rig.run(rig.agent.wake_at_s)
-    return effects + rig.hear(machine, accepted(goal, number=award_number(effects, machine, goal)))
+    number = award_number(effects, machine, goal)
+    return effects + rig.hear(machine, accepted(goal, epoch=epoch, number=number))
 
 
 def contract_all(rig: StrategistRig) -> dict[str, tuple[str, int]]:
@@ -391,6 +399,290 @@ def test_a_fulfilled_order_that_is_released_again_is_not_made_again() -> None:
     contract(rig, goal, "M7")
     rig.arrive(goal, 24)
     effects = rig.hear("gateway", order(pump=24))
+    assert sent(effects, OrderTaken)
+    assert announced(effects) == []
+
+
+# --- when a machine fails (paper, case 1) --------------------------------------------------------
+
+
+def making(quantity: int = 24) -> tuple[StrategistRig, str]:
+    """M7 makes the only goal of an order of pumps; M8 and M9 could make it, too."""
+    rig = released(order(pump=quantity))
+    [(goal, _, _)] = announced(rig.all)
+    contract(rig, goal, "M7")
+    return rig, goal
+
+
+def beats(
+    rig: StrategistRig, until_s: float, *machines: str, goals: tuple[GoalBrief, ...] = ()
+) -> list[Effect]:
+    """These machines say that they are well, once a second; the first one names the goals."""
+    effects: list[Effect] = []
+    while rig.now_s < until_s:
+        effects += rig.run(min(until_s, rig.now_s + 1.0))
+        for machine in machines:
+            named = goals if machine == machines[0] else ()
+            effects += rig.hear(machine, mhb(machine, *named, seq=round(rig.now_s * 10)))
+    return effects
+
+
+def brief(goal: str, made: int = 5, delivered: int = 0, quantity: int = 24) -> GoalBrief:
+    return GoalBrief(goal=goal, product="pump-p3", quantity=quantity, made=made, delivered=delivered)
+
+
+def test_a_machine_that_names_its_goal_keeps_it_for_as_long_as_it_takes() -> None:
+    rig, goal = making()
+    beats(rig, 3600.0, "M7", "M8", goals=(brief(goal),))
+    assert facts(rig.all, GoalLost) == []
+    assert rig.admitted(goal) == 24
+
+
+@pytest.mark.parametrize("delivered", [0, 10])
+def test_what_has_not_arrived_from_a_silent_machine_is_put_up_under_a_new_name(delivered: int) -> None:
+    rig, goal = making()
+    if delivered:
+        rig.arrive(goal, delivered)
+    begun_s = rig.now_s
+    effects = beats(rig, begun_s + GOAL_SILENCE_S + 1.0, "M8")
+    assert rig.admitted(goal) == 0
+    assert announced(effects) == []  # Not before the gate has said its last word.
+    effects = rig.gate_answers(goal)
+    [lost] = facts(effects, GoalLost)
+    assert (lost.goal, lost.machine, lost.arrived) == (goal, "M7", delivered)
+    assert announced(effects) == [(lost.successor, "pump-p3", 24 - delivered)]
+    assert lost.successor != goal
+    assert [fact.outcome for fact in facts(effects, TaskClosed)] == ["withdrawn"]
+    contract(rig, lost.successor, "M8")
+    assert rig.admitted(lost.successor) == 24 - delivered
+    rig.arrive(lost.successor, 24 - delivered)
+    assert [fact.order for fact in facts(rig.all, OrderFulfilled)] == ["O1"]
+
+
+def test_pieces_that_get_in_before_the_gate_is_shut_count() -> None:
+    rig, goal = making()
+    rig.arrived[goal] = 4  # It has not told yet when the strategist shuts it.
+    beats(rig, rig.now_s + GOAL_SILENCE_S + 1.0, "M8")
+    late = GoodsArrived(goal=goal, arrived=3, admitted=24)
+    assert facts(rig.report(late), GoalLost) == []
+    [lost] = facts(rig.gate_answers(goal), GoalLost)
+    assert lost.arrived == 4
+    assert sum(fact.quantity for fact in facts(rig.all, GoodsDelivered)) == 4
+
+
+def test_all_that_was_missing_may_get_in_before_the_gate_is_shut() -> None:
+    rig, goal = making()
+    rig.arrived[goal] = 24
+    beats(rig, rig.now_s + GOAL_SILENCE_S + 1.0, "M8")
+    effects = rig.gate_answers(goal)
+    assert facts(effects, GoalLost) == []
+    assert [fact.order for fact in facts(effects, OrderFulfilled)] == ["O1"]
+
+
+def test_a_machine_that_comes_back_is_told_that_its_goal_is_anothers() -> None:
+    rig, goal = making()
+    beats(rig, rig.now_s + GOAL_SILENCE_S + 1.0, "M8")
+    rig.gate_answers(goal)
+    effects = rig.hear("M7", mhb("M7", brief(goal), seq=1000))
+    assert [message.task for message in sent(effects, Withdrawn, to="M7")] == [goal]
+
+
+def test_a_machine_that_has_forgotten_its_goal_may_bid_for_the_rest() -> None:
+    rig, goal = making()
+    beats(rig, rig.now_s + GOAL_SILENCE_S + 1.0, "M7")
+    [lost] = facts(rig.gate_answers(goal), GoalLost)
+    contract(rig, lost.successor, "M7")
+    assert [fact.machine for fact in facts(rig.all, GoalContracted)] == ["M7", "M7"]
+
+
+def test_while_nobody_else_lives_the_goal_stays_and_its_order_says_that_it_waits() -> None:
+    rig, goal = making()
+    rig.run(600.0)
+    [waits] = facts(rig.all, GoalWaits)
+    assert (waits.goal, waits.order) == (goal, "O1")
+    assert "M7 is silent" in waits.reason
+    assert rig.admitted(goal) == 24
+    beats(rig, 700.0, "M7", goals=(brief(goal),))
+    assert facts(rig.all, GoalLost) == []
+    rig.arrive(goal, 24)
+    assert facts(rig.all, OrderFulfilled)
+
+
+def test_a_goal_that_waits_goes_on_with_whoever_comes_back_first() -> None:
+    rig, goal = making()
+    rig.run(600.0)
+    beats(rig, 620.0, "M9")
+    [lost] = facts(rig.gate_answers(goal), GoalLost)
+    contract(rig, lost.successor, "M9")
+    assert facts(rig.all, GoalContracted)[-1].machine == "M9"
+
+
+def test_a_goal_that_nobody_alive_can_take_waits_and_says_so_once() -> None:
+    rig = StrategistRig()
+    rig.start()
+    rig.run(60.0)
+    rig.hear("gateway", order(pump=24 * 5))
+    rig.run(600.0)
+    waiting = [fact.goal for fact in facts(rig.all, GoalWaits)]
+    assert len(waiting) == len(set(waiting)) == len(facts(rig.all, OrderAccepted)[0].goals)
+
+
+def test_an_order_that_can_be_made_does_not_wait_for_one_that_cannot() -> None:
+    rig = StrategistRig()
+    rig.start()
+    beats(rig, 60.0, "M10")  # Which makes motors and nothing else.
+    rig.hear("gateway", order("O1", pump=24))
+    rig.hear("gateway", order("O2", motor=20))
+    assert [fact.order for fact in facts(rig.all, GoalWaits)] == ["O1"]
+    [motor] = [goal for goal, product, _ in announced(rig.all) if product == "motor-e4"]
+    contract(rig, motor, "M10")
+    rig.arrive(motor, 20)
+    assert [fact.order for fact in facts(rig.all, OrderFulfilled)] == ["O2"]
+
+
+@pytest.mark.parametrize(("broken_s", "loses"), [(BREAKDOWN_S - 60.0, False), (BREAKDOWN_S + 60.0, True)])
+def test_a_broken_machine_keeps_its_goals_for_as_long_as_a_repair_takes(broken_s: float, loses: bool) -> None:
+    rig, goal = making()
+    begun_s = rig.now_s
+    while rig.now_s < begun_s + broken_s:
+        rig.run(rig.now_s + 1.0)
+        seq = round(rig.now_s * 10)
+        ill = msgspec.structs.replace(mhb("M7", brief(goal), seq=seq), status=MachineStatus.ERROR)
+        rig.hear("M7", ill)
+        rig.hear("M8", mhb("M8", seq=seq))
+    if rig.admitted(goal) == 0:
+        rig.gate_answers(goal)
+    assert bool(facts(rig.all, GoalLost)) is loses
+
+
+def test_a_machine_that_is_back_before_the_gate_has_answered_keeps_its_goal() -> None:
+    rig, goal = making()
+    beats(rig, rig.now_s + GOAL_SILENCE_S + 1.0, "M8")
+    assert rig.admitted(goal) == 0
+    beats(rig, rig.now_s + GOAL_SILENCE_S + 2.0, "M7", "M8", goals=(brief(goal),))
+    assert rig.admitted(goal) == 24
+    assert facts(rig.gate_answers(goal), GoalLost) == []
+
+
+def test_an_old_heartbeat_keeps_no_goal() -> None:
+    rig, goal = making()
+    rig.hear("M7", mhb("M7", brief(goal), seq=50))
+    for _ in range(20):
+        rig.run(rig.now_s + 1.0)
+        rig.hear("M7", mhb("M7", brief(goal), seq=49))
+        rig.hear("M8", mhb("M8", seq=round(rig.now_s * 10)))
+    assert rig.admitted(goal) == 0
+
+
+# --- from life to life ---------------------------------------------------------------------------
+
+
+def reborn(rig: StrategistRig, incarnation: int = 2) -> StrategistRig:
+    """The strategist is started again, with its gate as it is and what it had written down."""
+    again = StrategistRig(memory=committed(rig.all), incarnation=incarnation)
+    again.arrived, again.now_s = rig.arrived, rig.now_s
+    again.start()
+    return again
+
+
+def test_what_binds_the_strategist_is_written_down_before_it_is_said() -> None:
+    rig = StrategistRig()
+    rig.start()
+    steps = [rig.hear("gateway", order(pump=24))]
+    [(goal, _, _)] = announced(rig.all)
+    rig.hear("M7", goal_bid(goal, 100.0))
+    rig.run(1.0)
+    steps += [rig.hear("M7", accepted(goal)), rig.arrive(goal, 10), rig.arrive(goal, 14)]
+    for effects in steps:
+        assert [isinstance(effect, Commit) for effect in effects] == [True] + [False] * (len(effects) - 1)
+        assert len(effects) > 1
+
+
+def test_an_order_survives_the_strategist() -> None:
+    again = reborn(released(order(pump=24)))
+    [(goal, _, quantity)] = announced(again.all)
+    assert quantity == 24
+    contract(again, goal, "M7")
+    again.arrive(goal, 24)
+    assert [fact.order for fact in facts(again.all, OrderFulfilled)] == ["O1"]
+
+
+def test_an_answer_to_an_award_of_an_earlier_life_binds_nobody() -> None:
+    rig = released(order(pump=24))
+    [(goal, _, _)] = announced(rig.all)
+    rig.hear("M7", goal_bid(goal, 100.0))
+    rig.run(1.0)
+    again = reborn(rig)
+    [message] = published(again.all, TaskAnnounced)
+    assert (message.task, message.epoch) == (goal, 2)
+    effects = again.hear("M7", accepted(goal))
+    assert sent(effects, Confirmed) == []
+    assert sent(effects, Release, to="M7")
+
+
+def test_a_contract_survives_the_strategist_and_is_confirmed_when_it_is_asked_for() -> None:
+    rig, goal = making()
+    again = reborn(rig)
+    assert announced(again.all) == []
+    assert again.admitted(goal) == 24
+    effects = again.hear("M7", accepted(goal, number=7))
+    assert sent(effects, Confirmed, to="M7") == [Confirmed(task=goal, epoch=1)]
+    beats(again, 60.0, "M7", "M8", goals=(brief(goal),))
+    effects = again.arrive(goal, 24)
+    assert sent(effects, GoalClosed, to="M7") == [GoalClosed(goal=goal)]
+    assert [fact.outcome for fact in facts(effects, TaskClosed)] == ["delivered"]
+
+
+def test_what_arrived_while_the_strategist_was_away_is_counted_once() -> None:
+    rig, goal = making()
+    rig.arrive(goal, 5)
+    rig.arrived[goal] = 12
+    again = reborn(rig)
+    assert [fact.quantity for fact in facts(again.all, GoodsDelivered)] == [7]
+    once_more = reborn(again, 3)
+    assert facts(once_more.all, GoodsDelivered) == []
+    effects = once_more.hear("M7", accepted(goal))
+    assert sent(effects, Confirmed, to="M7") == [Confirmed(task=goal, epoch=1, arrived=12)]
+
+
+def test_an_order_that_was_completed_while_the_strategist_was_away_is_fulfilled() -> None:
+    rig, goal = making()
+    rig.arrived[goal] = 24
+    again = reborn(rig)
+    assert sent(again.all, GoalClosed, to="M7")
+    assert [fact.order for fact in facts(again.all, OrderFulfilled)] == ["O1"]
+
+
+def test_a_machine_that_died_with_the_strategist_loses_its_goal_to_another() -> None:
+    rig, goal = making()
+    again = reborn(rig)
+    beats(again, again.now_s + GOAL_SILENCE_S + 1.0, "M8")
+    effects = again.gate_answers(goal)
+    [lost] = facts(effects, GoalLost)
+    assert sent(effects, Withdrawn, to="M7")
+    contract(again, lost.successor, "M8")
+
+
+def test_no_two_goals_ever_have_one_name() -> None:
+    rig, goal = making()
+    names = {goal}
+    for incarnation in (2, 3, 4):
+        rig = reborn(rig, incarnation)
+        beats(rig, rig.now_s + GOAL_SILENCE_S + 1.0, "M8")
+        [lost] = facts(rig.gate_answers(goal), GoalLost)
+        goal = lost.successor
+        contract(rig, goal, "M7")
+        rig.hear("gateway", order(f"O{incarnation}", g1=40))
+        fresh = {goal, *facts(rig.all, OrderAccepted)[-1].goals}
+        assert not names & fresh
+        names |= fresh
+
+
+def test_an_ended_order_is_recognised_in_the_next_life() -> None:
+    rig, goal = making()
+    rig.arrive(goal, 24)
+    again = reborn(rig)
+    effects = again.hear("gateway", order(pump=24))
     assert sent(effects, OrderTaken)
     assert announced(effects) == []
 
