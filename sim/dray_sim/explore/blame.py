@@ -6,6 +6,9 @@ those who are concerned not long before. So a failure that spreads to others is 
 
 from __future__ import annotations
 
+from fnmatch import fnmatchcase
+from typing import NamedTuple
+
 from dray.messages import AtvStatus, Event, Message
 from dray.messages.fact import AtvStatusChanged, CarrierChanged, GoalLost
 from dray.protocol.strategist import STRATEGIST
@@ -13,6 +16,7 @@ from dray_sim.broken import InvariantBroken
 from dray_sim.faults import (
     Crashed,
     Fault,
+    LinkTrouble,
     LoadShifted,
     MachineBroken,
     PoweredOff,
@@ -22,29 +26,62 @@ from dray_sim.faults import (
 LATER_S = 300.0
 """What a fault has begun is over by then: suspicions, waits for help, and what people do about it."""
 
+HELD_UP_S = 5.0
+"""A message that is overtaken, or doubled, comes so much later at most."""
+
 EVERYBODY = ""
+
+
+class _Spell(NamedTuple):
+    """A fault, and when it was there."""
+
+    fault: Fault
+    begun_s: float
+    ended_s: float
+    """Infinity while it is there."""
 
 
 class Blame:
     """Knows which faults there were, and asks for one when somebody loses a contract."""
 
     def __init__(self) -> None:
-        self._active: dict[str, int] = {}
+        self._spells: dict[str, _Spell] = {}
+        """By id of the fault. A trial has some dozens."""
         self._touched_s: dict[str, float] = {}
         """Until when an agent was in trouble last; `EVERYBODY` stands for the network."""
         self._stands: dict[str, None] = {}
         """Vehicles that are stopped or in error, whoever did that to them."""
 
-    def begin(self, fault: Fault) -> None:
+    def begin(self, name: str, fault: Fault, at_s: float) -> None:
         """A fault has begun."""
-        agent = _agent(fault)
-        self._active[agent] = self._active.get(agent, 0) + 1
+        self._spells[name] = _Spell(fault, at_s, float("inf"))
+        self._touched_s[_agent(fault)] = float("inf")
 
-    def end(self, fault: Fault, at_s: float) -> None:
+    def end(self, name: str, at_s: float) -> None:
         """A fault has ended."""
+        fault = self._spells[name].fault
+        self._spells[name] = self._spells[name]._replace(ended_s=at_s)
         agent = _agent(fault)
-        self._active[agent] -= 1
-        self._touched_s[agent] = at_s
+        still = any(_agent(each.fault) == agent and each.ended_s > at_s for each in self._spells.values())
+        self._touched_s[agent] = float("inf") if still else at_s
+
+    def may_have_lost(self, sender: str, receiver: str, since_s: float) -> bool:
+        """Whether what one agent said to another since then may not have arrived."""
+        return any(
+            spell.ended_s >= since_s and _can_lose(spell.fault, sender, receiver)
+            for spell in self._spells.values()
+        )
+
+    def delay_s(self, since_s: float) -> float:
+        """How much longer than usual a message since then may have been under way."""
+        troubles = [spell.fault for spell in self._spells.values() if spell.ended_s >= since_s]
+        return sum(
+            fault.latency_s
+            + fault.jitter_s
+            + (HELD_UP_S if fault.reorder_frac or fault.duplicate_frac else 0.0)
+            for fault in troubles
+            if isinstance(fault, LinkTrouble)
+        )
 
     def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Look for what lost contracts are due to.
@@ -71,9 +108,7 @@ class Blame:
 
     def _any_in_trouble(self, agents: tuple[str, ...], at_s: float) -> bool:
         return any(
-            self._active.get(agent, 0) > 0
-            or agent in self._stands
-            or at_s - self._touched_s.get(agent, float("-inf")) < LATER_S
+            agent in self._stands or at_s - self._touched_s.get(agent, float("-inf")) < LATER_S
             for agent in (EVERYBODY, *agents)
         )
 
@@ -85,3 +120,10 @@ def _agent(fault: Fault) -> str:
     if isinstance(fault, MachineBroken):
         return fault.machine
     return fault.atv if isinstance(fault, VehicleBroken | LoadShifted) else EVERYBODY
+
+
+def _can_lose(fault: Fault, sender: str, receiver: str) -> bool:
+    if isinstance(fault, LinkTrouble):
+        ends = fnmatchcase(sender, fault.sender) and fnmatchcase(receiver, fault.receiver)
+        return fault.loss_frac > 0.0 and ends
+    return _agent(fault) in (EVERYBODY, sender, receiver)

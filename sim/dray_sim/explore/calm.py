@@ -1,13 +1,14 @@
 """Invariant 1 in time: when all faults have ended, every announced task ends within a computed bound.
 
-It hears everything and takes no part. Before the calm it only keeps books.
+So does every vehicle's work for a task that has ended already: nobody stays bound by what is over. It
+hears everything and takes no part. Before the calm it only keeps books.
 """
 
 from __future__ import annotations
 
 import asyncio
 
-from dray.messages import Event, Message, OrderReleased, Transport
+from dray.messages import AtvHeartbeat, Event, Message, OrderReleased, Transport
 from dray.messages.fact import (
     GoodsDelivered,
     OrderDropped,
@@ -44,6 +45,10 @@ class Calm:
         """By transport: when it was announced first, how many were done before, and what is carried."""
         self._orders: dict[str, None] = {}
         """Those that are not delivered yet."""
+        self._ended: dict[str, None] = {}
+        """Transports that are not open any more."""
+        self._busy: dict[str, tuple[str, float]] = {}
+        """By vehicle: the ended task that it still names as its own, and since when."""
         self._done = 0
         self._done_before = 0
         """Transports that were done when the calm began."""
@@ -66,6 +71,8 @@ class Calm:
             self._note(message, at_s)
         elif type(message) is OrderReleased:
             self._orders.setdefault(message.order)
+        elif type(message) is AtvHeartbeat:
+            self._note_work(message, at_s)
         if at_s >= self._look_s:
             self._look_s = at_s + LOOK_S
             self._look(at_s)
@@ -79,10 +86,23 @@ class Calm:
             self._moved_s = at_s
             if type(fact) is TaskClosed and self._open.pop(fact.task, None) is not None:
                 self._done += 1
+                self._ended[fact.task] = None
             elif isinstance(fact, OrderFulfilled | OrderDropped):
                 self._orders.pop(fact.order, None)
 
+    def _note_work(self, heartbeat: AtvHeartbeat, at_s: float) -> None:
+        task = heartbeat.task.task if heartbeat.task is not None else ""
+        if task not in self._ended:
+            self._busy.pop(heartbeat.atv, None)
+        elif self._busy.get(heartbeat.atv, ("", 0.0))[0] != task:
+            self._busy[heartbeat.atv] = (task, at_s)
+
     def _look(self, at_s: float) -> None:
+        for atv, (task, since_s) in self._busy.items():
+            bound_s = self._patience.settle_s + self._patience.transport_s
+            if at_s - max(since_s, self._since_s) > bound_s:
+                seen = f"{atv} still works for {task}, which ended {at_s - since_s:.0f} s ago"
+                raise InvariantBroken(1, at_s, seen)
         if not self._open and not self._orders:
             self.over.set()
             return

@@ -11,6 +11,7 @@ from dray.messages import Event, Message
 from dray.messages.fact import TaskClosed, TookOver
 from dray_sim.desk import Desk
 from dray_sim.explore.blame import Blame
+from dray_sim.explore.bonds import Bonds
 from dray_sim.explore.calm import Calm
 from dray_sim.explore.outcome import Outcome
 from dray_sim.explore.passerby import Passerby
@@ -83,15 +84,13 @@ class _Diary(Faults):
     def begin(self, fault: Fault) -> str:
         name = super().begin(fault)
         self.begun[kind_of(fault)] += 1
-        self._blame.begin(fault)
+        self._blame.begin(name, fault, self._factory.clock.now_s())
         self._note(f"--- {name} begins: {describe(fault)}")
         return name
 
     def end(self, name: str) -> None:
-        fault = self.active.get(name)
         super().end(name)
-        if fault is not None:
-            self._blame.end(fault, self._factory.clock.now_s())
+        self._blame.end(name, self._factory.clock.now_s())
         self._note(f"--- {name} ends")
 
     def _note(self, what: str) -> None:
@@ -119,7 +118,7 @@ class _Game:
             trial.plant, clock(), seed=trial.seed, stock_frac=trial.stock_frac, codec=trial.codec, ear=ears
         )
         blame, calm = Blame(), Calm(Patience(trial.plant, trial.habits))
-        checks = Invariants(factory, blame, calm)
+        checks = Invariants(factory, blame, Bonds(factory, blame), calm)
         faults = _Diary(factory, blame, self._story)
         self._faults = faults.begun
         let_happen(trial.schedule, faults)
