@@ -10,11 +10,17 @@ from collections.abc import Mapping
 
 from dray_sim.scenario import Playable
 from dray_sim.scenarios import (
+    case_1,
+    case_3,
     case_4,
+    case_5,
+    case_6,
     day,
     experiment_power_off,
     experiment_wlan,
+    fault_cost,
     latency_sweep,
+    loss_sweep,
     peak_season,
     soak,
     takeover,
@@ -22,13 +28,19 @@ from dray_sim.scenarios import (
 
 _ALL: tuple[Playable, ...] = (
     day.DAY,
+    case_1.CASE_1,
+    case_3.CASE_3,
     case_4.CASE_4,
+    case_5.CASE_5,
+    case_6.CASE_6,
     experiment_wlan.EXPERIMENT_WLAN,
     experiment_power_off.EXPERIMENT_POWER_OFF,
     latency_sweep.LATENCY_SWEEP,
+    loss_sweep.LOSS_SWEEP,
     peak_season.PEAK_SEASON,
     soak.SOAK,
     takeover.TAKEOVER,
+    fault_cost.FAULT_COST,
 )
 
 SCENARIOS: Mapping[str, Playable] = {scenario.name: scenario for scenario in _ALL}

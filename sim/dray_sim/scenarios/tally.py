@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from dray.protocol.events import NEVER_S
 from dray_sim.evidence import HELD, Check
 from dray_sim.stage import Played, Stage
 
@@ -32,12 +33,14 @@ class Tally:
 
     Attributes:
         settled_s: how long after the demand the last order was delivered.
+        on_time_frac: of all orders; one that was not delivered in the end is late.
     """
 
     suspicions: int
     takeovers: int
     carriers_changed: int
     settled_s: float
+    on_time_frac: float
 
 
 async def run_out(stage: Stage) -> Tally:
@@ -50,7 +53,14 @@ async def run_out(stage: Stage) -> Tally:
 def tally(stage: Stage, settled_s: float) -> Tally:
     """The counts of a run at this moment."""
     seen = stage.observer
-    return Tally(seen.suspicions, seen.takeovers, seen.carriers_changed, settled_s)
+    on_time = [order for order in stage.orders if seen.fulfilled_s.get(order.id, NEVER_S) <= order.due_s]
+    return Tally(
+        suspicions=seen.suspicions,
+        takeovers=seen.takeovers,
+        carriers_changed=seen.carriers_changed,
+        settled_s=settled_s,
+        on_time_frac=len(on_time) / max(1, len(stage.orders)),
+    )
 
 
 def row(played: Played[Tally]) -> tuple[str, ...]:
@@ -58,13 +68,13 @@ def row(played: Played[Tally]) -> tuple[str, ...]:
     report, told = played.report, played.told
     return (
         f"{report.orders_delivered} of {report.orders_placed}",
-        f"{report.on_time_frac:.1%}",
+        f"{told.on_time_frac:.1%}" if told else "-",
         f"{report.transport_p50_s:.0f} s",
         f"{report.transport_p95_s:.0f} s",
         f"{report.bids_per_task:.1f}",
         f"{report.rounds_per_task:.2f}",
         f"{told.suspicions}" if told else "-",
-        f"{told.takeovers}" if told else "-",
+        f"{told.carriers_changed}" if told else "-",
         f"{report.starvation_frac:.2%}",
     )
 

@@ -1,0 +1,180 @@
+"""Case 5: the load shifts while it is loaded. Stop, put it right, slow down, acknowledge, resume."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass
+from math import hypot
+
+from dray.messages import AtvHeartbeat, CommandAnswered, CommandKind, Message, Phase, VehicleCommand
+from dray.messages.fact import CarrierChanged, CommandObeyed, HelpAsked, TookOver
+from dray_sim.evidence import Check
+from dray_sim.faults import FaultError, LoadShifted
+from dray_sim.people import Habits
+from dray_sim.scenario import Findings, Scenario
+from dray_sim.scenarios.figure_6 import (
+    Contract,
+    closed,
+    handed_over_once,
+    in_laboratory,
+    reached,
+    replenishment,
+)
+from dray_sim.stage import Shift, Stage
+from dray_sim.witness import Seen
+
+LOADING_S = 5.0
+"""Into the loading, which takes 20 s."""
+
+HABITS = Habits(slow_frac=0.5, slow_s=60.0)
+
+IN_ORDER = ("stop", "set_speed", "acknowledge", "resume")
+"""What the operator gives, with the repair between the first and the second."""
+
+STILL_M = 0.01
+
+ANSWER_S = 60.0
+
+
+@dataclass(frozen=True, slots=True)
+class Walk:
+    """How a vehicle has moved between two moments."""
+
+    metres: float
+    top_mps: float
+
+
+class Passer:
+    """Somebody who walks by and tells the stopped vehicle to go on, before anybody has acknowledged."""
+
+    def __init__(self, stage: Stage) -> None:
+        self.answers: list[CommandAnswered] = []
+        self._session = stage.factory.bus.join("passer", self._hear)
+
+    def say_resume(self, atv: str) -> None:
+        self._session.send(
+            atv, VehicleCommand(command="passer-1", kind=CommandKind.RESUME, issued_by="passer")
+        )
+
+    def _hear(self, _sender: str, message: Message) -> None:
+        if isinstance(message, CommandAnswered):
+            self.answers.append(message)
+
+
+async def shift(stage: Stage) -> tuple[Check, ...]:
+    """Let the primary's load slip while it is loaded, and follow the operator."""
+    contract = await replenishment(stage)
+    if contract is None:
+        return ()
+    witness = stage.witness
+    passer = Passer(stage)
+    await reached(stage, contract, Phase.LOADING)
+    await asyncio.sleep(LOADING_S)
+    try:
+        stage.faults.begin(LoadShifted(contract.primary))
+    except FaultError as nothing:
+        return (Check("A load is on its way on board", False, str(nothing)),)
+    shifted_s = stage.now_s()
+    stopped = await _obeyed(stage, contract, "stop")
+    if stopped is None:
+        return (Check("An operator stops the vehicle", False, f"not within {ANSWER_S:.0f} s"),)
+    passer.say_resume(contract.primary)
+    await _obeyed(stage, contract, "set_speed")
+    limited_s = stage.now_s()
+    resumed = await _obeyed(stage, contract, "resume")
+    resumed_s = resumed.at_s if resumed is not None else stage.now_s()
+    done = await closed(stage, contract)
+    done_s = stage.now_s()
+    given = [
+        seen.said.what
+        for seen in witness.all(CommandObeyed, since_s=shifted_s)
+        if seen.agent == contract.primary
+        and seen.said.done
+        and seen.said.what != "promise"
+        and seen.at_s <= resumed_s
+    ]
+    replaced = [*witness.all(TookOver), *witness.all(CarrierChanged)]
+    stood = _walk(stage, contract, shifted_s, resumed_s)
+    drove = _walk(stage, contract, limited_s, min(done_s, limited_s + HABITS.slow_s))
+    vehicle_type = stage.plant.vehicle_types[stage.plant.fleet[contract.primary].type]
+    limit_mps = HABITS.slow_frac * vehicle_type.max_speed_mps
+    asked = [seen for seen in witness.all(HelpAsked, since_s=shifted_s) if seen.agent == contract.primary]
+    return (
+        Check(
+            "The vehicle stops loading, and says why",
+            bool(asked),
+            asked[0].said.reason if asked else "it says nothing",
+        ),
+        Check(
+            "The operator stops it, puts the load right, slows it down, acknowledges and resumes, in this order",
+            tuple(given) == IN_ORDER,
+            ", ".join(given) + f"; {resumed_s - shifted_s:.0f} s in all",
+        ),
+        Check(
+            "Until the resume it does not move",
+            stood.metres <= STILL_M,
+            f"{stood.metres:.2f} m in {resumed_s - shifted_s:.0f} s",
+        ),
+        Check(
+            "A resume before the acknowledge is refused, whoever gives it",
+            len(passer.answers) == 1 and not passer.answers[0].done,
+            passer.answers[0].reason if passer.answers else "no answer",
+        ),
+        Check(
+            f"Then it drives on with at most half its speed, {limit_mps:.2f} m/s, as it was told",
+            0.0 < drove.top_mps <= limit_mps + 1e-9,
+            f"at most {drove.top_mps:.2f} m/s",
+        ),
+        Check(
+            "Nobody takes its task over, and it delivers",
+            not replaced and done is not None and done.carrier == contract.primary,
+            f"{done.outcome} by {done.carrier} after {done_s - shifted_s:.0f} s; {len(replaced)} takeovers"
+            if done is not None
+            else "not delivered",
+        ),
+        handed_over_once(stage, contract),
+    )
+
+
+async def _obeyed(stage: Stage, contract: Contract, what: str) -> Seen[CommandObeyed] | None:
+    return await stage.witness.first(
+        CommandObeyed,
+        lambda fact: fact.what == what and fact.done,
+        by=contract.primary,
+        within_s=10 * ANSWER_S,
+    )
+
+
+def _walk(stage: Stage, contract: Contract, since_s: float, until_s: float) -> Walk:
+    heard = [
+        seen.said
+        for seen in stage.witness.all(AtvHeartbeat, since_s=since_s)
+        if seen.agent == contract.primary and seen.at_s <= until_s
+    ]
+    if not heard:
+        return Walk(0.0, 0.0)
+    first = heard[0].pose
+    metres = max(hypot(each.pose.x_m - first.x_m, each.pose.y_m - first.y_m) for each in heard)
+    return Walk(metres, max(each.speed_mps for each in heard))
+
+
+def case_5(seed: int) -> Findings:
+    """Play it."""
+    played = in_laboratory("case-5", seed, shift, Shift("case-5", 0.0, people=HABITS))
+    return Findings(runs=(played,), checks=played.told or ())
+
+
+CASE_5 = Scenario(
+    name="case-5",
+    shows="A load shifts while it is loaded: stop, repair, slow down, acknowledge, resume.",
+    source="paper, 4.2 case 5",
+    claim=(
+        "When a load shifts, people can stop a vehicle or slow it down. Only after somebody has confirmed that the fault "
+        "is gone may it go on, and then it does its task to the end."
+    ),
+    story=(
+        "Machine 8, three vehicles and operators. While ATV3 takes its load up, the load shifts. Somebody who passes by "
+        "tells it to go on before the operator has acknowledged."
+    ),
+    play=case_5,
+)

@@ -1,0 +1,80 @@
+"""How much loss the factory endures: the same demand with 0 to 40 % of all messages lost."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from dray.plant import default_plant
+from dray_sim.evidence import Check, Table
+from dray_sim.faults import LinkTrouble
+from dray_sim.scenario import Findings, Scenario
+from dray_sim.scenarios.tally import HEAD, Tally, all_delivered, listed, row, run_out
+from dray_sim.stage import Shift, Stage, play
+
+LOSSES_FRAC = (0.0, 0.05, 0.10, 0.20, 0.30, 0.40)
+
+SHIFT = Shift(name="loss-sweep", duration_s=2 * 3600.0, load=0.6)
+
+STARVED_FRAC = 0.02
+
+TAKEOVERS_PER_TRANSPORT = 0.05
+"""At the worst loss: suspicion learns how much is lost, so that hardly anybody who lives is replaced."""
+
+
+async def lose(stage: Stage, loss_frac: float) -> Tally:
+    """Let the demand come in while a part of all deliveries is lost, and work it off."""
+    if loss_frac:
+        stage.faults.begin(LinkTrouble(loss_frac=loss_frac))
+    return await run_out(stage)
+
+
+def sweep(seed: int, losses_frac: tuple[float, ...] = LOSSES_FRAC, shift: Shift = SHIFT) -> Findings:
+    """Play the same demand once for every loss."""
+    runs = tuple(
+        play(shift, default_plant(), seed, partial(lose, loss_frac=loss_frac)) for loss_frac in losses_frac
+    )
+    starved = [played.report.starvation_frac for played in runs]
+    changed = [played.told.carriers_changed if played.told else -1 for played in runs]
+    allowed = [TAKEOVERS_PER_TRANSPORT * played.report.transports for played in runs]
+    return Findings(
+        runs=runs,
+        checks=(
+            all_delivered(runs),
+            Check(
+                "What is lost is said again, and hardly anybody who lives is taken for dead",
+                all(0 <= count <= most for count, most in zip(changed, allowed, strict=True)),
+                f"carriers changed: {listed(changed)}; at most {TAKEOVERS_PER_TRANSPORT:.0%} of the transports are allowed",
+            ),
+            Check(
+                f"Machines are without material less than {STARVED_FRAC:.0%} of their time",
+                max(starved) < STARVED_FRAC,
+                ", ".join(f"{frac:.2%}" for frac in starved),
+            ),
+        ),
+        tables=(
+            Table(
+                "The same demand at each loss",
+                ("loss", *HEAD),
+                tuple(
+                    (f"{loss_frac:.0%}", *row(played))
+                    for loss_frac, played in zip(losses_frac, runs, strict=True)
+                ),
+            ),
+        ),
+    )
+
+
+LOSS_SWEEP = Scenario(
+    name="loss-sweep",
+    shows="The same demand with 0 to 40 % of all messages lost.",
+    source="paper, 3.1",
+    claim=(
+        "Connections may be interrupted for a while. Agents endure it: whatever matters is repeated until it is answered, "
+        "so that losses cost time and nothing else."
+    ),
+    story=(
+        f"{SHIFT.duration_s / 3600:g} hours of demand at {SHIFT.load:.0%} load in the default plant, once for each part of "
+        "all deliveries that is lost by chance, and then as long as the last order takes."
+    ),
+    play=sweep,
+)

@@ -1,0 +1,76 @@
+"""Who can be heard at all: which vehicles have lost their WLAN and have nobody near who could pass them on."""
+
+from __future__ import annotations
+
+import asyncio
+from math import hypot
+
+from dray.messages import Link
+from dray.messages.fact import TookOver
+from dray_sim.radio import RADIO
+from dray_sim.stage import Stage
+
+LOOK_S = 0.5
+"""A vehicle drives less than a metre in this time."""
+
+LATELY_S = 5.0
+"""Longer than the silence that a takeover follows on."""
+
+
+class Reach:
+    """Looks at the floor all the time, as nobody in the factory can, and judges takeovers.
+
+    Args:
+        stage: the run.
+
+    Attributes:
+        in_reach: takeovers from a vehicle that lived and could be heard; there should be none.
+        out_of_reach: takeovers from one that lived, and that nobody could hear.
+    """
+
+    def __init__(self, stage: Stage) -> None:
+        self.in_reach: list[str] = []
+        self.out_of_reach: list[str] = []
+        self._stage = stage
+        self._unheard_s: dict[str, float] = {}
+
+    async def watch(self) -> None:
+        """Look until cancelled."""
+        await asyncio.gather(self._look(), self._judge())
+
+    async def _look(self) -> None:
+        while True:
+            now_s = self._stage.now_s()
+            unheard = _unheard(self._stage)
+            self._unheard_s.update(dict.fromkeys(unheard, now_s))
+            await asyncio.sleep(LOOK_S)
+
+    async def _judge(self) -> None:
+        while True:
+            took = await self._stage.witness.first(TookOver, within_s=float("inf"))
+            if took is None or not self._stage.factory.running(took.said.primary):
+                continue
+            unheard_s = self._unheard_s.get(took.said.primary, -LATELY_S)
+            lately = took.at_s - unheard_s <= LATELY_S
+            (self.out_of_reach if lately else self.in_reach).append(took.said.task)
+
+
+def _unheard(stage: Stage) -> list[str]:
+    """Vehicles on the mesh from which no way leads over others to one that has WLAN."""
+    senses = {atv: vehicle.sense() for atv, vehicle in stage.factory.vehicles.items()}
+    lost = [atv for atv, sense in senses.items() if sense.link is Link.MESH]
+    if not lost:
+        return []
+    heard = {
+        atv: 0 for atv, sense in senses.items() if sense.link is Link.WLAN and stage.factory.running(atv)
+    }
+    waiting = list(heard)
+    for atv in waiting:
+        here = senses[atv].pose
+        for other in lost:
+            there = senses[other].pose
+            near = hypot(here.x_m - there.x_m, here.y_m - there.y_m) <= RADIO.range_m
+            if other not in heard and near and heard[atv] < RADIO.hops:
+                heard[other] = heard[atv] + 1
+                waiting.append(other)
+    return [atv for atv in lost if atv not in heard]
