@@ -13,6 +13,7 @@ from kit import (
     accepted,
     announcement,
     bid,
+    committed,
     deeds,
     facts,
     goal_bid,
@@ -37,6 +38,7 @@ from dray.body import (
     WorkcellState,
 )
 from dray.errors import ProtocolViolation
+from dray.memory import MachineMemory
 from dray.messages import (
     Accepted,
     Award,
@@ -72,7 +74,7 @@ from dray.messages.fact import (
     PieceMade,
     TaskClosed,
 )
-from dray.protocol.events import Effect, Reported, Woke
+from dray.protocol.events import Commit, Effect, Reported, Woke
 from dray.protocol.goal_bidding import CONFIRM_AGAIN_S
 
 # M7 makes pumps alone: one housing, impeller and seal kit each, 50 s; lots of 24, room for 60.
@@ -780,6 +782,88 @@ def test_an_award_of_a_goal_that_is_delivered_already_begins_nothing() -> None:
 
 
 # --- what an earlier life has left ---------------------------------------------------------------
+
+
+def reborn(rig: MachineRig, **stock: int) -> MachineRig:
+    """The machine is started again, with its workcell as it is and what it had written down."""
+    again = MachineRig(
+        "M7", rig.stock | {key.replace("_", "-"): each for key, each in stock.items()}, incarnation=2
+    )
+    again.memory, again.now_s = committed(rig.all), rig.now_s
+    again.start()
+    return again
+
+
+def test_a_machine_goes_on_with_its_goals_and_asks_for_them_until_it_is_answered() -> None:
+    rig = m7(goal=24)
+    rig.cycles(5)
+    again = reborn(rig)
+    assert again.is_cycling
+    assert counted(again) == [("G1", 5, 0)]
+    asked = sent(again.all, Accepted, to="STRATEGIST")
+    assert len(asked) > 1
+    assert {(each.task, each.epoch) for each in asked} == {("G1", 1)}
+    again.confirm_goal("G1")
+    assert sent(again.run(again.now_s + 60.0), Accepted) == []
+    again.cycles(19)
+    assert outgoing(again.all) == [("G1", 24)]
+    assert not again.is_cycling
+
+
+def test_a_goal_that_others_have_got_meanwhile_ends_with_the_answer() -> None:
+    rig = m7(goal=24)
+    rig.cycles(5)
+    again = reborn(rig)
+    again.hear("STRATEGIST", RELEASE)
+    again.cycle()
+    assert counted(again) == []
+    again.take_goal("G2", production(quantity=6))
+    assert outgoing(again.all) == [("G2", 6)]
+
+
+def test_goods_on_the_way_are_neither_made_again_nor_counted_twice() -> None:
+    rig = m7(goal=30)
+    rig.cycles(25)
+    first, *_ = [each.task for each in published(rig.all, TaskAnnounced) if each.work.goal]  # type: ignore[union-attr]
+    rig.hire(first, "ATV2")
+    rig.stocked("pump-p3", -24, "ATV2")
+    again = reborn(rig)
+    again.hear("STRATEGIST", Confirmed(task="G1", epoch=1, arrived=24))  # It is in, and not handed over yet.
+    assert counted(again) == [("G1", 25, 0)]
+    again.hear("ATV2", handover(first))
+    assert counted(again) == [("G1", 25, 24)]
+    again.stock |= FULL
+    again.run(again.now_s + 5.0)
+    again.cycles(5)
+    assert outgoing(again.all)[-1] == ("G1", 6)
+    assert not again.is_cycling
+
+
+def test_goods_that_wait_for_a_vehicle_are_no_spare_pieces_in_the_next_life() -> None:
+    rig = m7(goal=2)
+    rig.cycles(2)
+    again = reborn(rig)
+    again.take_goal("G2", production(quantity=1))
+    assert again.is_cycling
+
+
+def test_a_piece_that_was_made_between_two_lives_serves_the_goal() -> None:
+    rig = m7(goal=2)
+    rig.cycle()
+    again = reborn(rig, pump_p3=2)
+    assert not again.is_cycling
+    assert outgoing(again.all) == [("G1", 2)]
+
+
+def test_what_was_handed_over_is_written_down_before_the_vehicle_is_told() -> None:
+    rig = m7(goal=24)
+    rig.cycles(24)
+    [task] = [each.task for each in published(rig.all, TaskAnnounced) if each.work.goal]  # type: ignore[union-attr]
+    effects = delivered(rig, task)
+    assert isinstance(effects[0], Commit)
+    memory = committed(effects)
+    assert isinstance(memory, MachineMemory)
+    assert [(goal.made, goal.delivered) for goal in memory.goals] == [(24, 24)]
 
 
 def test_a_cycle_that_an_earlier_life_has_begun_makes_a_piece_for_the_next_goal() -> None:

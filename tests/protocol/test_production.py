@@ -133,3 +133,78 @@ def test_spare_pieces_are_given_once_and_to_goals_of_their_product() -> None:
     gears, some, more = goal("G", product="gear-unit-g2"), goal("A", quantity=3), goal("B", quantity=3)
     assert [goals.use_spare(each) for each in (gears, some, more, more)] == [0, 3, 1, 0]
     assert [each.made for each in (gears, some, more)] == [0, 3, 1]
+
+
+def test_a_goal_whose_last_piece_is_being_made_takes_no_spare_one() -> None:
+    last = goal("A", quantity=1)
+    goals = book(last)
+    goals.add_spare("pump-p3", 1)
+    assert goals.use_spare(last, running=last) == 0
+    assert goals.use_spare(last) == 1
+
+
+def test_what_is_ready_of_a_removed_goal_is_spare_and_what_was_sent_is_not() -> None:
+    half = goal("A")
+    half.made, half.committed = 20, 15
+    goals = book(half)
+    goals.remove("A")
+    assert goals.spare("pump-p3") == 5
+
+
+def test_spare_pieces_make_a_quote_cheaper() -> None:
+    goals = book()
+    goals.add_spare("pump-p3", 20)
+    cost = goals.quote(production(quantity=24), {}, lead_time_s=90.0)
+    assert (cost.making_s, cost.material_s) == (4 * 50.0, 90.0)
+    assert goals.quote(production(quantity=20), {}, lead_time_s=90.0).total_s == 0.0
+
+
+def sent_away(made: int, *, delivered: int = 0, astray: int = 0, on_the_way: int = 0) -> Goal:
+    """A goal of 24 pieces, some of which have left the machine."""
+    some = goal("A")
+    some.made, some.delivered, some.astray = made, delivered, astray
+    some.committed = delivered + astray + on_the_way
+    return some
+
+
+def test_a_piece_that_was_lost_is_made_once_more() -> None:
+    some = sent_away(24, delivered=14, on_the_way=10)
+    assert (some.to_make, some.on_the_way) == (0, 10)
+    some.lose(10)
+    assert (some.to_make, some.on_the_way, some.ready) == (10, 0, 0)
+
+
+def test_the_gates_count_is_believed_once_nothing_is_on_the_way() -> None:
+    some = sent_away(24, delivered=4, on_the_way=10)
+    assert some.note_arrived(14) == 0
+    assert (some.delivered, some.on_the_way) == (4, 10)
+    some.lose(10)
+    assert some.note_arrived(14) == 0
+    assert (some.delivered, some.astray, some.to_make, some.ready) == (14, 0, 0, 10)
+
+
+def test_pieces_that_were_believed_in_and_are_not_are_made_once_more() -> None:
+    some = sent_away(24, delivered=24)
+    some.note_arrived(14)
+    assert (some.delivered, some.astray, some.to_make) == (14, 10, 10)
+
+
+def test_pieces_that_were_made_anew_and_are_not_needed_are_left_over() -> None:
+    some = sent_away(44, delivered=4, astray=20)
+    assert some.ready == 20
+    assert some.note_arrived(24) == 20
+    assert (some.to_make, some.ready, some.brief().made) == (0, 0, 24)
+
+
+def test_a_goal_comes_back_from_memory_as_it_was() -> None:
+    some = sent_away(20, delivered=4, astray=3)
+    again = book().restore(some.memory())
+    assert again.memory() == some.memory()
+    assert (again.to_make, again.ready, again.on_the_way) == (some.to_make, some.ready, 0)
+    assert again.confirmed
+
+
+def test_a_goal_that_is_not_confirmed_is_not_remembered() -> None:
+    waiting = goal("A")
+    waiting.confirmed = False
+    assert [memory.goal for memory in book(waiting, goal("B")).memories()] == ["B"]
