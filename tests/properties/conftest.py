@@ -1,4 +1,4 @@
-"""Lets the tests here import the kit of the protocol's tests, and makes every run the same."""
+"""Lets the tests here import one another's helpers and the kit of the protocol's; makes every run the same."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from pathlib import Path
 
 from hypothesis import settings
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "protocol"))
+TESTS = Path(__file__).parents[1]
+sys.path[:0] = [str(TESTS / "properties"), str(TESTS / "protocol")]
 
 # No deadline: a slow machine is no failure. The same examples for everybody: a failure that one run
 # finds is found by the next one, too.

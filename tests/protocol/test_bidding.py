@@ -83,6 +83,7 @@ def test_a_vehicle_on_the_edge_of_the_circle_bids() -> None:
         ({}, {"work": production()}, Refusal.ABILITY, "not a transport"),
         ({}, {"work": transport(sources=("nowhere",))}, Refusal.NO_WAY, "not in this plant"),
         ({}, {"role": Role.SECONDARY, "primary": "ATV1"}, Refusal.IS_PRIMARY, ""),
+        ({}, {"role": Role.SECONDARY, "primary": ""}, Refusal.IS_PRIMARY, ""),
         (
             {"watches": MAX_WATCHES},
             {"role": Role.SECONDARY, "primary": "ATV2"},

@@ -102,7 +102,7 @@ class Bidder:
         if not isinstance(work, Transport):
             return Unable(Refusal.ABILITY, "not a transport")
         if role is Role.SECONDARY:
-            if primary == self._atv:
+            if primary in ("", self._atv):
                 return Unable(Refusal.IS_PRIMARY, "")
             if standing.watches >= MAX_WATCHES:
                 return Unable(Refusal.WATCHING_ENOUGH, f"{standing.watches} tasks")

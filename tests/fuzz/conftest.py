@@ -1,0 +1,15 @@
+"""Lets the tests here import the kit of the protocol's tests and the bodies of the properties'."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from hypothesis import settings
+
+TESTS = Path(__file__).parents[1]
+sys.path[:0] = [str(TESTS / "fuzz"), str(TESTS / "properties"), str(TESTS / "protocol")]
+
+# As in `tests/properties`: no deadline, and the same examples for everybody.
+settings.register_profile("dray", deadline=None, derandomize=True, max_examples=300)
+settings.load_profile("dray")
