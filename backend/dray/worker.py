@@ -237,11 +237,12 @@ class Worker:
     def _handle(self, event: Event, session: Session) -> None:
         effects = self.agent.handle(event, self._clock.now_s())
         self.handled += 1
-        written = self._write_down(effects)
-        for effect in effects:
-            if self._killed:
-                return
-            self._carry_out(effect, written, session)
+        if effects:  # Most of what an agent hears changes nothing.
+            written = self._write_down(effects)
+            for effect in effects:
+                if self._killed:
+                    return
+                self._carry_out(effect, written, session)
         self._arm()
 
     def _write_down(self, effects: list[Effect]) -> Iterator[messages.Event]:
