@@ -26,9 +26,10 @@ from dray.messages import (
     Role,
 )
 from dray.protocol.auction import AuctionRules, Place
-from dray.protocol.coordinator import Coordinator, OpenTask
+from dray.protocol.coordinator import Coordinator
 from dray.protocol.events import Effect
 from dray.protocol.supervision import Following
+from dray.protocol.tasks import OpenTask
 from dray.protocol.timers import Timers
 
 

@@ -19,8 +19,9 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import PrimarySuspected, TaskClosed, WatchLost
-from dray.protocol.coordinator import CLOSED_KEPT, WATCH_RULES
+from dray.protocol.coordinator import CLOSED_KEPT
 from dray.protocol.events import NEVER_S
+from dray.protocol.secondaries import WATCH_RULES
 from dray.protocol.suspicion import IDLE_INTERVAL_S, LATENESS_MAX_S, WORKING_INTERVAL_S, bound_s
 
 # --- the primary ---------------------------------------------------------------------------------

@@ -35,8 +35,10 @@ from dray.messages import (
 )
 from dray.messages.fact import CarrierChanged, ContractEnded, HelpAsked, HelpPromised, TaskClosed, TookOver
 from dray.protocol.carriage import ASK_AGAIN_S, GIVE_UP_AFTER
-from dray.protocol.coordinator import ADOPT_S, ASTRAY_S, GRACE_S, UNNAMED_S
+from dray.protocol.coordinator import ADOPT_S
 from dray.protocol.events import Commit, Started
+from dray.protocol.failover import ASTRAY_S, GRACE_S
+from dray.protocol.supervision import UNNAMED_S
 from dray.protocol.suspicion import LATENESS_MAX_S, WORKING_INTERVAL_S, bound_s
 from dray.protocol.trouble import PATIENCE_MAX_S, PATIENCE_MIN_S
 

@@ -20,9 +20,10 @@ from dray.messages import (
     Superseded,
     Transport,
 )
-from dray.protocol.coordinator import Coordinator, OpenTask
+from dray.protocol.coordinator import Coordinator
 from dray.protocol.events import Effect, Instruct, Send
 from dray.protocol.supply import Supply
+from dray.protocol.tasks import OpenTask
 
 
 class Dock:

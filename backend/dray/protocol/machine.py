@@ -50,7 +50,7 @@ from dray.messages.fact import MachineStatusChanged, PieceMade
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.auction import AuctionRules, Place
-from dray.protocol.coordinator import ADOPT_S, Coordinator, OpenTask
+from dray.protocol.coordinator import ADOPT_S, Coordinator
 from dray.protocol.core import Core
 from dray.protocol.docking import Dock
 from dray.protocol.events import (
@@ -66,6 +66,7 @@ from dray.protocol.production import Goal, GoalBook
 from dray.protocol.supervision import Following
 from dray.protocol.supply import Supply
 from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
+from dray.protocol.tasks import OpenTask
 
 BEAT = "beat"
 ADOPT = "adopt"

@@ -53,11 +53,12 @@ from dray.messages.fact import (
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.auction import AuctionRules, Place
-from dray.protocol.coordinator import Coordinator, OpenTask, Outcome
+from dray.protocol.coordinator import Coordinator
 from dray.protocol.core import Core
 from dray.protocol.events import Ignore, Instruct, Record, Send, Subscribe
 from dray.protocol.machine_watch import GOAL_SILENCE_S, MachineWatch
 from dray.protocol.order_book import OpenGoal, OrderBook, OrderInWork
+from dray.protocol.tasks import OpenTask, Outcome
 
 STRATEGIST = "strategist"
 """The agent's id where a plant has one strategist."""

@@ -22,6 +22,11 @@ GOODS_ABOARD = frozenset({Phase.CARRYING, Phase.UNLOADING, Phase.HANDING_OVER, P
 """Phases in which a load has left its source: goods cannot be fetched there a second time."""
 
 
+UNNAMED_S = 5.0
+"""Somebody who is contracted and does not say so for this long has lost the contract: many times the
+latency of a good link, so that the contract has reached it and its heartbeat has come back."""
+
+
 class Vigil:
     """What was last heard of one vehicle, and how long it may still go on like this.
 

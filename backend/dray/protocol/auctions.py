@@ -1,0 +1,54 @@
+"""The auctions of one coordinator: how they are set up, and when they want to be woken."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from dray.messages import Bid, Work
+from dray.protocol.auction import Auction, AuctionRules, Place, Terms
+from dray.protocol.events import NEVER_S, Effect
+from dray.protocol.timers import Timers
+
+
+class Auctions:
+    """What all auctions of one coordinator share.
+
+    Args:
+        coordinator: who asks.
+        place: where it stands.
+        audience: for a task's work and a radius (m), the bus keys of those to ask.
+        timers: the coordinator's alarms.
+        out: where effects go.
+    """
+
+    def __init__(
+        self,
+        coordinator: str,
+        place: Place,
+        audience: Callable[[Work, float], tuple[str, ...]],
+        timers: Timers,
+        out: list[Effect],
+    ) -> None:
+        self._coordinator = coordinator
+        self._place = place
+        self._audience = audience
+        self._timers = timers
+        self._out = out
+
+    def prepare(
+        self, terms: Terms, rules: AuctionRules, candidates: tuple[tuple[str, Bid], ...] = ()
+    ) -> Auction:
+        """An auction that is not open yet; `candidates` are asked before anything is announced."""
+
+        def audience(radius_m: float) -> tuple[str, ...]:
+            return self._audience(terms.work, radius_m)
+
+        return Auction(self._coordinator, terms, self._place, audience, rules, self._out, candidates)
+
+    def arm(self, kind: str, auction: Auction) -> None:
+        """Set or clear the alarm ``(kind, task)`` as the auction wants it now."""
+        name = (kind, auction.terms.task)
+        if auction.wake_at_s < NEVER_S:
+            self._timers.set(name, auction.wake_at_s)
+        else:
+            self._timers.clear(name)

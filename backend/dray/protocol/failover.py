@@ -1,0 +1,189 @@
+"""The primaries of a coordinator's tasks: whether they live, and what follows when one does not.
+
+A primary that has failed is replaced by its secondary, which has GRACE_S for that; else its task is
+announced anew. Either way the epoch rises, and that is the fence: there is one carrier, whoever else
+believes to be it.
+
+    CARRIED --failed, with a secondary--> GRACE --TakenOver--> CARRIED by another, epoch + 1
+       |  ^                                 |  |
+       |  +------- heard again -------------+  +-- nobody takes over --> announced anew, epoch + 1
+       +-- failed without a secondary, resigned, restarted without it --> announced anew, epoch + 1
+
+Goods that have left their machine exist only once: nobody else can carry them, so their task waits for
+its carrier, and is given up after ASTRAY_S. A load that was seen in the buffer is delivered, whether or
+not its carrier lives to say so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Protocol, cast
+
+from dray.messages import AtvHeartbeat, TakenOver
+from dray.messages.fact import PrimarySuspected
+from dray.protocol.events import NEVER_S, Effect, Record
+from dray.protocol.secondaries import Secondaries
+from dray.protocol.supervision import GOODS_ABOARD, UNNAMED_S, Following, Vigil
+from dray.protocol.tasks import OpenTask
+from dray.protocol.timers import Timers
+
+GRACE_S = 2.0
+"""How long a secondary may take after its primary has failed, beside the delay of one message: both judge
+by the same heartbeats, which reach them within each other's lateness."""
+
+ASTRAY_S = 600.0
+"""How long goods on board of a silent vehicle are waited for before they are made anew."""
+
+PRIMARY_VIGIL = "primary vigil"
+
+
+class Remedies(Protocol):
+    """What a coordinator can do for a task that is without a carrier."""
+
+    def reopen(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """Announce it anew, with a higher epoch."""
+        ...
+
+    def wait(self, task: OpenTask, trouble: str, now_s: float) -> None:
+        """Say in the heartbeat why it does not go on."""
+        ...
+
+    def give_up(self, task: OpenTask, now_s: float) -> None:
+        """Its goods are lost."""
+        ...
+
+    def conclude(self, task: OpenTask, now_s: float) -> None:
+        """Its load is down, though nobody has said so."""
+        ...
+
+
+class Failover:
+    """The watch over the primaries of one coordinator.
+
+    Args:
+        tasks: the coordinator's open tasks, by id.
+        secondaries: who watches them too.
+        following: which heartbeats the coordinator hears.
+        timers: its alarms; this class uses names ``(PRIMARY_VIGIL, task)``.
+        out: where effects go.
+        remedies: the coordinator.
+
+    Attributes:
+        alarms: what to call when an alarm of this class has come, with (task, now_s).
+    """
+
+    def __init__(
+        self,
+        tasks: Mapping[str, OpenTask],
+        secondaries: Secondaries,
+        following: Following,
+        timers: Timers,
+        out: list[Effect],
+        remedies: Remedies,
+    ) -> None:
+        self._tasks = tasks
+        self._secondaries = secondaries
+        self._following = following
+        self._timers = timers
+        self._out = out
+        self._remedies = remedies
+        self.alarms = {PRIMARY_VIGIL: self._check}
+
+    def follow(self, task: OpenTask, interval_s: float, now_s: float) -> None:
+        """A task has got its primary, which is expected to beat every `interval_s`."""
+        task.unnamed_s, task.grace, task.trouble = NEVER_S, False, ""
+        self._following.begin(task.primary)
+        task.vigil = Vigil(task.primary, interval_s, now_s, self._following.hearing)
+        self._timers.set((PRIMARY_VIGIL, task.id), task.vigil.fails_at_s)
+
+    def leave(self, task: OpenTask) -> None:
+        """A task has ended, or its primary is one no more."""
+        if task.vigil is not None:
+            self._following.end(task.vigil.subject)
+            task.vigil = None
+        self._timers.clear((PRIMARY_VIGIL, task.id))
+        task.grace, task.trouble = False, ""
+
+    def note_loaded(self, task: OpenTask) -> None:
+        """Goods have left with their carrier: nobody else could fetch them, so nobody needs to watch."""
+        if not task.loaded:
+            task.loaded = True
+            self._secondaries.drop(task, "the load is on board")
+
+    def hear_heartbeat(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
+        """The primary lives; it may have lost its contract."""
+        vigil = task.vigil
+        if vigil is None or not vigil.hear(heartbeat, now_s):
+            return
+        task.grace, task.trouble = False, heartbeat.problem
+        self._timers.set((PRIMARY_VIGIL, task.id), vigil.fails_at_s)
+        brief = heartbeat.task
+        if brief is not None and brief.task == task.id and brief.epoch == task.epoch:
+            task.unnamed_s = NEVER_S
+            if task.is_of_goods and brief.phase in GOODS_ABOARD:
+                self.note_loaded(task)  # Also when they left while this coordinator was away.
+        elif task.unnamed_s == NEVER_S:
+            task.unnamed_s = now_s
+        elif now_s - task.unnamed_s > UNNAMED_S:
+            self.replace(task, "does not carry it any more", now_s)
+
+    def veto(self, task: OpenTask, message: TakenOver, now_s: float) -> str:
+        """Why nobody may take a task over; empty when it is right."""
+        if message.primary != task.primary:
+            return "another one carries it"
+        if task.unloaded:
+            return f"{task.primary} has put the load down"
+        if task.loaded:
+            return f"the load is on board of {task.primary}"
+        vigil = task.vigil
+        if vigil is not None and vigil.heard_lately(now_s) and not vigil.failure(now_s):
+            return f"{task.primary} is heard"
+        return ""
+
+    def replace(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """The primary carries a task no more, and nobody has taken it over."""
+        if task.unloaded:
+            self._remedies.conclude(task, now_s)
+        elif not task.loaded:
+            self._remedies.reopen(task, reason, now_s)
+        else:
+            self._wait_for_goods(task, reason, now_s)
+
+    def silent_s(self, task: OpenTask, now_s: float) -> float:
+        """How long nothing has been heard of the primary."""
+        return max(0.0, now_s - task.vigil.heard_s) if task.vigil is not None else 0.0
+
+    # --- how it is done ---
+
+    def _check(self, task_id: str, now_s: float) -> None:
+        task = self._tasks.get(task_id)
+        if task is None or task.vigil is None:
+            return
+        failure = task.vigil.failure(now_s)
+        if not failure:
+            task.grace = False
+            self._timers.set((PRIMARY_VIGIL, task.id), task.vigil.fails_at_s)
+            return
+        self._note_suspicion(task, now_s)
+        if task.secondary and not task.grace:
+            task.grace = True
+            self._timers.set((PRIMARY_VIGIL, task.id), now_s + GRACE_S + task.vigil.delay_s)
+        else:
+            self.replace(task, failure, now_s)
+
+    def _note_suspicion(self, task: OpenTask, now_s: float) -> None:
+        if task.grace or task.trouble:
+            return  # It is in the history already.
+        suspected = PrimarySuspected(
+            task=task.id, epoch=task.epoch, primary=task.primary, silent_s=self.silent_s(task, now_s)
+        )
+        self._out.append(Record(suspected))
+
+    def _wait_for_goods(self, task: OpenTask, reason: str, now_s: float) -> None:
+        vigil = cast(Vigil, task.vigil)
+        astray_at_s = vigil.fails_at_s + ASTRAY_S
+        if vigil.failure(now_s) and now_s < astray_at_s:
+            self._timers.set((PRIMARY_VIGIL, task.id), astray_at_s)
+            self._remedies.wait(task, f"{task.primary} is {reason}, with the load on board", now_s)
+        else:
+            self._remedies.give_up(task, now_s)

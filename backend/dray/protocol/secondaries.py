@@ -1,0 +1,159 @@
+"""The secondaries of a coordinator's tasks: one is kept elected for as long as its task can be taken over.
+
+A secondary is not reserved (protocol, step 4): it resigns when it wins work of its own, it may fail, or
+its resignation may be lost; whenever a task is without one, another is sought.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from dray.messages import Accepted, AtvHeartbeat, Bid, Declined, Release, Role
+from dray.messages.fact import WatchLost
+from dray.protocol.auction import AuctionRules, Terms
+from dray.protocol.auctions import Auctions
+from dray.protocol.events import NEVER_S, Effect, Record, Send
+from dray.protocol.supervision import UNNAMED_S, Following, Vigil
+from dray.protocol.suspicion import IDLE_INTERVAL_S
+from dray.protocol.tasks import OpenTask
+from dray.protocol.timers import Timers
+
+WATCH_RULES = AuctionRules(radius_m=50.0, rest_s=10.0, rest_growth=1.0, rest_max_s=10.0)
+"""A missing watch is less urgent than a missing primary, so it asks wider and rests longer."""
+
+WATCH_AUCTION = "watch auction"
+SECONDARY_VIGIL = "secondary vigil"
+
+
+class Secondaries:
+    """Who watches the primaries of one coordinator.
+
+    Args:
+        tasks: the coordinator's open tasks, by id.
+        auctions: how its auctions are set up.
+        following: which heartbeats it hears.
+        timers: its alarms; this class uses names ``(WATCH_AUCTION, task)`` and ``(SECONDARY_VIGIL, task)``.
+        out: where effects go.
+
+    Attributes:
+        alarms: what to call when an alarm of this class has come, with (task, now_s).
+    """
+
+    def __init__(
+        self,
+        tasks: Mapping[str, OpenTask],
+        auctions: Auctions,
+        following: Following,
+        timers: Timers,
+        out: list[Effect],
+    ) -> None:
+        self._tasks = tasks
+        self._auctions = auctions
+        self._following = following
+        self._timers = timers
+        self._out = out
+        self.alarms = {WATCH_AUCTION: self._wake_auction, SECONDARY_VIGIL: self._check}
+
+    def seek(self, task: OpenTask, candidates: tuple[tuple[str, Bid], ...], now_s: float) -> None:
+        """Elect a secondary, of these candidates first; nobody is needed for what nobody could take over."""
+        if task.loaded:
+            return
+        terms = Terms(
+            task=task.id,
+            epoch=task.epoch,
+            role=Role.SECONDARY,
+            work=task.work,
+            deadline_s=task.deadline_s,
+            primary=task.primary,
+        )
+        task.watch = self._auctions.prepare(terms, WATCH_RULES, candidates)
+        task.watch.open(now_s)
+        self._auctions.arm(WATCH_AUCTION, task.watch)
+
+    def drop(self, task: OpenTask, reason: str) -> None:
+        """A task needs no secondary any more."""
+        if task.watch is not None:
+            task.watch.cancel()
+            task.watch = None
+            self._timers.clear((WATCH_AUCTION, task.id))
+        if task.secondary:
+            self._release(task, task.secondary, reason)
+            self.end(task)
+
+    def lose(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """A secondary is one no more: elect another."""
+        fact = WatchLost(task=task.id, epoch=task.epoch, secondary=task.secondary, reason=reason)
+        self._out.append(Record(fact))
+        self.end(task)
+        self.seek(task, (), now_s)
+
+    def end(self, task: OpenTask) -> None:
+        """Follow a task's secondary no longer, and say nothing: it knows."""
+        self._following.end(task.secondary)
+        self._timers.clear((SECONDARY_VIGIL, task.id))
+        task.secondary, task.guard = "", None
+
+    # --- what is heard ---
+
+    def hear_bid(self, task: OpenTask, sender: str, bid: Bid, now_s: float) -> None:
+        if task.watch is not None and sender != task.primary:
+            task.watch.hear_bid(sender, bid, now_s)
+            self._auctions.arm(WATCH_AUCTION, task.watch)
+
+    def hear_accepted(self, task: OpenTask, sender: str, answer: Accepted, now_s: float) -> None:
+        if task.watch is not None:
+            task.watch.hear_accepted(sender, answer)
+            if task.watch.winner == sender:
+                self._bind(task, sender, now_s)
+        elif sender != task.secondary:
+            self._release(task, sender, "another one watches")
+
+    def hear_declined(self, task: OpenTask, sender: str, answer: Declined, now_s: float) -> None:
+        if task.watch is not None:
+            task.watch.hear_declined(sender, answer, now_s)
+            self._auctions.arm(WATCH_AUCTION, task.watch)
+
+    def hear_heartbeat(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
+        """The secondary lives; it may have forgotten that it watches."""
+        guard = task.guard
+        if guard is None or not guard.hear(heartbeat, now_s):
+            return
+        self._timers.set((SECONDARY_VIGIL, task.id), guard.fails_at_s)
+        if any(brief.task == task.id and brief.epoch == task.epoch for brief in heartbeat.watches):
+            task.unwatched_s = NEVER_S
+        elif task.unwatched_s == NEVER_S:
+            task.unwatched_s = now_s
+        elif now_s - task.unwatched_s > UNNAMED_S:
+            self.lose(task, "does not watch any more", now_s)
+
+    # --- time passes ---
+
+    def _wake_auction(self, task_id: str, now_s: float) -> None:
+        task = self._tasks.get(task_id)
+        if task is not None and task.watch is not None:
+            task.watch.wake(now_s)
+            self._auctions.arm(WATCH_AUCTION, task.watch)
+
+    def _check(self, task_id: str, now_s: float) -> None:
+        task = self._tasks.get(task_id)
+        if task is None or task.guard is None:
+            return
+        failure = task.guard.failure(now_s)
+        if failure:
+            self._release(task, task.secondary, failure)
+            self.lose(task, failure, now_s)
+        else:
+            self._timers.set((SECONDARY_VIGIL, task.id), task.guard.fails_at_s)
+
+    # --- how it is done ---
+
+    def _bind(self, task: OpenTask, atv: str, now_s: float) -> None:
+        task.secondary, task.watch, task.unwatched_s = atv, None, NEVER_S
+        self._timers.clear((WATCH_AUCTION, task.id))
+        self._following.begin(atv)
+        task.guard = Vigil(atv, IDLE_INTERVAL_S, now_s, self._following.hearing)
+        self._timers.set((SECONDARY_VIGIL, task.id), task.guard.fails_at_s)
+
+    def _release(self, task: OpenTask, atv: str, reason: str) -> None:
+        release = Release(task=task.id, epoch=task.epoch, role=Role.SECONDARY, reason=reason)
+        self._out.append(Send(atv, release))

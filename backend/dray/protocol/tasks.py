@@ -1,0 +1,113 @@
+"""A coordinator's tasks: what it knows of each while it is open, and after it has ended."""
+
+from __future__ import annotations
+
+from typing import Literal, cast
+
+from dray.memory import TaskMemory
+from dray.messages import Transport, Work
+from dray.protocol.auction import Auction
+from dray.protocol.events import NEVER_S
+from dray.protocol.supervision import Vigil
+
+Outcome = Literal["delivered", "withdrawn"]
+
+
+class OpenTask:
+    """A task that has not ended, as its coordinator knows it."""
+
+    __slots__ = (
+        "auction",
+        "due_s",
+        "epoch",
+        "grace",
+        "guard",
+        "id",
+        "loaded",
+        "opened_s",
+        "primary",
+        "promised_s",
+        "secondary",
+        "source",
+        "trouble",
+        "unloaded",
+        "unnamed_s",
+        "unwatched_s",
+        "vigil",
+        "watch",
+        "work",
+    )
+
+    def __init__(self, task: str, work: Work, auction: Auction, opened_s: float) -> None:
+        self.id = task
+        self.work = work
+        self.epoch = auction.terms.epoch
+        """Rises whenever the carrier changes; whatever comes with a lower one is refused."""
+        self.auction = auction
+        self.watch: Auction | None = None
+        """The auction for a secondary, while one is sought."""
+        self.primary = ""
+        self.secondary = ""
+        self.source = ""
+        self.promised_s = 0.0
+        """When the primary has promised to be done."""
+        self.vigil: Vigil | None = None
+        """The watch over the primary."""
+        self.guard: Vigil | None = None
+        """The watch over the secondary."""
+        self.opened_s = opened_s
+        self.due_s = auction.terms.deadline_s
+        """The first deadline; that of the auction moves when nobody could keep it."""
+        self.loaded = False
+        """Goods that have left this machine: nobody else can fetch them again."""
+        self.unloaded = False
+        """The coordinator has seen the load put down in its own buffer; the handover is still to come."""
+        self.trouble = ""
+        """Why it does not go on, in words."""
+        self.grace = False
+        """The primary has failed, and the secondary may still take over."""
+        self.unnamed_s = NEVER_S
+        """Since when the primary does not name this task in its heartbeat."""
+        self.unwatched_s = NEVER_S
+        """Since when the secondary does not."""
+
+    @property
+    def deadline_s(self) -> float:
+        return self.auction.terms.deadline_s
+
+    @property
+    def is_of_goods(self) -> bool:
+        """Whether products are carried away, of which each piece exists once."""
+        return isinstance(self.work, Transport) and bool(self.work.goal)
+
+    @property
+    def work_item(self) -> str:
+        """What is carried, or made."""
+        return self.work.item if isinstance(self.work, Transport) else self.work.product
+
+    def memory(self) -> TaskMemory:
+        """A transport for its machine's next life."""
+        return TaskMemory(
+            task=self.id,
+            epoch=self.epoch,
+            work=cast(Transport, self.work),
+            deadline_s=self.due_s,
+            opened_s=self.opened_s,
+            primary=self.primary,
+            source=self.source,
+            promised_s=self.promised_s,
+            loaded=self.loaded,
+        )
+
+    @property
+    def round(self) -> int:
+        return self.auction.round
+
+
+class ClosedTask:
+    """What must still be known of a task that has ended."""
+
+    __slots__ = ("carrier", "epoch", "outcome")
+
+    def __init__(self, carrier: str, epoch: int, outcome: Outcome) -> None:
+        self.carrier, self.epoch, self.outcome = carrier, epoch, outcome
