@@ -167,39 +167,35 @@ class Atv(Core):
         if isinstance(memory, AtvMemory):
             self._obedience.recall(memory.acknowledged, memory.speed_frac)
         self._rest.start(self._battery_frac, now_s)
-        contract = memory.contract if isinstance(memory, AtvMemory) else None
-        if contract is None and state.load:
-            contract = self._foundling(state)
-        if contract is not None:
-            self._bind(contract)
+        if isinstance(memory, AtvMemory) and memory.contract is not None:
+            self._bind(memory.contract)
             self._go_on(lambda carriage: carriage.resume(state.load, now_s), now_s)
+        self._bring_back(now_s)
         self._update_status(now_s, "started")
         self._timers.set(BEAT, now_s)
 
-    def _foundling(self, state: VehicleState) -> Contract | None:
-        """What to do with a load that nobody remembers: bring it back, for nobody."""
+    def _bring_back(self, now_s: float) -> None:
+        """A load without a contract is one of an earlier life: bring it back, for nobody."""
+        load, quantity = self._load
+        if self._carriage is not None or not load:
+            return
         plant = self._plant
-        if state.load in plant.materials:
-            destination = sources = plant.storages_of(state.load)
-        else:
-            sources = destination = tuple(plant.delivery_warehouses)
-        work = Transport(
-            item=state.load,
-            quantity=state.load_quantity,
-            sources=sources,
-            destination=destination[0],
-            ability="",
-        )
-        return Contract(
+        refuges = plant.storages_of(load) if load in plant.materials else tuple(plant.delivery_warehouses)
+        work = Transport(item=load, quantity=quantity, sources=refuges, destination=refuges[0], ability="")
+        contract = Contract(
             task=f"{self.id}-found",
             epoch=0,
             work=work,
             coordinator=self.id,
-            source=sources[0],
+            source=refuges[0],
             promised_s=0.0,
             deadline_s=0.0,
             cancelled="nobody knows of this load",
         )
+        self._watches.resign("has a load to bring back")
+        self._rest.stop()
+        self._bind(contract)
+        self._go_on(lambda carriage: carriage.resume(load, now_s), now_s)
 
     def _memory(self) -> Memory:
         carriage = self._carriage
@@ -217,6 +213,7 @@ class Atv(Core):
         self._load = (body.load, body.load_quantity)
 
     def _beat(self, _about: None, now_s: float) -> None:
+        self._bring_back(now_s)
         self._seq += 1
         load, load_quantity = self._load
         carriage = self._carriage
@@ -339,7 +336,9 @@ class Atv(Core):
             return self._trouble.problem
         if self._obedience.stopped:
             return "stopped by an operator"
-        return "on the radio mesh" if self._link is Link.MESH else ""
+        if self._link is Link.MESH:
+            return "on the radio mesh"
+        return "a load is on board" if self._carriage is None and self._load[0] else ""
 
     def _hear_announced(self, _sender: str, message: TaskAnnounced, now_s: float) -> None:
         if message.role is Role.SECONDARY and self._watches.holds(message.task, message.epoch):
@@ -463,7 +462,9 @@ class Atv(Core):
 
     def _has_contract(self, task: str, epoch: int) -> bool:
         carriage = self._carriage
-        return carriage is not None and carriage.task == task and carriage.epoch == epoch
+        if carriage is None or carriage.is_void:
+            return False
+        return carriage.task == task and carriage.epoch == epoch
 
     def _ask_again(self, _about: None, now_s: float) -> None:
         self._go_on(lambda carriage: carriage.wake(self._load[0], now_s), now_s)

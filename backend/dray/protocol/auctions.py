@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import msgspec
+
 from dray.messages import Bid, Work
 from dray.protocol.auction import Auction, AuctionRules, Place, Terms
 from dray.protocol.events import NEVER_S, Effect
+from dray.protocol.suspicion import JITTER_S, Hearing
 from dray.protocol.timers import Timers
 
 
@@ -19,6 +22,7 @@ class Auctions:
         audience: for a task's work and a radius (m), the bus keys of those to ask.
         timers: the coordinator's alarms.
         out: where effects go.
+        hearing: how heartbeats arrive at the coordinator; None where it follows nobody.
     """
 
     def __init__(
@@ -28,17 +32,29 @@ class Auctions:
         audience: Callable[[Work, float], tuple[str, ...]],
         timers: Timers,
         out: list[Effect],
+        hearing: Hearing | None,
     ) -> None:
         self._coordinator = coordinator
         self._place = place
         self._audience = audience
         self._timers = timers
         self._out = out
+        self._hearing = hearing
 
     def prepare(
         self, terms: Terms, rules: AuctionRules, candidates: tuple[tuple[str, Bid], ...] = ()
     ) -> Auction:
-        """An auction that is not open yet; `candidates` are asked before anything is announced."""
+        """An auction that is not open yet; `candidates` are asked before anything is announced.
+
+        On links that are known to be slow it is patient from the beginning.
+        """
+        if self._hearing is not None:
+            there_and_back_s = 2.0 * self._hearing.delay_s + JITTER_S
+            rules = msgspec.structs.replace(
+                rules,
+                window_s=min(max(rules.window_s, there_and_back_s), rules.window_max_s),
+                answer_s=min(max(rules.answer_s, there_and_back_s), rules.window_max_s),
+            )
 
         def audience(radius_m: float) -> tuple[str, ...]:
             return self._audience(terms.work, radius_m)

@@ -145,6 +145,11 @@ class Carriage:
         return msgspec.structs.replace(self._contract, phase=self.phase, cancelled=self._cancelled)
 
     @property
+    def is_void(self) -> bool:
+        """Whether it is over but for the load, which is on its way back."""
+        return bool(self._cancelled)
+
+    @property
     def slack_s(self) -> float:
         """How much later than now expected it may be done."""
         return self._contract.deadline_s - self.due_s
@@ -168,7 +173,7 @@ class Carriage:
         The coordinator is told again that the contract was accepted: if it has moved on, it says so now,
         and not at the end of a long way.
         """
-        self._loaded = bool(load)
+        self._loaded = load == self.work.item
         if not self._cancelled:
             accepted = Accepted(
                 task=self.task, epoch=self.epoch, role=Role.PRIMARY, finish_s=self.promised_s, number=0
@@ -292,6 +297,9 @@ class Carriage:
         """
         if self._asked >= GIVE_UP_AFTER:
             self._be_left_alone(now_s)
+        elif load and load != self.work.item:
+            # An earlier life has picked it up; whoever carries this task must be empty.
+            self.resign(f"{load} is on board", now_s)
         elif bool(load) != self._loaded:
             self._loaded = bool(load)
             if self._loaded:

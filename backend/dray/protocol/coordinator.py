@@ -98,7 +98,8 @@ class Coordinator:
         self._unloaded = unloaded
         self._open: dict[str, OpenTask] = {}
         self._closed: dict[str, ClosedTask] = {}
-        self._auctions = Auctions(agent, place, audience, timers, out)
+        hearing = following.hearing if following is not None else None
+        self._auctions = Auctions(agent, place, audience, timers, out, hearing)
         self.alarms: dict[str, Callable[[str, float], None]] = {PRIMARY_AUCTION: self._wake_auction}
         self._secondaries: Secondaries | None = None
         self._failover: Failover | None = None
