@@ -1,0 +1,126 @@
+"""A small world under an adversary: whatever fails and comes back, the invariants hold, and all ends well.
+
+The adversary cuts agents off, loses, doubles, delays and reorders messages, lets software crash and vehicles
+lose power, breaks vehicles down, lets forks slip, and stops vehicles. When it has had its fun, everything is
+brought back, and what was ordered must be delivered.
+"""
+
+from __future__ import annotations
+
+import hypothesis.strategies as st
+from hypothesis import note, settings
+from hypothesis.stateful import RuleBasedStateMachine, initialize, rule
+from world import World
+
+from dray.messages import CommandKind
+from dray.protocol.strategist import STRATEGIST
+
+VEHICLES = {"ATV1": "p3", "ATV2": "s3", "ATV3": "p1"}
+ATVS = st.sampled_from(sorted(VEHICLES))
+AGENTS = st.sampled_from([*sorted(VEHICLES), "M7", STRATEGIST])
+
+CALM_S = 4000.0
+"""Longer than goods on board of a silent vehicle are waited for, and then made and carried anew."""
+
+SHOWN = 150
+"""Lines of the log that a failure shows."""
+
+
+class Adversary(RuleBasedStateMachine):
+    """One run of the world."""
+
+    @initialize(seed=st.integers(0, 2**16), quantity=st.integers(1, 5))
+    def begin(self, seed: int, quantity: int) -> None:
+        self.world = World(seed, VEHICLES)
+        self.quantity = quantity
+        self.world.order("O1", "pump-p3", quantity)
+        self.passes(1.0)
+
+    @rule(span_s=st.sampled_from([0.03, 0.3, 2.0, 7.0, 7.0, 25.0, 60.0]))
+    def passes(self, span_s: float) -> None:
+        self.world.run(self.world.now_s + span_s)
+
+    @rule(
+        loss_frac=st.sampled_from([0.0, 0.05, 0.3, 0.6]),
+        double_frac=st.sampled_from([0.0, 0.3]),
+        latency_s=st.sampled_from([0.01, 0.5, 3.0]),
+        jitter_s=st.sampled_from([0.0, 1.0, 4.0]),
+    )
+    def network_changes(
+        self, loss_frac: float, double_frac: float, latency_s: float, jitter_s: float
+    ) -> None:
+        network = self.world.network
+        network.loss_frac, network.double_frac = loss_frac, double_frac
+        network.latency_s, network.jitter_s = latency_s, jitter_s
+
+    @rule()
+    def network_heals(self) -> None:
+        self.world.network.heal()
+
+    @rule(agent=AGENTS)
+    def is_cut_off(self, agent: str) -> None:
+        self.world.network.cut_off.add(agent)
+
+    @rule(agent=AGENTS)
+    def crashes(self, agent: str) -> None:
+        if self.world.is_up(agent):
+            self.world.crash(agent)
+
+    @rule(atv=ATVS)
+    def loses_power(self, atv: str) -> None:
+        if self.world.is_up(atv):
+            self.world.power_off(atv)
+
+    @rule(agent=AGENTS)
+    def starts(self, agent: str) -> None:
+        if not self.world.is_up(agent):
+            self.world.start(agent)
+
+    @rule(atv=ATVS)
+    def breaks_down(self, atv: str) -> None:
+        self.world.break_down(atv)
+
+    @rule(atv=ATVS)
+    def is_repaired(self, atv: str) -> None:
+        self.world.repair(atv)
+
+    @rule(atv=ATVS)
+    def fork_slips(self, atv: str) -> None:
+        self.world.failing[atv] += 1
+
+    @rule(atv=ATVS, kind=st.sampled_from([CommandKind.STOP, CommandKind.ACKNOWLEDGE, CommandKind.RESUME]))
+    def is_told(self, atv: str, kind: CommandKind) -> None:
+        self.world.command(atv, kind)
+
+    def teardown(self) -> None:
+        if not hasattr(self, "world"):
+            return
+        world = self.world
+        try:
+            self.make_calm()
+            done = world.run_until(lambda: world.fulfilled == {"O1"} and not world.open_tasks(), CALM_S)
+            assert done, f"open: {world.open_tasks()}, fulfilled: {sorted(world.fulfilled)}"
+            world.check_sums({"O1": self.quantity})
+        finally:
+            note("\n".join(world.log[-SHOWN:]))
+
+    def make_calm(self) -> None:
+        """All faults end."""
+        world = self.world
+        world.network.heal()
+        for agent in world.actors:
+            if not world.is_up(agent):
+                world.start(agent)
+        for atv in VEHICLES:
+            world.repair(atv)
+        world.failing.clear()
+        world.run(world.now_s + 10.0)
+        for kind in (CommandKind.ACKNOWLEDGE, CommandKind.RESUME):
+            for atv, vehicle in world.vehicles.items():
+                if vehicle.held:
+                    world.command(atv, kind)
+            world.run(world.now_s + 1.0)
+
+
+TestAdversary = Adversary.TestCase
+TestAdversary.settings = settings(max_examples=40, stateful_step_count=30)

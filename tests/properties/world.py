@@ -1,0 +1,369 @@
+"""A small world: a few agents with plain bodies, and a network that does what it likes.
+
+Time goes from event to event; there is no asyncio. What an agent says is under way for as long as the
+network wants, is lost or doubled, and never reaches whoever is down or cut off. After every effect and
+every transfer the world is checked against the invariants of the protocol, as far as they can be seen here:
+
+1. a task that was opened is still open, or was closed once;
+2. a task is handed over once, by one carrier; what was picked up is on board or was put down somewhere;
+3. a vehicle is primary of one task at most;
+5. a stopped vehicle stands until somebody has acknowledged and then resumed;
+8. no agent ends by an exception, and none spins.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections import Counter
+from collections.abc import Callable
+from functools import partial
+from itertools import count
+from random import Random
+
+from actors import Actor
+from bodies import PlainGate, PlainVehicle, PlainWorkcell
+from kit import PLANT
+
+from dray.body import Drop, Pick, Unhold
+from dray.messages import (
+    CommandKind,
+    HandoverAccepted,
+    Message,
+    OrderItem,
+    OrderReleased,
+    Role,
+    Transport,
+    VehicleCommand,
+)
+from dray.messages.fact import ContractEnded, ContractTaken, OrderFulfilled, TaskClosed, TaskOpened
+from dray.protocol.atv import Atv
+from dray.protocol.events import Effect, Instruct, Publish, Record, Send, Subscribe, Unsubscribe
+from dray.protocol.machine import Machine
+from dray.protocol.strategist import STRATEGIST, Strategist
+
+LATENCY_S = 0.02
+
+
+class Broken(AssertionError):
+    """An invariant does not hold."""
+
+
+class Network:
+    """How messages fare: changed at will while the world runs.
+
+    Args:
+        random: what is left to chance.
+    """
+
+    def __init__(self, random: Random) -> None:
+        self._random = random
+        self.loss_frac = 0.0
+        self.double_frac = 0.0
+        self.latency_s = LATENCY_S
+        self.jitter_s = 0.0
+        """Messages overtake one another."""
+        self.cut_off: set[str] = set()
+        """Agents that neither hear nor are heard."""
+
+    def heal(self) -> None:
+        self.loss_frac = self.double_frac = self.jitter_s = 0.0
+        self.latency_s = LATENCY_S
+        self.cut_off.clear()
+
+    def delays_s(self, sender: str, to: str) -> list[float]:
+        """How long each copy of one message is under way; none when it is lost."""
+        if sender in self.cut_off or to in self.cut_off:
+            return []
+        copies = 2 if self._random.random() < self.double_frac else 1
+        return [
+            self.latency_s + self.jitter_s * self._random.random()
+            for _ in range(copies)
+            if self._random.random() >= self.loss_frac
+        ]
+
+
+class World:
+    """Machine M7 and its vehicles, with the strategist that gives it work.
+
+    Args:
+        seed: of the network's chance.
+        nodes: where the vehicles stand at the beginning, by their ids.
+    """
+
+    def __init__(self, seed: int, nodes: dict[str, str]) -> None:
+        self.now_s = 0.0
+        self.network = Network(Random(seed))
+        self.actors: dict[str, Actor] = {}
+        self.vehicles: dict[str, PlainVehicle] = {}
+        self.workcell = PlainWorkcell("M7", PLANT)
+        self.gate = PlainGate()
+        self.log: list[str] = []
+        self.failing = Counter[str]()
+        """Transfers that fail next, by vehicle."""
+        self._listeners: dict[str, dict[str, None]] = {}
+        self._numbers = count()
+        self._under_way: list[tuple[float, int, str, str, Message]] = []
+        self._checks = Checks(self)
+        self._add("M7", lambda life: Machine("M7", PLANT, incarnation=life), self.workcell)
+        for atv, node in nodes.items():
+            self.vehicles[atv] = PlainVehicle(atv, PLANT, node, self._transfer)
+            create = partial(_vehicle, atv)
+            self._add(atv, create, self.vehicles[atv])
+        self._add(STRATEGIST, lambda life: Strategist(PLANT, incarnation=life), self.gate)
+
+    # --- what a test does ---
+
+    def order(self, order: str, product: str, quantity: int) -> None:
+        """Somebody orders something."""
+        items = (OrderItem(product=product, quantity=quantity),)
+        self.say("gateway", STRATEGIST, OrderReleased(order=order, items=items, due_s=self.now_s + 3600.0))
+
+    def command(self, atv: str, kind: CommandKind) -> None:
+        """A person tells a vehicle something; the way to it is as good as the network."""
+        command = f"c{next(self._numbers)}"
+        self.say("operator", atv, VehicleCommand(command=command, kind=kind))
+
+    def say(self, sender: str, to: str, message: Message) -> None:
+        """Somebody says something to an agent."""
+        for delay_s in self.network.delays_s(sender, to):
+            heapq.heappush(self._under_way, (self.now_s + delay_s, next(self._numbers), sender, to, message))
+
+    def crash(self, agent: str) -> None:
+        """Its software ends; its body goes on."""
+        self._note(f"{agent} crashes")
+        self.actors[agent].crash()
+        for listeners in self._listeners.values():
+            listeners.pop(agent, None)
+
+    def power_off(self, atv: str) -> None:
+        """A vehicle is switched off, its software too."""
+        self.crash(atv)
+        self.vehicles[atv].stand_still()
+
+    def start(self, agent: str) -> None:
+        """It lives again."""
+        self._note(f"{agent} starts")
+        self.actors[agent].start(self.now_s)
+
+    def is_up(self, agent: str) -> bool:
+        return self.actors[agent].agent is not None
+
+    def break_down(self, atv: str) -> None:
+        vehicle = self.vehicles[atv]
+        if not vehicle.problem:
+            self.actors[atv].report(vehicle.break_down("the way is blocked", self.now_s), self.now_s)
+
+    def repair(self, atv: str) -> None:
+        vehicle = self.vehicles[atv]
+        if vehicle.problem:
+            self.actors[atv].report(vehicle.repair(self.now_s), self.now_s)
+
+    def run(self, until_s: float) -> None:
+        """Let time pass."""
+        while True:
+            actor = min(self.actors.values(), key=lambda each: each.next_s)
+            message_s = self._under_way[0][0] if self._under_way else float("inf")
+            next_s = min(actor.next_s, message_s)
+            if next_s > until_s:
+                break
+            self.now_s = max(self.now_s, next_s)
+            if message_s <= actor.next_s:
+                _, _, sender, to, message = heapq.heappop(self._under_way)
+                self._deliver(sender, to, message)
+            else:
+                actor.step(self.now_s)
+            self._checks.after_step()
+        self.now_s = max(self.now_s, until_s)
+
+    def run_until(self, condition: Callable[[], bool], within_s: float) -> bool:
+        """Let time pass until something is so; whether it came to that."""
+        until_s = self.now_s + within_s
+        while not condition() and self.now_s < until_s:
+            self.run(self.now_s + 5.0)
+        return condition()
+
+    def open_tasks(self) -> list[str]:
+        return self._checks.open_tasks()
+
+    @property
+    def fulfilled(self) -> set[str]:
+        """Orders that the strategist has called delivered."""
+        return self._checks.fulfilled
+
+    def check_sums(self, ordered: dict[str, int]) -> None:
+        """What came in is what was asked for, to the piece.
+
+        Args:
+            ordered: pieces by order.
+        """
+        self._checks.check_sums(ordered)
+
+    # --- how it goes on ---
+
+    def _add(self, agent: str, create: Callable[[int], object], body: object) -> None:
+        actor = Actor(create, body, partial(self._carry_out, agent))  # type: ignore[arg-type]
+        self.actors[agent] = actor
+        actor.start(self.now_s)
+
+    def _deliver(self, sender: str, to: str, message: Message) -> None:
+        actor = self.actors.get(to)
+        if actor is None or actor.agent is None or to in self.network.cut_off:
+            return
+        if isinstance(message, VehicleCommand):
+            self._checks.see_command(to, message)
+        actor.hear(sender, message, self.now_s)
+
+    def _carry_out(self, agent: str, effect: Effect) -> None:
+        self._checks.see(agent, effect)
+        if isinstance(effect, Send):
+            self.say(agent, effect.to, effect.message)
+            self._note(f"{agent} -> {effect.to} {effect.message}")
+        elif isinstance(effect, Publish):
+            for listener in self._audience(effect.key):
+                if listener != agent:
+                    self.say(agent, listener, effect.message)
+        elif isinstance(effect, Subscribe):
+            self._listeners.setdefault(effect.key, {})[agent] = None
+        elif isinstance(effect, Unsubscribe):
+            self._listeners.get(effect.key, {}).pop(agent, None)
+        elif isinstance(effect, Instruct | Record):
+            self._note(f"{agent}: {effect}")
+
+    def _audience(self, key: str) -> dict[str, None]:
+        """Who listens on a key. Wildcards stand at the end only: `*` for one chunk, `**` for any number."""
+        folder = key.rpartition("/")[0]
+        keys = [key, f"{folder}/*", f"{folder}/**", f"{folder.rpartition('/')[0]}/**"]
+        return {listener: None for each in keys for listener in self._listeners.get(each, ())}
+
+    def _transfer(self, atv: str, action: Pick | Drop, load: tuple[str, int]) -> str:
+        """A vehicle's load changes hands; why not, or nothing."""
+        if self.failing[atv]:
+            self.failing[atv] -= 1
+            return "the fork slips"
+        item, change = (action.item, -action.quantity) if isinstance(action, Pick) else load
+        if action.station == "M7":
+            reason, reports = self.workcell.transfer(atv, item, change)
+            self.actors["M7"].report(reports, self.now_s)
+        elif action.station in PLANT.delivery_warehouses and isinstance(action, Drop) and action.goal:
+            reason, gate_reports = self.gate.put(action.goal, change)
+            self.actors[STRATEGIST].report(gate_reports, self.now_s)
+        else:
+            reason = ""
+        self._note(f"{atv} {action} {reason or 'done'}")
+        if not reason:
+            self._checks.see_transfer(atv, action, item, change)
+        return reason
+
+    def _note(self, line: str) -> None:
+        self.log.append(f"{self.now_s:9.3f} {line}")
+
+
+def _vehicle(atv: str, life: int) -> Atv:
+    return Atv(atv, PLANT, vehicle_type="heavy", incarnation=life)
+
+
+class Checks:
+    """What must never be seen."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._opened: dict[str, None] = {}
+        self._closed: dict[str, str] = {}
+        self._handed_over: dict[str, str] = {}
+        self._primary_of: dict[str, str] = {}
+        self._stopped: dict[str, bool] = {}
+        """Whether the stop was acknowledged, of every vehicle that is stopped."""
+        self._hops: dict[str, int] = {}
+        self._obeyed: set[str] = set()
+        self._carried: Counter[str] = Counter()
+        """Pieces that were picked up, less those that were put down."""
+        self._brought: Counter[str] = Counter()
+        """Pieces of every material that came to the machine."""
+        self._work: dict[str, Transport] = {}
+        self.fulfilled: set[str] = set()
+
+    def open_tasks(self) -> list[str]:
+        return [task for task in self._opened if task not in self._closed]
+
+    def see(self, agent: str, effect: Effect) -> None:
+        if isinstance(effect, Record):
+            fact = effect.fact
+            if isinstance(fact, TaskOpened):
+                self._see_opened(fact)
+            elif isinstance(fact, TaskClosed):
+                self._see_closed(fact)
+            elif isinstance(fact, OrderFulfilled):
+                self.fulfilled.add(fact.order)
+            elif isinstance(fact, ContractTaken | ContractEnded) and agent in self._world.vehicles:
+                self._see_contract(agent, fact)
+        elif isinstance(effect, Send) and isinstance(effect.message, HandoverAccepted):
+            before = self._handed_over.setdefault(effect.message.task, effect.to)
+            if before != effect.to:
+                raise Broken(f"2: {effect.message.task} was handed over by {before} and {effect.to}")
+        elif isinstance(effect, Instruct) and isinstance(effect.instruction, Unhold):
+            if not self._stopped.pop(agent, False):
+                raise Broken(f"5: {agent} goes on without an acknowledge and a resume")
+            self._hops.pop(agent, None)
+
+    def see_command(self, atv: str, command: VehicleCommand) -> None:
+        """A command has reached a living vehicle; what comes twice counts once."""
+        if command.command in self._obeyed:
+            return
+        self._obeyed.add(command.command)
+        kind = command.kind
+        if kind is CommandKind.STOP:
+            self._stopped[atv] = False
+            self._hops.setdefault(atv, self._world.vehicles[atv].moved)
+        elif kind is CommandKind.ACKNOWLEDGE and atv in self._stopped:
+            self._stopped[atv] = True
+
+    def see_transfer(self, atv: str, action: Pick | Drop, item: str, change: int) -> None:
+        self._carried[item] -= change
+        if action.station == "M7" and isinstance(action, Drop):
+            self._brought[item] += change
+
+    def after_step(self) -> None:
+        world = self._world
+        for atv, hops in self._hops.items():
+            if world.vehicles[atv].moved != hops:
+                raise Broken(f"5: {atv} is stopped and moves")
+        on_board: Counter[str] = Counter()
+        for vehicle in world.vehicles.values():
+            on_board[vehicle.load[0]] += vehicle.load[1]
+        for item, pieces in self._carried.items():
+            if on_board[item] != pieces:
+                raise Broken(f"2: {pieces} of {item} are out there, {on_board[item]} are on board")
+
+    def check_sums(self, ordered: dict[str, int]) -> None:
+        accounted = Counter[str]()
+        for task, work in self._work.items():
+            if self._closed.get(task) == "delivered" and not work.goal:
+                accounted[work.item] += work.quantity
+        if self._brought != accounted:
+            raise Broken(f"2: {dict(self._brought)} came to the machine, {dict(accounted)} were asked for")
+        arrived = sum(self._world.gate.arrived.values())
+        if arrived != sum(ordered.values()):
+            raise Broken(f"4: {arrived} pieces arrived, {ordered} were ordered")
+
+    def _see_opened(self, fact: TaskOpened) -> None:
+        if fact.role is Role.PRIMARY:
+            if fact.task in self._closed:
+                raise Broken(f"1: {fact.task} is announced after it was closed")
+            self._opened.setdefault(fact.task)
+            if isinstance(fact.work, Transport):
+                self._work[fact.task] = fact.work
+
+    def _see_closed(self, fact: TaskClosed) -> None:
+        if fact.task in self._closed:
+            raise Broken(f"1: {fact.task} was closed twice")
+        self._closed[fact.task] = fact.outcome
+
+    def _see_contract(self, atv: str, fact: ContractTaken | ContractEnded) -> None:
+        if fact.role is not Role.PRIMARY:
+            return
+        if isinstance(fact, ContractTaken):
+            before = self._primary_of.setdefault(atv, fact.task)
+            if before != fact.task:
+                raise Broken(f"3: {atv} took {fact.task} while it carried {before}")
+        elif self._primary_of.get(atv) == fact.task:
+            del self._primary_of[atv]
