@@ -75,7 +75,9 @@ class Evidence(msgspec.Struct, frozen=True):
     def document(self) -> str:
         """The report as a section of a Markdown document; the same bytes for the same seed."""
         lines = [
-            f"## {self.scenario}: {self._verdict()}",
+            f"## {self.scenario}",
+            "",
+            f"{self._verdict().capitalize()}.",
             "",
             *wrap(f"**Claim** ({self.source}). {self.claim}", LINE),
             "",

@@ -64,6 +64,10 @@ class Report(msgspec.Struct, frozen=True):
         """The figures for a reader."""
         return describe(self)
 
+    def document(self) -> str:
+        """The figures as a section of a Markdown document."""
+        return f"## {self.scenario}\n\n```\n{self.describe()}\n```"
+
 
 def make_report(
     scenario: str,

@@ -23,6 +23,10 @@ class Outcome(Protocol):
         """For a reader; the same for the same seed."""
         ...
 
+    def document(self) -> str:
+        """A section of a Markdown document; the same for the same seed."""
+        ...
+
 
 class Playable(Protocol):
     """What `dray sim list` lists and `dray sim run` runs."""
@@ -33,6 +37,11 @@ class Playable(Protocol):
     @property
     def shows(self) -> str:
         """In one line."""
+        ...
+
+    @property
+    def source(self) -> str:
+        """Where its claim comes from; empty when there is none."""
         ...
 
     def run(self, seed: int) -> Outcome:

@@ -148,7 +148,7 @@ def test_a_broken_invariant_ends_with_exit_code_1_and_the_command_that_replays_i
 
 
 class Stub:
-    name, shows = "stub", "Nothing."
+    name, shows, source = "stub", "Nothing.", "ours"
 
     def __init__(self, held: bool, invariants: str) -> None:
         self._held, self._invariants = held, invariants

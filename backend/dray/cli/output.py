@@ -48,8 +48,8 @@ def write_json(file: Path, content: object) -> None:
     write_text(file, msgspec.json.format(msgspec.json.encode(content), indent=2).decode() + "\n")
 
 
-def write_text(file: Path, text: str) -> None:
-    """Write what --json asks for.
+def write_text(file: Path, text: str, option: str = "--json") -> None:
+    """Write what an option asks for.
 
     Raises:
         UnavailableError: the file cannot be written.
@@ -58,4 +58,4 @@ def write_text(file: Path, text: str) -> None:
         file.write_text(text, encoding="utf-8")
     except OSError as error:
         reason = error.strerror or str(error)
-        raise UnavailableError(str(file), reason, "choose another file for --json") from None
+        raise UnavailableError(str(file), reason, f"choose another file for {option}") from None

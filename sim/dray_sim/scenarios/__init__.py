@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dray_sim.scenario import Playable
 from dray_sim.scenarios import (
     case_1,
+    case_2,
     case_3,
     case_4,
     case_5,
@@ -29,6 +30,7 @@ from dray_sim.scenarios import (
 _ALL: tuple[Playable, ...] = (
     day.DAY,
     case_1.CASE_1,
+    case_2.CASE_2,
     case_3.CASE_3,
     case_4.CASE_4,
     case_5.CASE_5,

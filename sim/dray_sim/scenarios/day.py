@@ -15,6 +15,7 @@ class Day:
 
     name = SHIFT.name
     shows = "An eight-hour shift of seeded demand in the default plant, with no faults."
+    source = ""
 
     def run(self, seed: int) -> Report:
         """Play the day of this seed."""

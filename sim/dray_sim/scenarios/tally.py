@@ -21,7 +21,7 @@ HEAD = (
     "bids",
     "rounds",
     "suspected",
-    "taken over",
+    "carrier changed",
     "starved",
 )
 """Of `row`."""

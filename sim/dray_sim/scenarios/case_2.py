@@ -1,0 +1,159 @@
+"""Case 2: vehicles join for a busy season and leave after it; nobody else has to be told."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass
+
+from dray.messages import Bid, Role
+from dray.messages.fact import ContractEnded, ContractTaken, TookOver
+from dray.plant import VehicleSpec, default_plant
+from dray_sim.evidence import Check
+from dray_sim.scenario import Findings, Scenario
+from dray_sim.scenarios.tally import SETTLE_S
+from dray_sim.stage import Played, Shift, Stage, play
+
+NEWCOMERS = (
+    VehicleSpec(id="GUEST1", type="light", node="p2", battery_frac=0.9),
+    VehicleSpec(id="GUEST2", type="heavy", node="p4", battery_frac=0.9),
+    VehicleSpec(id="GUEST3", type="heavy", node="p6", battery_frac=0.9),
+    VehicleSpec(id="GUEST4", type="light", node="p8", battery_frac=0.9),
+)
+"""Not in the plant file: nobody has heard of them before."""
+
+JOIN_S, LEAVE_S = 1800.0, 4500.0
+
+SHIFT = Shift(name="case-2", duration_s=5400.0, load=1.0, keep=(Bid, ContractTaken, ContractEnded, TookOver))
+
+SOON_S = 300.0
+"""With orders for every machine, something is announced every minute."""
+
+
+@dataclass(frozen=True, slots=True)
+class Guests:
+    """What came of the visit.
+
+    Attributes:
+        first_s: how long each took until its first bid.
+        carried: transports that they handed over.
+        watched: watches that they took.
+        disturbed: transports of the others that did not end by their handover.
+        in_the_middle: one left in the middle of a transport.
+        taken_over: its task was taken over.
+        left: orders that were not delivered in the end.
+    """
+
+    first_s: dict[str, float]
+    carried: int
+    watched: int
+    disturbed: tuple[str, ...]
+    in_the_middle: str
+    taken_over: bool
+    lives: int
+    left: int
+
+
+async def visit(stage: Stage, join_s: float = JOIN_S, leave_s: float = LEAVE_S) -> Guests:
+    """Let the newcomers join, and take them away later, one of them in the middle of a transport."""
+    witness, factory = stage.witness, stage.factory
+    guests = {spec.id for spec in NEWCOMERS}
+    await stage.until_s(join_s)
+    for spec in NEWCOMERS:
+        factory.add_vehicle(spec)
+    await stage.until_s(leave_s)
+    task = await _carrying(stage, guests)
+    gone_s = stage.now_s()
+    # Switched off where they are, and not back again in this run.
+    for guest in sorted(guests):
+        factory.power_off(guest)
+    await stage.until_s(stage.shift.duration_s)
+    await stage.settle(SETTLE_S)
+    taken = [seen for seen in witness.all(ContractTaken) if seen.agent in guests]
+    ended = witness.all(ContractEnded)
+    first_s: dict[str, float] = {}
+    for seen in witness.all(Bid, since_s=join_s):
+        if seen.agent in guests:
+            first_s.setdefault(seen.agent, seen.at_s - join_s)
+    return Guests(
+        first_s=first_s,
+        carried=sum(seen.agent in guests and seen.said.reason == "handed_over" for seen in ended),
+        watched=sum(seen.said.role is Role.SECONDARY for seen in taken),
+        disturbed=tuple(
+            f"{seen.agent} {seen.said.task} {seen.said.reason}"
+            for seen in ended
+            if seen.agent in stage.plant.fleet
+            and seen.said.role is Role.PRIMARY
+            and seen.said.reason != "handed_over"
+        ),
+        in_the_middle=task,
+        taken_over=any(seen.said.task == task for seen in witness.all(TookOver, since_s=gone_s)),
+        lives=sum(heard.incarnation for heard in witness.machines.values()) - len(witness.machines),
+        left=len(stage.undelivered()),
+    )
+
+
+async def _carrying(stage: Stage, guests: set[str]) -> str:
+    """Wait until a guest is on its way with material that somebody watches, and name the task."""
+    for _ in range(int(SOON_S)):
+        for machine, heard in stage.witness.machines.items():
+            for brief in heard.tasks:
+                mine = brief.primary in guests and brief.secondary not in {*guests, ""}
+                if mine and brief.destination == machine:
+                    return brief.task
+        await asyncio.sleep(1.0)
+    return ""
+
+
+def case_2(seed: int) -> Findings:
+    """Play it."""
+    played: Played[Guests] = play(SHIFT, default_plant(), seed, visit)
+    told = played.told
+    if told is None:
+        return Findings(runs=(played,), checks=())
+    slowest_s = max(told.first_s.values(), default=0.0)
+    return Findings(
+        runs=(played,),
+        checks=(
+            Check(
+                f"Whoever joins bids by itself within {SOON_S / 60:.0f} minutes",
+                len(told.first_s) == len(NEWCOMERS) and slowest_s <= SOON_S,
+                f"{len(told.first_s)} of {len(NEWCOMERS)}, the slowest after {slowest_s:.0f} s",
+            ),
+            Check(
+                "The newcomers take a part of the work",
+                told.carried > 0,
+                f"{told.carried} transports, {told.watched} watches",
+            ),
+            Check(
+                "Nobody who was there before is disturbed or restarted",
+                not told.disturbed and told.lives == 0,
+                ", ".join(told.disturbed) or "every transport of theirs ended by its handover",
+            ),
+            Check(
+                "They may leave at any moment: what one of them was about to bring is brought by its secondary",
+                told.taken_over,
+                f"{told.in_the_middle or 'nothing'} was under way",
+            ),
+            Check(
+                "Every order is delivered",
+                told.left == 0,
+                f"{played.report.orders_delivered} of {played.report.orders_placed}",
+            ),
+        ),
+    )
+
+
+CASE_2 = Scenario(
+    name="case-2",
+    shows="Four vehicles join for a busy season, and leave again; nobody has to be told.",
+    source="paper, 4.2 case 2 and 3.1",
+    claim=(
+        "For a season of much work it is enough to add agents. Those who are there are not affected, since everybody "
+        "decides for itself; and whoever leaves touches only those who work with it at that moment."
+    ),
+    story=(
+        f"The default plant with orders for all of its machines' time. After {JOIN_S / 60:.0f} minutes four vehicles join "
+        f"that are in no file; after {LEAVE_S / 60:.0f} minutes they are switched off, one in the middle of a transport."
+    ),
+    play=case_2,
+)
