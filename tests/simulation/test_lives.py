@@ -178,6 +178,7 @@ async def historian(shelf: Shelf, factory: SimFactory, chance: Random) -> AsyncI
         bus=Deafened(factory.bus, chance),
         keys=factory.keys,
         to_wall_s=lambda plant_s: plant_s,
+        agents=tuple(factory.workers),
     )
     async with made.running():
         yield made

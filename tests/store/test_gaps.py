@@ -173,6 +173,15 @@ def test_lives_between_two_that_are_known_are_asked_about() -> None:
     assert asked(gaps, 0.0) == [(2, 1, WINDOW)]
 
 
+def test_who_is_known_by_name_only_is_asked_too_and_tells_which_life_it_is_in() -> None:
+    gaps = Gaps([Known("M2", 3, 1)], agents=["M1", "M2"])
+    assert asked(gaps, 0.0) == [(1, 1, WINDOW)]
+    gaps.answered("M1", kept(1, 0, life=1, said_in=2), 0.1)
+    assert asked(gaps, 0.1) == [(2, 1, WINDOW)]
+    gaps.answered("M1", kept(1, 4, life=2), 0.2)
+    assert gaps.missing == 4
+
+
 def test_what_came_while_nobody_listened_is_asked_for_first_of_all() -> None:
     gaps = Gaps([Known("M1", 1, 17)], now_s=5.0)
     assert asked(gaps, 5.0) == [(1, 18, 17 + WINDOW)]

@@ -95,13 +95,15 @@ class Gaps:
     Args:
         known: the lives that are known already, each agent's in their order.
         now_s: the time.
+        agents: who is asked even though nothing of them is known. Those without a heartbeat may have told
+            all they had to tell while nobody listened.
 
     Attributes:
         missing: numbers that have not come yet, over all agents.
         gone: numbers that never will, so far.
     """
 
-    def __init__(self, known: Iterable[Known] = (), now_s: float = 0.0) -> None:
+    def __init__(self, known: Iterable[Known] = (), now_s: float = 0.0, agents: Iterable[str] = ()) -> None:
         self.missing = 0
         self.gone = 0
         self._tellers: dict[str, _Teller] = {}
@@ -112,6 +114,11 @@ class Gaps:
             life.last = one.last
             life.missing.update(one.missing[-MISSING_PER_LIFE:])
             self.missing += len(life.missing)
+        for agent in agents:
+            if agent not in self._tellers:
+                # Its answer tells which life it is in.
+                self._tellers[agent] = teller = _Teller(heard_s=now_s, due_s=now_s)
+                self._begin_life(teller, 1)
 
     # --- what is heard ---------------------------------------------------------------------------
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections import deque
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Callable, Collection, Sequence
 from contextlib import asynccontextmanager
 
 from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError
@@ -62,6 +62,7 @@ class Historian:
         bus: where the agents are heard.
         keys: the plant's.
         to_wall_s: plant clock to wall clock.
+        agents: who is asked for history even when nobody has heard of them.
         linger_s: wall seconds in which events are gathered for one write.
         events_kept: rows of history kept.
         samples_kept: heartbeat samples kept.
@@ -76,6 +77,7 @@ class Historian:
         bus: Bus,
         keys: Keys,
         to_wall_s: ToWall,
+        agents: Collection[str] = (),
         linger_s: float = 0.2,
         events_kept: int = 1_000_000,
         samples_kept: int = 200_000,
@@ -84,6 +86,7 @@ class Historian:
     ) -> None:
         self._store, self._bus, self._keys = store, bus, keys
         self._to_wall_s, self._linger_s = to_wall_s, linger_s
+        self._agents = agents
         self._events_kept, self._samples_kept = events_kept, samples_kept
         self._queue_events, self._retry_s = queue_events, retry_s
         self._events: deque[Event] = deque()
@@ -119,7 +122,7 @@ class Historian:
         """
         self._recovered = recovered
         async with self._store.read() as work:
-            self._gaps = Gaps(await work.events.known(), self._now_s())
+            self._gaps = Gaps(await work.events.known(), self._now_s(), self._agents)
         session = self._bus.join(AGENT, self.receive)
         session.subscribe(self._keys.all_events)
         session.subscribe(self._keys.all_heartbeats)
