@@ -22,6 +22,7 @@ from dray import __version__
 from dray.cli.customers import place_demand
 from dray.cli.serving import Server, address_of, listen, stopped_by_signals
 from dray.gateway.app import create_app
+from dray.gateway.desk import STRATEGIST
 from dray.gateway.timescale import TimeScale
 from dray.messages.keys import Keys
 from dray.plant import Plant
@@ -144,6 +145,7 @@ def _app(service: Service, store: Store, factory: Factory, inside: Inside, incar
         bus=bus,
         keys=Keys(plant.id),
         to_wall_s=inside.time.to_wall_s,
+        agents=(*plant.fleet, *plant.machines, STRATEGIST),
         linger_s=settings.historian_linger_s,
         events_kept=settings.events_kept,
         samples_kept=settings.samples_kept,
