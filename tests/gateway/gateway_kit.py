@@ -200,7 +200,7 @@ def events(agent: str, *facts: AnyFact, life: int = 1, first: int = 1, at_s: flo
 class FakeDesk:
     """A fault desk without a factory: it knows the agent ATV3 only."""
 
-    kinds = (FaultKind("PoweredOff", "Switched off.", ("agent",)),)
+    kinds = (FaultKind("powered_off", "Switched off.", ("agent",)),)
 
     def __init__(self) -> None:
         self.begun: list[dict[str, Any]] = []

@@ -13,7 +13,7 @@ from dray.gateway.routes import faults as route
 
 pytestmark = pytest.mark.anyio
 
-OFF = {"kind": "PoweredOff", "agent": "ATV3"}
+OFF = {"kind": "powered_off", "agent": "ATV3"}
 
 
 @pytest.fixture
@@ -35,12 +35,12 @@ async def test_a_fault_is_begun_listed_and_ended(simulated: House, desk: FakeDes
     begun = await begin(simulated)
     assert begun.status_code == 201
     view = begun.json()
-    assert view == {"id": "f1", "kind": "PoweredOff", "fault": OFF, "agents": ["ATV3"], "began_at_s": NOW_S}
+    assert view == {"id": "f1", "kind": "powered_off", "fault": OFF, "agents": ["ATV3"], "began_at_s": NOW_S}
     assert begun.headers["location"] == "/api/faults/f1"
     listed = await simulated.get("/api/faults")
     assert listed["items"] == [view]
     assert listed["kinds"] == [
-        {"kind": "PoweredOff", "what": "Switched off.", "fields": ["agent"], "optional": []}
+        {"kind": "powered_off", "what": "Switched off.", "fields": ["agent"], "optional": []}
     ]
     ended = await simulated.client.delete("/api/faults/f1")
     assert (ended.status_code, ended.json()) == (200, view)
@@ -70,7 +70,7 @@ async def test_a_fault_without_a_kind_is_refused(simulated: House, body: Any) ->
     assert [error["field"] for error in told["errors"]] == ["kind"]
 
 
-@pytest.mark.parametrize("body", [[], "PoweredOff", 7])
+@pytest.mark.parametrize("body", [[], "powered_off", 7])
 async def test_what_is_no_object_is_refused(simulated: House, body: Any) -> None:
     problem(await begin(simulated, body), 422, "unusable-fields")
 

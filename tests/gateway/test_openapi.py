@@ -101,7 +101,7 @@ async def _fill(house: House) -> dict[str, str]:
     opened = TaskOpened("M1-1", 1, Role.PRIMARY, 1, work, 20.0, 900.0, 105.0)
     await house.say([atv_heartbeat("ATV1"), machine_heartbeat("M1"), *events("M1", opened)])
     order = await house.place()
-    await house.client.post("/api/faults", json={"kind": "PoweredOff", "agent": "ATV3"})
+    await house.client.post("/api/faults", json={"kind": "powered_off", "agent": "ATV3"})
     token = order["tracking_url"].rpartition("/")[2]
     return {
         "order": order["id"],

@@ -2,6 +2,7 @@
 
     dray up             the simulated factory, the gateway and the panels in one process
     dray sim ...        named scenarios in virtual time
+    dray fault ...      let something go wrong in a running `dray up`
     dray bench          benchmarks
     dray plant ...      plant files
     dray db ...         the database
@@ -20,7 +21,7 @@ from typing import Annotated
 import typer
 
 from dray import __version__
-from dray.cli import bench, db, plant, sim, up
+from dray.cli import bench, db, fault, plant, sim, up
 from dray.errors import DrayError, InputError
 
 app = typer.Typer(
@@ -33,6 +34,7 @@ app = typer.Typer(
 app.command("up")(up.up)
 app.command("bench")(bench.bench)
 app.add_typer(sim.app, name="sim")
+app.add_typer(fault.app, name="fault")
 app.add_typer(plant.app, name="plant")
 app.add_typer(db.app, name="db")
 

@@ -33,8 +33,8 @@ class FaultRequest(BaseModel):
         extra="allow",
         json_schema_extra={
             "examples": [
-                {"kind": "PoweredOff", "agent": "ATV3"},
-                {"kind": "MachineBroken", "machine": "M8", "reason": "spindle"},
+                {"kind": "powered_off", "agent": "ATV3"},
+                {"kind": "machine_broken", "machine": "M8", "reason": "spindle"},
             ]
         },
     )
@@ -52,13 +52,13 @@ class FaultsAnswer(msgspec.Struct, frozen=True):
 
 EXAMPLE = FaultView(
     id="f3",
-    kind="PoweredOff",
-    fault={"kind": "PoweredOff", "agent": "ATV3"},
+    kind="powered_off",
+    fault={"kind": "powered_off", "agent": "ATV3"},
     agents=("ATV3",),
     began_at_s=1_893_456_000.0,
 )
 
-KINDS = (FaultKind("PoweredOff", "The vehicle or machine is switched off.", ("agent",)),)
+KINDS = (FaultKind("powered_off", "The vehicle or machine is switched off.", ("agent",)),)
 
 
 @router.get(

@@ -1,0 +1,109 @@
+"""Faults by hand in the simulated factory of `dray up`: the gateway's fault desk, across the threads."""
+
+from __future__ import annotations
+
+import asyncio
+import inspect
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import msgspec
+
+from dray.errors import UnavailableError
+from dray.gateway.faultdesk import FaultKind, FaultRefused
+from dray.gateway.views import FaultView
+from dray_sim.faults import Fault, FaultError, Faults, kind_of, read_fault
+from dray_sim.faults.kinds import KINDS
+
+T = TypeVar("T")
+
+ANSWER_S = 10.0
+"""Wall seconds to wait for the factory: a fault takes a moment, but the factory may have a lot to do."""
+
+SUBJECTS = ("agent", "atv", "machine", "sender", "receiver")
+"""Fields of faults that may name an agent."""
+
+
+class SimFaultDesk:
+    """Begins and ends faults in a factory that runs in another thread.
+
+    Args:
+        faults: of the factory; used in its thread only.
+        loop: the factory's loop.
+        wall_s: the wall clock.
+    """
+
+    def __init__(self, faults: Faults, loop: asyncio.AbstractEventLoop, wall_s: Callable[[], float]) -> None:
+        self._faults, self._loop, self._wall_s = faults, loop, wall_s
+
+    @property
+    def kinds(self) -> tuple[FaultKind, ...]:
+        """See `FaultDesk.kinds`."""
+        return tuple(_kind(each) for each in KINDS)
+
+    async def begin(self, fault: dict[str, Any]) -> FaultView:
+        """See `FaultDesk.begin`."""
+        data = msgspec.json.encode(fault)
+        name, begun = await self._inside(lambda: self._begin(data))
+        told: dict[str, Any] = msgspec.to_builtins(begun)
+        agents = {told[field] for field in SUBJECTS if field in told and "*" not in told[field]}
+        return FaultView(
+            id=name, kind=kind_of(begun), fault=told, agents=tuple(sorted(agents)), began_at_s=self._wall_s()
+        )
+
+    async def end(self, fault: str) -> None:
+        """See `FaultDesk.end`."""
+        await self._inside(lambda: self._end(fault))
+
+    # --- in the factory's thread ---
+
+    def _begin(self, data: bytes) -> tuple[str, Fault]:
+        fault = read_fault(data, self._faults.cast)
+        return self._faults.begin(fault), fault
+
+    def _end(self, fault: str) -> None:
+        if fault in self._faults.active:
+            self._faults.end(fault)
+
+    async def _inside(self, call: Callable[[], T]) -> T:
+        """Call in the factory's thread.
+
+        Raises:
+            FaultRefused: as the simulator's `FaultError`.
+            UnavailableError: the factory has ended, or has too much to do.
+        """
+
+        async def inside() -> T:
+            return call()
+
+        coroutine = inside()
+        try:
+            answer = asyncio.run_coroutine_threadsafe(coroutine, self._loop)
+        except RuntimeError:
+            # The loop is closed.
+            coroutine.close()
+            raise _away("it has ended") from None
+        try:
+            async with asyncio.timeout(ANSWER_S):
+                return await asyncio.wrap_future(answer)
+        except FaultError as error:
+            # The whole request is the fault, so its fields need no prefix.
+            field = error.field.removeprefix("fault").lstrip(".") or "body"
+            raise FaultRefused(field, error.reason) from None
+        except TimeoutError:
+            raise _away(f"no answer within {ANSWER_S:g} s") from None
+
+
+def _away(reason: str) -> UnavailableError:
+    return UnavailableError("the simulated factory", reason, "look at the log of `dray up`")
+
+
+def _kind(fault: type[Fault]) -> FaultKind:
+    info = msgspec.inspect.type_info(fault)
+    assert isinstance(info, msgspec.inspect.StructType)  # noqa: S101 - every fault is one
+    return FaultKind(
+        kind=str(info.tag),
+        what=(inspect.getdoc(fault) or "").partition("\n\n")[0].replace("\n", " "),
+        fields=tuple(field.name for field in info.fields if field.required),
+        optional=tuple(field.name for field in info.fields if not field.required),
+    )

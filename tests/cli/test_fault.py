@@ -1,0 +1,185 @@
+"""Faults by hand, from the command line to a simulated factory, and what is said when that fails."""
+
+from __future__ import annotations
+
+import json
+import socket
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from http.server import BaseHTTPRequestHandler, HTTPServer
+from typing import Any
+
+import pytest
+
+from dray.cli import main
+
+Run = Callable[..., tuple[int, str, str]]
+
+KINDS = [
+    {"kind": "wlan_cut", "what": "No WLAN.", "fields": ["agent"], "optional": []},
+    {"kind": "vehicle_broken", "what": "A problem.", "fields": ["atv"], "optional": ["reason"]},
+    {"kind": "link_trouble", "what": "Bad links.", "fields": [], "optional": ["latency_s"]},
+]
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
+    """Run `dray fault ...` in this process: exit code, stdout, stderr."""
+    monkeypatch.setenv("COLUMNS", "160")
+
+    def call(*args: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["dray", "fault", *args])
+        code = 0
+        try:
+            main()
+        except SystemExit as end:
+            code = end.code if isinstance(end.code, int) else 0
+        out, err = capsys.readouterr()
+        return code, out, err
+
+    return call
+
+
+class FakeGateway(HTTPServer):
+    """Answers as a gateway does; `asked` holds what it was asked, `answers` what it says to a path."""
+
+    def __init__(self) -> None:
+        super().__init__(("127.0.0.1", 0), _Handler)
+        self.asked: list[tuple[str, str, Any]] = []
+        self.answers: dict[str, tuple[int, Any]] = {"GET /api/faults": (200, {"items": [], "kinds": KINDS})}
+        self.url = f"http://127.0.0.1:{self.server_port}"
+
+
+class _Handler(BaseHTTPRequestHandler):
+    server: FakeGateway
+
+    def _answer(self) -> None:
+        body = self.rfile.read(int(self.headers.get("Content-Length", 0)))
+        self.server.asked.append((self.command, self.path, json.loads(body) if body else None))
+        status, answer = self.server.answers[f"{self.command} {self.path}"]
+        data = answer if isinstance(answer, bytes) else json.dumps(answer).encode()
+        self.send_response(status)
+        self.send_header("Content-Length", str(len(data)))
+        self.end_headers()
+        self.wfile.write(data)
+
+    do_GET = do_POST = do_DELETE = _answer  # noqa: N815 - the server's own names
+
+    def log_message(self, format: str, *args: Any) -> None:  # noqa: A002 - the server's own word
+        """Say nothing."""
+
+
+@pytest.fixture
+def gateway() -> Iterator[FakeGateway]:
+    with FakeGateway() as server:
+        thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
+        thread.start()
+        yield server
+        server.shutdown()
+        thread.join()
+
+
+def fault(name: str = "F1", **fields: Any) -> dict[str, Any]:
+    return {"id": name, "kind": fields["kind"], "fault": fields, "agents": ["ATV3"], "began_at_s": 1.0}
+
+
+def test_what_can_go_wrong_is_listed_with_its_fields(run: Run, gateway: FakeGateway) -> None:
+    code, out, _ = run("list", "--url", gateway.url)
+    assert code == 0
+    assert "nothing is wrong" in out
+    assert "vehicle_broken" in out
+    assert "atv (reason)" in out
+
+
+def test_what_is_wrong_is_listed_with_its_id(run: Run, gateway: FakeGateway) -> None:
+    broken = fault(kind="vehicle_broken", atv="ATV3", reason="blocked")
+    gateway.answers["GET /api/faults"] = (200, {"items": [broken], "kinds": KINDS})
+    _, out, _ = run("list", "--url", gateway.url)
+    line = next(line for line in out.splitlines() if "F1" in line)
+    assert line.split() == ["F1", "vehicle_broken", "ATV3", "reason=blocked"]
+
+
+@pytest.mark.parametrize("kind", ["vehicle_broken", "vehicle-broken", "VehicleBroken"])
+def test_a_fault_is_begun_however_its_kind_is_spelt(run: Run, gateway: FakeGateway, kind: str) -> None:
+    body = {"kind": "vehicle_broken", "atv": "ATV3", "reason": "the way is blocked"}
+    gateway.answers["POST /api/faults"] = (201, fault(**body))
+    code, out, _ = run("begin", kind, "ATV3", "--set", "reason=the way is blocked", "--url", gateway.url)
+    assert (code, out) == (0, "F1\n")
+    assert gateway.asked[-1] == ("POST", "/api/faults", body)
+
+
+def test_numbers_are_sent_as_numbers(run: Run, gateway: FakeGateway) -> None:
+    gateway.answers["POST /api/faults"] = (201, fault(kind="link_trouble", latency_s=2.5))
+    assert run("begin", "link-trouble", "--set", "latency_s=2.5", "--url", gateway.url)[0] == 0
+    assert gateway.asked[-1][2] == {"kind": "link_trouble", "latency_s": 2.5}
+
+
+def test_a_fault_is_ended(run: Run, gateway: FakeGateway) -> None:
+    gateway.answers["DELETE /api/faults/F1"] = (200, fault(kind="wlan_cut", agent="ATV3"))
+    assert run("end", "F1", "--url", gateway.url)[0] == 0
+    assert gateway.asked == [("DELETE", "/api/faults/F1", None)]
+
+
+@pytest.mark.parametrize(
+    ("args", "says"),
+    [
+        (("begin", "fly", "ATV3"), "wlan_cut"),
+        (("begin", "wlan_cut"), "AGENT"),
+        (("begin", "link_trouble", "ATV3"), "--set"),
+        (("begin", "wlan_cut", "ATV3", "--set", "reason"), "field=value"),
+    ],
+)
+def test_input_that_cannot_be_used_is_refused_before_anything_is_begun(
+    run: Run, gateway: FakeGateway, args: tuple[str, ...], says: str
+) -> None:
+    code, out, err = run(*args, "--url", gateway.url)
+    assert (code, out) == (2, "")
+    assert says in err
+    assert not [method for method, _, _ in gateway.asked if method == "POST"]
+
+
+def test_an_unknown_agent_is_named_in_the_gateways_words(run: Run, gateway: FakeGateway) -> None:
+    errors = [{"field": "agent", "reason": "there is no agent 'ATV99'; give one of ATV1, ATV2"}]
+    gateway.answers["POST /api/faults"] = (422, {"detail": "first", "errors": errors})
+    code, _, err = run("begin", "wlan_cut", "ATV99", "--url", gateway.url)
+    assert code == 2
+    assert err == "dray: agent: there is no agent 'ATV99'; give one of ATV1, ATV2\n"
+
+
+def test_an_unknown_fault_is_refused(run: Run, gateway: FakeGateway) -> None:
+    gateway.answers["DELETE /api/faults/F9"] = (404, {"detail": "no fault has the id 'F9'"})
+    code, _, err = run("end", "F9", "--url", gateway.url)
+    assert (code, err) == (2, "dray: no fault has the id 'F9'\n")
+
+
+def test_a_factory_that_is_not_simulated_is_said(run: Run, gateway: FakeGateway) -> None:
+    gateway.answers["GET /api/faults"] = (409, {"detail": "only in a simulated factory"})
+    code, _, err = run("list", "--url", gateway.url)
+    assert code == 1
+    assert "only in a simulated factory" in err
+
+
+@pytest.mark.parametrize("answer", [(200, b"<html>"), (200, {"items": 7}), (500, b"<html>")])
+def test_a_server_that_is_not_dray_is_said(run: Run, gateway: FakeGateway, answer: tuple[int, Any]) -> None:
+    gateway.answers["GET /api/faults"] = answer
+    code, _, err = run("list", "--url", gateway.url)
+    assert code == 1
+    assert gateway.url in err
+    assert "Traceback" not in err
+
+
+def test_nobody_there_is_said_with_a_remedy(run: Run) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+    code, _, err = run("list", "--url", f"http://127.0.0.1:{port}")
+    assert code == 1
+    assert err.count("\n") == 1
+    assert "dray up" in err
+
+
+@pytest.mark.parametrize("url", ["ftp://x", "127.0.0.1:8000", "http://", "http://[zz", "http://x:99999"])
+def test_what_is_no_address_is_refused(run: Run, url: str) -> None:
+    code, _, err = run("list", "--url", url)
+    assert code == 2
+    assert err.startswith("dray: --url: ")
