@@ -139,6 +139,12 @@ def test_a_takeover_is_one_piece_of_news_whoever_tells_it_first(
     assert (news.agent, news.other, news.confirmed) == ("ATV1", "ATV3", True)
 
 
+def test_the_promise_of_the_one_that_failed_binds_nobody(projection: Projection) -> None:
+    task(projection).promised_at_s = wall_s(150.0)
+    tell(projection, "ATV1", took_over())
+    assert task(projection).promised_at_s is None
+
+
 def test_a_takeover_that_comes_again_tells_nothing_new(projection: Projection) -> None:
     for _ in range(2):
         tell(projection, "ATV1", took_over())

@@ -299,7 +299,8 @@ def _begin_again(task: TaskView) -> None:
 def _give_to(task: TaskView, carrier: str, epoch: int) -> None:
     """Somebody else carries it."""
     if carrier != task.primary:
-        task.phase = ""
+        # What the one before has promised binds nobody any more.
+        task.phase, task.promised_at_s = "", None
     task.epoch, task.primary, task.state = epoch, carrier, "contracted"
     if task.secondary == carrier:
         task.secondary = ""
