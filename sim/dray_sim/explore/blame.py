@@ -20,7 +20,9 @@ from dray_sim.faults import (
     LoadShifted,
     MachineBroken,
     PoweredOff,
+    RadioCut,
     VehicleBroken,
+    WlanCut,
 )
 
 LATER_S = 300.0
@@ -114,8 +116,8 @@ class Blame:
 
 
 def _agent(fault: Fault) -> str:
-    """Whom a fault touches; a fault of the network may touch anybody."""
-    if isinstance(fault, PoweredOff | Crashed):
+    """Whom a fault touches; `EVERYBODY` for one that may touch anybody."""
+    if isinstance(fault, PoweredOff | Crashed | WlanCut | RadioCut):
         return fault.agent
     if isinstance(fault, MachineBroken):
         return fault.machine
@@ -126,4 +128,6 @@ def _can_lose(fault: Fault, sender: str, receiver: str) -> bool:
     if isinstance(fault, LinkTrouble):
         ends = fnmatchcase(sender, fault.sender) and fnmatchcase(receiver, fault.receiver)
         return fault.loss_frac > 0.0 and ends
+    if isinstance(fault, RadioCut):
+        return False
     return _agent(fault) in (EVERYBODY, sender, receiver)

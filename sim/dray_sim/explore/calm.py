@@ -34,7 +34,7 @@ class Calm:
         patience: the bounds.
 
     Attributes:
-        over: set when nothing is open any more, after the calm has begun.
+        over: set when nothing is open and nobody is bound any more, after the calm has begun.
     """
 
     def __init__(self, patience: Patience) -> None:
@@ -103,7 +103,7 @@ class Calm:
             if at_s - max(since_s, self._since_s) > bound_s:
                 seen = f"{atv} still works for {task}, which ended {at_s - since_s:.0f} s ago"
                 raise InvariantBroken(1, at_s, seen)
-        if not self._open and not self._orders:
+        if not self._open and not self._orders and not self._busy:
             self.over.set()
             return
         self.over.clear()

@@ -81,6 +81,9 @@ PROFILES: Mapping[str, Profile] = {
     "all": Profile(),
     "deaths": Profile(weights={PoweredOff: 2.0, Crashed: 1.0}, passerby_frac=0.0),
     "links": Profile(weights={WlanCut: 2.0, LinkTrouble: 4.0, Partition: 2.0, CoverageHole: 1.0}),
+    "answers": Profile(
+        weights={LinkTrouble: 1.0}, intensity=(3.0, 8.0), operators_frac=0.0, passerby_frac=0.0
+    ),
     "hands": Profile(weights={VehicleBroken: 1.0, LoadShifted: 2.0}, operators_frac=1.0, passerby_frac=1.0),
     "calm": Profile(intensity=(0.0, 0.0), passerby_frac=0.0),
 }
