@@ -51,6 +51,17 @@ export async function cancelOrder(id: string): Promise<void> {
   await request("POST", `/api/orders/${encodeURIComponent(id)}/cancel`);
 }
 
+/** A fault for the simulated factory, as data; `kind` says which fields it has. */
+export type NewFault = Readonly<Record<string, string | number>> & { readonly kind: string };
+
+export async function beginFault(fault: NewFault): Promise<void> {
+  await request("POST", "/api/faults", fault);
+}
+
+export async function endFault(id: string): Promise<void> {
+  await request("DELETE", `/api/faults/${encodeURIComponent(id)}`);
+}
+
 async function request(
   method: string,
   path: string,

@@ -83,7 +83,8 @@ describe("a problem", () => {
 });
 
 describe("alerts", () => {
-  const machine = (id: string, status: MachineView["status"]) => ({ id, status, problem: "spindle" }) as MachineView;
+  const machine = (id: string, status: MachineView["status"], more: Partial<MachineView> = {}) =>
+    ({ id, status, problem: "spindle", seen_at_s: 100, ...more }) as MachineView;
   const atv = (id: string, more: Partial<AtvView>) =>
     ({ id, status: "idle", seen_at_s: 100, battery_frac: 0.9, problem: "", ...more }) as AtvView;
   const world = (atvs: AtvView[], machines: MachineView[], orders: OrderView[] = []): World => ({
@@ -106,6 +107,31 @@ describe("alerts", () => {
   test("say of a silent vehicle that it is silent, whatever it said last", () => {
     const [alert] = alertsOf(world([atv("ATV1", { status: "error", seen_at_s: 40 })], []), 100);
     expect(alert).toMatchObject({ reason: "atvLost", value: 60 });
+  });
+
+  test("say of a silent machine that it is silent", () => {
+    const [alert] = alertsOf(world([], [machine("M1", "producing", { seen_at_s: 70 })]), 100);
+    expect(alert).toMatchObject({ reason: "machineLost", value: 30, level: "alarm" });
+  });
+
+  test("ask for help with the time that is left, and warn only once somebody comes", () => {
+    const help = { until_at_s: 142, promised_by: "" };
+    const needs = atv("ATV1", { status: "error", help });
+    expect(alertsOf(world([needs], []), 100)[0]).toMatchObject({ level: "alarm", reason: "atvHelp", value: 42 });
+    const promised = { ...needs, help: { ...help, promised_by: "Hall 1" } };
+    expect(alertsOf(world([promised], []), 100)[0]).toMatchObject({ level: "warning", reason: "atvPromised", by: "Hall 1" });
+  });
+
+  test("tell of a task's trouble, unless its carrier tells of it itself", () => {
+    const task = { id: "M8-3", primary: "ATV1", trouble: "blocked" } as TaskView;
+    const of = (problem: string) => alertsOf({ ...world([atv("ATV1", { problem })], []), tasks: new Map([["M8-3", task]]) }, 100);
+    expect(of("").map(({ reason }) => reason)).toEqual(["taskTrouble"]);
+    expect(of("blocked")).toEqual([]);
+  });
+
+  test("say why an order waits, rather than that it is late", () => {
+    const waits = order({ due_at_s: 50, waits: "no machine can make it" });
+    expect(alertsOf(world([], [], [waits]), 100)).toMatchObject([{ reason: "orderWaits", problem: "no machine can make it" }]);
   });
 
   test("name late orders, but none that is delivered in time or cancelled", () => {

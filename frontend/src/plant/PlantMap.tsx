@@ -1,4 +1,5 @@
 import { useSignal, useSignalEffect } from "@preact/signals";
+import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import type { PlantFile } from "../api/types";
 import { choose, selection } from "../selection/selection";
@@ -22,8 +23,8 @@ interface Parts {
   navigation: Navigation;
 }
 
-/** The plant, live. Everything on it can also be chosen in the field Find and in the lists. */
-export function PlantMap({ plant }: { plant: PlantFile }) {
+/** The plant, live, with something laid over it. Everything on it can also be chosen in the field Find and in the lists. */
+export function PlantMap({ over, plant }: { over?: ComponentChildren; plant: PlantFile }) {
   const surface = useRef<HTMLDivElement>(null);
   const canvases = [useRef<HTMLCanvasElement>(null), useRef<HTMLCanvasElement>(null), useRef<HTMLCanvasElement>(null)];
   const parts = useSignal<Parts | null>(null);
@@ -80,6 +81,7 @@ export function PlantMap({ plant }: { plant: PlantFile }) {
       {past && ageS.value !== null && (
         <p class="map-age">{t("map.past", { age: format.age(ageS.value) })}</p>
       )}
+      {over}
       <ScaleBar scale={scale.value} />
       <ZoomButtons
         zoomBy={(steps) => parts.value?.navigation.zoomBy(steps)}

@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
-import type { TaskView } from "../api/types";
+import type { AtvView, TaskView } from "../api/types";
 import { detailOf } from "./detail";
-import { labelRect } from "./draw/vehicles";
+import { labelRect, lookOf } from "./draw/vehicles";
 import { layersFrom } from "./layers";
 import { meshLinks, watchLinks } from "./links";
 import { find, type Findable } from "./places";
@@ -30,8 +30,24 @@ describe("silence", () => {
     expect(isLost({ seen_at_s: 80 }, 100, 1)).toBe(true);
   });
 
-  test("counts sooner in a factory that runs faster", () => {
+  test("of a vehicle with a task is noticed as soon as its watch notices it", () => {
+    expect(isLost({ seen_at_s: 97, task: {} }, 100, 1)).toBe(false);
+    expect(isLost({ seen_at_s: 96, task: {} }, 100, 1)).toBe(true);
+  });
+
+  test("counts sooner in a factory that runs faster, but a busy page is no silence", () => {
     expect(isLost({ seen_at_s: 95 }, 100, 50)).toBe(true);
+    expect(isLost({ seen_at_s: 98.5, task: {} }, 100, 50)).toBe(false);
+  });
+});
+
+describe("the look of a vehicle", () => {
+  const atv = (more: object) => ({ status: "working", ...more }) as AtvView;
+
+  test("is silent before all else: what it said last is a memory", () => {
+    expect(lookOf(atv({ status: "error" }), true, true)).toBe("lost");
+    expect(lookOf(atv({ status: "error" }), true, false)).toBe("alarm");
+    expect(lookOf(atv({}), true, false)).toBe("chosen");
   });
 });
 

@@ -7,15 +7,18 @@ import type { Box, MachineView, PlantFile, TaskView } from "../api/types";
 import { FleetMotion, type ShownVehicle } from "../motion/fleet-motion";
 import { type Place, type Roads, roadsOf } from "../motion/roads";
 import type { Frame, World } from "../stream/world";
+import { format, t } from "../text";
 import { type Detail, detailOf } from "./detail";
 import type { Brush } from "./draw/brush";
 import { drawFloor } from "./draw/floor";
 import { drawChosenWay, drawLinks, drawWays } from "./draw/lines";
 import { drawMachine } from "./draw/machines";
+import { drawMark } from "./draw/marks";
 import { drawDots, drawVehicle, drawVehicleLabels, type Look, lookOf } from "./draw/vehicles";
 import { boxOnScreen, fitView, type Size, toScreenX, toScreenY, type View, type Zoom, zoomed } from "./geometry";
 import type { Layers } from "./layers";
 import { meshLinks, watchLinks } from "./links";
+import { Marks } from "./marks";
 import type { Palette } from "./palette";
 import { isLost } from "./silence";
 
@@ -48,6 +51,7 @@ export class PlantRenderer {
   readonly #machineAt: ReadonlyMap<string, Place>;
   /** What has a name of its own, which no vehicle's name may cover. */
   readonly #walls: readonly Box[];
+  readonly #marks = new Marks();
   #shown: Shown;
   #world: World | null = null;
   #size: Size = { width: 1, height: 1 };
@@ -94,6 +98,7 @@ export class PlantRenderer {
       return;
     }
     this.fleet.observe(frame.atvs);
+    this.#marks.observe(frame.news, performance.now());
     for (const id of frame.gone) if (id.startsWith("atv:")) this.fleet.forget(id.slice(4));
     this.#know(world);
   }
@@ -165,8 +170,9 @@ export class PlantRenderer {
     if (this.#stale.floor) this.#drawFloor(detail);
     if (this.#stale.machines) this.#drawMachines(detail);
     this.#stale = { floor: false, machines: false };
-    this.#drawMoving(detail, vehicles, nowS);
-    if (moving && this.#smooth) this.#ask();
+    const marks = this.#marks.shown(ms, this.#smooth);
+    this.#drawMoving(detail, vehicles, nowS, marks);
+    if ((moving || marks.length > 0) && this.#smooth) this.#ask();
   }
 
   #brush(canvas: HTMLCanvasElement, detail: Detail): Brush | null {
@@ -194,12 +200,18 @@ export class PlantRenderer {
     if (!brush) return;
     for (const spec of this.plant.machines) {
       const view: MachineView | undefined = this.#world?.machines.get(spec.id);
+      const lost = view !== undefined && isLost(view, this.#serverNowS(), this.#world?.factory.speed ?? 1);
       const product = this.#productNames.get(view?.product ?? "") ?? "";
-      drawMachine(brush, { spec, view, product, chosen: spec.id === this.#shown.place });
+      drawMachine(brush, { spec, view, product, lost, chosen: spec.id === this.#shown.place });
     }
   }
 
-  #drawMoving(detail: Detail, vehicles: readonly ShownVehicle[], nowS: number): void {
+  #drawMoving(
+    detail: Detail,
+    vehicles: readonly ShownVehicle[],
+    nowS: number,
+    marks: ReturnType<Marks["shown"]>,
+  ): void {
     const brush = this.#brush(this.#canvases.moving, detail);
     const world = this.#world;
     if (!brush || !world) return;
@@ -211,6 +223,7 @@ export class PlantRenderer {
     if (layers.watch) this.#drawWatch(brush, world.tasks, vehicles);
     if (layers.mesh) drawLinks(brush, meshLinks(vehicles, this.#find), "mesh", false);
     if (layers.ways && atv !== null) drawChosenWay(brush, this.fleet.ahead(atv));
+    for (const { from, look, to } of marks) drawMark(brush, this.#find(from), this.#find(to), look);
     this.#drawVehicles(brush, vehicles, nowS);
   }
 
@@ -232,7 +245,9 @@ export class PlantRenderer {
     const looks = vehicles.map((vehicle) => {
       const chosen = vehicle.view.id === this.#shown.atv;
       const look = lookOf(vehicle.view, chosen, isLost(vehicle.view, nowS, speed));
-      return { vehicle, look, chosen };
+      const { id, seen_at_s: seenAtS } = vehicle.view;
+      const label = look === "lost" ? t("map.silent", { id, age: format.age(nowS - seenAtS) }) : id;
+      return { vehicle, look, chosen, label };
     });
     // Whoever matters is drawn last, and so on top; and named first.
     looks.sort((a, b) => URGENCY[b.look] - URGENCY[a.look]);
@@ -271,8 +286,8 @@ export class PlantRenderer {
 const URGENCY: Readonly<Record<Look, number>> = {
   chosen: 0,
   alarm: 1,
-  normal: 2,
-  idle: 3,
-  charging: 4,
-  lost: 5,
+  lost: 2,
+  normal: 3,
+  idle: 4,
+  charging: 5,
 };

@@ -1,11 +1,24 @@
-/** When silence of one agent means that its place on the map is a memory. */
+/**
+ * When silence of one agent means that what is shown of it is a memory. As the agents themselves judge:
+ * three beats and a half second.
+ */
 
-/** An idle vehicle speaks every five factory seconds; two beats may be missed. */
-const BEATS_S = 15;
-/** However fast the factory runs: browsers are told ten times a second at most. */
-const LEAST_S = 3;
+/** Who carries something speaks every second of factory time, everybody else every five. */
+const WORKING_BEAT_S = 1;
+const IDLE_BEAT_S = 5;
+const BEATS = 3;
+const SLACK_S = 0.5;
+/** However fast the factory runs: browsers are told ten times a second at most, and a page may be busy. */
+const LEAST_S = 2;
+
+interface Seen {
+  readonly seen_at_s: number;
+  /** Of a vehicle: what it carries out. */
+  readonly task?: unknown;
+}
 
 /** @param speed factory seconds per real second */
-export function isLost(view: { seen_at_s: number }, nowS: number, speed: number): boolean {
-  return nowS - view.seen_at_s > Math.max(LEAST_S, BEATS_S / Math.max(speed, 0.1));
+export function isLost(view: Seen, nowS: number, speed: number): boolean {
+  const beatS = view.task ? WORKING_BEAT_S : IDLE_BEAT_S;
+  return nowS - view.seen_at_s > Math.max(LEAST_S, (BEATS * beatS + SLACK_S) / Math.max(speed, 0.1));
 }

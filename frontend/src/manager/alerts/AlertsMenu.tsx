@@ -4,6 +4,7 @@ import { choose } from "../../selection/selection";
 import { Icon } from "../../parts/Icon";
 import { nowS } from "../../stream/stream";
 import { format, n, t } from "../../text";
+import { NewsList } from "../news/NewsList";
 import { alerts } from "../state";
 import { go } from "../views";
 import type { Alert } from "./alerts";
@@ -63,6 +64,11 @@ export function AlertsMenu() {
               </li>
             ))}
           </ul>
+          <NewsList
+            done={() => {
+              open.value = false;
+            }}
+          />
         </div>
       )}
     </div>
@@ -85,8 +91,14 @@ function AlertButton({ alert, done }: { alert: Alert; done: () => void }) {
   );
 }
 
-function reasonText({ reason, value }: Alert): string {
+function reasonText({ by = "", reason, value }: Alert): string {
   switch (reason) {
+    case "machineLost":
+      return t("alerts.machineLost", { age: format.age(value) });
+    case "atvHelp":
+      return value > 0 ? t("alerts.atvHelp", { left: format.duration(value) }) : t("alerts.atvHelpLate");
+    case "atvPromised":
+      return t("alerts.atvPromised", { by, left: format.duration(Math.max(0, value)) });
     case "atvLost":
       return t("alerts.atvLost", { age: format.age(value) });
     case "atvBattery":

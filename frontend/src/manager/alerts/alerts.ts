@@ -1,13 +1,14 @@
 /** What on the plant is not as it should be, worst first. Pure. */
-import type { AtvView, MachineView, OrderView } from "../../api/types";
+import type { AtvView, MachineView, OrderView, TaskView } from "../../api/types";
 import type { Chosen } from "../../selection/selection";
 import { isLost } from "../../plant/silence";
+import { helpLeftS } from "../atv/help";
 import type { World } from "../../stream/world";
 
 export type AlertReason =
-  | "machineError" | "machineStarved" | "machineBlocked"
-  | "atvError" | "atvStopped" | "atvLost" | "atvBattery"
-  | "orderLate";
+  | "machineError" | "machineStarved" | "machineBlocked" | "machineLost"
+  | "atvError" | "atvStopped" | "atvLost" | "atvBattery" | "atvHelp" | "atvPromised"
+  | "taskTrouble" | "orderLate" | "orderWaits";
 
 export interface Alert {
   readonly level: "alarm" | "warning";
@@ -16,8 +17,10 @@ export interface Alert {
   readonly subject: string;
   /** In the agent's own words, where it has any. */
   readonly problem: string;
-  /** A number for the text: an age or a due time in seconds, or a fraction. */
+  /** A number for the text: an age, what is left of a time or a due time in seconds, or a fraction. */
   readonly value: number;
+  /** A person for the text: who is on the way. */
+  readonly by?: string;
   /** What to show for it; null for an order. */
   readonly chosen: Chosen | null;
 }
@@ -28,17 +31,21 @@ const BATTERY_FRAC = 0.1;
 export function alertsOf(world: World, nowS: number): Alert[] {
   const speed = world.factory.speed;
   const alerts = [
-    ...[...world.machines.values()].flatMap(machineAlert),
+    ...[...world.machines.values()].flatMap((machine) => machineAlert(machine, nowS, speed)),
     ...[...world.atvs.values()].flatMap((atv) => atvAlert(atv, nowS, speed)),
+    ...[...world.tasks.values()].flatMap((task) => taskAlert(task, world)),
     ...[...world.orders.values()].flatMap((order) => orderAlert(order, nowS)),
   ];
   return alerts.sort((a, b) => Number(b.level === "alarm") - Number(a.level === "alarm"));
 }
 
-function machineAlert(machine: MachineView): Alert[] {
+function machineAlert(machine: MachineView, nowS: number, speed: number): Alert[] {
   const { id, problem, status } = machine;
   const chosen: Chosen = { kind: "machine", id };
   const base = { subject: id, problem, value: 0, chosen };
+  if (isLost(machine, nowS, speed)) {
+    return [{ ...base, problem: "", level: "alarm", reason: "machineLost", value: nowS - machine.seen_at_s }];
+  }
   if (status === "error") return [{ ...base, level: "alarm", reason: "machineError" }];
   if (status === "starved") return [{ ...base, level: "warning", reason: "machineStarved" }];
   if (status === "blocked") return [{ ...base, level: "warning", reason: "machineBlocked" }];
@@ -51,6 +58,13 @@ function atvAlert(atv: AtvView, nowS: number, speed: number): Alert[] {
   if (isLost(atv, nowS, speed)) {
     return [{ ...base, level: "alarm", reason: "atvLost", value: nowS - atv.seen_at_s }];
   }
+  if (atv.help) {
+    const { promised_by: by } = atv.help;
+    const value = helpLeftS(atv.help, nowS, speed);
+    // Who is on the way has answered: there is nothing more to ask for.
+    if (by !== "") return [{ ...base, level: "warning", reason: "atvPromised", value, by }];
+    return [{ ...base, level: "alarm", reason: "atvHelp", value }];
+  }
   if (atv.status === "error") return [{ ...base, level: "alarm", reason: "atvError" }];
   if (atv.status === "stopped") return [{ ...base, level: "warning", reason: "atvStopped" }];
   if (atv.battery_frac < BATTERY_FRAC && atv.status !== "charging") {
@@ -59,9 +73,19 @@ function atvAlert(atv: AtvView, nowS: number, speed: number): Alert[] {
   return [];
 }
 
+/** Unless its carrier tells of it already. */
+function taskAlert({ id, primary, trouble }: TaskView, world: World): Alert[] {
+  if (trouble === "" || trouble === world.atvs.get(primary)?.problem) return [];
+  const chosen: Chosen = { kind: "task", id };
+  return [{ level: "warning", reason: "taskTrouble", subject: id, problem: trouble, value: 0, chosen }];
+}
+
 function orderAlert(order: OrderView, nowS: number): Alert[] {
-  if (!isLate(order, nowS)) return [];
   const subject = order.reference ?? order.id;
+  if (order.waits !== "") {
+    return [{ level: "warning", reason: "orderWaits", subject, problem: order.waits, value: 0, chosen: null }];
+  }
+  if (!isLate(order, nowS)) return [];
   const value = order.due_at_s ?? 0;
   return [{ level: "warning", reason: "orderLate", subject, problem: "", value, chosen: null }];
 }

@@ -10,6 +10,11 @@ import { nowS, world } from "../../stream/stream";
 import { format, t, word } from "../../text";
 import { names, plant } from "../state";
 import { doingText } from "./doing";
+import { TrialFacts } from "../trials/TrialFacts";
+import { TrialMenu } from "../trials/TrialMenu";
+import { ATV_TRIALS } from "../trials/trials";
+import { helpText } from "./help";
+import { linkText } from "./link";
 import { Promise as PromiseFact } from "./Promise";
 
 /** Bottom right: the chosen vehicle. */
@@ -26,7 +31,8 @@ export function ChosenAtv() {
 function AtvCard({ atv }: { atv: AtvView }) {
   const type = plant.value?.vehicle_types.find((each) => each.id === atv.type);
   const task = atv.task && world.value?.tasks.get(atv.task.task);
-  const lost = isLost(atv, nowS.value, world.value?.factory.speed ?? 1);
+  const speed = world.value?.factory.speed ?? 1;
+  const lost = isLost(atv, nowS.value, speed);
   const most = format.number((type?.max_speed_mps ?? 0) * atv.speed_limit_frac, 1);
   return (
     <Card
@@ -36,10 +42,16 @@ function AtvCard({ atv }: { atv: AtvView }) {
         </>
       }
       aside={<Status atv={atv} lost={lost} />}
-      class={`atv ${lost ? "past" : ""}`}
+      class={`atv ${lost ? "silent" : ""}`}
     >
-      {atv.problem && <p class="problem">{atv.problem}</p>}
+      {atv.problem && (
+        <p class="problem">
+          {atv.problem}
+          {atv.help && <small class="line">{helpText(atv.help, nowS.value, speed)}</small>}
+        </p>
+      )}
       <Facts>
+        <TrialFacts agent={atv.id} />
         <Fact name={t("atv.status")}>{doingText(atv)}</Fact>
         <TaskFacts atv={atv} task={task ?? undefined} />
         <WatchFacts atv={atv} task={task ?? undefined} />
@@ -49,7 +61,11 @@ function AtvCard({ atv }: { atv: AtvView }) {
             : t("atv.loadOf", { quantity: format.count(atv.load_quantity), item: names.value(atv.load) })}
         </Fact>
         <Fact name={t("atv.speed")}>{t("atv.speedOf", { speed: format.number(atv.speed_mps, 1), most })}</Fact>
-        <Fact name={t("atv.heartbeat")}>{t("machine.ago", { age: format.age(nowS.value - atv.seen_at_s) })}</Fact>
+        <Fact name={t("atv.heartbeat")}>
+          <span class={lost ? "tone-alarm" : ""}>
+            {t("atv.heardBy", { age: format.age(nowS.value - atv.seen_at_s), link: lost ? t("atv.noLink") : linkText(atv) })}
+          </span>
+        </Fact>
       </Facts>
       <div class="stock-row battery">
         <span>{t("atv.battery")}</span>
@@ -67,7 +83,8 @@ function AtvCard({ atv }: { atv: AtvView }) {
 function Status({ atv, lost }: { atv: AtvView; lost: boolean }) {
   return (
     <>
-      {atv.link === "mesh" && <Tag tone="warn">{t("atv.mesh", { via: atv.via.join(" → ") })}</Tag>}
+      <TrialMenu agent={atv.id} kinds={ATV_TRIALS} />
+      {atv.link === "mesh" && !lost && <Tag tone="warn">{t("atv.meshNobody")}</Tag>}
       {lost ? <Tag tone="alarm">{t("atv.lost")}</Tag> : <Tag tone={toneOfAtv(atv.status)}>{word("atv", atv.status)}</Tag>}
     </>
   );

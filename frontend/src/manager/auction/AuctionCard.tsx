@@ -8,6 +8,7 @@ import { format, n, t, word } from "../../text";
 import { names } from "../state";
 import { auctionOf, shownTask } from "./auction";
 import { BidLine } from "./BidLine";
+import { Carriers } from "./Carriers";
 import { RefusalLine } from "./RefusalLine";
 import { taskTimes } from "./times";
 import { whyText } from "./why-text";
@@ -74,8 +75,9 @@ function Aside({ task }: { task: TaskView | null }) {
 
 function Bids({ task }: { task: TaskView }) {
   const { mostS, parts, refusals, rows } = auctionOf(task);
-  const bids = rows.slice(0, Math.max(2, MOST_ROWS - Math.min(1, refusals.length)));
-  const refused = refusals.slice(0, Math.max(0, MOST_ROWS - bids.length));
+  const room = MOST_ROWS - (task.carriers.length > 1 ? 1 : 0);
+  const bids = rows.slice(0, Math.max(2, room - Math.min(1, refusals.length)));
+  const refused = refusals.slice(0, Math.max(0, room - bids.length));
   const moreBids = rows.length - bids.length;
   const moreRefusals = refusals.length - refused.length;
   return (
@@ -88,7 +90,11 @@ function Bids({ task }: { task: TaskView }) {
           <RefusalLine key={refusal.agent} refusal={refusal} />
         ))}
       </ul>
-      <p class="why">{whyText(task)}</p>
+      {task.carriers.length > 1 && <Carriers carriers={task.carriers} />}
+      <p class="why">
+        {whyText(task)}
+        {task.trouble !== "" && <span class="tone-warn"> {t("why.trouble", { reason: word("failure", task.trouble) })}</span>}
+      </p>
       <footer class="bids-foot">
         <span class="legend">
           {parts.map((part) => (

@@ -76,6 +76,19 @@ describe("why this vehicle", () => {
     expect(whyOf(task({ primary: "B", epoch: 2, bids }))).toEqual({ kind: "tookOver", winner: "B", before: "A", epoch: 2 });
   });
 
+  test("after a change of carriers the record of it counts, not the bids", () => {
+    const first = { carrier: "A", epoch: 1, since_at_s: 0, replaced: "", reason: "", silent_s: 0, confirmed: true };
+    const second = { ...first, carrier: "B", epoch: 2, replaced: "A", reason: "silent", silent_s: 3.6 };
+    const taken = task({ primary: "B", epoch: 2, bids: [bid("B", 5)], carriers: [first, second] });
+    expect(whyOf(taken)).toEqual({ kind: "replaced", winner: "B", before: "A", reason: "silent", silentS: 3.6 });
+    expect(whyText(taken)).toBe("B took over from A after 3.6\u202fs of silence.");
+    const other = task({ primary: "B", carriers: [first, { ...second, reason: "in error" }] });
+    expect(whyText(other)).toBe("B took over from A: in error.");
+    // Whoever has won the task since has won it by its price.
+    const won = { ...first, carrier: "C", epoch: 3 };
+    expect(whyOf(task({ primary: "C", bids: [bid("C", 5)], carriers: [first, second, won] })).kind).toBe("only");
+  });
+
   test("a single bidder won because nobody else bid", () => {
     expect(whyOf(task({ primary: "A", bids: [bid("A", 5)] }))).toEqual({ kind: "only", winner: "A" });
   });

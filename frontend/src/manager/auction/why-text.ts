@@ -1,6 +1,7 @@
 /** The sentence for a reason. */
 import type { TaskView } from "../../api/types";
 import { format, n, t, word } from "../../text";
+import { isSilence } from "../news/news-text";
 import { auctionOf } from "./auction";
 import { type Why, whyOf } from "./why";
 
@@ -24,6 +25,13 @@ export function reasonText(why: Why): string {
       return t("why.only", { winner: why.winner });
     case "tie":
       return t("why.tie", { winner: why.winner, other: why.other });
+    case "replaced": {
+      const { before, reason, silentS, winner } = why;
+      if (isSilence({ reason, silent_s: silentS })) {
+        return t("why.replacedSilent", { winner, before, silence: format.age(silentS) });
+      }
+      return t("why.replaced", { winner, before, reason: word("failure", reason) });
+    }
     case "tookOver":
       return t("why.tookOver", { winner: why.winner, before: why.before, epoch: why.epoch });
     case "unknown":

@@ -16,6 +16,7 @@ export type Why =
   | { kind: "cheaperDeclined"; winner: string; other: string; byS: number; reason: string }
   | { kind: "cheaperSilent"; winner: string; other: string; byS: number }
   | { kind: "cheaperAsked"; winner: string; other: string; byS: number }
+  | { kind: "replaced"; winner: string; before: string; reason: string; silentS: number }
   | { kind: "tookOver"; winner: string; before: string; epoch: number }
   | { kind: "unknown"; winner: string };
 
@@ -34,6 +35,10 @@ export function whyOf(task: TaskView): Why {
     return { kind: "leading", bidder: best.bidder, totalS: best.total_s };
   }
   const winner = task.primary;
+  const taken = task.carriers.at(-1);
+  if (taken?.carrier === winner && taken.replaced !== "") {
+    return { kind: "replaced", winner, before: taken.replaced, reason: taken.reason, silentS: taken.silent_s };
+  }
   const before = task.epoch > 1 ? wonBefore(task, cheapest) : null;
   if (before) return { kind: "tookOver", winner, before: before.bidder, epoch: task.epoch };
   const won = rows.find(({ bid }) => bid.bidder === winner)?.bid;

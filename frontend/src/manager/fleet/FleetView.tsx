@@ -8,6 +8,8 @@ import { byId } from "../../plant/places";
 import { nowS, world } from "../../stream/stream";
 import { format, t, word } from "../../text";
 import { doingText } from "../atv/doing";
+import { helpText } from "../atv/help";
+import { linkText } from "../atv/link";
 import { ShowLink } from "../ShowLink";
 import { names } from "../state";
 
@@ -25,16 +27,18 @@ export function FleetView() {
 }
 
 function Row({ atv }: { atv: AtvView }) {
-  const lost = isLost(atv, nowS.value, world.value?.factory.speed ?? 1);
+  const speed = world.value?.factory.speed ?? 1;
+  const lost = isLost(atv, nowS.value, speed);
   const percent = format.percent(atv.battery_frac);
   return (
-    <tr class={lost ? "past" : ""}>
+    <tr class={lost ? "silent" : ""}>
       <th scope="row">
         <ShowLink chosen={{ kind: "atv", id: atv.id }} label={t("fleet.show", { id: atv.id })} />
       </th>
       <td>
         <Tag tone={lost ? "alarm" : toneOfAtv(atv.status)}>{lost ? t("atv.lost") : word("atv", atv.status)}</Tag>{" "}
         <span class="muted">{atv.problem || (atv.task ? doingText(atv) : "")}</span>
+        {atv.help && <small class="line">{helpText(atv.help, nowS.value, speed)}</small>}
       </td>
       <td>{atv.task ? atv.task.task : ""}</td>
       <td>{atv.load && `${format.count(atv.load_quantity)} ${names.value(atv.load)}`}</td>
@@ -44,8 +48,8 @@ function Row({ atv }: { atv: AtvView }) {
           <span class="num">{percent}</span>
         </span>
       </td>
-      <td>{atv.link === "mesh" ? <Tag tone="warn">{t("atv.mesh", { via: atv.via.join(" → ") })}</Tag> : t("atv.wlan")}</td>
-      <td class="num">{t("machine.ago", { age: format.age(nowS.value - atv.seen_at_s) })}</td>
+      <td>{lost ? t("atv.noLink") : atv.link === "mesh" ? <Tag tone="warn">{linkText(atv)}</Tag> : linkText(atv)}</td>
+      <td class={`num ${lost ? "tone-alarm" : ""}`}>{t("machine.ago", { age: format.age(nowS.value - atv.seen_at_s) })}</td>
     </tr>
   );
 }

@@ -4,14 +4,19 @@ import { Fact, Facts } from "../../parts/Facts";
 import { Link } from "../../parts/Link";
 import { Meter } from "../../parts/Meter";
 import { Tag, toneOfMachine } from "../../parts/Tag";
-import { nowS } from "../../stream/stream";
+import { isLost } from "../../plant/silence";
+import { nowS, world } from "../../stream/stream";
 import { format, n, t, word } from "../../text";
 import { names } from "../state";
+import { TrialFacts } from "../trials/TrialFacts";
+import { TrialMenu } from "../trials/TrialMenu";
+import { MACHINE_TRIALS } from "../trials/trials";
 import { Stock } from "./Stock";
 
 /** The chosen machine: what it makes, what it needs, who brings it. */
 export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: MachineView | undefined }) {
   const status = machine?.status;
+  const lost = machine !== undefined && isLost(machine, nowS.value, world.value?.factory.speed ?? 1);
   return (
     <Card
       title={
@@ -19,15 +24,23 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
           {spec.id} <span class="title-more">{spec.name}</span>
         </>
       }
-      aside={status && <Tag tone={toneOfMachine(status)}>{word("machine", status)}</Tag>}
-      class="machine"
+      aside={
+        <>
+          <TrialMenu agent={spec.id} kinds={MACHINE_TRIALS} />
+          {lost ? <Tag tone="alarm">{t("machine.lost")}</Tag> : status && <Tag tone={toneOfMachine(status)}>{word("machine", status)}</Tag>}
+        </>
+      }
+      class={`machine ${lost ? "silent" : ""}`}
     >
       {machine?.problem && <p class="problem">{machine.problem}</p>}
       <Facts>
+        <TrialFacts agent={spec.id} />
         <Goal machine={machine} />
         <Task machine={machine} />
         <Fact name={t("machine.heartbeat")}>
-          {machine ? t("machine.ago", { age: format.age(nowS.value - machine.seen_at_s) }) : t("machine.never")}
+          <span class={lost ? "tone-alarm" : ""}>
+            {machine ? t("machine.ago", { age: format.age(nowS.value - machine.seen_at_s) }) : t("machine.never")}
+          </span>
         </Fact>
       </Facts>
       <Stock title={t("machine.buffers")} buffers={machine?.buffers ?? []} />
@@ -70,6 +83,11 @@ function Task({ machine }: { machine: MachineView | undefined }) {
         })}
       </Fact>
       <Contractors task={task} />
+      {task.trouble !== "" && (
+        <Fact name={t("machine.trouble")}>
+          <span class="tone-warn">{word("failure", task.trouble)}</span>
+        </Fact>
+      )}
     </>
   );
 }

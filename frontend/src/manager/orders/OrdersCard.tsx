@@ -8,6 +8,7 @@ import { DueText } from "./DueText";
 import { OrderActions } from "./OrderActions";
 import { OrderProgress } from "./OrderProgress";
 import { inOrder, isClosed } from "./progress";
+import { WaitsText } from "./WaitsText";
 
 /** The card holds the open ones and the last that closed; the view Orders has them all. */
 const MOST = 30;
@@ -42,7 +43,7 @@ function OrderRow({ order }: { order: OrderView }) {
       <OrderProgress order={order} />
       <div class="order-line small muted">
         <span class="clip">{[order.reference, order.customer].filter(Boolean).join(" · ")}</span>
-        {order.status === "stored" ? <OrderActions order={order} /> : <DueText order={order} />}
+        {order.waits !== "" ? <WaitsText order={order} /> : order.status === "stored" ? <OrderActions order={order} /> : <DueText order={order} />}
       </div>
     </li>
   );

@@ -8,6 +8,7 @@ import { DueText } from "./DueText";
 import { OrderActions } from "./OrderActions";
 import { OrderProgress } from "./OrderProgress";
 import { inOrder } from "./progress";
+import { WaitsText } from "./WaitsText";
 
 /** All orders that the stream holds: the open ones and the last that closed. */
 export function OrdersView() {
@@ -37,7 +38,14 @@ function Row({ order }: { order: OrderView }) {
       <th scope="row">{order.reference ?? order.id}</th>
       <td>{order.customer}</td>
       <td>{format.list(items)}</td>
-      <td>{word("order", order.status)}</td>
+      <td>
+        {word("order", order.status)}
+        {order.waits !== "" && (
+          <small class="line">
+            <WaitsText order={order} />
+          </small>
+        )}
+      </td>
       <td>
         <OrderProgress order={order} />
       </td>

@@ -4,6 +4,7 @@ import { ChosenAtv } from "../atv/AtvCard";
 import { AuctionCard } from "../auction/AuctionCard";
 import { FactoryCard } from "../factory/FactoryCard";
 import { ChosenPlace } from "../machine/ChosenPlace";
+import { NewsStrips } from "../news/NewsStrips";
 import { OrdersCard } from "../orders/OrdersCard";
 import { PublishCard } from "../publish/PublishCard";
 import { plant, plantFailed } from "../state";
@@ -18,7 +19,7 @@ export function PlantView() {
         <PublishCard />
       </div>
       <div class="column middle">
-        {plant.value ? <PlantMap plant={plant.value} /> : <Waiting />}
+        {plant.value ? <PlantMap plant={plant.value} over={<NewsStrips />} /> : <Waiting />}
         <AuctionCard />
       </div>
       <div class="column right">

@@ -34,8 +34,14 @@ function Row({ task }: { task: TaskView }) {
       </th>
       <td>{t("auction.what", { quantity: format.count(task.quantity), item: names.value(task.item) })}</td>
       <td>{task.destination && t("auction.way", { source, destination: task.destination })}</td>
-      <td>{task.phase && isOpen(task) ? word("phase", task.phase) : word("state", task.state)}</td>
-      <td>{task.primary}</td>
+      <td>
+        {task.phase && isOpen(task) ? word("phase", task.phase) : word("state", task.state)}
+        {task.trouble !== "" && <small class="line tone-warn">{word("failure", task.trouble)}</small>}
+      </td>
+      <td>
+        {task.primary}
+        <Before task={task} />
+      </td>
       <td>{task.secondary}</td>
       <td class="num">{format.count(latestBids(task.bids).length)}</td>
       <td class="num">{task.promised_at_s !== null && format.clock(task.promised_at_s)}</td>
@@ -44,6 +50,13 @@ function Row({ task }: { task: TaskView }) {
       </td>
     </tr>
   );
+}
+
+/** Who carried it before, in order. */
+function Before({ task }: { task: TaskView }) {
+  const before = task.carriers.slice(0, -1).flatMap(({ carrier }) => (carrier === "" ? [] : [carrier]));
+  if (before.length === 0) return null;
+  return <small class="line">{t("tasks.after", { before: format.list(before) })}</small>;
 }
 
 function Result({ task }: { task: TaskView }) {

@@ -45,7 +45,7 @@ export function drawLinks(brush: Brush, lines: readonly Line[], style: LineStyle
   ctx.globalAlpha = strong ? 1 : 0.55;
   if (style === "mesh") {
     ctx.lineCap = "round";
-    ctx.setLineDash([0.1, 5]);
+    ctx.setLineDash([4, 6]);
     stroke(ctx, palette.warn, 2.5);
   } else {
     ctx.setLineDash(style === "secondary" ? [6, 4] : []);

@@ -9,6 +9,8 @@ export interface DrawnMachine {
   /** Undefined for a machine that was never heard. */
   readonly view: MachineView | undefined;
   readonly chosen: boolean;
+  /** Silent: what it said last is a memory. */
+  readonly lost: boolean;
   readonly product: string;
 }
 
@@ -16,6 +18,7 @@ export function drawMachine(brush: Brush, machine: DrawnMachine): void {
   const rect = boxOnScreen(brush.view, machine.spec.box);
   drawBody(brush, rect, machine);
   if (brush.detail.placeLabels) drawNames(brush, rect, machine);
+  if (machine.lost) return;
   if (brush.detail.machineParts && machine.view) {
     drawBuffers(brush, rect, machine.view);
     drawSign(brush, rect, machine.view.status);
@@ -25,14 +28,15 @@ export function drawMachine(brush: Brush, machine: DrawnMachine): void {
 function drawBody({ ctx, view, palette }: Brush, rect: Rect, machine: DrawnMachine): void {
   const { left, top, right, bottom } = rect;
   const status = machine.view?.status;
-  const abnormal = status === "error" ? "alarm" : status === "starved" || status === "blocked" ? "warn" : null;
+  const alarm = status === "error" || machine.lost;
+  const abnormal = alarm ? "alarm" : status === "starved" || status === "blocked" ? "warn" : null;
   ctx.beginPath();
   ctx.roundRect(left, top, right - left, bottom - top, Math.min(8, 0.45 * view.scale));
-  ctx.fillStyle = abnormal ? palette[`${abnormal}-soft`] : palette.panel;
+  ctx.fillStyle = machine.lost ? palette.lane : abnormal ? palette[`${abnormal}-soft`] : palette.panel;
   ctx.fill();
   ctx.lineWidth = Math.min(3, Math.max(1, (abnormal ? 0.16 : 0.12) * view.scale));
   ctx.strokeStyle = abnormal ? palette[abnormal] : palette.steel;
-  if (!machine.view) ctx.setLineDash([3, 3]);
+  if (!machine.view || machine.lost) ctx.setLineDash([4, 3]);
   ctx.stroke();
   ctx.setLineDash([]);
   if (!machine.chosen) return;
@@ -52,11 +56,11 @@ function drawNames(brush: Brush, rect: Rect, machine: DrawnMachine): void {
   const height = rect.bottom - rect.top;
   const middle = (rect.left + rect.right) / 2;
   const px = textPx(view.scale, 1.15, 9, 22);
-  const withProduct = width >= PRODUCT_FROM_PX && machine.product !== "";
+  const withProduct = width >= PRODUCT_FROM_PX && machine.product !== "" && !machine.lost;
   const y = rect.top + height * (detail.machineParts ? (withProduct ? 0.3 : 0.4) : 0.52);
   ctx.textAlign = "center";
   ctx.textBaseline = "middle";
-  ctx.fillStyle = palette[machine.view?.status === "error" ? "alarm" : machine.chosen ? "chosen" : "steel-ink"];
+  ctx.fillStyle = palette[machine.view?.status === "error" || machine.lost ? "alarm" : machine.chosen ? "chosen" : "steel-ink"];
   setFont(brush, px, 650);
   // A long name gives way to the sign in the corner.
   ctx.fillText(machine.spec.id, middle, y, width * 0.66);

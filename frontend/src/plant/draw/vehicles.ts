@@ -9,12 +9,17 @@ import { traceBolt } from "./floor";
 /** Below this a vehicle has to think of a charger. */
 const LOW_BATTERY = 0.2;
 
+/** Mean width of a character: of a name in capitals, and of one with an age behind it. */
+const NAME_EM = 0.66;
+const AGE_EM = 0.54;
+
 export type Look = "chosen" | "alarm" | "lost" | "charging" | "idle" | "normal";
 
+/** Who is silent looks silent, whatever it said last: that is a memory. */
 export function lookOf(view: AtvView, chosen: boolean, lost: boolean): Look {
+  if (lost) return "lost";
   if (view.status === "error" || view.status === "stopped") return "alarm";
   if (chosen) return "chosen";
-  if (lost) return "lost";
   if (view.status === "charging" || view.status === "idle") return view.status;
   return "normal";
 }
@@ -22,15 +27,15 @@ export function lookOf(view: AtvView, chosen: boolean, lost: boolean): Look {
 const BODY = {
   chosen: "chosen",
   alarm: "raised",
-  lost: "steel",
+  lost: "lane",
   charging: "steel",
   idle: "floor",
   normal: "steel-ink",
 } as const;
 
-/** Who is free is an empty ring; who is in trouble, a red one. */
+/** Who is free is an empty ring; who is in trouble, a red one; who is silent, a broken red one. */
 function rimOf(look: Look): "alarm" | "steel-ink" | null {
-  if (look === "alarm") return "alarm";
+  if (look === "alarm" || look === "lost") return "alarm";
   return look === "idle" ? "steel-ink" : null;
 }
 
@@ -60,21 +65,51 @@ export function drawVehicle(brush: Brush, vehicle: ShownVehicle, look: Look, cho
   const x = toScreenX(view, vehicle.x);
   const y = toScreenY(view, vehicle.y);
   const r = detail.vehiclePx;
-  ctx.globalAlpha = look === "lost" ? 0.45 : 1;
   if (chosen) drawHalo(brush, x, y, r);
   const rim = rimOf(look);
-  const ink = palette[rim ?? BODY[look]];
-  drawBattery(brush, x, y, r, vehicle.view);
-  drawNose(brush, x, y, r, vehicle.heading, ink);
+  const lost = look === "lost";
+  if (!lost) drawBattery(brush, x, y, r, vehicle.view);
+  drawNose(brush, x, y, r, vehicle.heading, palette[lost ? "lane-mark" : (rim ?? BODY[look])]);
+  if (vehicle.view.link === "mesh" && !lost) drawRadio(brush, x, y, r);
   ctx.beginPath();
   ctx.arc(x, y, r, 0, 2 * Math.PI);
   ctx.fillStyle = palette[BODY[look]];
   ctx.fill();
   ctx.lineWidth = rim ? Math.max(2, r * 0.22) : Math.max(1, r * 0.14);
   ctx.strokeStyle = palette[rim ?? "floor"];
+  // The ring of a silent one is broken: by its shape, too, it is no vehicle that reports a problem.
+  if (lost) ctx.setLineDash([r * 0.42, r * 0.36]);
   ctx.stroke();
-  drawInside(brush, x, y, r, vehicle.view, look);
-  ctx.globalAlpha = 1;
+  ctx.setLineDash([]);
+  if (lost) drawCross(brush, x, y, r);
+  else drawInside(brush, x, y, r, vehicle.view, look);
+}
+
+function drawCross({ ctx, palette }: Brush, x: number, y: number, r: number): void {
+  const arm = r * 0.36;
+  ctx.beginPath();
+  ctx.moveTo(x - arm, y - arm);
+  ctx.lineTo(x + arm, y + arm);
+  ctx.moveTo(x + arm, y - arm);
+  ctx.lineTo(x - arm, y + arm);
+  ctx.lineWidth = Math.max(1.5, r * 0.2);
+  ctx.lineCap = "round";
+  ctx.strokeStyle = palette.alarm;
+  ctx.stroke();
+  ctx.lineCap = "butt";
+}
+
+/** Two arcs at the shoulder: it speaks by radio only. */
+function drawRadio({ ctx, palette }: Brush, x: number, y: number, r: number): void {
+  ctx.lineWidth = Math.max(1.5, r * 0.18);
+  ctx.lineCap = "round";
+  ctx.strokeStyle = palette.warn;
+  for (const away of [1.45, 1.85]) {
+    ctx.beginPath();
+    ctx.arc(x, y, r * away, -0.36 * Math.PI, -0.14 * Math.PI);
+    ctx.stroke();
+  }
+  ctx.lineCap = "butt";
 }
 
 function drawHalo({ ctx, palette }: Brush, x: number, y: number, r: number): void {
@@ -149,7 +184,7 @@ function drawBattery(brush: Brush, x: number, y: number, r: number, view: AtvVie
  */
 export function drawVehicleLabels(
   brush: Brush,
-  vehicles: readonly { vehicle: ShownVehicle; look: Look; chosen: boolean }[],
+  vehicles: readonly { vehicle: ShownVehicle; look: Look; chosen: boolean; label: string }[],
   walls: readonly Rect[],
 ): void {
   const { ctx, view, palette, detail } = brush;
@@ -161,17 +196,17 @@ export function drawVehicleLabels(
   ctx.lineWidth = 3;
   ctx.lineJoin = "round";
   ctx.strokeStyle = palette.floor;
-  for (const { vehicle, look, chosen } of vehicles) {
+  for (const { vehicle, look, chosen, label } of vehicles) {
     const middle = { x: toScreenX(view, vehicle.x), y: toScreenY(view, vehicle.y) };
-    const size = { width: vehicle.view.id.length * px * 0.66, height: px + 2 };
+    const size = { width: label.length * px * (look === "lost" ? AGE_EM : NAME_EM), height: px + 2 };
     const rect = labelRect(middle, size, detail.vehiclePx + (chosen ? 8 : 5), taken, chosen);
     if (!rect) continue;
     taken.push(rect);
     const x = (rect.left + rect.right) / 2;
     const y = (rect.top + rect.bottom) / 2;
-    ctx.strokeText(vehicle.view.id, x, y);
-    ctx.fillStyle = palette[look === "alarm" ? "alarm" : chosen ? "chosen" : "ink-2"];
-    ctx.fillText(vehicle.view.id, x, y);
+    ctx.strokeText(label, x, y);
+    ctx.fillStyle = palette[look === "alarm" || look === "lost" ? "alarm" : chosen ? "chosen" : "ink-2"];
+    ctx.fillText(label, x, y);
   }
 }
 

@@ -1,0 +1,38 @@
+/** News in words. */
+import type { NewsView } from "../../api/types";
+import { format, t, word } from "../../text";
+
+export function newsText(news: NewsView, nowS: number): string {
+  const { agent, arrived, confirmed, goal, other, successor, task } = news;
+  const silence = format.age(news.silent_s);
+  const reason = word("failure", news.reason);
+  const until = format.due(news.until_at_s ?? nowS, nowS);
+  const names = { agent, task, other };
+  switch (news.kind) {
+    case "took_over":
+      if (isSilence(news)) return t(confirmed ? "news.tookSilent" : "news.takingSilent", { ...names, silence });
+      return t(confirmed ? "news.took" : "news.taking", { ...names, reason });
+    case "takeover_refused":
+      return t("news.refused", names);
+    case "announced_anew":
+      return isSilence(news) ? t("news.anewSilent", { ...names, silence }) : t("news.anew", { ...names, reason });
+    case "link_lost":
+      return t("news.linkLost", { agent });
+    case "link_back":
+      return t("news.linkBack", { agent });
+    case "help_asked":
+      return t("news.helpAsked", { agent, reason, until });
+    case "help_promised":
+      return t("news.helpPromised", { agent, by: other, until });
+    case "goal_lost":
+      if (successor === "") return t("news.goalLostWhole", { agent, goal });
+      return t("news.goalLost", { agent, goal, successor, arrived: format.count(arrived) });
+    case "goal_waits":
+      return t("news.goalWaits", { goal, reason });
+  }
+}
+
+/** Whether silence was the reason: how long it was then says it best. */
+export function isSilence(change: { reason: string; silent_s: number }): boolean {
+  return change.reason === "silent" && change.silent_s > 0;
+}

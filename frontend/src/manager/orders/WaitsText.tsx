@@ -1,0 +1,12 @@
+import type { OrderView } from "../../api/types";
+import { t } from "../../text";
+
+/** Why an order does not go on, in the strategist's words. */
+export function WaitsText({ order }: { order: OrderView }) {
+  const text = t("orders.waits", { reason: order.waits });
+  return (
+    <span class="waits tone-warn" title={text}>
+      {text}
+    </span>
+  );
+}
