@@ -54,6 +54,8 @@ class AuctionRules(msgspec.Struct, frozen=True):
     rest_s: float = 2.0
     rest_growth: float = 1.5
     rest_max_s: float = 20.0
+    moves_deadline: bool = True
+    """Where bidders refuse what they cannot do in time, late is better than never."""
 
 
 class Terms(msgspec.Struct, frozen=True):
@@ -129,6 +131,8 @@ class Auction:
         self._asked = ""
         self._rank = 0
         self._awards = 0
+        self._unbid = 0
+        """Rounds in which nobody has bid."""
 
     @property
     def radius_m(self) -> float:
@@ -224,7 +228,8 @@ class Auction:
 
     def _announce(self, now_s: float) -> None:
         self.round += 1
-        self._move_deadline(now_s)
+        if self._unbid and self._rules.moves_deadline:
+            self._move_deadline(now_s)
         self.stage = Stage.COLLECTING
         self.wake_at_s = now_s + self._grown(self._rules.window_s)
         terms, radius_m = self.terms, self.radius_m
@@ -260,8 +265,8 @@ class Auction:
 
     def _move_deadline(self, now_s: float) -> None:
         # A deadline that nobody could keep would be refused for ever: late is better than never.
-        deadline_s = now_s + self._span_s * min(self.round, SPANS_MAX)
-        if self.round > 1 and deadline_s > self.terms.deadline_s:
+        deadline_s = now_s + self._span_s * min(1 + self._unbid, SPANS_MAX)
+        if deadline_s > self.terms.deadline_s:
             self.terms = msgspec.structs.replace(self.terms, deadline_s=deadline_s)
 
     def _close_window(self, now_s: float) -> None:
@@ -302,6 +307,7 @@ class Auction:
         self.stage = Stage.RESTING
         self.wake_at_s = now_s + min(rest_s, rules.rest_max_s)
         self.winning_bid = None
+        self._unbid += self._rank == 0
         terms = self.terms
         self._out.append(
             Record(

@@ -120,6 +120,14 @@ class Coordinator:
     def closed(self, task: str) -> ClosedTask | None:
         return self._closed.get(task)
 
+    def superseded(self, task_id: str, epoch: int) -> Superseded:
+        """What to tell somebody who believes to carry a task in this epoch, and does not."""
+        task, closed = self._open.get(task_id), self._closed.get(task_id)
+        if task is not None:
+            return Superseded(task=task_id, epoch=task.epoch)
+        # Of a task that has ended no epoch is right any more, also not one that was never heard of.
+        return Superseded(task=task_id, epoch=max(closed.epoch, epoch) if closed is not None else 0)
+
     # --- the life of a task ---
 
     def open(self, task: str, work: Work, deadline_s: float, now_s: float, *, epoch: int = 1) -> OpenTask:
@@ -273,9 +281,7 @@ class Coordinator:
         if task is not None and task.primary == sender and task.epoch == message.epoch:
             self._confirm(task)
         elif task is None or self._failover is None or message.epoch <= task.epoch:
-            known = task or self._closed.get(message.task)
-            superseded = Superseded(task=message.task, epoch=known.epoch if known is not None else 0)
-            self._out.append(Send(sender, superseded))
+            self._out.append(Send(sender, self.superseded(message.task, message.epoch)))
         elif veto := self._failover.veto(task, message, now_s):
             self._release(sender, task.id, message.epoch, Role.PRIMARY, veto)
         else:

@@ -17,7 +17,6 @@ from dray.messages import (
     Handover,
     HandoverAccepted,
     Message,
-    Superseded,
     Transport,
 )
 from dray.protocol.coordinator import Coordinator
@@ -48,7 +47,7 @@ class Dock:
         """Somebody asks to load or to unload."""
         task = self._tasks.get(message.task)
         if task is None or message.epoch != task.epoch or sender != task.primary:
-            self._supersede(sender, message.task)
+            self._out.append(Send(sender, self._tasks.superseded(message.task, message.epoch)))
             return
         work = cast(Transport, task.work)
         here = message.station == self._machine
@@ -85,7 +84,7 @@ class Dock:
         if closed is not None and closed.carrier == sender and closed.outcome == "delivered":
             self._accept(sender, message)
         else:
-            self._supersede(sender, message.task)
+            self._out.append(Send(sender, self._tasks.superseded(message.task, message.epoch)))
         return None
 
     def _why_held(self, work: Transport) -> str:
@@ -95,7 +94,3 @@ class Dock:
 
     def _accept(self, sender: str, message: Handover) -> None:
         self._out.append(Send(sender, HandoverAccepted(task=message.task, epoch=message.epoch)))
-
-    def _supersede(self, sender: str, task_id: str) -> None:
-        known = self._tasks.get(task_id) or self._tasks.closed(task_id)
-        self._out.append(Send(sender, Superseded(task=task_id, epoch=known.epoch if known else 0)))

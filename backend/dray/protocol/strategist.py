@@ -63,7 +63,7 @@ from dray.protocol.tasks import OpenTask, Outcome
 STRATEGIST = "strategist"
 """The agent's id where a plant has one strategist."""
 
-GOAL_RULES = AuctionRules(window_s=0.5, rest_s=5.0)
+GOAL_RULES = AuctionRules(window_s=0.5, rest_s=5.0, moves_deadline=False)
 """Machines are wired and few: the window may be shorter than for vehicles."""
 
 NOT_NEEDED = "not needed any more"
@@ -334,14 +334,11 @@ class Strategist(Core):
         goal = self._book.goal(goal_id)
         if goal is None:
             return
-        failure = self._failure(goal, now_s)
+        # Once the gate is shut there is no way back: an older answer of it must not be taken for the last.
+        failure = goal.failure or self._failure(goal, now_s)
         if not failure:
             goal.waits = False
-            if goal.failure:
-                # It is back before the gate has answered: nothing was given away yet.
-                goal.failure = ""
-                self._out.append(Instruct(Admit(goal=goal.id, quantity=goal.work.quantity)))
-        elif self._fit_for(goal.work.product, now_s):
+        elif goal.failure or self._fit_for(goal.work.product, now_s):
             goal.failure = failure
             self._out.append(Instruct(Admit(goal=goal.id, quantity=0)))
         else:
