@@ -18,6 +18,7 @@ from kit import (
     deeds,
     facts,
     goal_bid,
+    instructed,
     listening,
     mhb,
     published,
@@ -25,7 +26,7 @@ from kit import (
     sent,
 )
 
-from dray.body import GoodsArrived, Repaired
+from dray.body import Admit, GoodsArrived, Repaired
 from dray.errors import ProtocolViolation
 from dray.messages import (
     Accepted,
@@ -555,13 +556,20 @@ def test_a_broken_machine_keeps_its_goals_for_as_long_as_a_repair_takes(broken_s
     assert bool(facts(rig.all, GoalLost)) is loses
 
 
-def test_a_machine_that_is_back_before_the_gate_has_answered_keeps_its_goal() -> None:
+def test_a_machine_that_is_back_when_the_gate_is_shut_comes_too_late() -> None:
     rig, goal = making()
     beats(rig, rig.now_s + GOAL_SILENCE_S + 1.0, "M8")
     assert rig.admitted(goal) == 0
     beats(rig, rig.now_s + GOAL_SILENCE_S + 2.0, "M7", "M8", goals=(brief(goal),))
-    assert rig.admitted(goal) == 24
-    assert facts(rig.gate_answers(goal), GoalLost) == []
+    assert rig.admitted(goal) == 0
+    assert facts(rig.gate_answers(goal), GoalLost)
+
+
+def test_a_gate_that_does_not_answer_is_shut_again_until_it_does() -> None:
+    rig, _ = making()
+    effects = beats(rig, rig.now_s + 5 * GOAL_SILENCE_S, "M8")
+    assert len([admit for admit in instructed(effects, Admit) if not admit.quantity]) > 2
+    assert facts(effects, GoalLost) == []
 
 
 def test_an_old_heartbeat_keeps_no_goal() -> None:
