@@ -21,6 +21,7 @@ from sqlalchemy import make_url
 from dray import __version__
 from dray.cli.customers import place_demand
 from dray.cli.serving import Server, address_of, listen, stopped_by_signals
+from dray.cli.trials import SimFaultDesk
 from dray.gateway.app import create_app
 from dray.gateway.desk import STRATEGIST
 from dray.gateway.timescale import TimeScale
@@ -31,6 +32,7 @@ from dray.settings import Settings
 from dray.store import Historian, Store, open_store
 from dray_sim.bridge import BridgedBus, SimThread
 from dray_sim.factory import SimFactory
+from dray_sim.faults import Faults
 from dray_sim.loop import clock, paced
 
 BUILDING_S = 60.0
@@ -74,10 +76,12 @@ class Inside:
 
     Attributes:
         bus: to be used in the factory's thread only.
+        faults: the same.
         time: the factory's clock and ours.
     """
 
     bus: Bus
+    faults: Faults
     time: TimeScale
 
 
@@ -131,7 +135,8 @@ def _life(
         factory = SimFactory(
             service.plant, now, seed=service.seed, incarnation=incarnation, stock_frac=FIRST_STOCK_FRAC
         )
-        ready(Inside(factory.bus, TimeScale(now.now_s(), time.time(), service.speed)))
+        scale = TimeScale(now.now_s(), time.time(), service.speed)
+        ready(Inside(factory.bus, Faults(factory), scale))
         await factory.run()
 
     return live
@@ -158,6 +163,7 @@ def _app(service: Service, store: Store, factory: Factory, inside: Inside, incar
         time=inside.time,
         incarnation=incarnation,
         historian=historian,
+        faults=SimFaultDesk(inside.faults, factory.loop, time.time),
     )
 
 
