@@ -51,6 +51,13 @@ export async function cancelOrder(id: string): Promise<void> {
   await request("POST", `/api/orders/${encodeURIComponent(id)}/cancel`);
 }
 
+/** @returns why the vehicle refuses; empty when it waits for the help now */
+export async function promiseHelp(atv: string, wait_s: number): Promise<string> {
+  const path = `/api/atvs/${encodeURIComponent(atv)}/commands`;
+  const answer = (await request("POST", path, { kind: "promise", wait_s })) as { done: boolean; reason: string };
+  return answer.done ? "" : answer.reason;
+}
+
 /** A fault for the simulated factory, as data; `kind` says which fields it has. */
 export type NewFault = Readonly<Record<string, string | number>> & { readonly kind: string };
 

@@ -21,7 +21,7 @@ router = APIRouter(tags=["factory"])
 MAX_PROMISE_S = 900.0
 """No vehicle waits longer for a promise: it may be forgotten."""
 
-ISSUED_BY = "control room"
+ISSUED_BY = "Control room"
 """Whom the vehicle names as the one who asked: nobody is logged in yet."""
 
 

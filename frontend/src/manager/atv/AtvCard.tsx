@@ -13,7 +13,7 @@ import { doingText } from "./doing";
 import { TrialFacts } from "../trials/TrialFacts";
 import { TrialMenu } from "../trials/TrialMenu";
 import { ATV_TRIALS } from "../trials/trials";
-import { helpText } from "./help";
+import { HelpWanted } from "./HelpWanted";
 import { linkText } from "./link";
 import { Promise as PromiseFact } from "./Promise";
 
@@ -45,10 +45,10 @@ function AtvCard({ atv }: { atv: AtvView }) {
       class={`atv ${lost ? "silent" : ""}`}
     >
       {atv.problem && (
-        <p class="problem">
+        <div class="problem">
           {atv.problem}
-          {atv.help && <small class="line">{helpText(atv.help, nowS.value, speed)}</small>}
-        </p>
+          {atv.help && <HelpWanted atv={atv.id} help={atv.help} speed={speed} />}
+        </div>
       )}
       <Facts>
         <TrialFacts agent={atv.id} />
@@ -62,7 +62,7 @@ function AtvCard({ atv }: { atv: AtvView }) {
         </Fact>
         <Fact name={t("atv.speed")}>{t("atv.speedOf", { speed: format.number(atv.speed_mps, 1), most })}</Fact>
         <Fact name={t("atv.heartbeat")}>
-          <span class={lost ? "tone-alarm" : ""}>
+          <span class={lost ? "tone-alarm" : atv.link === "mesh" ? "tone-warn" : ""}>
             {t("atv.heardBy", { age: format.age(nowS.value - atv.seen_at_s), link: lost ? t("atv.noLink") : linkText(atv) })}
           </span>
         </Fact>
@@ -84,7 +84,6 @@ function Status({ atv, lost }: { atv: AtvView; lost: boolean }) {
   return (
     <>
       <TrialMenu agent={atv.id} kinds={ATV_TRIALS} />
-      {atv.link === "mesh" && !lost && <Tag tone="warn">{t("atv.meshNobody")}</Tag>}
       {lost ? <Tag tone="alarm">{t("atv.lost")}</Tag> : <Tag tone={toneOfAtv(atv.status)}>{word("atv", atv.status)}</Tag>}
     </>
   );

@@ -75,7 +75,7 @@ function Aside({ task }: { task: TaskView | null }) {
 
 function Bids({ task }: { task: TaskView }) {
   const { mostS, parts, refusals, rows } = auctionOf(task);
-  const room = MOST_ROWS - (task.carriers.length > 1 ? 1 : 0);
+  const room = MOST_ROWS - Number(task.carriers.length > 1) - Number(task.trouble !== "");
   const bids = rows.slice(0, Math.max(2, room - Math.min(1, refusals.length)));
   const refused = refusals.slice(0, Math.max(0, room - bids.length));
   const moreBids = rows.length - bids.length;

@@ -2,8 +2,10 @@
 import type { NewsView } from "../../api/types";
 import { format, t, word } from "../../text";
 
-export function newsText(news: NewsView, nowS: number): string {
-  const { agent, arrived, confirmed, goal, other, successor, task } = news;
+/** @param what says what a goal is about, as "24 Gear unit G2": its own name tells a person nothing */
+export function newsText(news: NewsView, nowS: number, what: (goal: string) => string): string {
+  const { agent, arrived, confirmed, other, successor, task } = news;
+  const goal = what(news.goal);
   const silence = format.age(news.silent_s);
   const reason = word("failure", news.reason);
   const until = format.due(news.until_at_s ?? nowS, nowS);
@@ -26,7 +28,7 @@ export function newsText(news: NewsView, nowS: number): string {
       return t("news.helpPromised", { agent, by: other, until });
     case "goal_lost":
       if (successor === "") return t("news.goalLostWhole", { agent, goal });
-      return t("news.goalLost", { agent, goal, successor, arrived: format.count(arrived) });
+      return t("news.goalLost", { agent, goal, arrived: format.count(arrived) });
     case "goal_waits":
       return t("news.goalWaits", { goal, reason });
   }

@@ -1,7 +1,9 @@
-/** Leads to what a piece of news is about. */
+/** What a piece of news is about, in names that people know, and the way there. */
 import type { NewsView } from "../../api/types";
 import { choose } from "../../selection/selection";
 import { world } from "../../stream/stream";
+import { format, t } from "../../text";
+import { names } from "../state";
 import { go } from "../views";
 import { subjectOf } from "./news";
 
@@ -12,4 +14,11 @@ export function showNews(news: NewsView): void {
   if (known?.atvs.has(news.agent)) choose({ kind: "atv", id: news.agent });
   if (subject) choose(subject);
   go(news.kind === "goal_waits" && !subject ? "orders" : "plant");
+}
+
+/** What a goal is about; its own name where it has left the stream. */
+export function whatOf(goal: string): string {
+  const task = world.value?.tasks.get(goal);
+  if (!task) return goal;
+  return t("auction.what", { quantity: format.count(task.quantity), item: names.value(task.item) });
 }
