@@ -213,15 +213,16 @@ class Coordinator:
         """Acknowledge the contract of a vehicle that names this coordinator, after a restart.
 
         Returns:
-            The task, when it was without a carrier or not known at all; None when it is in other hands.
+            The task, when it was without a carrier or not known at all; None when it is in other hands,
+            or may be: the vehicle carries it with an epoch that was over in the last life already.
         """
         task = self._open.get(brief.task)
         if task is None:
             deadline_s = brief.due_s if brief.due_s is not None else now_s
             auction = self._auction(brief.task, brief.epoch, work, deadline_s)
             task = self._open[brief.task] = OpenTask(brief.task, work, auction, now_s)
-        elif task.primary or task.round:
-            return None
+        elif task.primary or task.round or brief.epoch < task.epoch - 1:
+            return None  # The last life had others asked since then: its epoch must not fall.
         task.auction.cancel()
         task.epoch = brief.epoch
         self._timers.clear((PRIMARY_AUCTION, task.id))

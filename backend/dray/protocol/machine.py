@@ -208,6 +208,8 @@ class Machine(Core):
                 goal.committed += work.quantity
             elif work.destination == self.id:
                 self._supply.ordered(work)
+        # Tasks without a carrier have a higher epoch now: no life may use one that an earlier one has used.
+        self._commit()
 
     def _claimed(self, product: str) -> int:
         """Pieces in the goods that belong to a goal or wait for a vehicle."""
