@@ -37,7 +37,7 @@ from dray_sim.people import Habits
 DURATION_S = 1200.0
 """The least virtual time of a trial."""
 
-FAULTS_UNTIL_S = 720.0
+FAULTS_UNTIL_S = 900.0
 """Then every fault has ended and no order comes any more: the calm in which everything must end."""
 
 TRANSPORT_S = 120.0
@@ -71,7 +71,7 @@ class Profile:
     load: tuple[float, float] = (0.5, 1.5)
     stock_frac: tuple[float, float] = (0.0, 0.8)
     battery_frac: tuple[float, float] = (0.6, 1.0)
-    intensity: tuple[float, float] = (0.2, 3.0)
+    intensity: tuple[float, float] = (0.2, 4.0)
     weights: Mapping[type[Fault], float] = field(default_factory=lambda: WEIGHTS)
     operators_frac: float = 0.7
     passerby_frac: float = 0.4

@@ -1,0 +1,113 @@
+"""The search is able to fail: with a safeguard taken out of the protocol, it finds a violation.
+
+Each mutant patches the product's classes for as long as its test runs. A seed counts only if it holds
+with the safeguard in place.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+import pytest
+
+from dray.body import OpenDock
+from dray.messages import CommandKind, Docked, DockOpened, Handover, Transport, VehicleCommand
+from dray.protocol.auction import Auction
+from dray.protocol.coordinator import OpenTask
+from dray.protocol.docking import Dock
+from dray.protocol.events import Instruct, Send
+from dray.protocol.obedience import Obedience
+from dray_sim.explore.play import play
+from dray_sim.explore.trial import draw
+
+WITHIN = 300
+"""Seeds in which a mutant must be found; it takes one to ten."""
+
+Mutant = Callable[[pytest.MonkeyPatch], None]
+
+
+def without_the_fence(patch: pytest.MonkeyPatch) -> None:
+    """A dock takes the word of any carrier of a task, whatever its epoch, also when the task has ended."""
+    hear_docked = Dock.hear_docked
+    works: dict[str, Transport] = {}
+
+    def open_to_all(self: Dock, sender: str, message: Docked, now_s: float) -> None:
+        task = self._tasks.get(message.task)
+        if task is not None and isinstance(task.work, Transport):
+            works[message.task] = task.work
+        if message.task not in works or (task is not None and task.primary == sender):
+            hear_docked(self, sender, message, now_s)
+            return
+        work = works[message.task]
+        if message.station == self._machine:
+            opening = OpenDock(vehicle=sender, item=work.item, quantity=work.quantity)
+            self._opened[sender] = None
+            self._out.append(Instruct(opening))
+        opened = DockOpened(task=message.task, epoch=message.epoch, station=message.station)
+        self._out.append(Send(sender, opened))
+
+    def take_from_all(self: Dock, sender: str, message: Handover) -> OpenTask | None:
+        self._accept(sender, message)
+        task = self._tasks.get(message.task)
+        if task is not None:
+            self._tasks.close(task, "delivered")
+        return task
+
+    patch.setattr(Dock, "hear_docked", open_to_all)
+    patch.setattr(Dock, "hear_handover", take_from_all)
+
+
+def with_handovers_that_count_twice(patch: pytest.MonkeyPatch) -> None:
+    """A handover that is said again, since its answer was lost, is taken for another one."""
+    hear_handover = Dock.hear_handover
+    handed: dict[str, OpenTask] = {}
+
+    def hear_again(self: Dock, sender: str, message: Handover) -> OpenTask | None:
+        task = self._tasks.get(message.task) or handed.get(message.task)
+        if task is not None:
+            handed[message.task] = task
+            self._tasks._open[message.task] = task
+            task.primary = sender
+        return hear_handover(self, sender, message)
+
+    patch.setattr(Dock, "hear_handover", hear_again)
+
+
+def without_release_after_silence(patch: pytest.MonkeyPatch) -> None:
+    """A coordinator gives up on a silent bidder and does not say so."""
+    patch.setattr(Auction, "_release", lambda _self, _bidder, _reason: None)
+
+
+def that_resumes_unacknowledged(patch: pytest.MonkeyPatch) -> None:
+    """A vehicle drives on at the word, whether or not anybody has seen to it before."""
+    try_command = Obedience._try
+
+    def obey(self: Obedience, command: VehicleCommand) -> str:
+        if command.kind is CommandKind.RESUME:
+            self.acknowledged = True
+        return try_command(self, command)
+
+    patch.setattr(Obedience, "_try", obey)
+
+
+MUTANTS = [
+    pytest.param(without_the_fence, "links", 0, "invariant 2", id="no-fence"),
+    pytest.param(with_handovers_that_count_twice, "answers", 0, "ended twice", id="handover-twice"),
+    pytest.param(without_release_after_silence, "answers", 17, "invariant 3|still works", id="no-release"),
+    pytest.param(that_resumes_unacknowledged, "hands", 0, "invariant 5", id="no-acknowledge"),
+]
+"""A mutant, from where trials are drawn, the seed to begin with, and what will be seen."""
+
+
+@pytest.mark.parametrize(("mutant", "profile", "first", "finding"), MUTANTS)
+def test_the_search_finds_a_mutant(
+    mutant: Mutant, profile: str, first: int, finding: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for seed in range(first, first + WITHIN):
+        with monkeypatch.context() as patch:
+            mutant(patch)
+            found = re.search(finding, play(draw(seed, profile)).broken)
+        if found and not play(draw(seed, profile)).broken:
+            return
+    pytest.fail(f"{WITHIN} seeds, and nothing was found")
