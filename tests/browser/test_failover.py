@@ -1,0 +1,129 @@
+"""Failures in the panel: a person switches a vehicle off on its card and watches another one take over."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+from urllib.request import Request, urlopen
+
+import pytest
+from playwright.sync_api import Page, expect
+
+OpenPage = Callable[..., Page]
+Screenshot = Callable[[Page, str], Path]
+
+SPEED = 4
+"""Slow enough that a carriage lasts as long as a person needs to act, some ten seconds."""
+
+WATCHED_MS = 90_000
+"""The first transports with a watch are contracted within a minute of the factory's time."""
+
+TAKEN_OVER_MS = 20_000
+"""The suspicion bound is some seconds; a slow machine may take longer to paint."""
+
+DELIVERED_MS = 90_000
+"""A whole carriage takes some two minutes of the factory's time."""
+
+
+@pytest.fixture(scope="module")
+def factory(start_dray: Callable[..., Any]) -> Iterator[str]:
+    """A factory with one order, so that whoever watches has nothing better to do, and time to act."""
+    dray = start_dray("--speed", str(SPEED), "--seed", "3", "--no-demand")
+    yield dray.url
+    assert dray.stop() == 0, dray.output()
+
+
+class Watched:
+    """Waits for a transport of material that has just been contracted, with a watch."""
+
+    def __init__(self) -> None:
+        self.task: dict[str, Any] = {}
+
+    def __call__(self, payload: str | bytes) -> bool:
+        """Take one frame of the stream."""
+        for task in json.loads(payload).get("tasks", ()):
+            carried = task["kind"] == "transport" and not task["goal"] and task["phase"] == "approaching"
+            if carried and task["secondary"] and task["epoch"] == 1:
+                self.task = task
+        return bool(self.task)
+
+
+def choose(page: Page, name: str) -> None:
+    finder = page.get_by_role("combobox", name="Find")
+    finder.fill(name)
+    finder.press("Enter")
+
+
+def ask(url: str, path: str, body: Any = None) -> Any:
+    data = None if body is None else json.dumps(body).encode()
+    with urlopen(Request(url + path, data, {"Content-Type": "application/json"}), timeout=10) as answer:
+        return json.load(answer)
+
+
+def test_a_vehicle_that_is_switched_off_is_taken_over_from_and_its_load_delivered(
+    factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page, watched = open_page("about:blank"), Watched()
+    with page.expect_websocket() as stream:
+        page.goto(factory)
+    product = ask(factory, "/api/products")["items"][0]["id"]
+    ask(factory, "/api/orders", {"customer": "Hall 3", "items": [{"product": product, "quantity": 20}]})
+    stream.value.wait_for_event("framereceived", predicate=watched, timeout=WATCHED_MS)
+    task, primary = watched.task["id"], watched.task["primary"]
+
+    choose(page, primary)
+    card = page.locator(".card.atv")
+    expect(card.get_by_role("heading")).to_contain_text(primary)
+    card.get_by_role("button", name="Trials").press("Enter")
+    page.get_by_role("button", name="Switch off").click()
+    expect(card).to_contain_text("switched off")
+
+    news = page.get_by_role("log")
+    expect(news).to_contain_text(f"over {task} from {primary} after", timeout=TAKEN_OVER_MS)
+    expect(card).to_contain_text("silent")
+    screenshot(page, "failover")
+    news.get_by_role("button", name=f"over {task} from {primary}").click()
+    carriers = page.get_by_role("list", name="Carriers").get_by_role("listitem")
+    expect(carriers).to_have_count(2)
+    expect(carriers.first).to_contain_text(primary)
+    expect(page.locator(".auction .why")).to_contain_text(f"took over from {primary}")
+
+    expect(page.locator(".auction .card-aside")).to_contain_text("delivered", timeout=DELIVERED_MS)
+    told = ask(factory, f"/api/tasks/{task}")
+    assert told["state"] == "delivered"
+    assert told["primary"] == told["carriers"][-1]["carrier"] != primary
+
+    choose(page, primary)
+    page.get_by_role("button", name="Bring back: switched off").click()
+    expect(card).not_to_contain_text("silent", timeout=TAKEN_OVER_MS)
+    assert ask(factory, "/api/faults")["items"] == []
+
+
+def test_a_vehicle_without_wlan_is_seen_over_its_neighbours(
+    factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = open_page(factory)
+    choose(page, "ATV2")
+    card = page.locator(".card.atv")
+    card.get_by_role("button", name="Trials").click()
+    page.get_by_role("button", name="Cut its WLAN").click()
+    expect(card).to_contain_text("mesh via ATV", timeout=TAKEN_OVER_MS)
+    screenshot(page, "mesh")
+    page.get_by_role("button", name="Bring back: WLAN cut").click()
+    expect(card).to_contain_text("WLAN", timeout=TAKEN_OVER_MS)
+    expect(card).not_to_contain_text("mesh", timeout=TAKEN_OVER_MS)
+
+
+def test_trials_are_reached_and_left_by_keyboard(factory: str, open_page: OpenPage) -> None:
+    page = open_page(factory)
+    choose(page, "ATV2")
+    trials = page.locator(".card.atv").get_by_role("button", name="Trials")
+    trials.focus()
+    page.keyboard.press("Enter")
+    shift = page.get_by_role("button", name="Shift its load")
+    expect(shift).to_be_visible()
+    page.keyboard.press("Escape")
+    expect(shift).to_be_hidden()
+    expect(trials).to_be_focused()
