@@ -183,4 +183,4 @@ class GoalsOutlive(RuleBasedStateMachine):
 
 
 TestGoalsOutlive = GoalsOutlive.TestCase
-TestGoalsOutlive.settings = settings(max_examples=100, stateful_step_count=40, deadline=None)
+TestGoalsOutlive.settings = settings(max_examples=400, stateful_step_count=40, deadline=None)
