@@ -27,7 +27,6 @@ from dray.messages import (
     AtvHeartbeat,
     Award,
     Bid,
-    Brief,
     BufferLevel,
     Confirmed,
     Declined,
@@ -36,7 +35,6 @@ from dray.messages import (
     Handover,
     MachineHeartbeat,
     MachineStatus,
-    Phase,
     Release,
     Resigned,
     TakenOver,
@@ -49,8 +47,9 @@ from dray.messages import (
 from dray.messages.fact import MachineStatusChanged, PieceMade
 from dray.messages.keys import Keys
 from dray.plant import Plant
+from dray.protocol.adoption import ADOPT, Adoption
 from dray.protocol.auction import AuctionRules, Place
-from dray.protocol.coordinator import ADOPT_S, Coordinator
+from dray.protocol.coordinator import Coordinator
 from dray.protocol.core import Core
 from dray.protocol.docking import Dock
 from dray.protocol.events import (
@@ -59,9 +58,9 @@ from dray.protocol.events import (
     Publish,
     Record,
     Subscribe,
-    Unsubscribe,
 )
 from dray.protocol.goal_bidding import CONFIRM, GoalBidder
+from dray.protocol.goods import Goods
 from dray.protocol.production import Goal, GoalBook
 from dray.protocol.supervision import Following
 from dray.protocol.supply import Supply
@@ -69,10 +68,6 @@ from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
 from dray.protocol.tasks import OpenTask
 
 BEAT = "beat"
-ADOPT = "adopt"
-
-ON_THE_WAY = frozenset({Phase.APPROACHING, Phase.LOADING, Phase.CARRYING, Phase.UNLOADING})
-"""Phases of a transport that has not been handed over: only such a one is news to a machine that forgot all."""
 
 
 class Machine(Core):
@@ -102,8 +97,6 @@ class Machine(Core):
         self._keys = Keys(plant.id)
         self._beat_key = self._keys.machine_heartbeat(machine)
         self._products = tuple(making.product for making in self._spec.makes)
-        node = plant.node_of(machine)
-        self._delivery = plant.closest(node, plant.delivery_warehouses, 1)[0]
         self._goals = GoalBook(machine, plant)
         self._supply = Supply(machine, plant, self._goals)
         self._bidder = GoalBidder(
@@ -119,11 +112,23 @@ class Machine(Core):
             Following(self._keys.atv_heartbeat, self._out),
             self._out,
             self._on_carrier_changed,
-            lost=self._on_lost,
+            lost=self._on_task_lost,
             left=self._on_left,
             unloaded=self._settle,
         )
         self._dock = Dock(machine, self._tasks, self._supply, self._out)
+        self._goods = Goods(
+            machine,
+            plant,
+            self._goals,
+            self._supply,
+            self._tasks,
+            send=self._open,
+            lose=self._on_goal_short,
+        )
+        self._adoption = Adoption(
+            machine, plant, self._keys, self._tasks, self._supply, self._timers, self._out
+        )
         self._cycling = ""
         """The product of the running cycle; empty for none."""
         self._running: Goal | None = None
@@ -132,8 +137,6 @@ class Machine(Core):
         self._status = MachineStatus.IDLE
         self._seq = 0
         self._task_count = 0
-        self._forgetful = False
-        """It was started again, and has no memory of the life before."""
         self._on_message = {
             AtvHeartbeat: self._hear_vehicle,
             Bid: self._tasks.hear_bid,
@@ -174,25 +177,17 @@ class Machine(Core):
         self._cycling = body.cycling
         if isinstance(memory, MachineMemory):
             self._recall(memory, now_s)
-        for product in self._products:
-            self._goals.add_spare(product, max(0, self._supply.level(product) - self._claimed(product)))
+        self._goods.count()
         self._out.extend(Subscribe(self._keys.goals(product)) for product in self._products)
         if self.incarnation > 1:
-            self._begin_adoption(memory is None, now_s)
+            self._adoption.begin(memory is None, now_s)
         self._timers.set(BEAT, now_s)
         self._pursue(now_s)
 
-    def _begin_adoption(self, forgetful: bool, now_s: float) -> None:
-        """Listen for a while to all vehicles: some may work for this machine, and it does not know."""
-        self._forgetful = forgetful
-        self._out.append(Subscribe(self._keys.all_atv_heartbeats))
-        self._timers.set(ADOPT, now_s + ADOPT_S)
-
     def _end_adoption(self, _about: None, now_s: float) -> None:
-        self._out.append(Unsubscribe(self._keys.all_atv_heartbeats))
-        for product in self._products:
-            # What had left before this life began, its carrier has told by now.
-            self._miss_goods(product, self._claimed(product) - self._supply.level(product), now_s)
+        self._adoption.end()
+        # What had left before this life began, its carrier has told by now.
+        self._goods.recount(now_s)
         self._pursue(now_s)
 
     def _recall(self, memory: MachineMemory, now_s: float) -> None:
@@ -210,12 +205,6 @@ class Machine(Core):
                 self._supply.ordered(work)
         # Tasks without a carrier have a higher epoch now: no life may use one that an earlier one has used.
         self._commit()
-
-    def _claimed(self, product: str) -> int:
-        """Pieces in the goods that belong to a goal or wait for a vehicle."""
-        ready = sum(goal.ready for goal in self._goals if goal.work.product == product)
-        works = (cast(Transport, task.work) for task in self._tasks if not task.loaded)
-        return ready + sum(work.quantity for work in works if work.item == product)
 
     def _memory(self) -> Memory:
         return MachineMemory(
@@ -282,54 +271,15 @@ class Machine(Core):
         self._supply.change(report.item, report.change)
         if report.item not in self._products:
             self._material_came(report)
-        elif report.change < 0:
-            self._goods_left(report, now_s)
         else:
-            self._goods_came_back(report, now_s)
+            self._goods.moved(report, now_s)
+            self._commit()
         self._pursue(now_s)
 
     def _material_came(self, report: StockChanged) -> None:
         for task in self._tasks:
             if task.primary == report.vehicle and task.work_item == report.item:
                 task.unloaded = True
-
-    def _goods_left(self, report: StockChanged, now_s: float) -> None:
-        for task in self._tasks:
-            if task.primary == report.vehicle and task.work_item == report.item:
-                self._tasks.note_loaded(task)
-                self._commit()
-                return
-        self._miss_goods(report.item, -report.change, now_s)
-
-    def _goods_came_back(self, report: StockChanged, now_s: float) -> None:
-        """A person has brought them, from a vehicle that has failed."""
-        for task in list(self._tasks):
-            work = cast(Transport, task.work)
-            if task.loaded and work.item == report.item and work.quantity == report.change:
-                self._tasks.reopen(task, "its load was brought back", now_s)
-                return
-        self._goals.add_spare(report.item, report.change)
-        self._goals_changed(now_s)
-
-    def _miss_goods(self, product: str, pieces: int, now_s: float) -> None:
-        """Goods are gone, and no carrier of ours has them: they are made anew."""
-        if pieces <= 0:
-            return
-        for task in list(self._tasks):
-            work = cast(Transport, task.work)
-            if work.item == product and not task.loaded and work.quantity <= pieces:
-                pieces -= work.quantity
-                self._tasks.close(task, "withdrawn")
-                self._on_lost(task, now_s)
-        spare = min(pieces, self._goals.spare(product))
-        self._goals.take_spare(product, spare)
-        pieces -= spare
-        for goal in self._goals:
-            if goal.work.product == product and pieces > 0:
-                gone = min(pieces, goal.ready)
-                goal.made -= gone
-                pieces -= gone
-        self._commit()
 
     def _broken(self, report: Broken, now_s: float) -> None:
         self._problem = report.reason
@@ -349,10 +299,7 @@ class Machine(Core):
             work, deadline_s = order
             self._supply.ordered(work)
             self._open(work, deadline_s, now_s)
-        for goal in self._goals:
-            self._send_goods(goal, now_s)
-        if self._goods_full():
-            self._clear_spare(now_s)
+        self._goods.dispatch(now_s)
         self._update_status(now_s)
 
     def _share_spare(self) -> None:
@@ -362,7 +309,7 @@ class Machine(Core):
                 self._note_made(goal)
 
     def _start_cycle(self) -> None:
-        if self._cycling or self._problem or self._goods_full():
+        if self._cycling or self._problem or self._goods.full:
             return
         goal = self._goals.next_to_make(self._supply.stock)
         if goal is None:
@@ -371,38 +318,6 @@ class Machine(Core):
         for line in self._plant.products[goal.work.product].bill:
             self._supply.change(line.material, -line.quantity)
         self._out.append(Instruct(StartCycle(product=goal.work.product)))
-
-    def _goods_full(self) -> bool:
-        goods = sum(self._supply.level(product) for product in self._products)
-        return goods >= self._spec.goods_capacity
-
-    def _send_goods(self, goal: Goal, now_s: float) -> None:
-        product = self._plant.products[goal.work.product]
-        # Goods of goals that more urgent ones have interrupted must not fill the machine for ever.
-        whole = goal.to_make > 0 and not self._goods_full()
-        while goal.ready >= product.lot or (goal.ready > 0 and not whole):
-            quantity = min(goal.ready, product.lot)
-            goal.committed += quantity
-            deadline_s = max(goal.deadline_s, now_s + self._supply.patience_s())
-            self._open(self._way_out(product.id, quantity, goal.id), deadline_s, now_s)
-
-    def _clear_spare(self, now_s: float) -> None:
-        """Pieces that no goal wants must not fill the machine for ever: they are set aside."""
-        for product in self._products:
-            quantity = min(self._goals.spare(product), self._plant.products[product].lot)
-            if quantity:
-                self._goals.take_spare(product, quantity)
-                self._open(self._way_out(product, quantity, ""), now_s + self._supply.patience_s(), now_s)
-
-    def _way_out(self, product: str, quantity: int, goal: str) -> Transport:
-        return Transport(
-            item=product,
-            quantity=quantity,
-            sources=(self.id,),
-            destination=self._delivery,
-            ability=self._plant.products[product].ability,
-            goal=goal,
-        )
 
     def _open(self, work: Transport, deadline_s: float, now_s: float) -> None:
         self._task_count += 1
@@ -427,7 +342,7 @@ class Machine(Core):
             return MachineStatus.PRODUCING, ""
         if not self._goals.unfinished:
             return MachineStatus.IDLE, ""
-        if self._goods_full():
+        if self._goods.full:
             return MachineStatus.BLOCKED, "the goods are not fetched"
         return MachineStatus.STARVED, "material is missing"
 
@@ -435,54 +350,26 @@ class Machine(Core):
 
     def _hear_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
         self._tasks.hear_heartbeat(heartbeat, now_s)
-        brief = heartbeat.task
-        if brief is not None and brief.coordinator == self.id and self._timers.is_set(ADOPT):
-            self._adopt(heartbeat.atv, brief, now_s)
-
-    def _adopt(self, atv: str, brief: Brief, now_s: float) -> None:
-        """A vehicle names this machine as the one that it carries for."""
-        known = self._tasks.get(brief.task)
-        if known is not None:
-            self._tasks.adopt(atv, brief, known.work, now_s)
-        elif (
-            self._forgetful and brief.item in self._plant.materials_of(self.id) and brief.phase in ON_THE_WAY
-        ):
-            work = Transport(
-                item=brief.item,
-                quantity=brief.quantity,
-                sources=self._plant.storages_of(brief.item),
-                destination=self.id,
-                ability=self._plant.materials[brief.item].ability,
-            )
-            self._tasks.adopt(atv, brief, work, now_s)
-            self._supply.ordered(work)
+        self._adoption.hear(heartbeat, now_s)
 
     def _audience(self, _work: Work, radius_m: float) -> tuple[str, ...]:
         x_m, y_m = self._plant.position_of(self.id)
         return tuple(self._keys.transports(cell) for cell in self._plant.cells_within(x_m, y_m, radius_m))
 
-    def _on_carrier_changed(self, task: OpenTask, now_s: float) -> None:
+    def _on_carrier_changed(self, _task: OpenTask, now_s: float) -> None:
         self._commit()
         self._timers.set(BEAT, now_s)
-        self._withdraw_if_idle(task)
-
-    def _withdraw_if_idle(self, task: OpenTask) -> None:
-        """Goods that nobody wants any more and nobody has come for yet stay here, as spare."""
-        work = cast(Transport, task.work)
-        if work.goal and not task.primary and self._goals.get(work.goal) is None:
-            self._tasks.close(task, "withdrawn")
-            self._goals.add_spare(work.item, work.quantity)
+        self._goods.keep_unwanted()
 
     def _on_left(self, atv: str) -> None:
         self._dock.shut(atv)
 
-    def _on_lost(self, task: OpenTask, now_s: float) -> None:
-        """A vehicle has vanished with goods: they are made anew."""
-        work = cast(Transport, task.work)
-        goal = self._goals.get(work.goal)
+    def _on_task_lost(self, task: OpenTask, now_s: float) -> None:
+        self._goods.lost(task, now_s)
+
+    def _on_goal_short(self, goal: Goal | None, now_s: float) -> None:
         if goal is not None:
-            goal.lose(work.quantity)
-            # It may have arrived all the same: the gate has the last word.
+            # Its pieces may have arrived all the same: the gate has the last word.
             self._bidder.ask(goal, now_s)
         self._goals_changed(now_s)
         self._commit()
@@ -526,8 +413,7 @@ class Machine(Core):
         if goal is None:
             self._out.append(Ignore("the end of a goal that has ended"))
             return
-        for task in list(self._tasks):
-            self._withdraw_if_idle(task)
+        self._goods.keep_unwanted()
         self._goals_changed(now_s)
 
     def _goals_changed(self, now_s: float) -> None:
