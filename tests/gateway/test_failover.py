@@ -363,6 +363,16 @@ def test_an_order_says_why_it_waits_until_somebody_has_taken_its_goal(ordered: P
     assert [order.waits for order in ordered.delta(1, NOW_S, None).orders] == [""]
 
 
+def test_an_order_that_waits_for_many_goals_is_one_piece_of_news(ordered: Projection) -> None:
+    for number, goal in enumerate(("G2", "G3"), 4):
+        wait = GoalWaits(goal=goal, order="O-1", reason=f"nobody for {goal}")
+        tell(ordered, "strategist", wait, first=number)
+    news = the_news(ordered)
+    assert (news.kind, news.order, news.reason) == ("goal_waits", "O-1", "nobody for G3")
+    tell(ordered, "strategist", contracted("G2", "M9"), first=6)
+    assert order_of(ordered).waits == "nobody for G3"
+
+
 def test_a_wait_that_is_told_after_its_end_is_over(ordered: Projection) -> None:
     tell(ordered, "strategist", contracted("G2", "M9"), first=5)
     tell(ordered, "strategist", GoalWaits(goal="G2", order="O-1", reason="nobody"), first=4)

@@ -216,13 +216,17 @@ export class PlantRenderer {
     const world = this.#world;
     if (!brush || !world) return;
     const { layers, atv } = this.#shown;
+    // Who is silent may have plans, but nobody knows whether it still follows them.
+    const onItsWay = ({ view }: ShownVehicle): boolean =>
+      view.way.length > 0 && !isLost(view, nowS, world.factory.speed);
     if (layers.ways && detail.everybody) {
-      const others = vehicles.filter(({ view }) => view.way.length > 0 && view.id !== atv);
+      const others = vehicles.filter((vehicle) => vehicle.view.id !== atv && onItsWay(vehicle));
       drawWays(brush, others.map(({ view }) => this.fleet.ahead(view.id)));
     }
     if (layers.watch) this.#drawWatch(brush, world.tasks, vehicles);
-    if (layers.mesh) drawLinks(brush, meshLinks(vehicles, this.#find), "mesh", false);
-    if (layers.ways && atv !== null) drawChosenWay(brush, this.fleet.ahead(atv));
+    if (layers.mesh) drawLinks(brush, meshLinks(vehicles, this.#find), "mesh", true);
+    const chosen = atv === null ? undefined : this.fleet.get(atv);
+    if (layers.ways && chosen && onItsWay(chosen)) drawChosenWay(brush, this.fleet.ahead(chosen.view.id));
     for (const { from, look, to } of marks) drawMark(brush, this.#find(from), this.#find(to), look);
     this.#drawVehicles(brush, vehicles, nowS);
   }

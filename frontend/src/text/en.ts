@@ -64,7 +64,7 @@ export const en = {
   "news.helpPromised": "{by} is on the way to {agent}, there by {until}",
   "news.goalLost": "{agent} failed with {goal}: {arrived} delivered, the rest is announced anew",
   "news.goalLostWhole": "{agent} failed with {goal}, all delivered by then",
-  "news.goalWaits": "{goal} waits: {reason}",
+  "news.goalWaits": "Order {order} waits: {reason}",
   "news.region": "News from the plant",
   "news.dismiss": "Dismiss",
 

@@ -1,8 +1,9 @@
 """News: failures and what became of them, as people should hear of them without looking.
 
 A takeover is told twice, by the vehicle and by the coordinator; it is one piece of news, named by its
-task and epoch, in which the coordinator's word counts for more. Of a vehicle's link and of its wish for
-help only the newest is kept, so that a vehicle at the edge of the WLAN does not push the rest out.
+task and epoch, in which the coordinator's word counts for more. Of a vehicle's link, of its wish for
+help and of an order that waits only the newest is kept, so that a vehicle at the edge of the WLAN does
+not push the rest out.
 """
 
 from __future__ import annotations
@@ -128,7 +129,7 @@ class News:
         return self._tell(news)
 
     def _goal_waits(self, event: Event, fact: GoalWaits) -> bool:
-        news = self._new(f"waits-{fact.goal}", "goal_waits", event, fact.reason)
+        news = self._new(f"waits-{fact.order}", "goal_waits", event, fact.reason)
         news.goal, news.order = fact.goal, fact.order
         return self._tell(news)
 

@@ -73,9 +73,9 @@ function atvAlert(atv: AtvView, nowS: number, speed: number): Alert[] {
   return [];
 }
 
-/** Unless its carrier tells of it already. */
-function taskAlert({ id, primary, trouble }: TaskView, world: World): Alert[] {
-  if (trouble === "" || trouble === world.atvs.get(primary)?.problem) return [];
+/** Unless its carrier tells of it already; of a goal's trouble its order tells. */
+function taskAlert({ id, kind, primary, trouble }: TaskView, world: World): Alert[] {
+  if (trouble === "" || kind === "production" || trouble === world.atvs.get(primary)?.problem) return [];
   const chosen: Chosen = { kind: "task", id };
   return [{ level: "warning", reason: "taskTrouble", subject: id, problem: trouble, value: 0, chosen }];
 }

@@ -110,7 +110,7 @@ function WatchFacts({ atv, task }: { atv: AtvView; task: TaskView | undefined })
   const watcher = world.value?.atvs.get(task?.secondary ?? "");
   return (
     <>
-      {task && (
+      {task?.primary === atv.id && (
         <Fact name={t("atv.watchedBy")}>
           {watcher ? (
             <>

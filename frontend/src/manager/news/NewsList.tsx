@@ -2,7 +2,7 @@ import { nowS, world } from "../../stream/stream";
 import { format, t } from "../../text";
 import { keyOf, lately, toneOf } from "./news";
 import { newsText } from "./news-text";
-import { showNews, whatOf } from "./show";
+import { CALLED, showNews } from "./show";
 
 /** What has happened lately, newest first. */
 export function NewsList({ done }: { done: () => void }) {
@@ -23,7 +23,7 @@ export function NewsList({ done }: { done: () => void }) {
               }}
             >
               <i aria-hidden="true" />
-              <span class="news-line">{newsText(each, nowS.value, whatOf)}</span>
+              <span class="news-line">{newsText(each, nowS.value, CALLED)}</span>
               <span class="alert-text">{t("machine.ago", { age: format.age(nowS.value - each.at_s) })}</span>
             </button>
           </li>

@@ -3,7 +3,7 @@ import { nowS, world } from "../../stream/stream";
 import { t } from "../../text";
 import { keyOf, strips, toneOf } from "./news";
 import { newsText } from "./news-text";
-import { showNews, whatOf } from "./show";
+import { CALLED, showNews } from "./show";
 
 /** Those that were dismissed last: older ones are not shown any more anyway. */
 const REMEMBERED = 20;
@@ -18,7 +18,7 @@ export function NewsStrips() {
       {shown.map((news) => (
         <div key={keyOf(news)} class={`strip strip-${toneOf(news)}`}>
           <button type="button" class="strip-text" onClick={() => { showNews(news); }}>
-            {newsText(news, nowS.value, whatOf)}
+            {newsText(news, nowS.value, CALLED)}
           </button>
           <button
             type="button"

@@ -2,10 +2,17 @@
 import type { NewsView } from "../../api/types";
 import { format, t, word } from "../../text";
 
-/** @param what says what a goal is about, as "24 Gear unit G2": its own name tells a person nothing */
-export function newsText(news: NewsView, nowS: number, what: (goal: string) => string): string {
+/** What people call what agents know by ids of their own. */
+export interface Called {
+  /** As "24 Gear unit G2". */
+  readonly goal: (id: string) => string;
+  /** The customer's reference. */
+  readonly order: (id: string) => string;
+}
+
+export function newsText(news: NewsView, nowS: number, called: Called): string {
   const { agent, arrived, confirmed, other, successor, task } = news;
-  const goal = what(news.goal);
+  const goal = called.goal(news.goal);
   const silence = format.age(news.silent_s);
   const reason = word("failure", news.reason);
   const until = format.due(news.until_at_s ?? nowS, nowS);
@@ -30,7 +37,7 @@ export function newsText(news: NewsView, nowS: number, what: (goal: string) => s
       if (successor === "") return t("news.goalLostWhole", { agent, goal });
       return t("news.goalLost", { agent, goal, arrived: format.count(arrived) });
     case "goal_waits":
-      return t("news.goalWaits", { goal, reason });
+      return t("news.goalWaits", { order: called.order(news.order), reason });
   }
 }
 

@@ -11,7 +11,7 @@ const news = (more: Partial<NewsView>): NewsView => ({
 
 describe("news in words", () => {
   const NOW_S = 1_900_000_000;
-  const text = (each: NewsView): string => newsText(each, NOW_S, () => "24 Gear unit G2");
+  const text = (each: NewsView): string => newsText(each, NOW_S, { goal: () => "24 Gear unit G2", order: () => "PO-17" });
 
   test("say who took over from whom, and after how much silence", () => {
     expect(text(news({}))).toBe("ATV1 took over M8-3 from ATV3 after 3.6\u202fs of silence");
@@ -31,6 +31,11 @@ describe("news in words", () => {
     const lost = news({ kind: "goal_lost", agent: "M8", goal: "G1", successor: "G2", arrived: 4 });
     expect(text(lost)).toBe("M8 failed with 24 Gear unit G2: 4 delivered, the rest is announced anew");
     expect(text({ ...lost, successor: "" })).toContain("all delivered");
+  });
+
+  test("name the order that waits by its customer's reference", () => {
+    const waits = news({ kind: "goal_waits", order: "O-1", reason: "M8 is silent" });
+    expect(text(waits)).toBe("Order PO-17 waits: M8 is silent");
   });
 
   test.each([

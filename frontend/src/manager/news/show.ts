@@ -6,6 +6,7 @@ import { format, t } from "../../text";
 import { names } from "../state";
 import { go } from "../views";
 import { subjectOf } from "./news";
+import type { Called } from "./news-text";
 
 export function showNews(news: NewsView): void {
   const known = world.value;
@@ -16,9 +17,12 @@ export function showNews(news: NewsView): void {
   go(news.kind === "goal_waits" && !subject ? "orders" : "plant");
 }
 
-/** What a goal is about; its own name where it has left the stream. */
-export function whatOf(goal: string): string {
-  const task = world.value?.tasks.get(goal);
-  if (!task) return goal;
-  return t("auction.what", { quantity: format.count(task.quantity), item: names.value(task.item) });
-}
+/** As the stream knows them; by their own names where they have left it. */
+export const CALLED: Called = {
+  goal: (id) => {
+    const task = world.value?.tasks.get(id);
+    if (!task) return id;
+    return t("auction.what", { quantity: format.count(task.quantity), item: names.value(task.item) });
+  },
+  order: (id) => world.value?.orders.get(id)?.reference ?? id,
+};

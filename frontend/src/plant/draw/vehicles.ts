@@ -9,6 +9,8 @@ import { traceBolt } from "./floor";
 /** Below this a vehicle has to think of a charger. */
 const LOW_BATTERY = 0.2;
 
+/** From the rim of a chosen vehicle to that of its halo. */
+const HALO_PX = 6;
 /** Mean width of a character: of a name in capitals, and of one with an age behind it. */
 const NAME_EM = 0.66;
 const AGE_EM = 0.54;
@@ -70,7 +72,7 @@ export function drawVehicle(brush: Brush, vehicle: ShownVehicle, look: Look, cho
   const lost = look === "lost";
   if (!lost) drawBattery(brush, x, y, r, vehicle.view);
   drawNose(brush, x, y, r, vehicle.heading, palette[lost ? "lane-mark" : (rim ?? BODY[look])]);
-  if (vehicle.view.link === "mesh" && !lost) drawRadio(brush, x, y, r);
+  if (vehicle.view.link === "mesh" && !lost) drawRadio(brush, x, y, r + (chosen ? HALO_PX : 0));
   ctx.beginPath();
   ctx.arc(x, y, r, 0, 2 * Math.PI);
   ctx.fillStyle = palette[BODY[look]];
@@ -100,13 +102,13 @@ function drawCross({ ctx, palette }: Brush, x: number, y: number, r: number): vo
 }
 
 /** Two arcs at the shoulder: it speaks by radio only. */
-function drawRadio({ ctx, palette }: Brush, x: number, y: number, r: number): void {
-  ctx.lineWidth = Math.max(1.5, r * 0.18);
+function drawRadio({ ctx, palette }: Brush, x: number, y: number, rimPx: number): void {
+  ctx.lineWidth = 2;
   ctx.lineCap = "round";
   ctx.strokeStyle = palette.warn;
-  for (const away of [1.45, 1.85]) {
+  for (const awayPx of [4, 8]) {
     ctx.beginPath();
-    ctx.arc(x, y, r * away, -0.36 * Math.PI, -0.14 * Math.PI);
+    ctx.arc(x, y, rimPx + awayPx, -0.36 * Math.PI, -0.14 * Math.PI);
     ctx.stroke();
   }
   ctx.lineCap = "butt";
@@ -114,7 +116,7 @@ function drawRadio({ ctx, palette }: Brush, x: number, y: number, r: number): vo
 
 function drawHalo({ ctx, palette }: Brush, x: number, y: number, r: number): void {
   ctx.beginPath();
-  ctx.arc(x, y, r + 6, 0, 2 * Math.PI);
+  ctx.arc(x, y, r + HALO_PX, 0, 2 * Math.PI);
   ctx.fillStyle = palette["chosen-soft"];
   ctx.fill();
   ctx.lineWidth = 2;
