@@ -183,3 +183,18 @@ def test_what_is_no_address_is_refused(run: Run, url: str) -> None:
     code, _, err = run("list", "--url", url)
     assert code == 2
     assert err.startswith("dray: --url: ")
+
+
+def test_a_vehicle_of_a_running_factory_is_switched_off_and_on(
+    run: Run, start_dray: Callable[..., Any]
+) -> None:
+    dray = start_dray("--speed", "20", "--no-demand")
+    code, out, err = run("begin", "powered-off", "ATV3", "--url", dray.url)
+    assert (code, err) == (0, "")
+    assert out.strip() in run("list", "--url", dray.url)[1]
+    code, _, err = run("begin", "load-shifted", "ATV1", "--url", dray.url)
+    assert code == 2
+    assert "ATV1 has no load" in err
+    assert run("end", out.strip(), "--url", dray.url)[0] == 0
+    assert "nothing is wrong" in run("list", "--url", dray.url)[1]
+    assert dray.stop() == 0, dray.output()

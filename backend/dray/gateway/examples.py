@@ -16,6 +16,7 @@ from dray.gateway.views import (
     BidView,
     BriefView,
     BufferView,
+    CarrierView,
     FactoryView,
     GoalView,
     MachineView,
@@ -109,6 +110,7 @@ _STRUCTS = (
         contracted_at_s=NOW_S - 1,
         promised_at_s=NOW_S + 48,
         deadline_at_s=NOW_S + 300,
+        carriers=(CarrierView(carrier="ATV2", epoch=1, since_at_s=NOW_S - 1),),
         bids=(
             BidView(
                 bidder="ATV2",
