@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dray.messages import Event
+from dray.messages.fact import GoalLost
 from dray.store.progress import Goal, OrderStatus, Progress, goal_of, note, progress
 
 
@@ -74,9 +75,40 @@ def test_an_item_that_the_order_does_not_have_counts_nothing() -> None:
     assert reached(tell("M1", delivered("G1", 1, 4)), 4).delivered == (0,)
 
 
-FACTS = tell(
-    "M1", contracted("G1", 0, 4), made("G1", 1), made("G1", 4), delivered("G1", 0, 2), delivered("G1", 0, 4)
-)
+def test_what_a_failed_machine_made_is_gone_and_what_had_arrived_stays() -> None:
+    first = tell("strategist", contracted("G1", 0, 4)) + tell("M1", made("G1", 3), delivered("G1", 0, 1))
+    lost = tell("strategist", GoalLost("G1", "M1", arrived=2, successor="G2"), first=2)
+    alone = reached(first + lost, 4)
+    assert (alone.status, alone.made, alone.delivered) == (OrderStatus.IN_DELIVERY, (2,), (2,))
+    rest = tell("strategist", contracted("G2", 0, 2), first=3) + tell("M2", delivered("G2", 0, 2))
+    assert reached(first + lost + rest, 4).status is OrderStatus.DELIVERED
+
+
+def test_an_order_whose_only_machine_failed_is_not_in_production() -> None:
+    lost = tell("strategist", GoalLost("G1", "M1", arrived=0, successor="G2"), first=2)
+    result = reached(tell("strategist", contracted("G1", 0, 4)) + tell("M1", made("G1", 3)) + lost, 4)
+    assert (result.status, result.made) == (OrderStatus.RELEASED, (0,))
+
+
+def test_an_order_that_had_arrived_when_its_machine_was_lost_is_delivered() -> None:
+    told = tell(
+        "strategist", contracted("G1", 0, 4), GoalLost("G1", "M1", arrived=4, successor=""), at_s=50.0
+    )
+    result = reached(told, 4)
+    assert (result.status, result.delivered_at_s) == (OrderStatus.DELIVERED, told[-1].at_s)
+
+
+FACTS = [
+    *tell(
+        "M1",
+        contracted("G1", 0, 4),
+        made("G1", 1),
+        made("G1", 4),
+        delivered("G1", 0, 2),
+        delivered("G1", 0, 4),
+    ),
+    *tell("M1", GoalLost("G1", "M1", arrived=3, successor="G2"), contracted("G2", 0, 1), first=6, at_s=105.0),
+]
 
 
 @given(st.lists(st.sampled_from(FACTS), min_size=1), st.randoms(use_true_random=False))

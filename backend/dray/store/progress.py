@@ -109,9 +109,10 @@ def note(goal: Goal, event: Event, to_wall_s: ToWall) -> None:
             if (event.incarnation, event.number) > (goal.incarnation, goal.number):
                 goal.incarnation, goal.number = event.incarnation, event.number
                 goal.machine, goal.promised_at_s = "", None
-            if fact.arrived > goal.delivered:
-                # The delivery warehouse has counted more than the machine could still tell.
-                goal.delivered = fact.arrived
+            if fact.arrived > 0:
+                # The delivery warehouse has counted more than the machine could still tell. When the last
+                # piece came is not told; now is the latest that it can have been.
+                goal.delivered = max(goal.delivered, fact.arrived)
                 goal.delivered_at_s = max(goal.delivered_at_s or 0.0, to_wall_s(event.at_s))
         case PieceMade() as fact:
             goal.product = fact.product
