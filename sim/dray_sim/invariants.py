@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping
+from typing import Any
 
 from dray.body import VehicleState
 from dray.messages import (
@@ -65,6 +66,11 @@ class TasksEnd:
                 raise InvariantBroken(1, at_s, f"{heartbeat.machine} has forgotten its open task {task}")
 
 
+HANDED_OVER_KEPT = 1000
+"""Tasks whose carriers are remembered: twenty minutes of a plant of 300 agents, and a message that is
+repeated for longer than that has no receiver any more."""
+
+
 class HandedOverOnce:
     """Invariant 2, first half: a task is handed over once, and to one carrier only."""
 
@@ -75,6 +81,7 @@ class HandedOverOnce:
     def hear(self, at_s: float, _sender: str, address: str, message: Message) -> None:
         if type(message) is HandoverAccepted:
             before = self._carrier.setdefault(message.task, address)
+            _forget_oldest(self._carrier)
             if before != address:
                 seen = f"{message.task} was handed over by {before} and by {address}"
                 raise InvariantBroken(2, at_s, seen)
@@ -83,6 +90,7 @@ class HandedOverOnce:
                 if message.fact.task in self._delivered:
                     raise InvariantBroken(2, at_s, f"{message.fact.task} was delivered twice")
                 self._delivered[message.fact.task] = None
+                _forget_oldest(self._delivered)
 
 
 class OnePrimaryEach:
@@ -255,6 +263,11 @@ class Invariants:
 def _is_goal(fact: ContractTaken) -> bool:
     """Machines hold several goals; only transports bind a vehicle to one."""
     return fact.coordinator == "strategist"
+
+
+def _forget_oldest(tasks: dict[str, Any]) -> None:
+    if len(tasks) > HANDED_OVER_KEPT:
+        del tasks[next(iter(tasks))]
 
 
 def _add(total: dict[str, int], pieces: Mapping[str, int], sign: int = 1) -> None:

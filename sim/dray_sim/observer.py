@@ -6,6 +6,8 @@ bus. It keeps figures, not histories; the length of a run does not matter to it.
 
 from __future__ import annotations
 
+from array import array
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from dray.messages import Event, Heartbeat, MachineStatus, Message, Role, Transport
@@ -27,16 +29,6 @@ from dray.messages.fact import (
 
 
 @dataclass(slots=True)
-class Transported:
-    """One transport that was handed over."""
-
-    task: str
-    took_s: float
-    late_s: float
-    """Against the carrier's own promise; negative when it was early."""
-
-
-@dataclass(slots=True)
 class MachineTimes:
     """How long a machine has been in each status (s)."""
 
@@ -54,7 +46,9 @@ class Observer:
 
     Attributes:
         opened_s: open tasks and when they were announced first.
-        transports: those handed over, in order.
+        took_s: how long each transport took that was handed over, in order. Plain numbers, since this
+            is the one thing here that grows: 8 bytes for a transport, some kilobytes in a day.
+        late_s: the same transports, against their carriers' own promises; negative for early ones.
         fulfilled_s: orders and when all of them was delivered.
         delivered: pieces that reached the delivery warehouse, by order.
         answers: how awards ended, by answer.
@@ -63,7 +57,8 @@ class Observer:
 
     def __init__(self) -> None:
         self.opened_s: dict[str, float] = {}
-        self.transports: list[Transported] = []
+        self.took_s = array("d")
+        self.late_s = array("d")
         self.goals_closed = 0
         self.fulfilled_s: dict[str, float] = {}
         self.delivered: dict[str, int] = {}
@@ -144,10 +139,11 @@ class Observer:
             return
         del self._transport_tasks[fact.task]
         if fact.outcome == "delivered":
-            self.transports.append(Transported(fact.task, now_s - opened_s, now_s - fact.promised_s))
+            self.took_s.append(now_s - opened_s)
+            self.late_s.append(now_s - fact.promised_s)
 
 
-def percentile(values: list[float], frac: float) -> float:
+def percentile(values: Iterable[float], frac: float) -> float:
     """The smallest value that at least `frac` of all values do not exceed; 0 for no values."""
     ordered = sorted(values)
     if not ordered:

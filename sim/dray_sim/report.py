@@ -84,9 +84,8 @@ def make_report(
     observer.close(now_s)
     due = [order for order in demand if order.due_s <= now_s]
     on_time = [order for order in due if observer.fulfilled_s.get(order.id, now_s) < order.due_s]
-    took_s = [transport.took_s for transport in observer.transports]
-    late_s = [transport.late_s for transport in observer.transports]
-    tasks = max(1, len(observer.transports))
+    took_s, late_s = observer.took_s, observer.late_s
+    tasks = max(1, len(took_s))
     return Report(
         scenario=scenario,
         seed=seed,

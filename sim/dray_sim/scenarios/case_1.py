@@ -26,6 +26,9 @@ FAILS_S = 1800.0
 
 AWAY_S = 2400.0
 
+BACK_S = 30.0
+"""After its return more is ordered, for it and all others."""
+
 BREAK_S = 120.0
 """A breakdown that a technician mends; shorter than what a machine's goals wait for."""
 
@@ -78,6 +81,8 @@ async def fail(stage: Stage) -> Failed | None:
     await asyncio.sleep(AWAY_S)
     stage.faults.end(fault)
     back_s = stage.now_s()
+    await asyncio.sleep(BACK_S)
+    _order_for_all(stage, machine)
     await stage.until_s(stage.shift.duration_s)
     await stage.settle(SETTLE_S)
     others = [order for order in stage.orders if order.id not in of_it]
@@ -94,6 +99,13 @@ async def fail(stage: Stage) -> Failed | None:
         others=len(others),
         left=len(stage.undelivered()),
     )
+
+
+def _order_for_all(stage: Stage, machine: str) -> None:
+    """Order so much of what a machine can make that every machine that makes it has to help."""
+    making = stage.plant.machines[machine].makes[0]
+    machines = len(stage.plant.machines_for(making.product))
+    stage.order(making.product, 2 * machines * stage.plant.products[making.product].lot)
 
 
 async def _busy_machine(stage: Stage) -> str | None:

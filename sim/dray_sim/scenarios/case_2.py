@@ -23,10 +23,10 @@ NEWCOMERS = (
 
 JOIN_S, LEAVE_S = 1800.0, 4500.0
 
-SHIFT = Shift(name="case-2", duration_s=5400.0, load=1.0, keep=(Bid, ContractTaken, ContractEnded, TookOver))
+SHIFT = Shift(name="case-2", duration_s=6300.0, load=1.0, keep=(Bid, ContractTaken, ContractEnded, TookOver))
 
-SOON_S = 300.0
-"""With orders for every machine, something is announced every minute."""
+SOON_S = 900.0
+"""Only what is announced nearby is heard, and somebody has to need something."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +94,7 @@ async def visit(stage: Stage, join_s: float = JOIN_S, leave_s: float = LEAVE_S) 
 
 async def _carrying(stage: Stage, guests: set[str]) -> str:
     """Wait until a guest is on its way with material that somebody watches, and name the task."""
-    for _ in range(int(SOON_S)):
+    for _ in range(int(stage.shift.duration_s - LEAVE_S)):
         for machine, heard in stage.witness.machines.items():
             for brief in heard.tasks:
                 mine = brief.primary in guests and brief.secondary not in {*guests, ""}

@@ -94,9 +94,9 @@ async def season(stage: Stage, newcomers: tuple[VehicleSpec, ...], span_s: float
 
 async def _hour(stage: Stage, span_s: float) -> Hour:
     seen = stage.observer
-    transports, pieces = len(seen.transports), sum(seen.delivered.values())
+    transports, pieces = len(seen.took_s), sum(seen.delivered.values())
     await asyncio.sleep(span_s)
-    took_s = [transport.took_s for transport in seen.transports[transports:]]
+    took_s = seen.took_s[transports:]
     return Hour(
         len(took_s),
         sum(seen.delivered.values()) - pieces,
