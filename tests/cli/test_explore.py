@@ -1,0 +1,96 @@
+"""`dray sim explore`: what it prints, and how it ends. What is searched is tested with the simulator."""
+
+from __future__ import annotations
+
+import json
+import sys
+
+import pytest
+
+from dray.cli import main
+from dray_sim.explore.patience import Patience
+
+
+@pytest.fixture
+def explore(monkeypatch, capsys, tmp_path):
+    """Run the command in this process; returns its exit code, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "160")
+
+    def run(*args: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["dray", "sim", "explore", *args])
+        try:
+            main()
+        except SystemExit as end:
+            code = end.code if isinstance(end.code, int) else 0
+        else:
+            code = 0
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return run
+
+
+@pytest.fixture
+def impatient(monkeypatch) -> None:
+    """No task may take any time, so every trial breaks."""
+    monkeypatch.setattr(Patience, "task_s", lambda *_: 1.0)
+
+
+def test_a_search_that_holds_sums_up(explore, tmp_path) -> None:
+    code, out, _ = explore("--seeds", "3:5", "--profile", "calm", "--jobs", "1", "--json", "found.json")
+    assert code == 0
+    assert "2 seeds: none broken" in out
+    assert "seeds a minute and core" in out
+    summary = json.loads((tmp_path / "found.json").read_text())
+    assert summary["trials"] == 2
+    assert summary["violations"] == []
+
+
+def test_a_violation_comes_with_its_story_and_the_command_that_replays_it(explore, impatient) -> None:
+    code, out, _ = explore("--seeds", "0:4", "--jobs", "1")
+    assert code == 1
+    assert "invariant 1 is broken" in out
+    replay = next(line for line in out.splitlines() if line.startswith("replay: "))
+    seed = replay.rpartition(" ")[2]
+    assert replay == f"replay: dray sim explore --seed {seed}"
+
+    code, again, _ = explore("--seed", seed)
+    assert code == 1
+    assert next(line for line in out.splitlines() if "is broken at" in line) in again
+    assert f"seed {seed}: " in again
+    assert " notes " in again
+
+
+def test_a_replay_says_what_the_seed_stands_for(explore) -> None:
+    code, out, _ = explore("--seed", "3")
+    assert code == 0
+    assert "machine" in out.splitlines()[0]
+    assert "held" in out.splitlines()
+    assert "trace " in out
+
+
+@pytest.mark.parametrize("seeds", ["7", "5:", "a:b", "-1:4", "9:9", "9:3"])
+def test_seeds_that_are_none_are_told_as_such(explore, seeds: str) -> None:
+    code, out, err = explore(f"--seeds={seeds}")
+    assert code == 2
+    assert out == ""
+    assert "--seeds" in err
+    assert seeds in err
+
+
+def test_an_unknown_profile_is_told_with_the_known_ones(explore) -> None:
+    code, _, err = explore("--seed", "1", "--profile", "storm")
+    assert code == 2
+    assert "'storm'" in err
+    assert "links" in err
+
+
+def test_a_search_that_is_stopped_by_hand_tells_what_it_has_seen(explore, monkeypatch) -> None:
+    def stop(_self: object, _plant: object, _habits: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Patience, "__init__", stop)
+    code, out, _ = explore("--seeds", "0:4", "--jobs", "1")
+    assert code == 1
+    assert "0 seeds of 4, stopped by hand" in out
