@@ -60,6 +60,8 @@ class Coordinating(RuleBasedStateMachine):
         self.dock: dict[str, str] = {}
         """Vehicles to which the dock is open, and for which task."""
         self.docking = ("", "")
+        self.hired: dict[tuple[str, int], str] = {}
+        """By task and epoch: who has accepted last, and may believe to be bound."""
         self.awards: dict[tuple[str, str, Role], Award] = {}
         self.seq = 0
         self.actor = Actor(
@@ -92,8 +94,21 @@ class Coordinating(RuleBasedStateMachine):
         given = self.awards.get((atv, task, role))
         if given is None:
             return
+        if yes and role is Role.PRIMARY:
+            self.hired[task, given.epoch] = atv
         say = accepted if yes else declined
         self.told(atv, say(task, epoch=given.epoch, role=role, number=given.number))
+
+    @rule(atv=st.sampled_from(ATVS), task=st.sampled_from(TASKS), watches=st.booleans())
+    def is_hired(self, atv: str, task: str, watches: bool) -> None:
+        """It bids, is asked, and accepts; perhaps another one watches."""
+        self.bids_well(atv, task)
+        self.answers(atv, task, Role.PRIMARY, yes=True)
+        if watches:
+            for other in ATVS:
+                self.told(other, bid(50.0, task=task, epoch=self.epochs.get(task, 1), role=Role.SECONDARY))
+                self.time_passes(0.1)
+                self.answers(other, task, Role.SECONDARY, yes=True)
 
     @rule(atv=st.sampled_from(ATVS), task=st.sampled_from((*TASKS, "")), beats=st.sampled_from([1, 1, 9]))
     def beats(self, atv: str, task: str, beats: int) -> None:
@@ -112,7 +127,7 @@ class Coordinating(RuleBasedStateMachine):
     def takes_over_well(self, atv: str, task: str) -> None:
         """From the present carrier, if there is one."""
         epoch = self.epochs.get(task, 0)
-        primary = self.carriers.get((task, epoch), "")
+        primary = self.carriers.get((task, epoch)) or self.hired.get((task, epoch), "")
         if primary not in ("", atv):
             self.told(atv, TakenOver(task=task, epoch=epoch + 1, primary=primary))
 
@@ -121,9 +136,15 @@ class Coordinating(RuleBasedStateMachine):
         self.docking = (atv, task)
         self.told(atv, Docked(task=task, epoch=epoch, station="M7"))
 
-    @rule(atv=st.sampled_from(ATVS), task=st.sampled_from(TASKS))
-    def docks_well(self, atv: str, task: str) -> None:
-        self.docks(atv, task, self.epochs.get(task, 1))
+    @rule(task=st.sampled_from(TASKS), hands_over=st.booleans())
+    def present_carrier_docks(self, task: str, hands_over: bool) -> None:
+        epoch = self.epochs.get(task, 1)
+        carrier = self.hired.get((task, epoch))
+        if carrier is None:
+            return
+        self.docks(carrier, task, epoch)
+        if hands_over:
+            self.hands_over(carrier, task, epoch)
 
     @rule(atv=st.sampled_from(ATVS), task=st.sampled_from(TASKS), epoch=EPOCHS)
     def hands_over(self, atv: str, task: str, epoch: int) -> None:

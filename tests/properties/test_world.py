@@ -12,12 +12,15 @@ from hypothesis import note, settings
 from hypothesis.stateful import RuleBasedStateMachine, initialize, rule
 from world import World
 
-from dray.messages import CommandKind
+from dray.body import Drop, Pick
+from dray.messages import CommandKind, Link
 from dray.protocol.strategist import STRATEGIST
 
 VEHICLES = {"ATV1": "p3", "ATV2": "s3", "ATV3": "p1"}
 ATVS = st.sampled_from(sorted(VEHICLES))
 AGENTS = st.sampled_from([*sorted(VEHICLES), "M7", STRATEGIST])
+
+COMMANDS = (CommandKind.STOP, CommandKind.ACKNOWLEDGE, CommandKind.RESUME)
 
 CALM_S = 4000.0
 """Longer than goods on board of a silent vehicle are waited for, and then made and carried anew."""
@@ -39,6 +42,14 @@ class Adversary(RuleBasedStateMachine):
     @rule(span_s=st.sampled_from([0.03, 0.3, 2.0, 7.0, 7.0, 25.0, 60.0]))
     def passes(self, span_s: float) -> None:
         self.world.run(self.world.now_s + span_s)
+
+    @rule(atv=ATVS, later_s=st.sampled_from([0.0, 2.0, 4.99]))
+    def passes_until_a_load_changes_hands(self, atv: str, later_s: float) -> None:
+        """The tenderest moment: whatever fails now, the load must be somewhere."""
+        world = self.world
+        vehicle = world.vehicles[atv]
+        world.run_until(lambda: isinstance(vehicle.action, Pick | Drop), 150.0, step_s=0.5)
+        self.passes(later_s)
 
     @rule(
         loss_frac=st.sampled_from([0.0, 0.05, 0.3, 0.6]),
@@ -66,6 +77,23 @@ class Adversary(RuleBasedStateMachine):
         if self.world.is_up(agent):
             self.world.crash(agent)
 
+    @rule(agent=AGENTS, down_s=st.sampled_from([0.1, 3.0, 10.0, 45.0]))
+    def crashes_and_starts(self, agent: str, down_s: float) -> None:
+        self.crashes(agent)
+        self.passes(down_s)
+        self.starts(agent)
+
+    @rule(atv=ATVS, away_s=st.sampled_from([2.0, 6.0, 30.0]))
+    def is_out_of_touch_for_a_while(self, atv: str, away_s: float) -> None:
+        """It goes on as if nothing were, and comes back when others have taken its task."""
+        self.is_cut_off(atv)
+        self.passes(away_s)
+        self.world.network.cut_off.discard(atv)
+
+    @rule(atv=ATVS, link=st.sampled_from(Link))
+    def link_changes(self, atv: str, link: Link) -> None:
+        self.world.notice_link(atv, link)
+
     @rule(atv=ATVS)
     def loses_power(self, atv: str) -> None:
         if self.world.is_up(atv):
@@ -88,9 +116,12 @@ class Adversary(RuleBasedStateMachine):
     def fork_slips(self, atv: str) -> None:
         self.world.failing[atv] += 1
 
-    @rule(atv=ATVS, kind=st.sampled_from([CommandKind.STOP, CommandKind.ACKNOWLEDGE, CommandKind.RESUME]))
-    def is_told(self, atv: str, kind: CommandKind) -> None:
-        self.world.command(atv, kind)
+    @rule(atv=ATVS, kinds=st.lists(st.sampled_from(COMMANDS), min_size=1, max_size=4))
+    def is_told(self, atv: str, kinds: list[CommandKind]) -> None:
+        """An operator presses buttons, in any order."""
+        for kind in kinds:
+            self.world.command(atv, kind)
+            self.passes(0.5)
 
     def teardown(self) -> None:
         if not hasattr(self, "world"):
@@ -113,6 +144,7 @@ class Adversary(RuleBasedStateMachine):
                 world.start(agent)
         for atv in VEHICLES:
             world.repair(atv)
+            world.notice_link(atv, Link.WLAN)
         world.failing.clear()
         world.run(world.now_s + 10.0)
         for kind in (CommandKind.ACKNOWLEDGE, CommandKind.RESUME):
@@ -123,4 +155,4 @@ class Adversary(RuleBasedStateMachine):
 
 
 TestAdversary = Adversary.TestCase
-TestAdversary.settings = settings(max_examples=40, stateful_step_count=30)
+TestAdversary.settings = settings(max_examples=60, stateful_step_count=20)

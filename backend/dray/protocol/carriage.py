@@ -117,6 +117,8 @@ class Carriage:
         self._loaded = False
         self._cancelled = contract.cancelled
         """Why it is to end as soon as the running manoeuvre is over."""
+        self._may_be_dropping = False
+        """An earlier life had come to the unloading: its drop may still be under way."""
         self._station = contract.source
         self._asked = 0
         """Questions since the last answer."""
@@ -174,6 +176,7 @@ class Carriage:
         and not at the end of a long way.
         """
         self._loaded = load == self.work.item
+        self._may_be_dropping = self.phase is Phase.UNLOADING
         if not self._cancelled:
             accepted = Accepted(
                 task=self.task, epoch=self.epoch, role=Role.PRIMARY, finish_s=self.promised_s, number=0
@@ -184,8 +187,7 @@ class Carriage:
         elif self._loaded:
             self._carry(now_s)
         elif self.phase in (Phase.UNLOADING, Phase.HANDING_OVER):
-            self._enter(Phase.HANDING_OVER, self.work.destination)
-            self._say_handover(now_s)
+            self._hand_over(now_s)
         elif self.phase in (Phase.CARRYING, Phase.RETURNING):
             self._miss_load(now_s)
         else:
@@ -222,8 +224,7 @@ class Carriage:
             if self._cancelled:
                 self._end(self._cancelled)
             else:
-                self._enter(Phase.HANDING_OVER, self.work.destination)
-                self._say_handover(now_s)
+                self._hand_over(now_s)
         elif self.phase is Phase.RETURNING:
             self._loaded = False
             self._end(self._cancelled)
@@ -344,6 +345,10 @@ class Carriage:
         self._enter(Phase.CARRYING, self.work.destination)
         self._drive(self.work.destination, now_s)
 
+    def _hand_over(self, now_s: float) -> None:
+        self._enter(Phase.HANDING_OVER, self.work.destination)
+        self._say_handover(now_s)
+
     def _ask_to_load(self, now_s: float) -> None:
         if self.source == self.coordinator:
             self._ask_for_dock(now_s)
@@ -407,9 +412,11 @@ class Carriage:
             self.resign("its machine is silent", now_s)
 
     def _miss_load(self, now_s: float) -> None:
-        """The load was taken off by a person."""
+        """The load is gone: put down at last for an earlier life, or taken off by a person."""
         if self._cancelled:
             self._end(self._cancelled)
+        elif self._may_be_dropping and self.phase is Phase.UNLOADING:
+            self._hand_over(now_s)
         elif self.work.goal:
             self.resign("its load was taken off", now_s)
         else:
