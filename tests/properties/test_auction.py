@@ -44,10 +44,18 @@ RULES = st.builds(
 )
 
 
+CANDIDATES = st.lists(
+    st.tuples(st.sampled_from(BIDDERS), st.floats(min_value=0.0, max_value=100.0)),
+    max_size=3,
+    unique_by=lambda each: each[0],
+)
+"""Who was left when another auction had found its winner; they are asked before anything is announced."""
+
+
 class Hall:
     """An auction, its bidders, and what must never be seen."""
 
-    def __init__(self, rules: AuctionRules) -> None:
+    def __init__(self, rules: AuctionRules, candidates: list[tuple[str, float]] | None = None) -> None:
         self.out: list[Effect] = []
         self.seen = 0
         self.now_s = 0.0
@@ -59,9 +67,10 @@ class Hall:
         self.under_way: dict[str, list[int]] = {bidder: [] for bidder in (*BIDDERS, WILLING)}
         """By bidder: the awards of which its acceptance has not arrived yet, oldest first."""
         self.winner = ""
+        left_over = tuple((bidder, bid(cost_s)) for bidder, cost_s in candidates or [])
         terms = Terms(task="T1", epoch=1, role=Role.PRIMARY, work=transport(), deadline_s=300.0)
         place = Place(x_m=30.0, y_m=20.0, reach_m=72.0)
-        self.auction = Auction("M8", terms, place, lambda _radius_m: ("k",), rules, self.out)
+        self.auction = Auction("M8", terms, place, lambda _radius_m: ("k",), rules, self.out, left_over)
         self.auction.open(0.0)
         self.check()
 
@@ -151,20 +160,20 @@ class Hall:
         self.all_arrive()
 
 
-@given(rules=RULES, steps=STEPS)
+@given(rules=RULES, candidates=CANDIDATES, steps=STEPS)
 def test_one_is_asked_at_a_time_one_wins_and_the_auction_never_falls_asleep(
-    rules: AuctionRules, steps: list[Step]
+    rules: AuctionRules, candidates: list[tuple[str, float]], steps: list[Step]
 ) -> None:
-    hall = Hall(rules)
+    hall = Hall(rules, candidates)
     for step in steps:
         hall.step(*step)
 
 
-@given(rules=RULES, steps=STEPS)
+@given(rules=RULES, candidates=CANDIDATES, steps=STEPS)
 def test_a_willing_bidder_always_ends_it_and_nobody_but_the_winner_stays_bound(
-    rules: AuctionRules, steps: list[Step]
+    rules: AuctionRules, candidates: list[tuple[str, float]], steps: list[Step]
 ) -> None:
-    hall = Hall(rules)
+    hall = Hall(rules, candidates)
     for step in steps:
         hall.step(*step)
     hall.finish()
@@ -172,11 +181,11 @@ def test_a_willing_bidder_always_ends_it_and_nobody_but_the_winner_stays_bound(
     assert set(hall.bound) == {hall.auction.winner}
 
 
-@given(rules=RULES, steps=STEPS)
+@given(rules=RULES, candidates=CANDIDATES, steps=STEPS)
 def test_an_auction_that_nobody_answers_goes_on_without_spinning(
-    rules: AuctionRules, steps: list[Step]
+    rules: AuctionRules, candidates: list[tuple[str, float]], steps: list[Step]
 ) -> None:
-    hall = Hall(rules)
+    hall = Hall(rules, candidates)
     for step in steps:
         hall.step(*step)
     if hall.auction.stage is Stage.DECIDED:
