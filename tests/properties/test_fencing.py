@@ -56,6 +56,8 @@ class Coordinating(RuleBasedStateMachine):
         """By task and epoch: the one vehicle that was spoken to as its carrier."""
         self.epochs: dict[str, int] = {}
         """By task: the highest epoch that was announced or confirmed."""
+        self.handed_over: dict[str, str] = {}
+        """By task: who has brought the load."""
         self.closed: set[str] = set()
         self.dock: dict[str, str] = {}
         """Vehicles to which the dock is open, and for which task."""
@@ -190,7 +192,10 @@ class Coordinating(RuleBasedStateMachine):
     def see_sent(self, to: str, message: Message) -> None:
         if isinstance(message, Award):
             self.awards[to, message.task, message.role] = message
-        elif isinstance(message, DockOpened | HandoverAccepted | Confirmed):
+        elif isinstance(message, HandoverAccepted):
+            carrier = self.handed_over.setdefault(message.task, to)
+            assert carrier == to, f"{message.task} was handed over by {carrier} and by {to}"
+        elif isinstance(message, DockOpened | Confirmed):
             self.rises(message.task, message.epoch)
             carrier = self.carriers.setdefault((message.task, message.epoch), to)
             assert carrier == to, f"{message} to {to}, and {carrier} carries"
