@@ -23,7 +23,6 @@ from dray.messages.fact import (
     PrimarySuspected,
     TaskClosed,
     TaskOpened,
-    TookOver,
     WatchLost,
 )
 
@@ -69,7 +68,6 @@ class Observer:
         self.watches_taken = 0
         self.watches_lost = 0
         self.suspicions = 0
-        self.takeovers = 0
         self.carriers_changed = 0
         self.messages = 0
         self.negotiation = 0
@@ -115,8 +113,6 @@ class Observer:
             self.watches_lost += 1
         elif isinstance(fact, PrimarySuspected):
             self.suspicions += 1
-        elif isinstance(fact, TookOver):
-            self.takeovers += 1
         elif isinstance(fact, CarrierChanged):
             self.carriers_changed += 1
 

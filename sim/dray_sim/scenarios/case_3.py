@@ -262,7 +262,7 @@ def _row(name: str, played: Played[CutOff]) -> tuple[str, ...]:
         str(told.relayed),
         str(told.furthest),
         str(told.replaced + told.lost),
-        str(told.lost),
+        str(told.lost) if told.relayed else "-",
         f"{report.orders_delivered} of {report.orders_placed}",
         f"{report.transport_p50_s:.0f} s",
         f"{report.transport_p95_s:.0f} s",

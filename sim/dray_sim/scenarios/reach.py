@@ -6,7 +6,9 @@ import asyncio
 from math import hypot
 
 from dray.messages import Link
-from dray.messages.fact import TookOver
+from dray.messages.fact import CarrierChanged, TookOver
+from dray.protocol.events import NEVER_S
+from dray.protocol.supervision import SILENT
 from dray_sim.radio import RADIO
 from dray_sim.stage import Stage
 
@@ -18,14 +20,14 @@ LATELY_S = 5.0
 
 
 class Reach:
-    """Looks at the floor all the time, as nobody in the factory can, and judges takeovers.
+    """Looks at the floor all the time, as nobody in the factory can, and judges who was taken for dead.
 
     Args:
         stage: the run.
 
     Attributes:
-        in_reach: takeovers from a vehicle that lived and could be heard; there should be none.
-        out_of_reach: takeovers from one that lived, and that nobody could hear.
+        in_reach: tasks taken from a vehicle that lived and could be heard; there should be none.
+        out_of_reach: tasks taken from one that lived, and that nobody could hear.
     """
 
     def __init__(self, stage: Stage) -> None:
@@ -33,26 +35,36 @@ class Reach:
         self.out_of_reach: list[str] = []
         self._stage = stage
         self._unheard_s: dict[str, float] = {}
+        self._judged: set[tuple[str, int]] = set()
 
     async def watch(self) -> None:
         """Look until cancelled."""
-        await asyncio.gather(self._look(), self._judge())
+        await asyncio.gather(self._look(), self._judge_takeovers(), self._judge_auctions())
 
     async def _look(self) -> None:
         while True:
-            now_s = self._stage.now_s()
-            unheard = _unheard(self._stage)
-            self._unheard_s.update(dict.fromkeys(unheard, now_s))
+            self._unheard_s.update(dict.fromkeys(_unheard(self._stage), self._stage.now_s()))
             await asyncio.sleep(LOOK_S)
 
-    async def _judge(self) -> None:
+    async def _judge_takeovers(self) -> None:
         while True:
-            took = await self._stage.witness.first(TookOver, within_s=float("inf"))
-            if took is None or not self._stage.factory.running(took.said.primary):
-                continue
-            unheard_s = self._unheard_s.get(took.said.primary, -LATELY_S)
-            lately = took.at_s - unheard_s <= LATELY_S
-            (self.out_of_reach if lately else self.in_reach).append(took.said.task)
+            took = await self._stage.witness.first(TookOver, within_s=NEVER_S)
+            if took is not None and took.said.reason == SILENT:
+                self._judge(took.said.task, took.said.epoch, took.said.primary, took.at_s)
+
+    async def _judge_auctions(self) -> None:
+        while True:
+            changed = await self._stage.witness.first(CarrierChanged, within_s=NEVER_S)
+            if changed is not None and changed.said.reason == SILENT:
+                self._judge(changed.said.task, changed.said.epoch, changed.said.replaced, changed.at_s)
+
+    def _judge(self, task: str, epoch: int, replaced: str, at_s: float) -> None:
+        # The secondary says it, and then the coordinator, of one and the same change.
+        if (task, epoch) in self._judged or not self._stage.factory.running(replaced):
+            return
+        self._judged.add((task, epoch))
+        lately = at_s - self._unheard_s.get(replaced, -LATELY_S) <= LATELY_S
+        (self.out_of_reach if lately else self.in_reach).append(task)
 
 
 def _unheard(stage: Stage) -> list[str]:

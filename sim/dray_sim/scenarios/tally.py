@@ -37,7 +37,6 @@ class Tally:
     """
 
     suspicions: int
-    takeovers: int
     carriers_changed: int
     settled_s: float
     on_time_frac: float
@@ -56,7 +55,6 @@ def tally(stage: Stage, settled_s: float) -> Tally:
     on_time = [order for order in stage.orders if seen.fulfilled_s.get(order.id, NEVER_S) <= order.due_s]
     return Tally(
         suspicions=seen.suspicions,
-        takeovers=seen.takeovers,
         carriers_changed=seen.carriers_changed,
         settled_s=settled_s,
         on_time_frac=len(on_time) / max(1, len(stage.orders)),
