@@ -309,3 +309,15 @@ TestCoordinating = Coordinating.TestCase
 TestCoordinating.settings = settings(max_examples=120, stateful_step_count=30)
 TestWatching = Watching.TestCase
 TestWatching.settings = settings(max_examples=60, stateful_step_count=20)
+
+
+def test_a_dock_that_an_earlier_life_has_opened_is_shut_by_the_next_one() -> None:
+    hall = Coordinating()
+    hall.begins()
+    hall.is_hired("ATV1", "M7-1", watches=False)
+    hall.present_carrier_docks("M7-1", hands_over=False)
+    assert hall.dock == {"ATV1": "M7-1"}
+    hall.crashes_and_starts(0.0)
+    hall.hands_over("ATV1", "M7-1", 1)
+    assert hall.closed == {"M7-1"}
+    assert hall.dock == {}

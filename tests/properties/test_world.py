@@ -124,7 +124,7 @@ class Adversary(RuleBasedStateMachine):
             self.passes(0.5)
 
     def teardown(self) -> None:
-        if not hasattr(self, "world"):
+        if not hasattr(self, "world") or self.world.broken:
             return
         world = self.world
         try:

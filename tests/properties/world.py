@@ -102,6 +102,8 @@ class World:
         self.workcell = PlainWorkcell("M7", PLANT)
         self.gate = PlainGate()
         self.log: list[str] = []
+        self.broken = False
+        """An invariant does not hold: what follows tells nothing."""
         self.failing = Counter[str]()
         """Transfers that fail next, by vehicle."""
         self._listeners: dict[str, dict[str, None]] = {}
@@ -295,6 +297,10 @@ class Checks:
         self._work: dict[str, Transport] = {}
         self.fulfilled: set[str] = set()
 
+    def _broken(self, what: str) -> Broken:
+        self._world.broken = True
+        return Broken(what)
+
     def open_tasks(self) -> list[str]:
         return [task for task in self._opened if task not in self._closed]
 
@@ -312,10 +318,10 @@ class Checks:
         elif isinstance(effect, Send) and isinstance(effect.message, HandoverAccepted):
             before = self._handed_over.setdefault(effect.message.task, effect.to)
             if before != effect.to:
-                raise Broken(f"2: {effect.message.task} was handed over by {before} and {effect.to}")
+                raise self._broken(f"2: {effect.message.task} was handed over by {before} and {effect.to}")
         elif isinstance(effect, Instruct) and isinstance(effect.instruction, Unhold):
             if not self._stopped.pop(agent, False):
-                raise Broken(f"5: {agent} goes on without an acknowledge and a resume")
+                raise self._broken(f"5: {agent} goes on without an acknowledge and a resume")
             self._hops.pop(agent, None)
 
     def see_command(self, atv: str, command: VehicleCommand) -> None:
@@ -339,13 +345,13 @@ class Checks:
         world = self._world
         for atv, hops in self._hops.items():
             if world.vehicles[atv].moved != hops:
-                raise Broken(f"5: {atv} is stopped and moves")
+                raise self._broken(f"5: {atv} is stopped and moves")
         on_board: Counter[str] = Counter()
         for vehicle in world.vehicles.values():
             on_board[vehicle.load[0]] += vehicle.load[1]
         for item, pieces in self._carried.items():
             if on_board[item] != pieces:
-                raise Broken(f"2: {pieces} of {item} are out there, {on_board[item]} are on board")
+                raise self._broken(f"2: {pieces} of {item} are out there, {on_board[item]} are on board")
 
     def check_sums(self, ordered: dict[str, int]) -> None:
         accounted = Counter[str]()
@@ -355,22 +361,22 @@ class Checks:
         for item, brought in self._brought.items():
             most = accounted[item] + self._unheard[item]
             if not accounted[item] <= brought <= most:
-                raise Broken(f"2: {brought} of {item} were brought, {accounted[item]} were asked for")
+                raise self._broken(f"2: {brought} of {item} were brought, {accounted[item]} were asked for")
         arrived = sum(self._world.gate.arrived.values())
         if arrived != sum(ordered.values()):
-            raise Broken(f"4: {arrived} pieces arrived, {ordered} were ordered")
+            raise self._broken(f"4: {arrived} pieces arrived, {ordered} were ordered")
 
     def _see_opened(self, fact: TaskOpened) -> None:
         if fact.role is Role.PRIMARY:
             if fact.task in self._closed:
-                raise Broken(f"1: {fact.task} is announced after it was closed")
+                raise self._broken(f"1: {fact.task} is announced after it was closed")
             self._opened.setdefault(fact.task)
             if isinstance(fact.work, Transport):
                 self._work[fact.task] = fact.work
 
     def _see_closed(self, fact: TaskClosed) -> None:
         if fact.task in self._closed:
-            raise Broken(f"1: {fact.task} was closed twice")
+            raise self._broken(f"1: {fact.task} was closed twice")
         self._closed[fact.task] = fact.outcome
 
     def _see_contract(self, atv: str, fact: ContractTaken | ContractEnded) -> None:
@@ -379,7 +385,7 @@ class Checks:
         if isinstance(fact, ContractTaken):
             before = self._primary_of.setdefault(atv, fact.task)
             if before != fact.task:
-                raise Broken(f"3: {atv} took {fact.task} while it carried {before}")
+                raise self._broken(f"3: {atv} took {fact.task} while it carried {before}")
             return
         if self._primary_of.get(atv) == fact.task:
             del self._primary_of[atv]

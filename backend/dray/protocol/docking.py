@@ -40,8 +40,6 @@ class Dock:
         self._tasks = tasks
         self._supply = supply
         self._out = out
-        self._opened: dict[str, None] = {}
-        """Vehicles that the dock was opened for and has not been shut for since; a dict for its order."""
 
     def hear_docked(self, sender: str, message: Docked, _now_s: float) -> None:
         """Somebody asks to load or to unload."""
@@ -59,15 +57,13 @@ class Dock:
             answer = DockOpened(task=task.id, epoch=task.epoch, station=message.station)
             if here:
                 opening = OpenDock(vehicle=sender, item=work.item, quantity=work.quantity)
-                self._opened[sender] = None
                 self._out.append(Instruct(opening))
         self._out.append(Send(sender, answer))
 
     def shut(self, vehicle: str) -> None:
         """A vehicle carries for this machine no more: a manoeuvre that it has begun ends without effect."""
-        if vehicle in self._opened:
-            del self._opened[vehicle]
-            self._out.append(Instruct(CloseDock(vehicle=vehicle)))
+        # Also when this life has not opened it: an earlier one may have.
+        self._out.append(Instruct(CloseDock(vehicle=vehicle)))
 
     def hear_handover(self, sender: str, message: Handover) -> OpenTask | None:
         """Somebody says that its load is down.
