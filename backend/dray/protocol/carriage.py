@@ -249,7 +249,6 @@ class Carriage:
 
     def hear(self, message: Message, now_s: float) -> None:
         """Take an answer of the coordinator; what is late or doubled changes nothing."""
-        self._asked = 0
         if isinstance(message, Superseded) and not 0 < message.epoch < self.epoch:
             self.cancel("superseded", now_s)
         elif isinstance(message, Withdrawn):
@@ -266,6 +265,8 @@ class Carriage:
             self._transfer()
         else:
             self._out.append(Ignore("an answer that nothing waits for any more"))
+            return
+        self._asked = 0
 
     def cancel(self, reason: str, now_s: float) -> None:
         """The contract is void: end, and take the load back if there is one."""
