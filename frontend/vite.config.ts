@@ -16,7 +16,7 @@ export default defineConfig({
     // Fonts and icons stay files: a data: URL would need an exception in the content policy.
     assetsInlineLimit: 0,
     rolldownOptions: {
-      input: ["src/theme/init.ts", "src/manager/main.tsx"],
+      input: ["src/theme/init.ts", "src/manager/main.tsx", "src/customer/main.ts"],
     },
   },
   test: { include: ["src/**/*.test.ts"] },

@@ -127,25 +127,12 @@ async def test_every_answer_tells_browsers_what_they_may_not_do(house: House, pa
     assert "camera=()" in headers["permissions-policy"]
 
 
-async def test_a_customers_page_shows_the_order_and_is_kept_from_search_engines(house: House) -> None:
-    order = await house.place(reference="4711")
-    answer = await house.client.get(order["tracking_url"])
-    assert answer.headers["x-robots-tag"] == "noindex"
-    assert answer.is_redirect
-    shown = await house.client.get(answer.headers["location"])
-    assert shown.json()["reference"] == "4711"
-    assert shown.headers["x-robots-tag"] == "noindex"
-
-
 @pytest.mark.parametrize("token", ["guess", "%2e%2e", "a?b#c", "%0d%0aX-Evil:1", "%5c%5cevil.test"])
 async def test_a_guessed_customers_page_leads_nowhere_else(house: House, token: str) -> None:
     answer = await house.client.get(f"/track/{token}")
     assert "x-evil" not in answer.headers
-    if answer.is_redirect:
-        assert answer.headers["location"].startswith("/api/track/")
-    followed = await house.client.get(f"/track/{token}", follow_redirects=True)
-    assert followed.status_code == 404
-    assert followed.url.host == "dray.test"
+    assert answer.status_code == 404
+    assert not answer.has_redirect_location
 
 
 async def test_the_documentation_is_one_page_that_needs_no_script_and_no_other_host(house: House) -> None:

@@ -19,9 +19,7 @@ async def test_an_order_is_found_as_it_was_kept(store: Store) -> None:
     await keep(store, order(1, 4, 2), order(2))
     async with store.read() as work:
         assert await work.orders.get("O-1") == order(1, 4, 2)
-        assert await work.orders.by_token("token-2") == order(2)
         assert await work.orders.get("O-3") is None
-        assert await work.orders.by_token("token-3") is None
 
 
 async def test_an_order_of_a_product_that_was_never_made_here_is_refused(store: Store) -> None:

@@ -7,10 +7,12 @@ from typing import Any
 
 import msgspec
 
+from dray.gateway.ledger import ON_TIME_S, PromiseLedger, PromiseLine
 from dray.gateway.routes.events import EventAnswer
 from dray.gateway.routes.orders import EXAMPLE as ORDER
 from dray.gateway.routes.products import ProductAnswer
-from dray.gateway.routes.track import STAGES, Stage, TrackAnswer
+from dray.gateway.tracking.answer import TrackAnswer, TrackEta, TrackStage
+from dray.gateway.tracking.track import StageName, TrackedItem
 from dray.gateway.views import (
     AtvView,
     BidView,
@@ -34,13 +36,34 @@ SHOWN = 2
 
 PARTS_S = {"empty_way": 14.0, "loaded_way": 31.5, "energy": 2.5, "suitability": 0.0}
 
+PROMISES = PromiseLine(
+    atv="",
+    delivered=40,
+    on_time=38,
+    on_time_frac=0.95,
+    median_s=-1.2,
+    p95_s=4.1,
+    worst_s=21.5,
+    worst_task="M1.1-7",
+    lost=1,
+    last_at_s=NOW_S - 5,
+)
+
 _STRUCTS = (
     ORDER,
     TrackAnswer(
         status=ORDER.status,
         reference=ORDER.reference,
-        items=ORDER.items,
-        stages=tuple(Stage(stage.value, index < 2) for index, stage in enumerate(STAGES)),
+        items=tuple(
+            TrackedItem(i.product, "Gear unit", i.quantity, i.made, i.delivered) for i in ORDER.items
+        ),
+        stages=tuple(
+            TrackStage(stage.value, index < 1, ORDER.created_at if index < 1 else None)
+            for index, stage in enumerate(StageName)
+        ),
+        eta=TrackEta("2030-01-01T01:25:00Z", "2030-01-01T01:45:00Z"),
+        late="",
+        reasons=(),
         created_at=ORDER.created_at,
         due_at=ORDER.due_at,
         delivered_at=None,
@@ -124,6 +147,11 @@ _STRUCTS = (
             ),
         ),
         refusals=(RefusalView(agent="ATV3", role="primary", round=1, reason="busy"),),
+    ),
+    PromiseLedger(
+        on_time_within_s=ON_TIME_S,
+        fleet=PROMISES,
+        items=(msgspec.structs.replace(PROMISES, atv="ATV2"),),
     ),
     EventAnswer(
         position=1042,

@@ -21,6 +21,7 @@ from dray.gateway.orderids import new_order_id, new_token
 from dray.gateway.parts import Parts
 from dray.gateway.problems import FieldError, Problem, unusable
 from dray.store.keys import KeptAnswer
+from dray.store.links import Link
 from dray.store.orders import Item, Order
 from dray.store.progress import OrderStatus
 from dray.store.work import Work
@@ -252,6 +253,7 @@ async def _written(gateway: Parts, work: Work, draft: OrderDraft) -> Order:
         released_at_s=now_s if draft.release else None,
     )
     await work.orders.add(order)
+    await work.links.add(order.token, Link(order.id, now_s))
     return order
 
 

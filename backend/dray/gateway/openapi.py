@@ -10,13 +10,14 @@ from fastapi.openapi.utils import get_openapi
 
 from dray import __version__
 from dray.gateway.examples import examples
+from dray.gateway.ledger import PromiseLedger
 from dray.gateway.problems import ProblemDetails
 from dray.gateway.routes.atvs import CommandAnswer
 from dray.gateway.routes.events import EventAnswer
 from dray.gateway.routes.faults import FaultsAnswer
 from dray.gateway.routes.orders import OrderAnswer
 from dray.gateway.routes.products import ProductAnswer
-from dray.gateway.routes.track import TrackAnswer
+from dray.gateway.tracking.answer import TrackAnswer
 from dray.gateway.views import AtvView, FactoryView, FaultView, MachineView, TaskView
 from dray.plant.model import PlantFile
 
@@ -32,6 +33,7 @@ SHAPES = (
     PlantFile,
     ProblemDetails,
     ProductAnswer,
+    PromiseLedger,
     TaskView,
     TrackAnswer,
 )

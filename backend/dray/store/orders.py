@@ -28,7 +28,7 @@ class Order(msgspec.Struct, kw_only=True, gc=False):
     status: OrderStatus
     customer: str
     token: str
-    """Names the customer's page; whoever knows it may see that page."""
+    """Of the link to the customer's page that came with it; `links` says whether it still leads there."""
     items: tuple[Item, ...]
     created_at_s: float
     reference: str | None = None
@@ -80,10 +80,6 @@ class Orders:
     async def get(self, order_id: str) -> Order | None:
         """One order, or None."""
         return next(iter(await self._select(orders.c.id == order_id)), None)
-
-    async def by_token(self, token: str) -> Order | None:
-        """The order whose customer's page has this token, or None."""
-        return next(iter(await self._select(orders.c.token == token)), None)
 
     async def many(self, ids: Iterable[str]) -> list[Order]:
         """Those of these orders that there are, in no particular order."""

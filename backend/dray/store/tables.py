@@ -2,7 +2,7 @@
 
 Times are seconds since 1970 on the wall clock, as double precision numbers: SQLite has no type for
 a moment, and PostgreSQL's would read back differently. `plant_s` is a time on the plant's clock.
-The first migration writes these very tables; a test compares the two.
+The migrations write these very tables; a test compares the two.
 """
 
 from __future__ import annotations
@@ -86,6 +86,18 @@ order_items = Table(
     comment="Lines of an order; item is the place in the order, from 0.",
 )
 
+tracking_links = Table(
+    "tracking_links",
+    metadata,
+    Column("token_hash", String(64), primary_key=True),
+    Column("order_id", Id, ForeignKey("orders.id", ondelete="CASCADE"), nullable=False),
+    Column("created_at_s", Double, nullable=False),
+    Column("expires_at_s", Double),
+    Column("revoked_at_s", Double),
+    Index(None, "order_id"),
+    comment="Who has the token may see the order's page; token_hash is its SHA-256.",
+)
+
 # No foreign key to orders: facts come from the bus, in any order, and may be of another database.
 goals = Table(
     "goals",
@@ -103,6 +115,7 @@ goals = Table(
     Column("delivered", Integer, nullable=False, server_default="0"),
     Column("delivered_at_s", Double),
     Index(None, "order_id"),
+    Index(None, "delivered_at_s"),
     comment="Production goals. incarnation, number: the newest contract that was told about it.",
 )
 

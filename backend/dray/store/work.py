@@ -13,7 +13,9 @@ from dray.store.events import Events
 from dray.store.goals import Goals
 from dray.store.incarnations import Incarnations
 from dray.store.keys import IdempotencyKeys
+from dray.store.links import Links
 from dray.store.migrate import upgrade
+from dray.store.milestones import Milestones
 from dray.store.orders import Orders
 from dray.store.products import Products
 from dray.store.samples import Samples
@@ -26,7 +28,9 @@ class Work:
         self._connection = connection
         self.products = Products(connection)
         self.orders = Orders(connection)
+        self.links = Links(connection)
         self.goals = Goals(connection)
+        self.milestones = Milestones(connection)
         self.events = Events(connection)
         self.samples = Samples(connection)
         self.keys = IdempotencyKeys(connection)

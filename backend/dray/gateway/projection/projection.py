@@ -39,6 +39,11 @@ class Projection:
         """Messages that told nothing new: late, doubled, stale, or about something else. Normal."""
 
     @property
+    def speed(self) -> float:
+        """Factory seconds per real second."""
+        return self._time.speed
+
+    @property
     def changed(self) -> bool:
         """Whether there is something to tell since the last delta."""
         return any(self._all)

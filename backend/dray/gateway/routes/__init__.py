@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dray.gateway.routes import (
     atvs,
+    customer,
     docs,
     events,
     faults,
@@ -14,14 +15,15 @@ from dray.gateway.routes import (
     pages,
     plant,
     products,
+    promises,
     stream,
     tasks,
     track,
 )
 
-API = (orders, track, products, machines, atvs, tasks, events, kpis, plant, faults)
+API = (orders, track, products, machines, atvs, tasks, promises, events, kpis, plant, faults)
 """Those that OpenAPI tells of."""
 
-REST = (docs, stream, health, pages)
+REST = (docs, stream, health, pages, customer)
 
 __all__ = ["API", "REST"]

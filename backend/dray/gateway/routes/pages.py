@@ -5,7 +5,7 @@ from __future__ import annotations
 from http import HTTPStatus
 
 from fastapi import APIRouter
-from fastapi.responses import HTMLResponse, PlainTextResponse, RedirectResponse, Response
+from fastapi.responses import HTMLResponse, PlainTextResponse, Response
 
 from dray.gateway.panels import NotBuilt
 from dray.gateway.parts import Gateway
@@ -29,9 +29,3 @@ async def manager(gateway: Gateway) -> Response:
         return PlainTextResponse(NOT_BUILT, HTTPStatus.SERVICE_UNAVAILABLE)
     # The page names the built scripts: an old page would ask for scripts that are gone.
     return HTMLResponse(page, headers={"Cache-Control": "no-store"})
-
-
-@router.get("/track/{token}")
-async def track(token: str) -> Response:
-    """The customer's page; until it has a face of its own, what the API tells."""
-    return RedirectResponse(f"/api/track/{token}", headers={"X-Robots-Tag": "noindex"})

@@ -1,0 +1,97 @@
+"""The customer's page: an order, for whoever has its link.
+
+Made whole on the server, so it needs no script; its script asks for the same page again and shows what has
+changed. The language is the address's (`?lang=`), else the one chosen last, else the browser's; the time
+zone is the one that the script has noted, else this computer's.
+"""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import APIRouter, Request
+from fastapi.responses import HTMLResponse, PlainTextResponse, Response
+
+from dray.gateway.panels import NotBuilt
+from dray.gateway.parts import Gateway, Parts
+from dray.gateway.routes.track import PRIVATE
+from dray.gateway.tracking.facts import NoPage, facts_of
+from dray.gateway.tracking.page import entity_tag, gone, page, switches
+from dray.gateway.tracking.texts import LANGUAGES, choose
+from dray.gateway.tracking.texts.clock import Clock, zone_named
+from dray.gateway.tracking.track import track
+
+router = APIRouter(include_in_schema=False)
+
+LANGUAGE_COOKIE, ZONE_COOKIE = "dray.language", "dray.zone"
+
+REMEMBERED_S = 365 * 86_400
+"""How long a browser remembers the language that was chosen."""
+
+HEADERS = PRIVATE | {"Vary": "Accept-Language, Cookie"}
+
+NOT_BUILT = "This page cannot be shown at the moment. Please try again later.\n"
+
+
+@router.api_route("/track/{token}", methods=["GET", "HEAD"])
+async def customer(gateway: Gateway, request: Request, token: str) -> Response:
+    """The page of an order, or of a link that leads to none."""
+    found = await facts_of(gateway, token)
+    now_s = gateway.wall_s()
+    language = choose(
+        request.query_params.get("lang", ""),
+        request.cookies.get(LANGUAGE_COOKIE, ""),
+        request.headers.get("accept-language", ""),
+    )
+    texts = LANGUAGES[language]
+    clock = Clock(texts, zone_named(request.cookies.get(ZONE_COOKIE, "")), now_s)
+    if found.facts is None:
+        why = found.why or NoPage.UNKNOWN
+        status = HTTPStatus.NOT_FOUND if why is NoPage.UNKNOWN else HTTPStatus.GONE
+        return _answer(gateway, request, status, "customer-gone.html", language, gone=gone(why, texts))
+    told = page(track(found.facts), texts, clock, now_s)
+    context: dict[str, Any] = {
+        "page": told,
+        "zone": clock.zone,
+        "as_of": clock.time(now_s),
+    }
+    # Not of the time it was asked at: else no page would ever be the same again.
+    tag = entity_tag(told, language, clock.zone, clock.date())
+    if tag in _known(request):
+        return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=HEADERS | {"ETag": tag})
+    return _answer(gateway, request, HTTPStatus.OK, "customer.html", language, tag=tag, **context)
+
+
+def _answer(
+    gateway: Parts,
+    request: Request,
+    status: HTTPStatus,
+    template: str,
+    language: str,
+    tag: str = "",
+    **more: Any,
+) -> Response:
+    try:
+        html = gateway.panels.render(
+            template, language=language, texts=LANGUAGES[language], switches=switches(language), **more
+        )
+    except NotBuilt:
+        return PlainTextResponse(NOT_BUILT, HTTPStatus.SERVICE_UNAVAILABLE, headers=HEADERS)
+    answer = HTMLResponse(html, status, headers=HEADERS | ({"ETag": tag} if tag else {}))
+    if request.query_params.get("lang") == language:
+        answer.set_cookie(
+            LANGUAGE_COOKIE,
+            language,
+            max_age=REMEMBERED_S,
+            path="/track",
+            secure=request.url.scheme == "https",
+            httponly=True,
+            samesite="lax",
+        )
+    return answer
+
+
+def _known(request: Request) -> set[str]:
+    """The entity tags that the one who asks has already."""
+    return {tag.strip() for tag in request.headers.get("if-none-match", "").split(",")}

@@ -1,0 +1,64 @@
+"""The customer's view as JSON: what the page tells, with times in ISO 8601."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import msgspec
+
+from dray.gateway.tracking.texts.clock import Clock
+from dray.gateway.tracking.track import Track, TrackedItem
+
+
+class TrackStage(msgspec.Struct, frozen=True):
+    """A step of the way."""
+
+    name: Literal["placed", "planned", "in_production", "on_its_way", "delivered"]
+    reached: bool
+    at: str | None
+    """None when it is not reached, or nobody knows any more when it was."""
+
+
+class TrackEta(msgspec.Struct, frozen=True):
+    """When the order is expected."""
+
+    earliest: str
+    latest: str
+
+
+class TrackAnswer(msgspec.Struct, frozen=True):
+    """What a customer sees."""
+
+    status: Literal["stored", "released", "in_production", "in_delivery", "delivered", "cancelled"]
+    reference: str | None
+    items: tuple[TrackedItem, ...]
+    stages: tuple[TrackStage, ...]
+    eta: TrackEta | None
+    """None when nothing can be said honestly."""
+    late: Literal["", "maybe", "yes"]
+    """How it stands to `due_at`."""
+    reasons: tuple[Literal["not_released", "no_machine", "repair", "handed_on", "material", "held_up"], ...]
+    """Why it waits; empty when it goes on."""
+    created_at: str
+    due_at: str | None
+    delivered_at: str | None
+
+
+def answer(told: Track) -> TrackAnswer:
+    """What the customer is told, as JSON has it."""
+    return TrackAnswer(
+        status=told.status.value,
+        reference=told.reference,
+        items=told.items,
+        stages=tuple(TrackStage(stage.name.value, stage.reached, _iso(stage.at_s)) for stage in told.stages),
+        eta=None if told.eta is None else TrackEta(Clock.iso(told.eta.from_s), Clock.iso(told.eta.to_s)),
+        late=told.late.value,
+        reasons=tuple(reason.value for reason in told.reasons),
+        created_at=Clock.iso(told.created_at_s),
+        due_at=_iso(told.due_at_s),
+        delivered_at=_iso(told.delivered_at_s),
+    )
+
+
+def _iso(at_s: float | None) -> str | None:
+    return None if at_s is None else Clock.iso(at_s)

@@ -1,0 +1,143 @@
+"""When an order will be there: a range, or nothing when nothing can be said. Pure arithmetic.
+
+Method. Each running goal gets a range of its own, from the best evidence there is:
+
+1. *All pieces made.* Only the way to the delivery warehouse is left: the time of the last piece, plus what
+   nine of ten of the factory's last transports took, and one of ten (p10 and p90).
+2. *Some pieces made* (`PIECES_NEEDED` or more). With `m` and `s` the mean and the standard deviation of
+   the last `n` gaps between pieces, `k` more pieces take `k m ± Z s sqrt(k + k²/n)`: the first term
+   is chance in each gap, the second how little `n` gaps tell of the mean. The way is added as above.
+3. *Too few pieces.* What the machine promised when it took the goal, its queue included, moved by what
+   the last finished goals missed their promises by (p10 to p90). With fewer than
+   `PROMISES_NEEDED` of those, the range reaches from the promise to half the time till then later.
+
+The order's range ends with the latest of its goals: it is delivered when all are. A gap that is still open
+counts as a gap, so a halt moves the range; one that has been overtaken by the clock grows as long beyond now
+as it is late already. There is none when pieces are missing that no machine has taken, or when a
+machine that matters is broken or silent: nobody knows then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from math import ceil, sqrt
+from statistics import fmean, stdev
+
+import msgspec
+
+PIECES_NEEDED = 5
+"""Pieces after which a machine's pace says more than its promise: four gaps."""
+
+GAPS_USED = 20
+"""Gaps between pieces that a pace is taken from: the last ones, since material and wear change it."""
+
+PROMISES_NEEDED = 8
+"""Finished goals from which p10 and p90 mean something."""
+
+Z = 1.64
+"""Standard deviations each way that hold nine of ten, if chance is normal."""
+
+UNPROVEN_FRAC = 0.5
+"""Part of the time left by which a promise may be late while nothing is known of such promises."""
+
+STEPS_S = ((600.0, 60.0), (7200.0, 300.0), (float("inf"), 900.0))
+"""Longest range, and the clock's step that it is rounded to: nobody is told minutes that are not known."""
+
+
+class Range(msgspec.Struct, frozen=True):
+    """From when to when (wall clock seconds)."""
+
+    from_s: float
+    to_s: float
+
+
+class Running(msgspec.Struct, frozen=True):
+    """A goal that somebody works at. Times are wall clock seconds."""
+
+    quantity: int
+    made: int
+    promised_at_s: float | None = None
+    piece_times_s: tuple[float, ...] = ()
+    """When its last pieces were made, oldest first."""
+
+
+class History(msgspec.Struct, frozen=True):
+    """How the factory has done lately. Wall clock seconds."""
+
+    missed_by_s: tuple[float, ...] = ()
+    """By how much finished goals came after their promise, ascending; negative for before."""
+    way_s: tuple[float, float] | None = None
+    """What transports took: p10 and p90; None before the first one."""
+
+
+def eta(goals: Sequence[Running], history: History, now_s: float) -> Range | None:
+    """When all of these goals will have arrived.
+
+    Args:
+        goals: those of which something is still to arrive; together they are all that is missing.
+        history: how the factory has done lately.
+        now_s: wall clock.
+
+    Returns:
+        None when there are no goals, or one of them allows no estimate.
+    """
+    ranges = [_of_goal(goal, history, now_s) for goal in goals]
+    known = [each for each in ranges if each is not None]
+    if not known or len(known) < len(ranges):
+        return None
+    return _ahead(Range(max(r.from_s for r in known), max(r.to_s for r in known)), now_s)
+
+
+def rounded(exact: Range) -> Range:
+    """The range in steps of the clock, outwards: it never gets narrower by that."""
+    step_s = next(step for longest, step in STEPS_S if exact.to_s - exact.from_s <= longest)
+    return Range(exact.from_s // step_s * step_s, ceil(exact.to_s / step_s) * step_s)
+
+
+def quantile(ascending: Sequence[float], part: float) -> float:
+    """The nearest rank: always a value that really was."""
+    return ascending[min(len(ascending) - 1, max(0, ceil(part * len(ascending)) - 1))]
+
+
+def _of_goal(goal: Running, history: History, now_s: float) -> Range | None:
+    if goal.made >= goal.quantity and goal.piece_times_s and history.way_s is not None:
+        return _then_way(Range(goal.piece_times_s[-1], goal.piece_times_s[-1]), history.way_s)
+    if goal.made < goal.quantity and len(goal.piece_times_s) >= PIECES_NEEDED:
+        made = _by_pace(goal.piece_times_s, goal.quantity - goal.made, now_s)
+        # Without any transport so far, the way is taken to be no more than a part of the rest.
+        way_s = history.way_s or (0.0, UNPROVEN_FRAC * (made.to_s - now_s))
+        return _then_way(made, way_s)
+    if goal.promised_at_s is None:
+        return None
+    return _by_promise(goal.promised_at_s, history.missed_by_s, now_s)
+
+
+def _by_pace(piece_times_s: Sequence[float], left: int, now_s: float) -> Range:
+    times = piece_times_s[-GAPS_USED - 1 :]
+    gaps_s = [later - earlier for earlier, later in pairwise(times)]
+    mean_s = fmean(gaps_s)
+    # A gap that is already longer than usual is not over yet: the rest begins now at the earliest.
+    begun_s = max(times[-1], now_s - mean_s)
+    spread_s = Z * stdev(gaps_s) * sqrt(left + left * left / len(gaps_s))
+    halted_s = begun_s - times[-1]
+    middle_s = begun_s + left * mean_s
+    return Range(max(begun_s, middle_s - spread_s), middle_s + spread_s + halted_s)
+
+
+def _by_promise(promised_at_s: float, missed_by_s: Sequence[float], now_s: float) -> Range:
+    if len(missed_by_s) >= PROMISES_NEEDED:
+        low_s, high_s = quantile(missed_by_s, 0.1), quantile(missed_by_s, 0.9)
+    else:
+        low_s, high_s = 0.0, UNPROVEN_FRAC * max(0.0, promised_at_s - now_s)
+    return Range(promised_at_s + low_s, promised_at_s + high_s)
+
+
+def _then_way(made: Range, way_s: tuple[float, float]) -> Range:
+    return Range(made.from_s + way_s[0], made.to_s + way_s[1])
+
+
+def _ahead(found: Range, now_s: float) -> Range:
+    """Nothing arrives in the past: a range that the clock has overtaken grows as late as it is."""
+    overtaken_s = now_s - found.to_s
+    return Range(max(found.from_s, now_s), found.to_s if overtaken_s < 0 else now_s + overtaken_s)

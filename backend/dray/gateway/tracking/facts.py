@@ -1,0 +1,119 @@
+"""Facts about one order: from SQL what has happened, from the projection what happens now."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+import msgspec
+
+from dray.gateway.parts import Parts
+from dray.gateway.tracking.eta import History
+from dray.gateway.tracking.reasons import Doing
+from dray.gateway.tracking.track import Facts
+from dray.gateway.views import MachineView
+from dray.store.links import Link
+from dray.store.orders import Order
+from dray.store.progress import ENDED, Goal
+from dray.store.work import Work
+
+KEPT_S = 90 * 86_400.0
+"""How long the link that came with an order leads to its page after the order has ended: a quarter, in which
+complaints and bills are settled."""
+
+SILENCE_S = (10.0, 60.0)
+"""After so many wall seconds and so many factory seconds without a heartbeat, nobody knows what a machine
+does: twelve heartbeats of an idle one, and no less than a slow link takes."""
+
+
+class NoPage(StrEnum):
+    """Why a token leads to no page."""
+
+    UNKNOWN = "unknown"
+    REVOKED = "revoked"
+    EXPIRED = "expired"
+
+
+class Found(msgspec.Struct, frozen=True):
+    """What a token leads to."""
+
+    facts: Facts | None
+    why: NoPage | None = None
+    """Set when there are no facts."""
+
+
+async def facts_of(gateway: Parts, token: str) -> Found:
+    """All that is known of the order that a link leads to."""
+    now_s = gateway.wall_s()
+    async with gateway.store.read() as work:
+        link = await work.links.find(token)
+        order = None if link is None else await work.orders.get(link.order_id)
+        if link is None or order is None:
+            return Found(None, NoPage.UNKNOWN)
+        why = _ended(link, order, now_s)
+        if why is not None:
+            return Found(None, why)
+        return Found(await _gathered(gateway, work, order, now_s))
+
+
+def _ended(link: Link, order: Order, now_s: float) -> NoPage | None:
+    """Why a link leads nowhere any more."""
+    if link.revoked_at_s is not None:
+        return NoPage.REVOKED
+    ended_at_s = order.delivered_at_s or order.cancelled_at_s
+    ends_s = link.expires_at_s
+    if ends_s is None and order.status in ENDED and ended_at_s is not None:
+        ends_s = ended_at_s + KEPT_S
+    return NoPage.EXPIRED if ends_s is not None and ends_s <= now_s else None
+
+
+async def _gathered(gateway: Parts, work: Work, order: Order, now_s: float) -> Facts:
+    projection = gateway.projection
+    names = {product.id: product.name for product in gateway.plant.products}
+    goals = tuple((await work.goals.of_orders([order.id]))[order.id])
+    times = await work.milestones.of_order(order.id)
+    if order.status in ENDED:
+        return Facts(order=order, now_s=now_s, names=names, goals=goals, times=times)
+    speed = projection.speed
+    ids = {goal.id for goal in goals}
+    way_s = [projection.tasks.transports.quantile_s(part) for part in (0.1, 0.9)]
+    machines = {goal.machine: projection.machines.view(goal.machine) for goal in goals if goal.machine}
+    heard_s = now_s - max(SILENCE_S[0], SILENCE_S[1] / speed)
+    return Facts(
+        order=order,
+        now_s=now_s,
+        names=names,
+        goals=goals,
+        times=times,
+        piece_times_s=await work.milestones.piece_times_s(ids),
+        doings={goal.id: _doing(goal, machines.get(goal.machine), heard_s) for goal in goals},
+        history=History(
+            await work.milestones.promises_missed_by_s(),
+            None if way_s[0] is None or way_s[1] is None else (way_s[0] / speed, way_s[1] / speed),
+        ),
+        waits=bool(projection.orders.waits(order.id)),
+        held_up=any(
+            task.trouble for task in projection.tasks.views() if task.goal in ids and task.kind == "transport"
+        ),
+    )
+
+
+def _doing(goal: Goal, machine: MachineView | None, heard_s: float) -> Doing:
+    """What a machine does, seen from one of its goals.
+
+    Args:
+        goal: the goal.
+        machine: what its machine told last.
+        heard_s: it must have told that since then.
+    """
+    if machine is None or machine.seen_at_s < heard_s:
+        return Doing.SILENT
+    if machine.status == "error":
+        return Doing.BROKEN
+    if goal.id != _at_work(machine):
+        return Doing.BUSY
+    return Doing.STARVED if machine.status == "starved" else Doing.MAKING
+
+
+def _at_work(machine: MachineView) -> str | None:
+    """The goal that a machine is at: the first of its queue that is not made."""
+    return next((goal.goal for goal in machine.goals if goal.made < goal.quantity), None)

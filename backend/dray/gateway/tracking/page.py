@@ -1,0 +1,192 @@
+"""The customer's page: what a customer is told, in the reader's words. The template only places them."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import Any
+
+import msgspec
+
+from dray.gateway.tracking.facts import NoPage
+from dray.gateway.tracking.reasons import Reason
+from dray.gateway.tracking.texts import LANGUAGES, Catalogue
+from dray.gateway.tracking.texts.clock import Clock
+from dray.gateway.tracking.track import Late, Stage, StageName, Track
+from dray.store.progress import OrderStatus
+
+POLL_S = 5
+"""How often an open page asks for news: a piece takes longer than that, and an unchanged answer is empty."""
+
+
+class Switch(msgspec.Struct, frozen=True):
+    """A language to choose."""
+
+    code: str
+    name: str
+    chosen: bool
+
+
+class StageLine(msgspec.Struct, frozen=True):
+    """A step of the way, in words."""
+
+    name: str
+    state: str
+    """done, now or next."""
+    state_text: str
+    note: str
+    time: str
+    iso: str
+
+
+class ItemLine(msgspec.Struct, frozen=True):
+    """A part of the order, in words."""
+
+    name: str
+    quantity: int
+    quantity_text: str
+    made: int
+    made_text: str
+    delivered: int
+    delivered_text: str
+
+
+class Page(msgspec.Struct, frozen=True, kw_only=True):
+    """All words of the page that depend on the order."""
+
+    above: str
+    """The order's name."""
+    heading: str
+    answer_label: str
+    """Over the answer to: when?"""
+    answer: str
+    note: str
+    tag: str
+    """That it is late; empty when it is not."""
+    tag_tone: str
+    wanted: str
+    reasons: tuple[str, ...]
+    items: tuple[ItemLine, ...]
+    stages: tuple[StageLine, ...]
+    ended: bool
+    poll_s: int
+    announcement: str
+    """What a screen reader says when it has changed: not every piece."""
+
+
+def switches(language: str) -> tuple[Switch, ...]:
+    """All languages, and which one is chosen."""
+    return tuple(Switch(code, texts.name, code == language) for code, texts in LANGUAGES.items())
+
+
+def page(told: Track, texts: Catalogue, clock: Clock, now_s: float) -> Page:
+    """The page of an order.
+
+    Args:
+        told: what the customer is told.
+        texts: the language.
+        clock: in that language.
+        now_s: wall clock.
+    """
+    label, answer, note = _answer(told, texts, clock, now_s)
+    reasons = tuple(texts.why[reason] for reason in told.reasons)
+    tag = _tag(told, texts)
+    stage = texts.stages[told.stage]
+    return Page(
+        above=texts.your_order if told.reference is None else texts.order.format(reference=told.reference),
+        heading=_heading(told, texts, clock),
+        answer_label=label,
+        answer=answer,
+        note=note,
+        tag=tag,
+        tag_tone="alarm" if told.late is Late.YES else "warn",
+        wanted="" if told.due_at_s is None else texts.wanted_by.format(time=clock.moment(told.due_at_s)),
+        reasons=reasons,
+        items=tuple(_items(told, texts, clock)),
+        stages=tuple(_stage(told, stage, texts, clock) for stage in told.stages),
+        ended=told.ended,
+        poll_s=POLL_S,
+        announcement=". ".join(filter(None, (stage if not told.ended else answer, tag, *reasons))),
+    )
+
+
+def gone(why: NoPage, texts: Catalogue) -> dict[str, str]:
+    """The page of a link that leads to no order."""
+    return {"heading": texts.gone_title[why], "text": texts.gone_text[why], "help": texts.gone_help}
+
+
+def entity_tag(*parts: Any) -> str:
+    """A weak entity tag (RFC 9110, 8.8.3) of all that a page is made of."""
+    return f'W/"{hashlib.sha256(msgspec.json.encode(parts)).hexdigest()[:32]}"'
+
+
+def _heading(told: Track, texts: Catalogue, clock: Clock) -> str:
+    quantity = clock.number(sum(item.quantity for item in told.items))
+    if len(told.items) == 1:
+        return texts.one_part.format(quantity=quantity, name=told.items[0].name)
+    return texts.parts.format(items=len(told.items), quantity=quantity)
+
+
+def _answer(told: Track, texts: Catalogue, clock: Clock, now_s: float) -> tuple[str, str, str]:
+    """When it comes: what is asked, the answer, and what to know about it."""
+    if told.status is OrderStatus.CANCELLED:
+        when = "" if told.cancelled_at_s is None else clock.moment(told.cancelled_at_s)
+        return texts.cancelled_at, when, ""
+    if told.delivered_at_s is not None:
+        return texts.delivered_at, clock.moment(told.delivered_at_s), ""
+    if Reason.NOT_RELEASED in told.reasons:
+        return texts.expected, texts.not_started, ""
+    if told.eta is None:
+        return texts.expected, texts.cannot_say, texts.no_range_note
+    return texts.expected, clock.range(told.eta, now_s), texts.range_note
+
+
+def _tag(told: Track, texts: Catalogue) -> str:
+    match told.late:
+        case Late.YES if told.ended:
+            return texts.late_delivered
+        case Late.YES:
+            return texts.late_yes
+        case Late.MAYBE:
+            return texts.late_maybe
+        case Late.NO:
+            return ""
+
+
+def _items(told: Track, texts: Catalogue, clock: Clock) -> list[ItemLine]:
+    return [
+        ItemLine(
+            item.name,
+            item.quantity,
+            texts.one_part.format(quantity=clock.number(item.quantity), name=item.name),
+            item.made,
+            _part(texts.of, item.made, item.quantity, clock),
+            item.delivered,
+            _part(texts.of, item.delivered, item.quantity, clock),
+        )
+        for item in told.items
+    ]
+
+
+def _stage(told: Track, stage: Stage, texts: Catalogue, clock: Clock) -> StageLine:
+    # The last step of a delivered order is done; a cancelled one is nowhere any more.
+    now = stage.name is told.stage and not told.ended
+    state, state_text = ("done", texts.reached) if stage.reached else ("next", texts.not_reached)
+    if now:
+        state, state_text = "now", texts.now
+    time, iso = ("", "") if stage.at_s is None else (clock.moment(stage.at_s), clock.iso(stage.at_s))
+    return StageLine(texts.stages[stage.name], state, state_text, _note(told, stage, texts, clock), time, iso)
+
+
+def _note(told: Track, stage: Stage, texts: Catalogue, clock: Clock) -> str:
+    quantity = sum(item.quantity for item in told.items)
+    match stage:
+        case Stage(name=StageName.IN_PRODUCTION, reached=True):
+            return _part(texts.pieces_made, sum(item.made for item in told.items), quantity, clock)
+        case Stage(name=StageName.ON_ITS_WAY, reached=True):
+            return _part(texts.pieces_delivered, sum(item.delivered for item in told.items), quantity, clock)
+        case _:
+            return ""
+
+
+def _part(form: str, part: int, whole: int, clock: Clock) -> str:
+    return form.format(part=clock.number(part), all=clock.number(whole))

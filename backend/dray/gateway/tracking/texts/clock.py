@@ -1,0 +1,94 @@
+"""Days, times and numbers, in one language and one time zone."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime, timedelta, tzinfo
+from zoneinfo import ZoneInfo
+
+from dray.gateway.tracking.eta import Range
+from dray.gateway.tracking.texts.catalogue import Catalogue
+
+ZONE_CHARS = 64
+"""The longest name of a time zone has about 32."""
+
+
+def zone_named(name: str) -> tzinfo | None:
+    """The time zone of this name; None when there is none, or the name is no name."""
+    if not name or len(name) > ZONE_CHARS:
+        return None
+    try:
+        return ZoneInfo(name)
+    except (KeyError, OSError, ValueError):
+        # Not known here, or a path that leads elsewhere.
+        return None
+
+
+class Clock:
+    """Writes moments as people read them.
+
+    Args:
+        texts: the language.
+        zone: where the reader's clock hangs; None for where this computer's does.
+        now_s: wall clock.
+    """
+
+    def __init__(self, texts: Catalogue, zone: tzinfo | None, now_s: float) -> None:
+        self._texts, self._zone = texts, zone
+        self._today = self._local(now_s).date()
+
+    @property
+    def zone(self) -> str:
+        """The zone as people know it, as Europe/Madrid or CET."""
+        return self._zone.key if isinstance(self._zone, ZoneInfo) else (self._local(0).tzname() or "UTC")
+
+    def time(self, at_s: float) -> str:
+        """13:10."""
+        return f"{self._local(at_s):%H:%M}"
+
+    def day(self, at_s: float) -> str:
+        """Today, Fri 20 Nov, or 20 Nov 2031 in another year."""
+        calendar, date = self._texts.calendar, self._local(at_s).date()
+        near = {-1: calendar.yesterday, 0: calendar.today, 1: calendar.tomorrow}
+        days = (date - self._today) // timedelta(days=1)
+        if days in near:
+            return near[days]
+        form = calendar.day if date.year == self._today.year else calendar.day_of_year
+        return form.format(
+            weekday=calendar.weekdays[date.weekday()],
+            day=date.day,
+            month=calendar.months[date.month - 1],
+            year=date.year,
+        )
+
+    def moment(self, at_s: float) -> str:
+        """Today, 13:10."""
+        return f"{self.day(at_s)}, {self.time(at_s)}"
+
+    def range(self, between: Range, now_s: float) -> str:
+        """Today, 13:10 – 13:50; once it may be at any moment, only its end."""
+        first, last = self.day(between.from_s), self.day(between.to_s)
+        if between.from_s <= now_s:
+            return self._texts.by_about.format(day=last, to=self.time(between.to_s))
+        if first == last:
+            words = {"from": self.time(between.from_s), "to": self.time(between.to_s)}
+            return self._texts.range.format(day=first, **words)
+        return f"{self.moment(between.from_s)} – {self.moment(between.to_s)}"
+
+    def number(self, value: int) -> str:
+        """1,250."""
+        calendar = self._texts.calendar
+        if value < calendar.thousands_from:
+            return str(value)
+        return f"{value:,}".replace(",", calendar.thousands)
+
+    @staticmethod
+    def iso(at_s: float) -> str:
+        """For machines, in UTC."""
+        return datetime.fromtimestamp(at_s, UTC).isoformat(timespec="seconds").replace("+00:00", "Z")
+
+    def date(self) -> str:
+        """The reader's day, for machines."""
+        return self._today.isoformat()
+
+    def _local(self, at_s: float) -> datetime:
+        return datetime.fromtimestamp(at_s, UTC).astimezone(self._zone)

@@ -1,0 +1,89 @@
+"""Milestones: when an order was planned, begun and sent, and how well the factory keeps its promises.
+
+All of it is read from agents' histories and goals; nothing is kept for it alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import msgspec
+from sqlalchemy import func, select
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from dray.messages.fact import GoalContracted, PhaseEntered, PieceMade, TaskOpened
+from dray.messages.heartbeat import Phase
+from dray.store.tables import events, goals
+
+PIECES_READ = 500
+"""Pieces whose times are read for one order: ten or more of each of its running goals."""
+
+PROMISES_READ = 50
+"""Finished goals whose promises are compared: the last hours of the default plant."""
+
+
+class OrderTimes(msgspec.Struct, frozen=True, gc=False):
+    """When an order reached what (wall clock seconds); None when it has not, or nobody knows any more."""
+
+    planned_at_s: float | None = None
+    """A machine took the first goal of it."""
+    first_piece_at_s: float | None = None
+    left_at_s: float | None = None
+    """The first vehicle drove off with goods of it."""
+
+
+class Milestones:
+    """What histories tell about orders, inside one transaction."""
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def of_order(self, order_id: str) -> OrderTimes:
+        """When this order reached what."""
+        its_goals = select(goals.c.id).where(goals.c.order_id == order_id)
+        opened = events.alias("opened")
+        its_ways_out = select(opened.c.task).where(
+            opened.c.kind == TaskOpened.__name__, opened.c.goal.in_(its_goals)
+        )
+        first = select(func.min(events.c.at_s))
+        planned = first.where(events.c.kind == GoalContracted.__name__, events.c.order_id == order_id)
+        made = first.where(events.c.kind == PieceMade.__name__, events.c.goal.in_(its_goals))
+        left = first.where(
+            events.c.kind == PhaseEntered.__name__,
+            events.c.task.in_(its_ways_out),
+            events.c.fact.contains(f'"phase":"{Phase.CARRYING.value}"', autoescape=True),
+        )
+        query = select(planned.scalar_subquery(), made.scalar_subquery(), left.scalar_subquery())
+        return OrderTimes(*(await self._connection.execute(query)).one())
+
+    async def piece_times_s(self, of_goals: Collection[str]) -> dict[str, tuple[float, ...]]:
+        """When the last pieces of each of these goals were made (wall clock), oldest first."""
+        found: dict[str, list[float]] = {goal: [] for goal in of_goals}
+        if found:
+            query = (
+                select(events.c.goal, events.c.at_s)
+                .where(events.c.kind == PieceMade.__name__, events.c.goal.in_(list(found)))
+                .order_by(events.c.at_s.desc())
+                .limit(PIECES_READ)
+            )
+            for goal, at_s in await self._connection.execute(query):
+                found[goal].append(at_s)
+        return {goal: tuple(reversed(times)) for goal, times in found.items()}
+
+    async def promises_missed_by_s(self) -> tuple[float, ...]:
+        """By how much the last finished goals came after what their machines had promised, ascending.
+
+        Negative for those that came before. Wall clock seconds, up to the arrival of the last piece.
+        """
+        query = (
+            select(goals.c.delivered_at_s - goals.c.promised_at_s)
+            .where(
+                goals.c.delivered_at_s.is_not(None),
+                goals.c.promised_at_s.is_not(None),
+                goals.c.quantity > 0,
+                goals.c.delivered >= goals.c.quantity,
+            )
+            .order_by(goals.c.delivered_at_s.desc())
+            .limit(PROMISES_READ)
+        )
+        return tuple(sorted((await self._connection.execute(query)).scalars()))
