@@ -16,10 +16,12 @@ from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
     Brief,
+    CancellationTaken,
     CommandAnswered,
     CommandKind,
     Event,
     Message,
+    OrderCancelled,
     OrderReleased,
     Pose,
     Production,
@@ -54,6 +56,7 @@ from dray_sim.explore.outcome import Outcome
 from dray_sim.explore.passerby import Passerby
 from dray_sim.explore.patience import HELP_S, NOTICE_S, Patience
 from dray_sim.explore.play import play, try_seed
+from dray_sim.explore.regret import Regret
 from dray_sim.explore.search import search
 from dray_sim.explore.story import Story
 from dray_sim.explore.trial import PROFILES, draw
@@ -144,6 +147,7 @@ def test_trials_are_of_all_sorts() -> None:
     assert {trial.habits is None for trial in trials} == {True, False}
     assert {trial.passerby for trial in trials} == {True, False}
     assert {trial.codec for trial in trials} == {True, False}
+    assert {len(trial.cancelled) > 0 for trial in trials} == {True, False}
     assert len({type(timed.fault) for trial in trials for timed in trial.schedule}) >= 10
 
 
@@ -315,6 +319,17 @@ def test_the_calm_is_over_when_everything_has_ended() -> None:
     watched.wait(10.0)
     assert not watched.calm.over.is_set()
     watched.say("strategist", OrderFulfilled(order="D1"))
+    watched.wait(10.0)
+    assert watched.calm.over.is_set()
+
+
+def test_an_order_that_is_cancelled_needs_nothing_any_more() -> None:
+    watched = Watched()
+    released = OrderReleased(order="D1", items=(), due_s=0.0)
+    watched.say("desk", released)
+    watched.calm.begin(0.0)
+    watched.say("strategist", CancellationTaken(order="D1"))
+    watched.say("desk", released)
     watched.wait(10.0)
     assert watched.calm.over.is_set()
 
@@ -507,6 +522,25 @@ def test_a_passerby_presses_all_buttons_and_puts_everything_right() -> None:
         CommandKind.SET_SPEED,
     ]
     assert once[-1][2] == 1.0
+
+
+def test_a_cancellation_is_said_until_it_is_heard() -> None:
+    heard: list[str] = []
+
+    async def regret() -> None:
+        network = SimNetwork(clock(), Random(1))
+
+        def answer(sender: str, message: Message) -> None:
+            assert isinstance(message, OrderCancelled)
+            heard.append(message.order)
+            if heard.count(message.order) == 3:
+                strategist.send(sender, CancellationTaken(order=message.order))
+
+        strategist = network.join("strategist", answer)
+        await Regret(network, clock()).cancel(((10.0, "D1"), (12.0, "D2")))
+
+    run(regret(), JUMP)
+    assert sorted(heard) == ["D1"] * 3 + ["D2"] * 3
 
 
 # --- stories -----------------------------------------------------------------------------------------

@@ -15,11 +15,11 @@ from dray_sim.explore.trial import draw
 FOUND = [
     # A carrier that had been given up came back, found the dock still open and took the goods away; its
     # machine waited for them for ever, and so did the next carrier.
-    ("all", 0),
+    ("all", 20),
     ("links", 15),
     ("hands", 2),
     # The same, with goods that left while their machine's agent was down.
-    ("deaths", 13),
+    ("deaths", 1),
     # A task of an earlier life was announced with a deadline that was over, which nobody could keep.
     ("deaths", 38),
     # A secondary took over a task that was delivered at that moment, and was told so with an epoch below

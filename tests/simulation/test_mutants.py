@@ -42,7 +42,6 @@ def without_the_fence(patch: pytest.MonkeyPatch) -> None:
         work = works[message.task]
         if message.station == self._machine:
             opening = OpenDock(vehicle=sender, item=work.item, quantity=work.quantity)
-            self._opened[sender] = None
             self._out.append(Instruct(opening))
         opened = DockOpened(task=message.task, epoch=message.epoch, station=message.station)
         self._out.append(Send(sender, opened))

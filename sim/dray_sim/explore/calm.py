@@ -8,7 +8,14 @@ from __future__ import annotations
 
 import asyncio
 
-from dray.messages import AtvHeartbeat, Event, Message, OrderReleased, Transport
+from dray.messages import (
+    AtvHeartbeat,
+    CancellationTaken,
+    Event,
+    Message,
+    OrderReleased,
+    Transport,
+)
 from dray.messages.fact import (
     GoodsDelivered,
     OrderDropped,
@@ -45,6 +52,7 @@ class Calm:
         """By transport: when it was announced first, how many were done before, and what is carried."""
         self._orders: dict[str, None] = {}
         """Those that are not delivered yet."""
+        self._ended_orders: dict[str, None] = {}
         self._ended: dict[str, None] = {}
         """Transports that are not open any more."""
         self._busy: dict[str, tuple[str, float]] = {}
@@ -70,7 +78,11 @@ class Calm:
         if type(message) is Event:
             self._note(message, at_s)
         elif type(message) is OrderReleased:
-            self._orders.setdefault(message.order)
+            # It is repeated until it is answered, and that may be after its end.
+            if message.order not in self._ended_orders:
+                self._orders[message.order] = None
+        elif type(message) is CancellationTaken:
+            self._end_order(message.order)
         elif type(message) is AtvHeartbeat:
             self._note_work(message, at_s)
         if at_s >= self._look_s:
@@ -88,7 +100,11 @@ class Calm:
                 self._done += 1
                 self._ended[fact.task] = None
             elif isinstance(fact, OrderFulfilled | OrderDropped):
-                self._orders.pop(fact.order, None)
+                self._end_order(fact.order)
+
+    def _end_order(self, order: str) -> None:
+        self._orders.pop(order, None)
+        self._ended_orders[order] = None
 
     def _note_work(self, heartbeat: AtvHeartbeat, at_s: float) -> None:
         task = heartbeat.task.task if heartbeat.task is not None else ""

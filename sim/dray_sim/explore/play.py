@@ -16,6 +16,7 @@ from dray_sim.explore.calm import Calm
 from dray_sim.explore.outcome import Outcome
 from dray_sim.explore.passerby import Passerby
 from dray_sim.explore.patience import Patience
+from dray_sim.explore.regret import Regret
 from dray_sim.explore.story import Story
 from dray_sim.explore.trial import Trial, draw
 from dray_sim.factory import Ears, SimFactory
@@ -157,6 +158,8 @@ class _Game:
         async with asyncio.TaskGroup() as group:
             group.create_task(factory.run())
             group.create_task(Desk(factory.bus, factory.clock).place(trial.orders))
+            if trial.cancelled:
+                group.create_task(Regret(factory.bus, factory.clock).cancel(trial.cancelled))
             if trial.habits is not None:
                 for operator in hire(factory, seed=trial.seed, habits=trial.habits):
                     group.create_task(operator.run())

@@ -62,6 +62,7 @@ class Profile:
         weights: which kinds of faults, and how often each against the others.
         operators_frac: the part of the trials with operators.
         passerby_frac: the part in which somebody presses buttons at random.
+        cancelled_frac: the part of the orders that customers cancel.
     """
 
     machines: tuple[int, int] = (1, 6)
@@ -75,6 +76,7 @@ class Profile:
     weights: Mapping[type[Fault], float] = field(default_factory=lambda: WEIGHTS)
     operators_frac: float = 0.7
     passerby_frac: float = 0.4
+    cancelled_frac: float = 0.1
 
 
 PROFILES: Mapping[str, Profile] = {
@@ -104,6 +106,7 @@ class Trial:
         codec: whether all messages go through the wire format.
         habits: of the operators; None where there are none.
         passerby: whether somebody presses buttons at random.
+        cancelled: orders that are cancelled, and when (plant clock), in the order of their times.
     """
 
     seed: int
@@ -118,13 +121,14 @@ class Trial:
     passerby: bool
     orders: tuple[demand.Order, ...] = field(repr=False)
     schedule: tuple[Timed, ...] = field(repr=False)
+    cancelled: tuple[tuple[float, str], ...] = field(repr=False)
 
     def __str__(self) -> str:
         """In one line, for a reader."""
         parts = (
             f"{len(self.plant.machines)} machines",
             f"{len(self.plant.fleet)} vehicles",
-            f"{len(self.orders)} orders",
+            f"{len(self.orders)} orders ({len(self.cancelled)} cancelled)",
             f"load {self.load:.0%}",
             f"{len(self.schedule)} faults",
             "operators" if self.habits is not None else "no operators",
@@ -151,7 +155,7 @@ def draw(seed: int, profile: str = "all") -> Trial:
     plant = _small_plant(seed, ranges, random)
     load = random.uniform(*ranges.load) * min(1.0, _bearable_load(plant))
     emptiest = random.uniform(*ranges.stock_frac)
-    orders = demand.orders(plant, Random(f"{seed} demand"), load=load, until_s=FAULTS_UNTIL_S)
+    orders = tuple(demand.orders(plant, Random(f"{seed} demand"), load=load, until_s=FAULTS_UNTIL_S))
     return Trial(
         seed=seed,
         profile=profile,
@@ -164,7 +168,7 @@ def draw(seed: int, profile: str = "all") -> Trial:
         codec=random.random() < 0.1,
         habits=_habits(random) if random.random() < ranges.operators_frac else None,
         passerby=random.random() < ranges.passerby_frac,
-        orders=tuple(orders),
+        orders=orders,
         schedule=random_schedule(
             plant,
             Random(f"{seed} faults"),
@@ -172,7 +176,16 @@ def draw(seed: int, profile: str = "all") -> Trial:
             random.uniform(*ranges.intensity),
             weights=ranges.weights,
         ),
+        cancelled=_cancelled(orders, ranges.cancelled_frac, Random(f"{seed} regret")),
     )
+
+
+def _cancelled(
+    orders: tuple[demand.Order, ...], frac: float, random: Random
+) -> tuple[tuple[float, str], ...]:
+    """Some are cancelled at once, most while they are made."""
+    regretted = [order for order in orders if random.random() < frac]
+    return tuple(sorted((random.uniform(order.at_s, FAULTS_UNTIL_S), order.id) for order in regretted))
 
 
 def _habits(random: Random) -> Habits:
