@@ -15,11 +15,13 @@ from dray.gateway import openapi, problems
 from dray.gateway.commands import Commands
 from dray.gateway.desk import CANCELLED_AGAIN_S, Desk
 from dray.gateway.faultdesk import FaultDesk
+from dray.gateway.ledger import Ledger
 from dray.gateway.panels import PREFIX, STATIC, BuiltFiles, Panels
 from dray.gateway.parts import Parts
 from dray.gateway.peer import Peer
 from dray.gateway.projection import Projection
 from dray.gateway.projection.orders import ENDED_KEPT
+from dray.gateway.recall import recall_news
 from dray.gateway.routes import API, REST
 from dray.gateway.shields import BodyLimit, SameOrigin, SecurityHeaders
 from dray.gateway.stream import Hub
@@ -76,6 +78,7 @@ def create_app(
             projection=projection,
             desk=Desk(send=peer.send, time=time, wall_s=wall_s, products=products),
             commands=Commands(peer.send, f"gateway.{incarnation}", settings.command_timeout_s),
+            ledger=Ledger(store),
             hub=Hub(
                 projection,
                 wall_s=wall_s,
@@ -88,7 +91,7 @@ def create_app(
             faults=faults,
             keys_at_work=set(),
         )
-        await _remember(parts)
+        await _remember(parts, time)
         app.state.parts = parts
         async with AsyncExitStack() as stack:
             if historian is not None:
@@ -131,7 +134,7 @@ def create_app(
     return app
 
 
-async def _remember(parts: Parts) -> None:
+async def _remember(parts: Parts, time: TimeScale) -> None:
     """Learn from SQL what panels show, and tell SQL what this plant makes."""
     async with parts.store.write() as work:
         await work.products.replace(parts.plant.products)
@@ -143,3 +146,4 @@ async def _remember(parts: Parts) -> None:
             [(order, goals[order.id]) for order in reversed(orders)],
             await work.orders.totals(),
         )
+        await recall_news(work, parts.projection.news, time)

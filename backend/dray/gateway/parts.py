@@ -12,6 +12,7 @@ from starlette.requests import HTTPConnection
 from dray.gateway.commands import Commands
 from dray.gateway.desk import Desk
 from dray.gateway.faultdesk import FaultDesk
+from dray.gateway.ledger import Ledger
 from dray.gateway.panels import Panels
 from dray.gateway.peer import Peer
 from dray.gateway.projection import Projection
@@ -34,6 +35,7 @@ class Parts:
     projection: Projection
     desk: Desk
     commands: Commands
+    ledger: Ledger
     hub: Hub
     peer: Peer
     panels: Panels
