@@ -126,6 +126,7 @@ class BidView(View, kw_only=True):
 
     bidder: str
     role: Literal["primary", "secondary"]
+    epoch: int = 1
     round: int
     total_s: float
     parts_s: dict[str, float]
@@ -134,6 +135,8 @@ class BidView(View, kw_only=True):
     source: str = ""
     answer: str = ""
     """What came of it: empty, asked, accepted, silent, or the reason of the decline."""
+    taken_for: str = ""
+    """For whom the bidder worked already when it declined because it was busy; empty where nobody knows."""
 
 
 class RefusalView(View, kw_only=True):
@@ -141,6 +144,7 @@ class RefusalView(View, kw_only=True):
 
     agent: str
     role: Literal["primary", "secondary"]
+    epoch: int = 1
     round: int
     reason: str
     detail: str = ""
@@ -153,14 +157,92 @@ class CarrierView(View, kw_only=True):
     """Empty when it was announced anew."""
     epoch: int
     since_at_s: float
+    how: Literal["won", "took_over", "adopted", "announced_anew"] = "won"
+    """Won the auction, took over from the one that it watched, or was found to carry it by a coordinator
+    that had been away."""
     replaced: str = ""
     """Who carried it before; empty for the first one."""
     reason: str = ""
-    """Why the carrier changed; empty for one who won the auction."""
+    """Why `replaced` does not carry it any more."""
     silent_s: float = 0.0
     """How long nothing had been heard of the one before, in factory seconds."""
     confirmed: bool = True
     """False while only the carrier itself says so, and the coordinator has not."""
+
+
+class PassedView(View, kw_only=True):
+    """A bidder that would have come before the one that was chosen, and why it was passed over."""
+
+    agent: str
+    less_s: float
+    """How much less it had bid."""
+    answer: str
+    """silent, late (its bid came after the window), asked (no answer is on record), or why it declined."""
+    taken_for: str = ""
+    """For whom it worked already when it declined because it was busy; empty where nobody knows."""
+
+
+class RefusedView(View, kw_only=True):
+    """Those who did not bid, by their reason."""
+
+    reason: str
+    agents: tuple[str, ...]
+
+
+class WhyView(View, kw_only=True):
+    """Why this contractor: the parts of the sentence, for other languages, and the sentence itself."""
+
+    kind: Literal[
+        "waiting",
+        "leading",
+        "asked",
+        "only",
+        "cheapest",
+        "tie",
+        "took_over",
+        "adopted",
+        "unknown",
+        "withdrawn",
+    ]
+    """waiting: nobody has bid; leading, asked: the cheapest bid so far; only: nobody else bid; unknown: no
+    bid of its carrier is on record."""
+    agent: str = ""
+    """Whom it is about: the carrier, else the cheapest bidder, else the coordinator."""
+    total_s: float = 0.0
+    """Its price."""
+    bidders: int = 0
+    """How many bid."""
+    left: int = 0
+    """How many of them were left to choose from: neither passed over nor asked in vain."""
+    other: str = ""
+    """The next cheapest one of those."""
+    by_s: float = 0.0
+    """How much more that one wanted."""
+    part: str = ""
+    """The part of the price that makes most of the difference; empty where none does."""
+    part_s: float = 0.0
+    """The difference in that part."""
+    tie_by: Literal["", "price", "finish", "name"] = ""
+    """What decided between equal prices: less than is shown, who is done earlier, or the order of names."""
+    passed: tuple[PassedView, ...] = ()
+    """Cheapest first."""
+    refused: tuple[RefusedView, ...] = ()
+    """The most frequent reason first."""
+    round: int = 0
+    """How many rounds it took, or has taken so far."""
+    radius_m: float = 0.0
+    """How far the last of them reached; 0 where distance does not matter."""
+    replaced: str = ""
+    """Who carried it before."""
+    reason: str = ""
+    """Why that one does not any more."""
+    silent_s: float = 0.0
+    """How long nothing had been heard of that one, in factory seconds."""
+    confirmed: bool = True
+    """False for a takeover that the coordinator has not confirmed."""
+    coordinator: str = ""
+    text: str = ""
+    """All of it in one English sentence or two."""
 
 
 class TaskView(View, kw_only=True):
@@ -195,6 +277,8 @@ class TaskView(View, kw_only=True):
     """Oldest first."""
     bids: tuple[BidView, ...] = ()
     refusals: tuple[RefusalView, ...] = ()
+    why: WhyView = msgspec.field(default_factory=lambda: WhyView(kind="waiting"))
+    """Why this contractor, or why nobody yet; true to the bids that were heard."""
 
 
 class OrderItemView(View, kw_only=True):

@@ -68,6 +68,7 @@ export interface BriefView {
 export interface BidView {
   answer: string;
   bidder: string;
+  epoch: number;
   finish_at_s: number;
   parts_s: {
     [k: string]: number;
@@ -75,6 +76,7 @@ export interface BidView {
   role: "primary" | "secondary";
   round: number;
   source: string;
+  taken_for: string;
   total_s: number;
 }
 /**
@@ -110,6 +112,7 @@ export interface CarrierView {
   carrier: string;
   confirmed: boolean;
   epoch: number;
+  how: "adopted" | "announced_anew" | "took_over" | "won";
   reason: string;
   replaced: string;
   silent_s: number;
@@ -292,6 +295,7 @@ export interface TaskView {
   sources: string[];
   state: "bidding" | "contracted" | "delivered" | "withdrawn";
   trouble: string;
+  why: WhyView;
 }
 /**
  * Who did not bid, and why.
@@ -299,9 +303,52 @@ export interface TaskView {
 export interface RefusalView {
   agent: string;
   detail: string;
+  epoch: number;
   reason: string;
   role: "primary" | "secondary";
   round: number;
+}
+/**
+ * Why this contractor: the parts of the sentence, for other languages, and the sentence itself.
+ */
+export interface WhyView {
+  agent: string;
+  bidders: number;
+  by_s: number;
+  confirmed: boolean;
+  coordinator: string;
+  kind:
+    "adopted" | "asked" | "cheapest" | "leading" | "only" | "tie" | "took_over" | "unknown" | "waiting" | "withdrawn";
+  left: number;
+  other: string;
+  part: string;
+  part_s: number;
+  passed: PassedView[];
+  radius_m: number;
+  reason: string;
+  refused: RefusedView[];
+  replaced: string;
+  round: number;
+  silent_s: number;
+  text: string;
+  tie_by: "" | "finish" | "name" | "price";
+  total_s: number;
+}
+/**
+ * A bidder that would have come before the one that was chosen, and why it was passed over.
+ */
+export interface PassedView {
+  agent: string;
+  answer: string;
+  less_s: number;
+  taken_for: string;
+}
+/**
+ * Those who did not bid, by their reason.
+ */
+export interface RefusedView {
+  agents: string[];
+  reason: string;
 }
 /**
  * A directed road from one node to another, straight, wide enough for one vehicle.

@@ -15,8 +15,19 @@ from typing import Any
 from dray.gateway.projection.atvs import plain
 from dray.gateway.projection.changes import Changes
 from dray.gateway.projection.transports import Transports
+from dray.gateway.projection.why import why_of
 from dray.gateway.views import BidView, CarrierView, RefusalView, TaskView
-from dray.messages import Cost, Event, MachineHeartbeat, Production, Role, Transport, TransportCost
+from dray.messages import (
+    Cost,
+    Event,
+    MachineHeartbeat,
+    Production,
+    Refusal,
+    Role,
+    TaskBrief,
+    Transport,
+    TransportCost,
+)
 from dray.messages.fact import (
     AwardAnswered,
     AwardGiven,
@@ -48,6 +59,9 @@ for days would gather them without end."""
 MAX_CARRIERS = 16
 """Changes of a task's carrier that are kept, newest last: more than one task sees while somebody looks."""
 
+MAX_BOUND = 10_000
+"""Contractors whose contract is remembered: as many as vehicles."""
+
 EARLY_KEPT = 512
 """Facts kept that came before their task was opened: some seconds of a plant of 1,000 vehicles."""
 
@@ -65,6 +79,12 @@ class Tasks:
         self._closed: dict[str, TaskView] = {}
         """Oldest first."""
         self._early: deque[Event] = deque(maxlen=EARLY_KEPT)
+        self._bound: dict[str, tuple[str, str]] = {}
+        """Per contractor that carries something, by its own word: the task, and for whom."""
+        self._lives: dict[str, int] = {}
+        """Per open task, the life of its coordinator that announced it last."""
+        self._unexplained: set[str] = set()
+        """Tasks that have changed since `why` was computed."""
         self._on: dict[type, Callable[[TaskView, Event, Any], bool]] = {
             BidReceived: self._bid,
             BidRefused: _refusal,
@@ -89,6 +109,8 @@ class Tasks:
             False when it tells nothing new about a task.
         """
         fact = event.fact
+        if isinstance(fact, ContractTaken | ContractEnded) and fact.role is Role.PRIMARY:
+            self._note_bound(event.agent, fact)
         if isinstance(fact, TaskOpened):
             return self._opened(event, fact)
         if isinstance(fact, TaskClosed):
@@ -105,28 +127,54 @@ class Tasks:
             return False
         if not handler(task, event, fact):
             return False
-        self.changes.mark(name)
+        self._mark(name)
         return True
 
     def hear(self, heartbeat: MachineHeartbeat) -> None:
         """Take in what a machine says about its open tasks."""
         for brief in heartbeat.tasks:
             task = self._open.get(brief.task)
-            if task is not None and brief.trouble != task.trouble:
+            if task is None:
+                continue
+            self._adopted(task, brief, heartbeat)
+            if brief.trouble != task.trouble:
                 task.trouble = brief.trouble
-                self.changes.mark(task.id)
+                self._mark(task.id)
 
     def view(self, task: str) -> TaskView | None:
         """One task, open or lately ended."""
-        return self._open.get(task) or self._closed.get(task)
+        view = self._open.get(task) or self._closed.get(task)
+        if view is not None and task in self._unexplained:
+            # Here and not with every fact: of twenty bids between two looks only the last one counts.
+            self._unexplained.discard(task)
+            view.why = why_of(view)
+        return view
 
     def views(self) -> tuple[TaskView, ...]:
         """The open ones, and the last that ended."""
+        for name in tuple(self._unexplained):
+            self.view(name)
         return (*self._open.values(), *self._closed.values())
 
     def take_changed(self) -> tuple[TaskView, ...]:
         """Those that have changed since the last call."""
         return tuple(task for name in self.changes.take_changed() if (task := self.view(name)))
+
+    def _mark(self, task: str) -> None:
+        self.changes.mark(task)
+        self._unexplained.add(task)
+
+    def _forget(self, task: str) -> None:
+        self._unexplained.discard(task)
+        self.changes.drop(task)
+
+    def _note_bound(self, agent: str, fact: ContractTaken | ContractEnded) -> None:
+        """Remember for whom a contractor works, to say so where it has no time for another one."""
+        if isinstance(fact, ContractTaken):
+            if agent in self._bound or len(self._bound) < MAX_BOUND:
+                self._bound[agent] = (fact.task, fact.coordinator)
+        elif self._bound.get(agent, ("", ""))[0] == fact.task:
+            del self._bound[agent]
 
     # --- the coordinator's facts ---
 
@@ -146,18 +194,21 @@ class Tasks:
             return False
         task.epoch, task.round, task.radius_m = fact.epoch, fact.round, fact.radius_m
         task.deadline_at_s = self._to_wall_s(fact.deadline_s)
-        self.changes.mark(task.id)
+        self._lives[task.id] = event.incarnation
+        self._mark(task.id)
         return True
 
     def _born(self, event: Event, fact: TaskOpened) -> None:
         if len(self._open) >= MAX_OPEN:
             oldest = next(iter(self._open))
             del self._open[oldest]
+            self._lives.pop(oldest, None)
             self.transports.forget(oldest)
-            self.changes.drop(oldest)
+            self._forget(oldest)
         task = _new_task(event, fact, self._to_wall_s)
         self._open[fact.task] = task
-        self.changes.mark(task.id)
+        self._lives[fact.task] = event.incarnation
+        self._mark(task.id)
         if task.kind == "transport":
             self.transports.opened(fact.task, event.at_s)
         waiting = [early for early in self._early if getattr(early.fact, "task", "") == fact.task]
@@ -172,23 +223,29 @@ class Tasks:
         bid = BidView(
             bidder=fact.bidder,
             role=plain(fact.role),
+            epoch=fact.epoch,
             round=fact.round,
             total_s=fact.total_s,
             parts_s=_parts(fact.cost),
             finish_at_s=self._to_wall_s(fact.finish_s),
             source=fact.source,
         )
-        same = (fact.bidder, bid.role, fact.round)
-        others = [other for other in task.bids if (other.bidder, other.role, other.round) != same]
+        same = (fact.bidder, bid.role, fact.epoch, fact.round)
+        others = [o for o in task.bids if (o.bidder, o.role, o.epoch, o.round) != same]
         task.bids = (*others[1 - MAX_BIDS :], bid)
         return True
 
     def _answer(self, task: TaskView, event: Event, fact: AwardAnswered) -> bool:
         if fact.epoch < task.epoch:
             return False
-        bid = _last_bid(task, fact.bidder, fact.role)
+        bid = _last_bid(task, fact.bidder, fact.role, fact.epoch)
         if bid is not None:
             bid.answer = fact.answer
+            bound = self._bound.get(fact.bidder)
+            # A machine that has no time any more has other goals, of which it may have several.
+            busy = fact.answer == Refusal.BUSY.value and task.kind == "transport"
+            if busy and bound is not None and bound[0] != task.id:
+                bid.taken_for = bound[1]
         if fact.answer != "accepted":
             return True
         if fact.role is Role.SECONDARY:
@@ -199,8 +256,29 @@ class Tasks:
         task.trouble = ""
         if bid is not None:
             task.promised_at_s, task.source = bid.finish_at_s, bid.source
-        _carried(task, self._carrier(event, fact.bidder, fact.epoch))
+        won = self._carrier(event, fact.bidder, fact.epoch)
+        before = task.carriers[-1] if task.carriers else None
+        if before is not None and before.epoch == fact.epoch and before.how == "announced_anew":
+            # Who failed before it, and why, is still a part of the answer.
+            won.replaced, won.reason, won.silent_s = before.replaced, before.reason, before.silent_s
+        _carried(task, won)
         return True
+
+    def _adopted(self, task: TaskView, brief: TaskBrief, heartbeat: MachineHeartbeat) -> None:
+        """A coordinator that was away names a carrier that has accepted while it could not hear that."""
+        if task.state != "bidding" or not brief.primary or brief.epoch < task.epoch:
+            return
+        if heartbeat.incarnation <= self._lives[task.id]:
+            return  # The life that has announced it tells itself who has accepted, in an event.
+        _give_to(task, brief.primary, brief.epoch)
+        carrier = CarrierView(
+            carrier=brief.primary,
+            epoch=brief.epoch,
+            since_at_s=self._to_wall_s(heartbeat.at_s),
+            how="adopted",
+        )
+        _carried(task, carrier)
+        self._mark(task.id)
 
     def _carrier_changed(self, task: TaskView, event: Event, fact: CarrierChanged) -> bool:
         """The coordinator's word on who carries the task: it counts for more than a carrier's own."""
@@ -213,6 +291,7 @@ class Tasks:
             # The announcement that follows begins with round 1 of the new epoch.
             task.epoch, task.round = fact.epoch, 0
         changed = self._carrier(event, fact.carrier, fact.epoch)
+        changed.how = "took_over" if fact.carrier else "announced_anew"
         changed.replaced, changed.reason, changed.silent_s = fact.replaced, fact.reason, fact.silent_s
         _carried(task, changed)
         return True
@@ -224,7 +303,7 @@ class Tasks:
         _give_to(task, event.agent, fact.epoch)
         taken = self._carrier(event, event.agent, fact.epoch)
         taken.replaced, taken.reason, taken.silent_s = fact.primary, fact.reason, fact.silent_s
-        taken.confirmed = False
+        taken.how, taken.confirmed = "took_over", False
         known = task.carriers[-1] if task.carriers else None
         if known is None or (known.carrier, known.epoch) != (taken.carrier, taken.epoch):
             _carried(task, taken)
@@ -256,12 +335,13 @@ class Tasks:
             task.promised_at_s = self._to_wall_s(fact.promised_s)
         if task.kind == "transport":
             self.transports.closed(task.id, event.at_s, delivered=task.state == "delivered")
+        self._lives.pop(task.id, None)
         self._closed[task.id] = task
-        self.changes.mark(task.id)
+        self._mark(task.id)
         if len(self._closed) > CLOSED_KEPT:
             oldest = next(iter(self._closed))
             del self._closed[oldest]
-            self.changes.drop(oldest)
+            self._forget(oldest)
         return True
 
 
@@ -323,15 +403,15 @@ def _parts(cost: Cost) -> dict[str, float]:
     return {"queue": cost.queue_s, "material": cost.material_s, "making": cost.making_s}
 
 
-def _last_bid(task: TaskView, bidder: str, role: Role) -> BidView | None:
+def _last_bid(task: TaskView, bidder: str, role: Role, epoch: int) -> BidView | None:
     for bid in reversed(task.bids):
-        if bid.bidder == bidder and bid.role == role.value:
+        if (bid.bidder, bid.role, bid.epoch) == (bidder, role.value, epoch):
             return bid
     return None
 
 
 def _award(task: TaskView, _event: Event, fact: AwardGiven) -> bool:
-    bid = _last_bid(task, fact.bidder, fact.role)
+    bid = _last_bid(task, fact.bidder, fact.role, fact.epoch)
     if fact.epoch < task.epoch or bid is None:
         return False
     bid.answer = "asked"
@@ -369,12 +449,13 @@ def _refusal(task: TaskView, event: Event, fact: BidRefused) -> bool:
     refusal = RefusalView(
         agent=event.agent,
         role=plain(fact.role),
+        epoch=fact.epoch,
         round=task.round,
         reason=fact.reason.value,
         detail=fact.detail,
     )
-    same = (refusal.agent, refusal.role, refusal.round)
-    others = [other for other in task.refusals if (other.agent, other.role, other.round) != same]
+    same = (refusal.agent, refusal.role, refusal.epoch, refusal.round)
+    others = [o for o in task.refusals if (o.agent, o.role, o.epoch, o.round) != same]
     task.refusals = (*others[1 - MAX_BIDS :], refusal)
     return True
 
