@@ -74,9 +74,10 @@ def _head(parts: list[Section], seed: int) -> str:
     lines = [
         "# Scenarios",
         "",
-        f"Made by `{COMMAND}` with seed {seed}; do not edit. Every figure comes from a run in virtual time with all",
-        "invariants of [protocol.md](protocol.md) on, and the same seed gives the same figures. Times are factory",
-        "seconds. `dray sim run NAME --seed N` plays one with another seed; it exits with 1 when its claim does not hold.",
+        f"Made by `{COMMAND}` with seed {seed}; do not edit. Every figure comes from a run",
+        "in virtual time with all invariants of [protocol.md](protocol.md) on, and the same seed gives the same",
+        "figures. Times are factory seconds. `dray sim run NAME --seed N` plays one with another seed; it exits",
+        "with 1 when its claim does not hold.",
         "",
         f"{held} of {len(parts)} held.",
         "",

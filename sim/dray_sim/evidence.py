@@ -73,7 +73,10 @@ class Evidence(msgspec.Struct, frozen=True):
         return "\n".join(lines)
 
     def document(self) -> str:
-        """The report as a section of a Markdown document; the same bytes for the same seed."""
+        """The report as a section of a Markdown document; the same bytes for the same seed.
+
+        Without the trace, which any new word of any agent changes: the document is about figures.
+        """
         lines = [
             f"## {self.scenario}",
             "",
@@ -93,7 +96,7 @@ class Evidence(msgspec.Struct, frozen=True):
         for each in self.tables:
             lines += ["", f"{each.title}:", "", _row(each.head), _row(("---",) * len(each.head))]
             lines += [_row(row) for row in each.rows]
-        lines += ["", f"Replay: `dray sim run {self.scenario} --seed {self.seed}`; trace `{self.trace}`."]
+        lines += ["", f"`dray sim run {self.scenario} --seed {self.seed}`"]
         return "\n".join(lines)
 
     @property

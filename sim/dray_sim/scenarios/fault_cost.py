@@ -64,7 +64,7 @@ def cost(seed: int, shift: Shift = SHIFT) -> Findings:
                 f"No fault costs more than {ON_TIME_COST:.0%} of the orders their time",
                 max(costs) <= ON_TIME_COST,
                 f"{best:.1%} on time without faults; "
-                + ", ".join(f"{-each * 100:+.1f} points" for each in costs),
+                + ", ".join(f"{0.0 - each * 100:+.1f} points" for each in costs),
             ),
         ),
         tables=(
