@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import multiprocessing
 import os
 import subprocess
 import sys
@@ -12,6 +13,7 @@ from random import Random
 import msgspec
 import pytest
 
+from dray.errors import UnavailableError
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
@@ -232,6 +234,17 @@ def test_a_search_that_is_stopped_tells_what_it_has_seen(jobs: int, monkeypatch:
     assert summary.interrupted
     assert summary.trials == 2
     assert (summary.first, summary.last) == (0, 10_000)
+
+
+def test_a_process_that_is_killed_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dray_sim.explore.search.CHUNK", 2)
+
+    def kill(_outcome: Outcome) -> None:
+        for child in multiprocessing.active_children():
+            child.kill()
+
+    with pytest.raises(UnavailableError, match=r"one of its processes was killed; .* fewer --jobs"):
+        search(0, 10_000, profile="calm", jobs=2, progress=kill)
 
 
 def test_violations_are_kept_for_reading(monkeypatch: pytest.MonkeyPatch) -> None:

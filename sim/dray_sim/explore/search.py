@@ -13,9 +13,11 @@ import time
 from collections import Counter, deque
 from collections.abc import Callable, Generator
 from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
 from multiprocessing.synchronize import Event
 
+from dray.errors import UnavailableError
 from dray_sim.explore.outcome import Outcome, Summary
 from dray_sim.explore.play import try_seed
 
@@ -54,6 +56,9 @@ def search(
 
     Returns:
         What was seen; after a KeyboardInterrupt, what was seen until then.
+
+    Raises:
+        UnavailableError: a process was killed from outside.
     """
     tally = _Tally(first, last, profile, jobs)
     played = _play_here(first, last, profile) if jobs == 1 else _play_in_pool(first, last, profile, jobs)
@@ -133,6 +138,9 @@ def _play_in_pool(
             if not running:
                 return
             yield from running.popleft().result()
+    except BrokenProcessPool:
+        remedy = "see whether memory ran out, and give fewer --jobs"
+        raise UnavailableError("the search", "one of its processes was killed", remedy) from None
     finally:
         stop.set()
         pool.shutdown(cancel_futures=True)
