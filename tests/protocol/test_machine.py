@@ -299,16 +299,34 @@ def test_a_carrier_may_put_goods_down_at_the_warehouse_without_the_machines_dock
     assert instructed(effects, OpenDock) == []
 
 
-def test_goods_are_not_given_out_before_they_are_there() -> None:
+def test_a_lot_that_is_not_whole_any_more_is_made_whole_before_it_is_given_out() -> None:
     rig = m7(goal=24)
     rig.cycles(24)
     [announced] = [each for each in published(rig.all, TaskAnnounced) if each.work.goal]  # type: ignore[union-attr]
     rig.hire(announced.task, "ATV2")
     rig.stocked("pump-p3", -1)
-    [held] = sent(rig.hear("ATV2", docked(announced.task)), DockHeld)
-    assert held.reason == "the goods are not ready"
-    rig.stocked("pump-p3", 1)
-    assert sent(rig.hear("ATV2", docked(announced.task)), DockOpened)
+    effects = rig.hear("ATV2", docked(announced.task))
+    assert sent(effects, DockOpened) == []
+    assert sent(rig.all, Withdrawn, to="ATV2")
+    rig.stock |= FULL
+    rig.run(rig.now_s + 5.0)
+    rig.cycle()
+    assert not rig.is_cycling
+    assert outgoing(rig.all) == [("G1", 24), ("G1", 24)]
+
+
+def test_material_that_finds_no_room_is_not_waited_with_for_ever() -> None:
+    rig = supplied_by("ATV2")
+    rig.stocked("housing", 72)
+    rig.run(rig.now_s + 5.0)
+    for _ in range(12):
+        effects = rig.hear("ATV2", docked())
+        assert sent(effects, Withdrawn) == []
+        [held] = sent(effects, DockHeld)
+        assert held.reason == "the buffer is full"
+        rig.now_s += 5.0
+    rig.now_s += 1.0
+    assert sent(rig.hear("ATV2", docked()), Withdrawn, to="ATV2")
 
 
 # --- the handover --------------------------------------------------------------------------------

@@ -234,3 +234,12 @@ def test_goods_that_left_while_it_was_away_and_nobody_has_are_made_anew() -> Non
     again = reborn(rig, notes(rig), housing=72)
     again.run(again.now_s + ADOPT_S)
     assert again.is_cycling
+
+
+def test_a_lot_that_left_while_another_piece_was_made_is_made_anew() -> None:
+    rig, _ = with_goods()
+    rig.stock["pump-p3"] = 1
+    again = reborn(rig, notes(rig), housing=72)
+    again.run(again.now_s + ADOPT_S)
+    again.cycles(23)
+    assert not again.is_cycling

@@ -25,6 +25,12 @@ FOUND = [
     # A secondary took over a task that was delivered at that moment, and was told so with an epoch below
     # its own: it believed to be right for ever.
     ("links", 37),
+    # A lot left while its machine's agent was down, and another piece was made meanwhile: the books and the
+    # goods differed by less than a lot, and a vehicle waited for the rest for ever.
+    ("all", 767),
+    # The only vehicle that can carry pallets stood at a full buffer, which nothing would empty before that
+    # vehicle had brought something else.
+    ("all", 1135),
 ]
 
 

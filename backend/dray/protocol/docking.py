@@ -20,7 +20,7 @@ from dray.messages import (
     Transport,
 )
 from dray.protocol.coordinator import Coordinator
-from dray.protocol.events import Effect, Instruct, Send
+from dray.protocol.events import NEVER_S, Effect, Instruct, Send
 from dray.protocol.supply import Supply
 from dray.protocol.tasks import OpenTask
 
@@ -41,7 +41,7 @@ class Dock:
         self._supply = supply
         self._out = out
 
-    def hear_docked(self, sender: str, message: Docked, _now_s: float) -> None:
+    def hear_docked(self, sender: str, message: Docked, now_s: float) -> None:
         """Somebody asks to load or to unload."""
         task = self._tasks.get(message.task)
         if task is None or message.epoch != task.epoch or sender != task.primary:
@@ -50,6 +50,7 @@ class Dock:
         work = cast(Transport, task.work)
         here = message.station == self._machine
         held = self._why_held(work) if here else ""
+        task.held_s = min(task.held_s, now_s) if held else NEVER_S
         answer: Message
         if held:
             answer = DockHeld(task=task.id, epoch=task.epoch, station=message.station, reason=held)

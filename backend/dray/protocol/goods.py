@@ -64,9 +64,27 @@ class Goods:
             self._goals.add_spare(product, max(0, self._supply.level(product) - self._claimed(product)))
 
     def recount(self, now_s: float) -> None:
-        """Some time after the start: what belongs to something and does not lie there is gone."""
+        """Put the books right by what lies there: what is gone is made anew, what is left over is spare.
+
+        A lot that waits for its vehicle is there as a whole, or it has gone with another one.
+        """
+        gone: list[OpenTask] = []
         for product in self._products:
-            self._miss(product, self._claimed(product) - self._supply.level(product), now_s)
+            left = self._supply.level(product)
+            for task in self._waiting(product):
+                quantity = cast(Transport, task.work).quantity
+                if quantity <= left:
+                    left -= quantity
+                else:
+                    gone.append(task)
+            for goal in self._goals:
+                if goal.work.product == product:
+                    goal.made -= max(0, goal.ready - left)
+                    left -= goal.ready
+            self._goals.set_spare(product, left)
+        for task in gone:
+            self._tasks.close(task, "withdrawn")
+            self.lost(task, now_s)
 
     # --- sending them away ---
 
@@ -108,6 +126,13 @@ class Goods:
 
     # --- what becomes of them ---
 
+    def lack(self, task: OpenTask) -> bool:
+        """Whether the load of a transport does not lie there, though nobody has fetched it."""
+        work = cast(Transport, task.work)
+        if work.item not in self._products or task.loaded:
+            return False
+        return self._supply.level(work.item) < work.quantity
+
     def moved(self, report: StockChanged, now_s: float) -> None:
         """Pieces went, or came back."""
         if report.change < 0:
@@ -136,7 +161,7 @@ class Goods:
             if task.primary == report.vehicle and task.work_item == report.item:
                 self._tasks.note_loaded(task)
                 return
-        self._miss(report.item, -report.change, now_s)
+        self.recount(now_s)
 
     def _came_back(self, report: StockChanged, now_s: float) -> None:
         """A person has brought them, from a vehicle that has failed."""
@@ -147,27 +172,11 @@ class Goods:
                 return
         self._goals.add_spare(report.item, report.change)
 
+    def _waiting(self, product: str) -> list[OpenTask]:
+        """Transports of a product whose load has not been fetched."""
+        return [task for task in self._tasks if not task.loaded and task.work_item == product]
+
     def _claimed(self, product: str) -> int:
         """Pieces in the goods that belong to a goal or wait for a vehicle."""
         ready = sum(goal.ready for goal in self._goals if goal.work.product == product)
-        works = (cast(Transport, task.work) for task in self._tasks if not task.loaded)
-        return ready + sum(work.quantity for work in works if work.item == product)
-
-    def _miss(self, product: str, pieces: int, now_s: float) -> None:
-        """Pieces are gone, and no carrier of ours has them: they are made anew."""
-        if pieces <= 0:
-            return
-        for task in list(self._tasks):
-            work = cast(Transport, task.work)
-            if work.item == product and not task.loaded and work.quantity <= pieces:
-                pieces -= work.quantity
-                self._tasks.close(task, "withdrawn")
-                self.lost(task, now_s)
-        spare = min(pieces, self._goals.spare(product))
-        self._goals.take_spare(product, spare)
-        pieces -= spare
-        for goal in self._goals:
-            if goal.work.product == product and pieces > 0:
-                gone = min(pieces, goal.ready)
-                goal.made -= gone
-                pieces -= gone
+        return ready + sum(cast(Transport, task.work).quantity for task in self._waiting(product))

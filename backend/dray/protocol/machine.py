@@ -69,6 +69,9 @@ from dray.protocol.tasks import OpenTask
 
 BEAT = "beat"
 
+HELD_MAX_S = 60.0
+"""How long a vehicle may wait for room: two or three cycles, if the machine can work at all."""
+
 
 class Machine(Core):
     """One production machine.
@@ -144,7 +147,7 @@ class Machine(Core):
             Declined: self._tasks.hear_declined,
             Resigned: self._tasks.hear_resigned,
             TakenOver: self._tasks.hear_taken_over,
-            Docked: self._dock.hear_docked,
+            Docked: self._hear_docked,
             Handover: self._hear_handover,
             TaskAnnounced: lambda _sender, message, now_s: self._bidder.hear(message, self._problem, now_s),
             Award: self._hear_award,
@@ -373,6 +376,23 @@ class Machine(Core):
             self._bidder.ask(goal, now_s)
         self._goals_changed(now_s)
         self._commit()
+
+    def _hear_docked(self, sender: str, message: Docked, now_s: float) -> None:
+        task = self._tasks.get(message.task)
+        if task is not None and self._goods.lack(task):
+            # Nothing would ever make them come: they are lost, and the books do not know.
+            self._goods.recount(now_s)
+        self._dock.hear_docked(sender, message, now_s)
+        if task is not None and now_s - task.held_s > HELD_MAX_S:
+            self._withdraw(task, now_s)
+
+    def _withdraw(self, task: OpenTask, now_s: float) -> None:
+        """Material that finds no room keeps a vehicle from whatever would make some."""
+        self._tasks.close(task, "withdrawn")
+        self._supply.settled(cast(Transport, task.work), None)
+        self._commit()
+        self._timers.set(BEAT, now_s)
+        self._pursue(now_s)
 
     def _hear_handover(self, sender: str, message: Handover, now_s: float) -> None:
         task = self._dock.hear_handover(sender, message)

@@ -162,6 +162,10 @@ class GoalBook:
         """Pieces that belong to no goal."""
         return self._spare.get(product, 0)
 
+    def set_spare(self, product: str, pieces: int) -> None:
+        """So many pieces belong to no goal: they were counted."""
+        self._spare[product] = pieces
+
     def take_spare(self, product: str, pieces: int) -> None:
         """Pieces that belonged to no goal leave the machine."""
         self._spare[product] -= pieces

@@ -22,6 +22,7 @@ class OpenTask:
         "epoch",
         "grace",
         "guard",
+        "held_s",
         "id",
         "loaded",
         "opened_s",
@@ -62,6 +63,8 @@ class OpenTask:
         """Goods that have left this machine: nobody else can fetch them again."""
         self.unloaded = False
         """The coordinator has seen the load put down in its own buffer; the handover is still to come."""
+        self.held_s = NEVER_S
+        """Since when its carrier stands at this machine's dock and finds no room, or nothing to fetch."""
         self.trouble = ""
         """Why it does not go on, in words."""
         self.grace = False
