@@ -4,6 +4,7 @@
     dray sim ...        named scenarios in virtual time
     dray fault ...      let something go wrong in a running `dray up`
     dray bench          benchmarks
+    dray link ...       customers' links to their orders
     dray plant ...      plant files
     dray db ...         the database
 
@@ -21,7 +22,7 @@ from typing import Annotated
 import typer
 
 from dray import __version__
-from dray.cli import bench, db, fault, plant, sim, up
+from dray.cli import bench, db, fault, link, plant, sim, up
 from dray.errors import DrayError, InputError
 
 app = typer.Typer(
@@ -35,6 +36,7 @@ app.command("up")(up.up)
 app.command("bench")(bench.bench)
 app.add_typer(sim.app, name="sim")
 app.add_typer(fault.app, name="fault")
+app.add_typer(link.app, name="link")
 app.add_typer(plant.app, name="plant")
 app.add_typer(db.app, name="db")
 

@@ -20,8 +20,10 @@ let asking = false;
 let asOf = clock();
 
 function clock(): string {
-  const form = { hour: "2-digit", minute: "2-digit", hourCycle: "h23" } as const;
-  return new Intl.DateTimeFormat(document.documentElement.lang, form).format(new Date());
+  const form = { day: "numeric", month: "short", year: "numeric", hour: "2-digit", minute: "2-digit", hourCycle: "h23" } as const;
+  const { lang } = document.documentElement;
+  // A bare "en" would write dates the American way.
+  return new Intl.DateTimeFormat(lang === "en" ? "en-GB" : lang, form).format(new Date());
 }
 
 function byId(id: string, where: Document = document): HTMLElement | null {

@@ -54,7 +54,7 @@ async def customer(gateway: Gateway, request: Request, token: str) -> Response:
     context: dict[str, Any] = {
         "page": told,
         "zone": clock.zone,
-        "as_of": clock.time(now_s),
+        "as_of": clock.full(now_s),
     }
     # Not of the time it was asked at: else no page would ever be the same again.
     tag = entity_tag(told, language, clock.zone, clock.date())

@@ -111,7 +111,7 @@ def page(told: Track, texts: Catalogue, clock: Clock, now_s: float) -> Page:
 
 def gone(why: NoPage, texts: Catalogue) -> dict[str, str]:
     """The page of a link that leads to no order."""
-    return {"heading": texts.gone_title[why], "text": texts.gone_text[why], "help": texts.gone_help}
+    return {"heading": texts.gone_title[why], "text": texts.gone_text[why], "help": texts.gone_help[why]}
 
 
 def entity_tag(*parts: Any) -> str:

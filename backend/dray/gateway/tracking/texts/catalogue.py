@@ -84,4 +84,4 @@ class Catalogue(msgspec.Struct, frozen=True, kw_only=True):
     gone_title: dict[str, str]
     """Per `NoPage`."""
     gone_text: dict[str, str]
-    gone_help: str
+    gone_help: dict[str, str]

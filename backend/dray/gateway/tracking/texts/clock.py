@@ -60,6 +60,12 @@ class Clock:
             year=date.year,
         )
 
+    def full(self, at_s: float) -> str:
+        """17 Mar 2030, 13:10: also right on paper, on another day."""
+        calendar, date = self._texts.calendar, self._local(at_s).date()
+        month = calendar.months[date.month - 1]
+        return f"{calendar.day_of_year.format(day=date.day, month=month, year=date.year)}, {self.time(at_s)}"
+
     def moment(self, at_s: float) -> str:
         """Today, 13:10."""
         return f"{self.day(at_s)}, {self.time(at_s)}"

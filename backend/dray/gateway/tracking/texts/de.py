@@ -46,7 +46,7 @@ DE = Catalogue(
     not_started="Noch nicht begonnen",
     range_note="Aus der laufenden Produktion geschätzt; die Schätzung wird mit der Zeit genauer.",
     no_range_note="Eine Zeit steht hier, sobald sie sich ehrlich angeben lässt.",
-    wanted_by="Gewünscht bis {time}",
+    wanted_by="Gewünscht: {time}",
     late_yes="Später als gewünscht",
     late_maybe="Vielleicht später als gewünscht",
     late_delivered="Später als gewünscht geliefert",
@@ -82,7 +82,7 @@ DE = Catalogue(
     zone="Zeiten in {zone}",
     refresh="Neuesten Stand zeigen",
     live="Diese Seite hält sich selbst auf dem neuesten Stand.",
-    offline="Keine Verbindung. Das war der Stand um {time}.",
+    offline="Keine Verbindung. Letzter bekannter Stand: {time}",
     private="Wer den Link hat, kann diese Seite sehen. Geben Sie ihn mit Bedacht weiter.",
     gone_title={
         "unknown": "Hier ist kein Auftrag",
@@ -94,5 +94,9 @@ DE = Catalogue(
         "revoked": "Wer ihn Ihnen geschickt hat, hat ihn beendet. Der Auftrag selbst ist davon nicht betroffen.",
         "expired": "Links zu Aufträgen enden nach einiger Zeit. Der Auftrag selbst ist davon nicht betroffen.",
     },
-    gone_help="Öffnen Sie den Link aus der Nachricht noch einmal, oder bitten Sie den Absender um einen neuen.",
+    gone_help={
+        "unknown": "Öffnen Sie den Link aus der Nachricht noch einmal, oder bitten Sie den Absender um einen neuen.",
+        "revoked": "Bitten Sie den Absender um einen neuen.",
+        "expired": "Bitten Sie den Absender um einen neuen.",
+    },
 )

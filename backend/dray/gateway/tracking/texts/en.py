@@ -33,7 +33,7 @@ EN = Catalogue(
     not_started="Not started yet",
     range_note="Estimated from the running production; it gets more exact as the work goes on.",
     no_range_note="A time is shown as soon as there is an honest one.",
-    wanted_by="Wanted by {time}",
+    wanted_by="Wanted: {time}",
     late_yes="Later than wanted",
     late_maybe="May be later than wanted",
     late_delivered="Delivered later than wanted",
@@ -68,7 +68,7 @@ EN = Catalogue(
     zone="Times are in {zone}",
     refresh="Show the newest state",
     live="This page keeps itself up to date.",
-    offline="No connection. This is what was known at {time}.",
+    offline="No connection. Last known state: {time}",
     private="Whoever has the link can see this page. Pass it on with care.",
     gone_title={
         "unknown": "There is no order here",
@@ -80,5 +80,9 @@ EN = Catalogue(
         "revoked": "Whoever sent it to you has ended it. The order itself is not affected by that.",
         "expired": "Links to orders end after some time. The order itself is not affected by that.",
     },
-    gone_help="Open the link from the message once more, or ask whoever sent it to you for a new one.",
+    gone_help={
+        "unknown": "Open the link from the message once more, or ask whoever sent it to you for a new one.",
+        "revoked": "Ask whoever sent it to you for a new one.",
+        "expired": "Ask whoever sent it to you for a new one.",
+    },
 )

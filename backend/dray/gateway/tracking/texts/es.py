@@ -33,7 +33,7 @@ ES = Catalogue(
     not_started="Aún sin empezar",
     range_note="Estimado a partir de la producción en curso; será más exacto a medida que avance el trabajo.",
     no_range_note="Aquí aparecerá una hora en cuanto se pueda dar una fiable.",
-    wanted_by="Solicitado para: {time}",
+    wanted_by="Solicitado: {time}",
     late_yes="Más tarde de lo solicitado",
     late_maybe="Puede llegar más tarde de lo solicitado",
     late_delivered="Entregado más tarde de lo solicitado",
@@ -68,7 +68,7 @@ ES = Catalogue(
     zone="Horas en {zone}",
     refresh="Mostrar el estado más reciente",
     live="Esta página se actualiza sola.",
-    offline="Sin conexión. Esto es lo que se sabía a las {time}.",
+    offline="Sin conexión. Último estado conocido: {time}",
     private="Quien tenga el enlace puede ver esta página. Compártalo con cuidado.",
     gone_title={
         "unknown": "Aquí no hay ningún pedido",
@@ -80,5 +80,9 @@ ES = Catalogue(
         "revoked": "Quien se lo envió lo ha anulado. El pedido en sí no se ve afectado.",
         "expired": "Los enlaces a pedidos caducan al cabo de un tiempo. El pedido en sí no se ve afectado.",
     },
-    gone_help="Abra otra vez el enlace del mensaje o pida uno nuevo a quien se lo envió.",
+    gone_help={
+        "unknown": "Abra otra vez el enlace del mensaje o pida uno nuevo a quien se lo envió.",
+        "revoked": "Pida uno nuevo a quien se lo envió.",
+        "expired": "Pida uno nuevo a quien se lo envió.",
+    },
 )

@@ -1,0 +1,117 @@
+"""`dray link`: makes and takes back customers' links in the database that a gateway uses."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from pathlib import Path
+
+import pytest
+
+from dray.cli import main
+from dray.plant.model import BillLine, Product
+from dray.store import open_store
+from dray.store.links import Link
+from dray.store.orders import Item, Order
+from dray.store.progress import OrderStatus
+
+GEAR = Product(id="P1", name="Gear unit", lot=4, bill=(BillLine("steel", 1),))
+ORDER = Order(
+    id="O-1",
+    status=OrderStatus.STORED,
+    customer="Hall 3",
+    token="first",
+    items=(Item("P1", 4),),
+    created_at_s=1.0,
+)
+
+
+@pytest.fixture
+def database(tmp_path: Path) -> str:
+    """A database with one order, and the link that came with it."""
+    url = f"sqlite:///{tmp_path / 'dray.db'}"
+
+    async def fill() -> None:
+        store = await open_store(url.replace("sqlite:", "sqlite+aiosqlite:"))
+        async with store.write() as work:
+            await work.products.replace([GEAR])
+            await work.orders.add(ORDER)
+            await work.links.add("first", Link("O-1", 1.0))
+        await store.close()
+
+    asyncio.run(fill())
+    return url
+
+
+@pytest.fixture
+def dray(monkeypatch, capsys, database):
+    """Run `dray link` on that database; its exit code and what it printed."""
+
+    def run(*args: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["dray", "link", *args, "--db", database])
+        code = 0
+        try:
+            main()
+        except SystemExit as end:
+            code = end.code if isinstance(end.code, int) else 0
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return run
+
+
+def found(database: str, token: str) -> Link | None:
+    async def find() -> Link | None:
+        store = await open_store(database.replace("sqlite:", "sqlite+aiosqlite:"))
+        async with store.read() as work:
+            link = await work.links.find(token)
+        await store.close()
+        return link
+
+    return asyncio.run(find())
+
+
+def test_a_link_that_is_made_leads_to_its_order(dray, database) -> None:
+    code, out, _ = dray("create", "O-1", "--url", "https://dray.test/")
+    assert code == 0
+    assert out.startswith("https://dray.test/track/")
+    link = found(database, out.strip().rpartition("/")[2])
+    assert link is not None
+    assert (link.order_id, link.expires_at_s, link.revoked_at_s) == ("O-1", None, None)
+
+
+def test_a_link_for_some_days_ends_after_them(dray, database) -> None:
+    link = found(database, dray("create", "O-1", "--days", "2")[1].strip().rpartition("/")[2])
+    assert link is not None
+    assert link.expires_at_s == link.created_at_s + 2 * 86_400
+
+
+def test_one_link_is_taken_back_and_the_other_stays(dray, database) -> None:
+    url = dray("create", "O-1")[1].strip()
+    assert dray("revoke", url)[:2] == (0, "1 link taken back\n")
+    assert dray("revoke", url)[:2] == (0, "0 links taken back\n")
+    other = found(database, "first")
+    assert other is not None
+    assert other.revoked_at_s is None
+    assert dray("revoke", "first")[:2] == (0, "1 link taken back\n")
+
+
+def test_all_links_of_an_order_are_taken_back_at_once(dray, database) -> None:
+    dray("create", "O-1")
+    assert dray("revoke", "O-1")[:2] == (0, "2 links taken back\n")
+
+
+@pytest.mark.parametrize(
+    ("args", "told"),
+    [
+        (("create", "O-2"), "there is no order 'O-2'"),
+        (("create", "O-1", "--days", "0"), "--days"),
+        (("revoke", "nothing"), "neither an order's id nor a link"),
+        (("revoke", "-nothing"), "neither an order's id nor a link"),
+    ],
+)
+def test_what_is_not_there_is_named(dray, args: tuple[str, ...], told: str) -> None:
+    code, out, err = dray(*args)
+    assert code == 2
+    assert out == ""
+    assert told in err

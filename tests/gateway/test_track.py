@@ -1,0 +1,503 @@
+"""The customer's page: every state of an order, nothing of the factory, and links that end."""
+
+from __future__ import annotations
+
+import re
+from datetime import UTC, datetime
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import pytest
+from gateway_kit import NOW_S, OTHER_PRODUCT, PLANT, PRODUCT, House, gateway, problem
+from tracking_kit import GOAL, MACHINE, OTHER_MACHINE, PACE_S, VEHICLE, WAY_OUT, Story
+
+from dray.gateway.panels import Panels
+from dray.gateway.tracking.facts import KEPT_S
+from dray.messages import MachineHeartbeat
+from dray.messages.heartbeat import MachineStatus, TaskBrief
+from dray.store.links import Link
+
+pytestmark = pytest.mark.anyio
+
+STAGES = ["placed", "planned", "in_production", "on_its_way", "delivered"]
+
+GERMAN = {"Accept-Language": "de"}
+
+
+def reached(state: dict[str, Any]) -> list[str]:
+    return [stage["name"] for stage in state["stages"] if stage["reached"]]
+
+
+def times(state: dict[str, Any]) -> list[str | None]:
+    return [stage["at"] and stage["at"][11:19] for stage in state["stages"]]
+
+
+# --- the way of an order ---------------------------------------------------------------------------
+
+
+async def test_an_order_that_was_placed_waits_to_be_planned_and_nothing_is_promised(house: House) -> None:
+    story = await Story.begin(house, reference="4711")
+    state = await story.state()
+    assert reached(state) == ["placed"]
+    assert (state["eta"], state["reasons"], state["late"]) == (None, [], "")
+    page = await story.page()
+    assert "Order 4711" in page
+    assert "40 × Gear unit G1" in page  # noqa: RUF001
+    assert "Cannot be said yet" in page
+
+
+async def test_a_planned_order_is_expected_when_its_machine_has_promised(house: House) -> None:
+    story = await Story.begin(house)
+    await story.planned(finish_s=700.0)
+    story.now(100.0)
+    # Another goal comes first.
+    story.beat(MACHINE, 100.0, goal="strategist.1-1")
+    state = await story.state()
+    assert reached(state) == ["placed", "planned"]
+    assert times(state)[:2] == ["17:46:40", "17:48:20"]
+    assert state["eta"] == {"earliest": "2030-03-17T17:58:00Z", "latest": "2030-03-17T18:04:00Z"}
+
+
+async def test_an_order_in_production_tells_how_many_and_by_their_pace_when(house: House) -> None:
+    story = await Story.begin(house)
+    await story.planned()
+    now_s = await story.making(26)
+    state = await story.state()
+    assert reached(state) == ["placed", "planned", "in_production"]
+    assert times(state)[2] == "17:48:40"
+    assert state["items"] == [
+        {"product": PRODUCT, "name": "Gear unit G1", "quantity": 40, "made": 26, "delivered": 0}
+    ]
+    last_piece_at = NOW_S + now_s + 14 * PACE_S
+    assert state["eta"]["earliest"] <= iso(last_piece_at) <= state["eta"]["latest"]
+    page = await story.page()
+    assert "26 of 40 made" in page
+    assert '<progress aria-label="Made: Gear unit G1" max="40" value="26">' in page
+    assert re.search(r'<li class="now" aria-current="step">\s*<span class="name">In production', page)
+
+
+async def test_an_order_whose_machine_has_begun_is_in_production_before_its_first_piece(house: House) -> None:
+    story = await Story.begin(house)
+    await story.planned()
+    assert reached(await story.state()) == ["placed", "planned", "in_production"]
+    assert "0 of 40 made" in await story.page()
+
+
+async def test_an_order_on_its_way_tells_how_much_has_arrived(house: House) -> None:
+    story = await Story.begin(house)
+    await story.planned()
+    await story.making(40)
+    await story.leaving(520.0)
+    assert reached(await story.state()) == STAGES[:4]
+    assert times(await story.state())[3] == "17:55:20"
+    await story.arrived(20, 560.0)
+    assert (await story.state())["items"][0]["delivered"] == 20
+    assert "20 of 40 delivered" in await story.page()
+
+
+async def test_a_delivered_order_says_when_and_asks_for_no_more_news(house: House) -> None:
+    story = await Story.begin(house, due_at="2030-03-17T18:46:40Z")
+    await story.planned()
+    await story.making(40)
+    assert "data-ended" not in await story.page()
+    await story.arrived(40, 600.0)
+    state = await story.state()
+    assert reached(state) == STAGES
+    assert (state["status"], state["late"], state["eta"]) == ("delivered", "", None)
+    assert state["delivered_at"] == "2030-03-17T17:56:40Z"
+    page = await story.page()
+    assert "data-ended" in page
+    assert "Today, 17:56" in page
+
+
+async def test_an_order_of_several_parts_shows_each_of_them(house: House) -> None:
+    order = await house.place(
+        items=[{"product": PRODUCT, "quantity": 1200}, {"product": OTHER_PRODUCT, "quantity": 5}]
+    )
+    page = await Story(house, order).page()
+    assert "2 products, 1,205 pieces" in page
+    assert page.count("<progress ") == 4
+
+
+async def test_a_stored_order_says_that_nobody_has_asked_to_begin(house: House) -> None:
+    story = await Story.begin(house, release=False)
+    assert (await story.state())["reasons"] == ["not_released"]
+    assert "Production has not been asked to begin." in await story.page()
+
+
+async def test_a_cancelled_order_says_so_and_how_far_it_came(house: House) -> None:
+    story = await Story.begin(house)
+    await story.planned()
+    await story.making(12)
+    await house.client.post(f"/api/orders/{story.order['id']}/cancel")
+    state = await story.state()
+    assert (state["status"], state["eta"], state["reasons"]) == ("cancelled", None, [])
+    assert reached(state) == STAGES[:3]
+    page = await story.page()
+    assert "Cancelled" in page
+    assert 'aria-current="step"' not in page
+
+
+# --- late, and why ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("due_s", "late", "words"),
+    [(3600, "", "Wanted: "), (525, "maybe", "May be later than wanted"), (400, "yes", "Later than wanted")],
+)
+async def test_an_order_that_will_be_late_says_so_before_it_is(
+    house: House, due_s: float, late: str, words: str
+) -> None:
+    story = await Story.begin(house, due_at=iso(NOW_S + due_s))
+    await story.planned()
+    await story.making(26)
+    state = await story.state()
+    assert state["late"] == late, state
+    assert words in await story.page()
+
+
+async def test_an_order_that_came_late_does_not_hide_it(house: House) -> None:
+    story = await Story.begin(house, due_at=iso(NOW_S + 300))
+    await story.planned()
+    await story.making(40)
+    await story.arrived(40, 600.0)
+    assert (await story.state())["late"] == "yes"
+    assert "Delivered later than wanted" in await story.page()
+
+
+async def test_an_order_that_nobody_can_make_says_so_until_somebody_takes_it(house: House) -> None:
+    story = await Story.begin(house)
+    await story.waiting(50.0)
+    state = await story.state()
+    assert (state["reasons"], state["eta"]) == (["no_machine"], None)
+    assert "No machine that can make a part of this order is working at the moment." in await story.page()
+    await story.planned()
+    state = await story.state()
+    assert state["reasons"] == []
+    assert state["eta"] is not None
+
+
+async def test_a_machine_that_is_broken_is_named_as_a_machine_and_nothing_is_promised(house: House) -> None:
+    story = await Story.begin(house)
+    await story.planned()
+    await story.making(12, MachineStatus.ERROR)
+    state = await story.state()
+    assert (state["reasons"], state["eta"]) == (["repair"], None)
+
+
+async def test_want_of_material_is_told_while_it_lasts(house: House) -> None:
+    story = await Story.begin(house)
+    await story.planned()
+    await story.making(12, MachineStatus.STARVED)
+    state = await story.state()
+    assert state["reasons"] == ["material"]
+    assert state["eta"] is not None
+    story.beat(MACHINE, 240.0, MachineStatus.PRODUCING, made=12)
+    assert (await story.state())["reasons"] == []
+
+
+async def test_the_want_of_material_of_another_order_is_none_of_this_one(house: House) -> None:
+    story = await Story.begin(house)
+    await story.planned()
+    story.beat(MACHINE, 101.0, MachineStatus.STARVED, goal="strategist.1-1")
+    assert (await story.state())["reasons"] == []
+
+
+async def test_a_machine_that_failed_is_told_and_what_is_missing_is_promised_when_it_is_taken(
+    house: House,
+) -> None:
+    story = await Story.begin(house)
+    await story.planned()
+    await story.lost(200.0)
+    state = await story.state()
+    assert (state["reasons"], state["eta"]) == (["handed_on"], None)
+    await story.planned("strategist.1-8", OTHER_MACHINE)
+    story.now(210.0)
+    story.beat(OTHER_MACHINE, 210.0, goal="strategist.1-8")
+    state = await story.state()
+    assert state["reasons"] == ["handed_on"]
+    assert state["eta"] is not None
+
+
+async def test_goods_that_are_stuck_on_their_way_are_told(house: House) -> None:
+    story = await Story.begin(house)
+    await story.planned()
+    now_s = await story.making(40)
+    await story.leaving(now_s)
+    brief = TaskBrief(
+        WAY_OUT, 1, PRODUCT, 4, MACHINE, "delivery", now_s + 300, trouble=f"{VEHICLE} cannot be reached"
+    )
+    house.bus.say(
+        MachineHeartbeat(
+            machine=MACHINE, incarnation=1, seq=99, at_s=now_s, status=MachineStatus.IDLE, tasks=(brief,)
+        )
+    )
+    assert (await story.state())["reasons"] == ["held_up"]
+
+
+async def test_nothing_is_promised_when_nothing_is_heard_of_the_machine(house: House) -> None:
+    story = await Story.begin(house)
+    await story.planned()
+    now_s = await story.making(12)
+    assert (await story.state())["eta"] is not None
+    story.now(now_s + 3600)
+    state = await story.state()
+    # Nobody has said why: so no reason is given, either.
+    assert (state["eta"], state["reasons"]) == (None, [])
+
+
+# --- nothing of the factory ------------------------------------------------------------------------
+
+
+class Words(HTMLParser):
+    """What a page says: its text and the values of its attributes."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.said: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        # Built files are named by a hash, which may spell anything; and `light` is a theme, too.
+        self.said += [
+            value
+            for _, value in attrs
+            if value and not value.startswith("/static/") and ("name", "color-scheme") not in attrs
+        ]
+
+    def handle_data(self, data: str) -> None:
+        self.said.append(data)
+
+
+def ids_of_the_plant() -> set[str]:
+    """Every id and name in the plant, except those of products, which are what was ordered."""
+    plant = PLANT
+    things = [
+        *plant.nodes, *plant.warehouses, *plant.storages, *plant.chargers, *plant.stations, *plant.machines,
+        *plant.vehicle_types, *plant.fleet, *plant.parkings, *plant.areas, *plant.materials,
+    ]  # fmt: skip
+    products = {product.id for product in plant.products} | {product.name for product in plant.products}
+    found = {getattr(thing, field, "") for thing in things for field in ("id", "name")}
+    # `delivery` is an English word as well: that is what a customer waits for.
+    return found - products - {"", "delivery"}
+
+
+async def whole_life(house: House) -> list[Story]:
+    """Orders in every state, each with all that the factory could let slip."""
+    stories = [await Story.begin(house, reference="4711")]
+    told = await Story.begin(house, reference="4711", due_at=iso(NOW_S + 900))
+    await told.planned()
+    await told.lost(150.0)
+    await told.waiting(160.0)
+    stories.append(told)
+    return stories
+
+
+@pytest.mark.parametrize("language", ["en", "de", "es"])
+async def test_neither_page_nor_data_name_anything_of_the_factory(house: House, language: str) -> None:
+    secret = ids_of_the_plant() | {GOAL, WAY_OUT, "strategist", "Muster GmbH", PLANT.plant}
+    assert {MACHINE, VEHICLE, "S1", "a1"} <= secret
+    names = re.compile(
+        r"(?<![\w-])(?:" + "|".join(map(re.escape, sorted(secret, key=len)[::-1])) + r")(?![\w-])"
+    )
+    seen = 0
+    for story in await whole_life(house):
+        for step in ("as it is", "made", "sent", "stuck", "there"):
+            if step == "made":
+                await story.planned("strategist.1-8", OTHER_MACHINE)
+                await story.making(40, MachineStatus.BLOCKED)
+            elif step == "sent":
+                await story.leaving(600.0)
+            elif step == "there":
+                await story.arrived(40, 700.0)
+            page = Words()
+            page.feed(await story.page(**{"Accept-Language": language}))
+            data = await house.client.get(f"/api{story.path}")
+            for said in (*page.said, data.text):
+                assert not names.findall(said), (step, said)
+            assert story.order["id"] not in "".join(page.said) + data.text
+            seen += len(page.said)
+    assert seen > 500
+
+
+async def test_the_page_holds_no_script_or_style_of_its_own_and_asks_no_other_host(house: House) -> None:
+    page = await (await Story.begin(house)).page()
+    assert not re.search(r"<script(?![^>]*\bsrc=)|<style|\son\w+=|\bstyle=", page)
+    assert not re.search(r'(?:src|href|action)="(?:https?:)?//', page)
+
+
+async def test_what_the_customer_has_written_is_shown_and_not_obeyed(house: House) -> None:
+    page = await (await Story.begin(house, reference='"><script>alert(1)</script>{{7*7}}')).page()
+    assert "<script>alert" not in page
+    assert "&lt;script&gt;" in page
+    assert "{{7*7}}" in page
+
+
+# --- links -----------------------------------------------------------------------------------------
+
+
+async def assert_gone(house: House, path: str, status: int, words: str) -> None:
+    """The page says why, in the reader's language, and so does the API."""
+    page = await house.client.get(path)
+    assert page.status_code == status
+    assert page.headers["content-type"] == "text/html; charset=utf-8"
+    assert words in page.text
+    assert page.text.count("<h1>") == 1
+    assert_private(page.headers)
+    kind = "unknown-tracking-page" if status == 404 else "tracking-link-ended"
+    answer = await house.client.get(f"/api{path}")
+    problem(answer, status, kind)
+    assert_private(answer.headers)
+
+
+def assert_private(headers: Any) -> None:
+    assert headers["cache-control"] == "private, no-store"
+    assert headers["x-robots-tag"] == "noindex, nofollow"
+    assert headers["referrer-policy"] == "no-referrer"
+    assert "default-src 'self'" in headers["content-security-policy"]
+    assert "unsafe" not in headers["content-security-policy"]
+
+
+async def test_what_a_link_leads_to_stays_private(house: House) -> None:
+    story = await Story.begin(house)
+    for path in (story.path, f"/api{story.path}"):
+        assert_private((await house.client.get(path)).headers)
+
+
+async def test_a_link_that_was_taken_back_says_so(house: House) -> None:
+    story = await Story.begin(house)
+    async with house.store.write() as work:
+        await work.links.revoke(story.token, NOW_S)
+    await assert_gone(house, story.path, 410, "This link was taken back")
+
+
+async def test_a_link_with_an_end_leads_to_the_order_until_then(house: House) -> None:
+    story = await Story.begin(house)
+    async with house.store.write() as work:
+        await work.links.add("short", Link(story.order["id"], NOW_S, expires_at_s=NOW_S + 60))
+    assert (await house.client.get("/track/short")).status_code == 200
+    story.now(60.0)
+    await assert_gone(house, "/track/short", 410, "This link has expired")
+    assert (await house.client.get(story.path)).status_code == 200
+
+
+async def test_the_link_of_an_order_ends_a_quarter_after_the_order(house: House) -> None:
+    story = await Story.begin(house)
+    await story.planned()
+    await story.making(40)
+    await story.arrived(40, 600.0)
+    story.now(600.0 + KEPT_S - 1)
+    await story.page()
+    story.now(600.0 + KEPT_S)
+    await assert_gone(house, story.path, 410, "This link has expired")
+
+
+async def test_an_open_order_keeps_its_link_however_long_it_takes(house: House) -> None:
+    story = await Story.begin(house)
+    story.now(2 * KEPT_S)
+    await story.page()
+
+
+@pytest.mark.parametrize("token", ["guess", "%00", "%FF", "' OR 1=1 --", "%3Cscript%3E", "x" * 64])
+async def test_a_token_that_nobody_has_leads_to_a_page_that_says_so(house: House, token: str) -> None:
+    await Story.begin(house)
+    await assert_gone(house, f"/track/{token}", 404, "There is no order here")
+
+
+async def test_a_very_long_token_leads_nowhere_either(house: House) -> None:
+    assert (await house.client.get("/track/" + "x" * 5000)).status_code == 404
+
+
+# --- asking again ----------------------------------------------------------------------------------
+
+
+async def test_a_page_that_has_not_changed_is_not_sent_again(house: House) -> None:
+    story = await Story.begin(house)
+    first = await house.client.get(story.path)
+    tag = {"If-None-Match": first.headers["etag"]}
+    story.now(1.0)
+    again = await house.client.get(story.path, headers=tag)
+    assert (again.status_code, again.content, again.headers["etag"]) == (304, b"", first.headers["etag"])
+    assert_private(again.headers)
+    await story.planned()
+    story.now(100.0)
+    changed = await house.client.get(story.path, headers=tag)
+    assert changed.status_code == 200
+    assert changed.headers["etag"] != first.headers["etag"]
+
+
+async def test_another_language_is_another_page(house: House) -> None:
+    story = await Story.begin(house)
+    english = await house.client.get(story.path)
+    german = await house.client.get(story.path, headers=GERMAN | {"If-None-Match": english.headers["etag"]})
+    assert german.status_code == 200
+    assert german.headers["vary"] == "Accept-Language, Cookie"
+
+
+async def test_a_head_request_is_answered_like_the_page(house: House) -> None:
+    story = await Story.begin(house)
+    answer = await house.client.head(story.path)
+    assert answer.status_code == 200
+    assert answer.headers["etag"] == (await house.client.get(story.path)).headers["etag"]
+    assert (await house.client.head("/track/guess")).status_code == 404
+    problem(await house.client.post(story.path), 405, "method-not-allowed")
+
+
+# --- the reader ------------------------------------------------------------------------------------
+
+
+async def test_the_language_is_the_browsers_until_the_reader_chooses_one_which_is_remembered(
+    house: House,
+) -> None:
+    story = await Story.begin(house)
+    assert '<html lang="de">' in await story.page(**GERMAN)
+    chosen = await house.client.get(f"{story.path}?lang=es", headers=GERMAN)
+    assert '<html lang="es">' in chosen.text
+    cookie = chosen.headers["set-cookie"]
+    assert "dray.language=es" in cookie
+    assert "Path=/track" in cookie
+    assert "SameSite=lax" in cookie
+    # The client keeps cookies, as a browser does.
+    assert '<html lang="es">' in await story.page(**GERMAN)
+    assert (
+        'href="?lang=es" lang="es" hreflang="es" aria-label="Español" aria-current="true"'
+        in await story.page()
+    )
+
+
+async def test_a_language_that_is_none_is_not_remembered(house: House) -> None:
+    answer = await house.client.get(f"{(await Story.begin(house)).path}?lang=xx%0d%0aX-Evil:1")
+    assert '<html lang="en">' in answer.text
+    assert "set-cookie" not in answer.headers
+    assert "x-evil" not in answer.headers
+
+
+async def test_times_are_the_readers_once_the_zone_is_known(house: House) -> None:
+    story = await Story.begin(house)
+    house.client.cookies.set("dray.zone", "Asia/Tokyo")
+    page = await story.page()
+    assert "Times are in Asia/Tokyo" in page
+    assert "Today, 02:46" in page
+    house.client.cookies.set("dray.zone", "../../etc/passwd")
+    assert "passwd" not in await story.page()
+
+
+async def test_a_page_has_one_heading_and_landmarks_and_says_changes_politely(house: House) -> None:
+    page = await (await Story.begin(house)).page()
+    assert page.count("<h1") == 1
+    for part in ("<header", "<nav", "<main", "<footer", 'role="status"', 'class="skip" href="#order"'):
+        assert part in page
+    assert re.findall(r"<h(\d)", page) == ["1", "2", "2", "3"]
+
+
+async def test_a_gateway_without_panels_tells_a_customer_to_come_back(url: str, tmp_path: Path) -> None:
+    async with gateway(url, panels=Panels(tmp_path)) as house:
+        story = await Story.begin(house)
+        answer = await house.client.get(story.path)
+    assert answer.status_code == 503
+    assert "try again later" in answer.text
+    assert_private(answer.headers)
+
+
+def iso(wall_s: float) -> str:
+    return datetime.fromtimestamp(wall_s, UTC).isoformat(timespec="seconds").replace("+00:00", "Z")
