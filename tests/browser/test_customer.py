@@ -1,0 +1,146 @@
+"""The customer's page in a real browser: live, in every language, by keyboard, on paper, and without a script."""
+
+from __future__ import annotations
+
+import json
+import re
+import urllib.request
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page, expect
+
+OpenPage = Callable[..., Page]
+Screenshot = Callable[[Page, str], Path]
+
+DELIVERED_MS = 60_000
+"""An order of a few pieces is delivered within a minute at this speed; the page asks every five seconds."""
+
+CUT = """() => {
+    const real = window.fetch;
+    window.cut = true;
+    window.fetch = (...all) => window.cut ? Promise.reject(new TypeError("cut")) : real(...all);
+}"""
+"""From now on no question arrives, as long as `cut` is true."""
+
+PIECES = 16
+"""So many that the page, which asks every five seconds, sees some of them being made."""
+
+PHONE = {"width": 360, "height": 740}
+
+
+@pytest.fixture(scope="module")
+def factory(start_dray) -> Iterator[str]:
+    """A factory in which nobody orders but the test."""
+    dray = start_dray("--speed", "50", "--no-demand")
+    yield dray.url
+    assert dray.stop() == 0, dray.output()
+
+
+def order(factory: str, quantity: int, **fields: Any) -> str:
+    """Place an order; the address of its customer's page."""
+    body = {"customer": "Hall 3", "items": [{"product": "gear-unit-g1", "quantity": quantity}], **fields}
+    request = urllib.request.Request(
+        f"{factory}/api/orders", json.dumps(body).encode(), {"Content-Type": "application/json"}
+    )
+    with urllib.request.urlopen(request) as answer:
+        return str(json.load(answer)["tracking_url"])
+
+
+def stage(page: Page, name: str) -> Any:
+    return page.get_by_role("listitem").filter(has_text=re.compile(f"^\\s*{name}"))
+
+
+def test_a_customer_follows_an_order_to_its_delivery_without_touching_the_page(
+    factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    asked: list[str] = []
+    page = open_page("about:blank")
+    page.on("request", lambda request: asked.append(request.url))
+    page.goto(order(factory, PIECES, reference="PO-browser"))
+    expect(page.get_by_role("heading", level=1)).to_have_text(re.compile(f"{PIECES} . Gear unit G1"))
+    expect(page.get_by_text("Order PO-browser")).to_be_visible()
+    expect(stage(page, "In production")).to_have_attribute("aria-current", "step", timeout=DELIVERED_MS)
+    screenshot(page, "customer-in-production")
+    expect(page.locator("main")).to_have_attribute("data-ended", "", timeout=DELIVERED_MS)
+    expect(stage(page, "Delivered").first).to_have_class("done")
+    expect(page.locator("#said")).to_contain_text("Today")
+    screenshot(page, "customer-delivered")
+    assert {url.split("/")[2] for url in asked if url != "about:blank"} == {factory.split("/")[2]}
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize(
+    ("locale", "words"), [("en-GB", "As of"), ("de-DE", "Stand"), ("es-ES", "Actualizado")]
+)
+def test_every_language_and_theme_fits_a_small_telephone(
+    factory: str, open_page: OpenPage, screenshot: Screenshot, theme: str, locale: str, words: str
+) -> None:
+    page = open_page(order(factory, 9000), viewport=PHONE, color_scheme=theme, locale=locale)
+    expect(page.locator("#as-of")).to_contain_text(words)
+    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+    for link in page.get_by_role("navigation").get_by_role("link").all():
+        box = link.bounding_box()
+        assert box is not None
+        assert min(box["width"], box["height"]) >= 44
+    screenshot(page, f"customer-{locale[:2]}-{theme}")
+
+
+def test_a_language_is_chosen_by_keyboard_and_remembered(factory: str, open_page: OpenPage) -> None:
+    url = order(factory, 9000)
+    page = open_page(url)
+    page.keyboard.press("Tab")
+    expect(page.get_by_role("link", name="Skip to the order")).to_be_focused()
+    for _ in range(2):
+        page.keyboard.press("Tab")
+    expect(page.get_by_role("link", name="Deutsch")).to_be_focused()
+    page.keyboard.press("Enter")
+    expect(page.get_by_text("Voraussichtliche Lieferung")).to_be_visible()
+    page.goto(url)
+    expect(page.locator("html")).to_have_attribute("lang", "de")
+
+
+def test_a_page_without_a_script_tells_everything_and_how_to_ask_again(
+    factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = open_page(order(factory, 9000), java_script_enabled=False)
+    expect(page.get_by_role("heading", level=1)).to_have_text(re.compile("9,000 . Gear unit G1"))
+    expect(page.get_by_role("list").nth(1).get_by_role("listitem")).to_have_count(5)
+    expect(page.get_by_text("keeps itself up to date")).to_be_hidden()
+    page.get_by_role("link", name="Show the newest state").click()
+    expect(page.get_by_role("heading", level=1)).to_be_visible()
+    screenshot(page, "customer-without-script")
+
+
+def test_times_are_those_of_the_reader(factory: str, open_page: OpenPage) -> None:
+    page = open_page(order(factory, 9000), timezone_id="Asia/Tokyo")
+    expect(page.locator("#zone")).to_have_text("Times are in Asia/Tokyo")
+    expect(page.locator("main")).to_have_attribute("data-zone", "Asia/Tokyo")
+
+
+def test_a_lost_connection_is_said_and_its_return_too(factory: str, open_page: OpenPage) -> None:
+    page = open_page("about:blank")
+    page.clock.install()
+    page.goto(order(factory, 9000))
+    expect(page.locator("#offline")).to_be_hidden()
+    # A connection that is cut for real makes Chromium complain, and complaints fail the test.
+    page.evaluate(CUT)
+    page.clock.run_for(40_000)
+    expect(page.locator("#offline")).to_contain_text("No connection. Last known state:")
+    expect(page.get_by_role("heading", level=1)).to_be_visible()
+    # As the browser says when its own connection is back: the page does not wait for its next turn.
+    page.evaluate("() => { window.cut = false; dispatchEvent(new Event('online')); }")
+    expect(page.locator("#offline")).to_be_hidden()
+
+
+def test_paper_is_black_on_white_whatever_the_theme(
+    factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = open_page(order(factory, 9000), color_scheme="dark")
+    page.emulate_media(media="print")
+    body = "getComputedStyle(document.body)"
+    assert page.evaluate(f"[{body}.color, {body}.backgroundColor]") == ["rgb(0, 0, 0)", "rgb(255, 255, 255)"]
+    expect(page.get_by_role("navigation")).to_be_hidden()
+    screenshot(page, "customer-print")
