@@ -707,11 +707,24 @@ def test_goods_of_a_withdrawn_goal_that_nobody_has_come_for_stay_for_the_next_on
     assert outgoing(rig.all) == [("G1", 2), ("G2", 2)]
 
 
+def test_goods_of_a_withdrawn_goal_that_are_not_fetched_yet_stay_for_the_next_one() -> None:
+    rig = m7(goal=2)
+    rig.cycles(2)
+    [task] = [each.task for each in published(rig.all, TaskAnnounced) if each.work.goal]  # type: ignore[union-attr]
+    rig.hire(task, "ATV2")
+    effects = rig.hear("STRATEGIST", WITHDRAWN)
+    assert sent(effects, Withdrawn, to="ATV2")
+    rig.take_goal("G2", production(quantity=2))
+    assert not rig.is_cycling
+    assert outgoing(rig.all)[-1] == ("G2", 2)
+
+
 def test_goods_of_a_withdrawn_goal_that_are_on_their_way_are_left_to_the_gate() -> None:
     rig = m7(goal=2)
     rig.cycles(2)
     [task] = [each.task for each in published(rig.all, TaskAnnounced) if each.work.goal]  # type: ignore[union-attr]
     rig.hire(task, "ATV2")
+    rig.stocked("pump-p3", -2, "ATV2")
     assert facts(rig.hear("STRATEGIST", WITHDRAWN), TaskClosed) == []
     rig.take_goal("G2", production(quantity=2))
     assert rig.is_cycling

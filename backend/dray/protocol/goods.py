@@ -149,12 +149,14 @@ class Goods:
         self._lose(goal, now_s)
 
     def keep_unwanted(self) -> None:
-        """Pieces that nobody wants any more and nobody has come for yet stay here, as spare."""
+        """Pieces that nobody wants any more and nobody has fetched yet stay here, as spare."""
         for task in list(self._tasks):
             work = cast(Transport, task.work)
-            if work.goal and not task.primary and self._goals.get(work.goal) is None:
+            if work.goal and not task.loaded and self._goals.get(work.goal) is None:
                 self._tasks.close(task, "withdrawn")
-                self._goals.add_spare(work.item, work.quantity)
+                lie_there = self._supply.level(work.item) - self._claimed(work.item)
+                unbooked = max(0, lie_there - self._goals.spare(work.item))
+                self._goals.add_spare(work.item, min(work.quantity, unbooked))
 
     def _left(self, report: StockChanged, now_s: float) -> None:
         for task in self._tasks:
