@@ -150,6 +150,12 @@ def test_a_cheaper_one_that_somebody_else_had_taken_is_named_with_who_it_was(tel
     )
 
 
+def test_a_cheaper_one_that_its_own_coordinator_had_taken_is_named_so(tell: Teller) -> None:
+    tell(ContractTaken(task="T9", epoch=1, role=Role.PRIMARY, coordinator="M8"), by="ATV3")
+    tell(bid("ATV3", 50.0), bid("ATV2", 54.8), answered("ATV3", "busy"), answered("ATV2"))
+    assert "but had been taken for another transport of M8 in the meantime." in tell.why().text
+
+
 def test_for_whom_a_busy_one_works_is_not_guessed(tell: Teller) -> None:
     tell(ContractTaken(task="T9", epoch=1, role=Role.PRIMARY, coordinator="M7"), by="ATV3")
     tell(ContractEnded(task="T9", epoch=1, role=Role.PRIMARY, reason="handed_over"), by="ATV3")
@@ -229,11 +235,13 @@ def test_a_bid_for_the_watch_is_none_for_the_carriage(tell: Teller) -> None:
 
 def test_goals_are_explained_in_the_words_of_machines(projection: Projection) -> None:
     tell = Teller(projection, "strategist")
-    cost = ProductionCost(queue_s=10.0, material_s=0.0, making_s=60.0)
+    cost = ProductionCost(queue_s=1000.0, material_s=0.0, making_s=60.0)
     tell(opened(work=MAKE, radius_m=0.0))
     tell(ContractTaken(task="T9", epoch=1, role=Role.PRIMARY, coordinator="strategist"), by="M2")
-    tell(bid("M2", 60.0, cost=cost), bid("M1", 70.0, cost=cost), answered("M2", "busy"), answered("M1"))
-    assert "M2 was 10.0 s cheaper but had taken on other goals in the meantime." in tell.why().text
+    tell(bid("M2", 1990.0, cost=cost), bid("M1", 2000.0, cost=cost), answered("M2", "busy"), answered("M1"))
+    assert (
+        "(33:20 min); M2 was 10.0 s cheaper but had taken on other goals in the meantime." in tell.why().text
+    )
 
 
 # --- when something fails --------------------------------------------------------------------------
@@ -321,7 +329,7 @@ def test_before_the_first_bid_the_refusals_are_counted(tell: Teller) -> None:
     tell(refused(Refusal.BUSY), by="ATV1")
     tell(refused(Refusal.BUSY), by="ATV6")
     assert tell.why().text == (
-        "Nobody has bid yet. 2 refused: 2 busy. This is round 2, which asks within 50 m."
+        "Nobody has bid yet. 2 refused: all of them busy. This is round 2, which asks within 50 m."
     )
 
 

@@ -9,6 +9,9 @@ from dray.gateway.views import PassedView, RefusedView, WhyView
 PASSED_NAMED = 2
 """Bidders that were passed over and are named; more would make a list of a sentence."""
 
+MINUTES_FROM_S = 120.0
+"""From here on a length of time is easier to read in minutes."""
+
 ANSWERS = {
     "busy": "was busy by then",
     "queue": "had taken on other goals in the meantime",
@@ -82,7 +85,7 @@ def _main(why: WhyView) -> str:
 
 
 def _chosen(why: WhyView) -> str:
-    passed = _passed(why.passed)
+    passed = _passed(why.passed, why.coordinator)
     if why.kind == "only":
         because = "nobody cheaper was left" if why.passed else "nobody else bid"
         if why.bidders > 1 and not why.passed:
@@ -99,11 +102,12 @@ def _chosen(why: WhyView) -> str:
     return f"{main} Most of the difference comes from {PARTS.get(why.part, why.part)}."
 
 
-def _passed(passed: Sequence[PassedView]) -> str:
+def _passed(passed: Sequence[PassedView], coordinator: str) -> str:
     if not passed:
         return ""
     named = [
-        f"{each.agent} was {_cheaper(each.less_s)} but {_answer(each)}" for each in passed[:PASSED_NAMED]
+        f"{each.agent} was {_cheaper(each.less_s)} but {_answer(each, coordinator)}"
+        for each in passed[:PASSED_NAMED]
     ]
     if rest := len(passed) - len(named):
         named.append(f"{rest} more cheaper {'one' if rest == 1 else 'ones'} dropped out too")
@@ -114,7 +118,9 @@ def _cheaper(less_s: float) -> str:
     return f"{_s(less_s)} cheaper" if less_s >= 0.05 else "just as cheap"
 
 
-def _answer(each: PassedView) -> str:
+def _answer(each: PassedView, coordinator: str) -> str:
+    if each.taken_for == coordinator:
+        return f"had been taken for another transport of {coordinator} in the meantime"
     if each.taken_for:
         return f"had been taken by {each.taken_for} in the meantime"
     return ANSWERS.get(each.answer, f"declined ({each.answer.replace('_', ' ')})")
@@ -132,7 +138,7 @@ def _took_over(why: WhyView) -> str:
 def _waiting(why: WhyView) -> str:
     if not why.passed:
         return f"Nobody has bid yet.{_refused(why.refused)}"
-    asked = "; ".join(f"{each.agent} {_answer(each)}" for each in why.passed[:PASSED_NAMED])
+    asked = "; ".join(f"{each.agent} {_answer(each, why.coordinator)}" for each in why.passed[:PASSED_NAMED])
     if (rest := len(why.passed) - PASSED_NAMED) > 0:
         asked += f"; {rest} more dropped out"
     return f"All that bid were asked in vain: {asked}.{_refused(why.refused)}"
@@ -146,6 +152,8 @@ def _refused(refused: Sequence[RefusedView]) -> str:
     if count == 1:
         (only,) = refused
         return f" {only.agents[0]} refused: {_reason(only)}."
+    if len(refused) == 1:
+        return f" {count} refused: all of them {_reason(refused[0])}."
     reasons = ", ".join(f"{len(each.agents)} {_reason(each)}" for each in refused)
     return f" {count} refused: {reasons}."
 
@@ -174,4 +182,8 @@ def _rounds(why: WhyView) -> str:
 
 
 def _s(seconds: float) -> str:
-    return f"{seconds:.1f} s"
+    """Tenths tell one vehicle's price from another's; of hours of production they would tell nothing."""
+    if seconds < MINUTES_FROM_S:
+        return f"{seconds:.1f} s"
+    whole = round(seconds)
+    return f"{whole // 60}:{whole % 60:02d} min"
