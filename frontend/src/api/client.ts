@@ -38,6 +38,32 @@ export async function fetchPlant(): Promise<PlantFile> {
   return (await request("GET", "/api/plant")) as PlantFile;
 }
 
+/** How a vehicle keeps its promises; in factory seconds, below 0 for earlier than promised. */
+export interface PromiseLine {
+  /** Empty for the whole fleet. */
+  readonly atv: string;
+  readonly delivered: number;
+  readonly on_time: number;
+  readonly on_time_frac: number | null;
+  readonly median_s: number | null;
+  readonly p95_s: number | null;
+  readonly worst_s: number | null;
+  readonly worst_task: string;
+  /** Transports that somebody else had to carry on. */
+  readonly lost: number;
+  readonly last_at_s: number | null;
+}
+
+export interface PromiseLedger {
+  readonly on_time_within_s: number;
+  readonly fleet: PromiseLine;
+  readonly items: readonly PromiseLine[];
+}
+
+export async function fetchPromises(): Promise<PromiseLedger> {
+  return (await request("GET", "/api/promises")) as PromiseLedger;
+}
+
 /** @param key the same for every try at the same order: however often it is sent, it is placed once */
 export async function placeOrder(order: NewOrder, key: string): Promise<PlacedOrder> {
   return (await request("POST", "/api/orders", order, { "Idempotency-Key": key })) as PlacedOrder;

@@ -2,12 +2,14 @@ import { t } from "../text";
 import { FleetView } from "./fleet/FleetView";
 import { OrdersView } from "./orders/OrdersView";
 import { PlantView } from "./plantview/PlantView";
+import { PromisesView } from "./promises/PromisesView";
 import { TasksView } from "./tasks/TasksView";
 import { NewsBanner } from "./topbar/NewsBanner";
 import { TopBar } from "./topbar/TopBar";
 import { view } from "./views";
+import { WatchView } from "./watch/WatchView";
 
-const SHOWN = { plant: PlantView, orders: OrdersView, fleet: FleetView, tasks: TasksView };
+const SHOWN = { plant: PlantView, orders: OrdersView, fleet: FleetView, tasks: TasksView, watch: WatchView, promises: PromisesView };
 
 export function App() {
   const View = SHOWN[view.value];

@@ -3,7 +3,7 @@
 interface Props {
   frac: number;
   label: string;
-  tone?: "normal" | "warn" | "chosen" | "done";
+  tone?: "normal" | "warn" | "alarm" | "chosen" | "done";
   /** Where the mark stands, e.g. a reorder point. */
   mark?: number | undefined;
   /** A second, fainter part behind the first. */

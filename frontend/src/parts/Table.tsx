@@ -1,21 +1,38 @@
 /** A view that is one table. */
 import type { ComponentChildren, VNode } from "preact";
+import { t } from "../text";
+
+/** By which column the rows are sorted; whoever owns the rows sorts them. */
+export interface Sorting {
+  readonly column: number;
+  readonly descending: boolean;
+  readonly by: (column: number) => void;
+}
 
 interface Props {
   title: string;
   heads: readonly string[];
   empty: string;
+  /** How many there are, where not every row is one. */
+  count?: number;
+  /** What the figures mean, in a line below the title. */
+  hint?: string;
+  /** Right of the title: filters, a download. */
+  aside?: ComponentChildren;
+  sorting?: Sorting;
   children: readonly VNode[];
 }
 
-export function Table({ children, empty, heads, title }: Props): ComponentChildren {
+export function Table({ aside, children, count, empty, heads, hint, sorting, title }: Props): ComponentChildren {
   return (
     <main class="table-view">
       <section class="card">
         <header class="card-head">
           <h1>{title}</h1>
-          <span class="count">{children.length}</span>
+          <span class="count">{count ?? children.length}</span>
+          {aside !== undefined && <div class="table-aside">{aside}</div>}
         </header>
+        {hint !== undefined && <p class="table-hint">{hint}</p>}
         {children.length === 0 ? (
           <p class="empty">{empty}</p>
         ) : (
@@ -23,10 +40,8 @@ export function Table({ children, empty, heads, title }: Props): ComponentChildr
             <table>
               <thead>
                 <tr>
-                  {heads.map((head) => (
-                    <th key={head} scope="col">
-                      {head}
-                    </th>
+                  {heads.map((head, i) => (
+                    <Head key={head} head={head} column={i} sorting={sorting} />
                   ))}
                 </tr>
               </thead>
@@ -36,5 +51,26 @@ export function Table({ children, empty, heads, title }: Props): ComponentChildr
         )}
       </section>
     </main>
+  );
+}
+
+function Head({ column, head, sorting }: { column: number; head: string; sorting: Sorting | undefined }) {
+  if (!sorting) return <th scope="col">{head}</th>;
+  const sorted = sorting.column === column;
+  const order = sorted ? (sorting.descending ? "descending" : "ascending") : "none";
+  return (
+    <th scope="col" aria-sort={order}>
+      <button
+        type="button"
+        class="sort"
+        title={t("table.sortBy", { column: head })}
+        onClick={() => {
+          sorting.by(column);
+        }}
+      >
+        {head}
+        <i class={`sort-mark sort-${order}`} aria-hidden="true" />
+      </button>
+    </th>
   );
 }

@@ -8,11 +8,11 @@ export function Tag({ tone = "normal", children }: { tone?: Tone; children: Comp
 }
 
 export function toneOfMachine(status: string): Tone {
-  if (status === "error") return "alarm";
+  if (status === "error" || status === "lost") return "alarm";
   return status === "starved" || status === "blocked" ? "warn" : "normal";
 }
 
 export function toneOfAtv(status: string): Tone {
-  if (status === "error") return "alarm";
+  if (status === "error" || status === "lost") return "alarm";
   return status === "stopped" ? "warn" : "normal";
 }

@@ -3,11 +3,16 @@ import type { TaskView } from "../api/types";
 import type { Place } from "../motion/roads";
 import type { Line } from "./draw/lines";
 
+/** Who is watched, beside where the line goes. */
+export interface Guard extends Line {
+  readonly guarded: string;
+}
+
 export interface Links {
   /** Carrier and the coordinator that it works for. */
   readonly primary: readonly Line[];
   /** Watcher and the carrier that it watches. */
-  readonly secondary: readonly Line[];
+  readonly secondary: readonly Guard[];
 }
 
 interface Watchful {
@@ -23,13 +28,17 @@ type Find = (id: string) => Place | undefined;
  */
 export function watchLinks(tasks: Iterable<TaskView>, find: Find, only: Watchful | null): Links {
   const primary: Line[] = [];
-  const secondary: Line[] = [];
+  const secondary: Guard[] = [];
   for (const task of tasks) {
     if (task.state !== "contracted" || task.kind !== "transport") continue;
     const own = only === null || task.primary === only.atv || task.coordinator === only.machine;
     if (own) add(primary, find(task.primary), find(task.coordinator));
     // Who is only watching has nothing to do with the machine.
-    if (own || task.secondary === only.atv) add(secondary, find(task.secondary), find(task.primary));
+    if (own || task.secondary === only.atv) {
+      const from = find(task.secondary);
+      const to = find(task.primary);
+      if (from && to) secondary.push({ from, to, guarded: task.primary });
+    }
   }
   return { primary, secondary };
 }

@@ -5,7 +5,7 @@ import { labelRect, lookOf } from "./draw/vehicles";
 import { layersFrom } from "./layers";
 import { meshLinks, watchLinks } from "./links";
 import { find, type Findable } from "./places";
-import { isLost } from "./silence";
+import { boundS, isLost, isOverdue } from "./silence";
 import { filledFrac, isLow } from "./stock";
 
 describe("a buffer", () => {
@@ -41,6 +41,14 @@ describe("silence", () => {
   });
 });
 
+describe("a heartbeat", () => {
+  test("is overdue before its absence is failure", () => {
+    const seen = { seen_at_s: 98, task: {} };
+    expect([isOverdue(seen, 99, 1), isOverdue(seen, 100, 1), isLost(seen, 100, 1)]).toEqual([false, true, false]);
+    expect(isLost(seen, 98.1 + boundS(seen, 1), 1)).toBe(true);
+  });
+});
+
 describe("the look of a vehicle", () => {
   const atv = (more: object) => ({ status: "working", ...more }) as AtvView;
 
@@ -70,7 +78,7 @@ describe("links", () => {
   test("join carrier and machine, watcher and carrier", () => {
     const links = watchLinks([task], where, null);
     expect(links.primary).toEqual([{ from: places.ATV1, to: places.M1 }]);
-    expect(links.secondary).toEqual([{ from: places.ATV2, to: places.ATV1 }]);
+    expect(links.secondary).toEqual([{ from: places.ATV2, to: places.ATV1, guarded: "ATV1" }]);
   });
 
   test("of others are left out where only the chosen are asked for", () => {

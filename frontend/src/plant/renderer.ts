@@ -11,16 +11,16 @@ import { format, t } from "../text";
 import { type Detail, detailOf } from "./detail";
 import type { Brush } from "./draw/brush";
 import { drawFloor } from "./draw/floor";
-import { drawChosenWay, drawLinks, drawWays } from "./draw/lines";
+import { drawAges, drawChosenWay, drawLinks, drawWays } from "./draw/lines";
 import { drawMachine } from "./draw/machines";
 import { drawMark } from "./draw/marks";
 import { drawDots, drawVehicle, drawVehicleLabels, type Look, lookOf } from "./draw/vehicles";
 import { boxOnScreen, fitView, type Size, toScreenX, toScreenY, type View, type Zoom, zoomed } from "./geometry";
 import type { Layers } from "./layers";
-import { meshLinks, watchLinks } from "./links";
+import { type Guard, meshLinks, watchLinks } from "./links";
 import { Marks } from "./marks";
 import type { Palette } from "./palette";
-import { isLost } from "./silence";
+import { isLost, isOverdue } from "./silence";
 
 export interface Canvases {
   readonly floor: HTMLCanvasElement;
@@ -223,7 +223,7 @@ export class PlantRenderer {
       const others = vehicles.filter((vehicle) => vehicle.view.id !== atv && onItsWay(vehicle));
       drawWays(brush, others.map(({ view }) => this.fleet.ahead(view.id)));
     }
-    if (layers.watch) this.#drawWatch(brush, world.tasks, vehicles);
+    if (layers.watch) this.#drawWatch(brush, world.tasks, vehicles, nowS);
     if (layers.mesh) drawLinks(brush, meshLinks(vehicles, this.#find), "mesh", true);
     const chosen = atv === null ? undefined : this.fleet.get(atv);
     if (layers.ways && chosen && onItsWay(chosen)) drawChosenWay(brush, this.fleet.ahead(chosen.view.id));
@@ -231,8 +231,14 @@ export class PlantRenderer {
     this.#drawVehicles(brush, vehicles, nowS);
   }
 
-  #drawWatch(brush: Brush, tasks: ReadonlyMap<string, TaskView>, inSight: readonly ShownVehicle[]): void {
+  #drawWatch(
+    brush: Brush,
+    tasks: ReadonlyMap<string, TaskView>,
+    inSight: readonly ShownVehicle[],
+    nowS: number,
+  ): void {
     const { atv, place } = this.#shown;
+    const speed = this.#world?.factory.speed ?? 1;
     if (brush.detail.everybody) {
       // Lines that only pass through would say nothing.
       const seen = new Map(inSight.map((vehicle) => [vehicle.view.id, vehicle]));
@@ -242,6 +248,17 @@ export class PlantRenderer {
     const chosen = watchLinks(tasks.values(), this.#find, { atv, machine: place });
     drawLinks(brush, chosen.primary, "primary", true);
     drawLinks(brush, chosen.secondary, "secondary", true);
+    const aged = (guards: readonly Guard[]) =>
+      guards.flatMap((guard) => {
+        const view = this.fleet.get(guard.guarded)?.view;
+        if (!view) return [];
+        const age = format.age(nowS - view.seen_at_s);
+        return [{ ...guard, age, overdue: isOverdue(view, nowS, speed) }];
+      });
+    // Whoever is not heard in time is looked for, whatever is chosen.
+    const overdue = aged(watchLinks(tasks.values(), this.#find, null).secondary).filter((each) => each.overdue);
+    drawLinks(brush, overdue, "overdue", true);
+    drawAges(brush, [...aged(chosen.secondary).filter((each) => !each.overdue), ...overdue]);
   }
 
   #drawVehicles(brush: Brush, vehicles: readonly ShownVehicle[], nowS: number): void {

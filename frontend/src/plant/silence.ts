@@ -10,6 +10,7 @@ const BEATS = 3;
 const SLACK_S = 0.5;
 /** However fast the factory runs: browsers are told ten times a second at most, and a page may be busy. */
 const LEAST_S = 2;
+const LEAST_OVERDUE_S = 1.2;
 
 interface Seen {
   readonly seen_at_s: number;
@@ -19,6 +20,19 @@ interface Seen {
 
 /** @param speed factory seconds per real second */
 export function isLost(view: Seen, nowS: number, speed: number): boolean {
-  const beatS = view.task ? WORKING_BEAT_S : IDLE_BEAT_S;
-  return nowS - view.seen_at_s > Math.max(LEAST_S, (BEATS * beatS + SLACK_S) / Math.max(speed, 0.1));
+  return nowS - view.seen_at_s > boundS(view, speed);
+}
+
+/** The silence of this one that counts as failure, in real seconds. */
+export function boundS(view: Pick<Seen, "task">, speed: number): number {
+  return Math.max(LEAST_S, (BEATS * beatS(view) + SLACK_S) / Math.max(speed, 0.1));
+}
+
+/** Whether a heartbeat should have come by now: nothing to act on, but something to look at. */
+export function isOverdue(view: Seen, nowS: number, speed: number): boolean {
+  return nowS - view.seen_at_s > Math.max(LEAST_OVERDUE_S, (beatS(view) + SLACK_S) / Math.max(speed, 0.1));
+}
+
+function beatS(view: Pick<Seen, "task">): number {
+  return view.task ? WORKING_BEAT_S : IDLE_BEAT_S;
 }

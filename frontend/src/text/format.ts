@@ -7,6 +7,8 @@ export interface Formats {
   number: (value: number, digits: number) => string;
   /** 71 s, 3:40 min, 2:05 h */
   duration: (seconds: number) => string;
+  /** 54.8 s, 34:48 min: where tenths tell one from another */
+  price: (seconds: number) => string;
   /** 0.4 s, 12 s, 3:40 min: how long ago */
   age: (seconds: number) => string;
   /** 10:39:20 */
@@ -17,6 +19,8 @@ export interface Formats {
 }
 
 const NARROW_SPACE = "\u202f";
+/** From here on a length of time is easier to read in minutes. */
+const MINUTES_FROM_S = 120;
 const HOUR_S = 3600;
 const DAY_S = 24 * HOUR_S;
 
@@ -40,7 +44,7 @@ export function formatsFor(locale: string, timeZone?: string): Formats {
   const duration = (seconds: number): string => {
     const whole = Math.round(Math.abs(seconds));
     const sign = seconds < 0 && whole > 0 ? "−" : "";
-    if (whole < 120) return `${sign}${count.format(whole)}${NARROW_SPACE}s`;
+    if (whole < MINUTES_FROM_S) return `${sign}${count.format(whole)}${NARROW_SPACE}s`;
     if (whole < 2 * HOUR_S) return `${sign}${minutes(whole)}${NARROW_SPACE}min`;
     return `${sign}${minutes(Math.round(whole / 60))}${NARROW_SPACE}h`;
   };
@@ -49,6 +53,8 @@ export function formatsFor(locale: string, timeZone?: string): Formats {
     count: (value) => count.format(value),
     number,
     duration,
+    price: (seconds) =>
+      seconds < MINUTES_FROM_S ? `${tenths.format(seconds)}${NARROW_SPACE}s` : duration(seconds),
     age: (seconds) =>
       seconds < 10 ? `${tenths.format(Math.max(0, seconds))}${NARROW_SPACE}s` : duration(seconds),
     clock: (atS) => clock.format(atS * 1000),

@@ -18,6 +18,14 @@ const follow = signal<"chosen" | "newest">("chosen");
 /** The height of the card is fixed, so that the map above it never moves. */
 const MOST_ROWS = 4;
 
+/** The sentence has room for two lines; each further one takes the place of a row. */
+const WHY_CHARS = 200;
+const LINE_CHARS = 95;
+
+function linesOver(why: string): number {
+  return Math.max(0, Math.ceil((why.length - WHY_CHARS) / LINE_CHARS));
+}
+
 /** Bottom middle: who bid, who refused, and why this vehicle. */
 export function AuctionCard() {
   const task = useComputed(() =>
@@ -75,7 +83,8 @@ function Aside({ task }: { task: TaskView | null }) {
 
 function Bids({ task }: { task: TaskView }) {
   const { mostS, parts, refusals, rows } = auctionOf(task);
-  const room = MOST_ROWS - Number(task.carriers.length > 1) - Number(task.trouble !== "");
+  const why = whyText(task);
+  const room = MOST_ROWS - Number(task.carriers.length > 1) - Number(task.trouble !== "") - linesOver(why);
   const bids = rows.slice(0, Math.max(2, room - Math.min(1, refusals.length)));
   const refused = refusals.slice(0, Math.max(0, room - bids.length));
   const moreBids = rows.length - bids.length;
@@ -92,7 +101,7 @@ function Bids({ task }: { task: TaskView }) {
       </ul>
       {task.carriers.length > 1 && <Carriers carriers={task.carriers} />}
       <p class="why">
-        {whyText(task)}
+        {why}
         {task.trouble !== "" && <span class="tone-warn"> {t("why.trouble", { reason: word("failure", task.trouble) })}</span>}
       </p>
       <footer class="bids-foot">

@@ -17,6 +17,7 @@ export function BidLine({ row, parts, mostS }: Props) {
     total: format.duration(bid.total_s),
     parts: format.list(spoken),
   });
+  const note = noteOf(row);
   return (
     <li class={`bid ${standing === "primary" ? "bid-won" : ""}`}>
       <Link kind="atv" id={bid.bidder} />
@@ -26,15 +27,18 @@ export function BidLine({ row, parts, mostS }: Props) {
         ))}
       </span>
       <span class="num">{format.duration(bid.total_s)}</span>
-      <span class="bid-note">{noteOf(row)}</span>
+      <span class="bid-note" title={note}>
+        {note}
+      </span>
     </li>
   );
 }
 
 function noteOf({ bid, standing }: BidRow): string {
   if (standing) return t(`auction.role.${standing}`);
-  if (bid.answer === "" || bid.answer === "accepted") return "";
+  const forWatch = bid.role === "secondary";
+  if (bid.answer === "" || bid.answer === "accepted") return forWatch ? t("auction.forWatch") : "";
   if (bid.answer === "asked") return t("auction.answer.asked");
   if (bid.answer === "silent") return t("auction.answer.silent");
-  return t("auction.answer.declined", { reason: word("reason", bid.answer) });
+  return t(forWatch ? "auction.answer.noWatch" : "auction.answer.declined", { reason: word("reason", bid.answer) });
 }

@@ -1,24 +1,28 @@
 import { describe, expect, test } from "vitest";
-import type { AtvView, BidView, RefusalView, TaskView } from "../../api/types";
+import type { AtvView, BidView, RefusalView, TaskView, WhyView } from "../../api/types";
 import { NOTHING, type Selection } from "../../selection/selection";
 import type { World } from "../../stream/world";
 import { auctionOf, shownTask } from "./auction";
 import { taskTimes } from "./times";
-import { whyOf } from "./why";
-import { whyText } from "./why-text";
 
+const NO_REASON: WhyView = {
+  kind: "waiting", agent: "", total_s: 0, bidders: 0, left: 0, other: "", by_s: 0, part: "", part_s: 0, tie_by: "",
+  passed: [], refused: [], round: 1, radius_m: 25, replaced: "", reason: "", silent_s: 0, confirmed: true,
+  coordinator: "M8", text: "",
+};
 const bid = (bidder: string, empty_way: number, loaded_way = 40, more: Partial<BidView> = {}): BidView => ({
-  bidder, role: "primary", round: 1, total_s: empty_way + loaded_way, parts_s: { empty_way, loaded_way },
-  finish_at_s: 0, source: "S4", answer: "", ...more,
+  bidder, role: "primary", epoch: 1, round: 1, total_s: empty_way + loaded_way, parts_s: { empty_way, loaded_way },
+  finish_at_s: 0, source: "S4", answer: "", taken_for: "", ...more,
 });
 const refusal = (agent: string, reason: string, more: Partial<RefusalView> = {}): RefusalView => ({
-  agent, role: "primary", round: 1, reason, detail: "", ...more,
+  agent, role: "primary", epoch: 1, round: 1, reason, detail: "", ...more,
 });
 const task = (more: Partial<TaskView>): TaskView => ({
   id: "M8-214", kind: "transport", coordinator: "M8", item: "housing", quantity: 60, sources: ["S4"], source: "S4",
   destination: "M8", order: "", goal: "", epoch: 1, round: 1, radius_m: 30, state: "contracted", phase: "",
   primary: "", secondary: "", opened_at_s: 0, contracted_at_s: null, promised_at_s: null, deadline_at_s: 100,
-  closed_at_s: null, trouble: "", carriers: [], bids: [], refusals: [], ...more,
+  closed_at_s: null, trouble: "", carriers: [], bids: [], refusals: [],
+  why: NO_REASON, ...more,
 });
 
 describe("an auction", () => {
@@ -34,6 +38,11 @@ describe("an auction", () => {
     expect(auctionOf(task({ bids })).rows.map((row) => row.bid.total_s)).toEqual([70]);
   });
 
+  test("leaves out what was bid before the task was announced anew", () => {
+    const bids = [bid("A", 1), bid("B", 30, 40, { epoch: 2 }), bid("C", 1, 1, { role: "secondary" })];
+    expect(auctionOf(task({ epoch: 2, bids })).rows.map((row) => row.bid.bidder)).toEqual(["C", "B"]);
+  });
+
   test("forgets the refusal of who bid in a later round", () => {
     const { refusals } = auctionOf(
       task({ bids: [bid("A", 1, 1, { round: 2 })], refusals: [refusal("A", "out_of_radius"), refusal("B", "busy")] }),
@@ -44,74 +53,6 @@ describe("an auction", () => {
   test("names the parts in the order in which they are spent, and none that nobody spends", () => {
     const parts_s = { suitability: 0, energy: 3, loaded_way: 2, empty_way: 1 };
     expect(auctionOf(task({ bids: [bid("A", 1, 1, { parts_s })] })).parts).toEqual(["empty_way", "loaded_way", "energy"]);
-  });
-});
-
-describe("why this vehicle", () => {
-  test("the part that makes most of the difference is the reason", () => {
-    expect(whyOf(task({ primary: "A", bids: [bid("A", 20), bid("B", 48), bid("C", 60)] }))).toEqual({
-      kind: "part", winner: "A", other: "B", part: "empty_way", byS: 28,
-    });
-  });
-
-  test("the total is the reason where no part is", () => {
-    const why = whyOf(task({ primary: "A", bids: [bid("A", 20, 40), bid("B", 30, 50)] }));
-    expect(why).toMatchObject({ kind: "total", byS: 20 });
-  });
-
-  test("a cheaper one that declined is named with its reason", () => {
-    const bids = [bid("A", 20), bid("B", 5, 40, { answer: "busy" })];
-    expect(whyOf(task({ primary: "A", bids }))).toEqual({
-      kind: "cheaperDeclined", winner: "A", other: "B", byS: 15, reason: "busy",
-    });
-  });
-
-  test("a cheaper one that kept silent is named too", () => {
-    const bids = [bid("A", 20), bid("B", 5, 40, { answer: "silent" })];
-    expect(whyOf(task({ primary: "A", bids })).kind).toBe("cheaperSilent");
-  });
-
-  test("after a takeover the reason is the takeover, not the price", () => {
-    const bids = [bid("A", 5, 40, { answer: "accepted" }), bid("B", 30, 40, { answer: "accepted" })];
-    expect(whyOf(task({ primary: "B", epoch: 2, bids }))).toEqual({ kind: "tookOver", winner: "B", before: "A", epoch: 2 });
-  });
-
-  test("after a change of carriers the record of it counts, not the bids", () => {
-    const first = { carrier: "A", epoch: 1, since_at_s: 0, replaced: "", reason: "", silent_s: 0, confirmed: true };
-    const second = { ...first, carrier: "B", epoch: 2, replaced: "A", reason: "silent", silent_s: 3.6 };
-    const taken = task({ primary: "B", epoch: 2, bids: [bid("B", 5)], carriers: [first, second] });
-    expect(whyOf(taken)).toEqual({ kind: "replaced", winner: "B", before: "A", reason: "silent", silentS: 3.6 });
-    expect(whyText(taken)).toBe("B took over from A after 3.6\u202fs of silence.");
-    const other = task({ primary: "B", carriers: [first, { ...second, reason: "in error" }] });
-    expect(whyText(other)).toBe("B took over from A: in error.");
-    // Whoever has won the task since has won it by its price.
-    const won = { ...first, carrier: "C", epoch: 3 };
-    expect(whyOf(task({ primary: "C", bids: [bid("C", 5)], carriers: [first, second, won] })).kind).toBe("only");
-  });
-
-  test("a single bidder won because nobody else bid", () => {
-    expect(whyOf(task({ primary: "A", bids: [bid("A", 5)] }))).toEqual({ kind: "only", winner: "A" });
-  });
-
-  test("equal prices are called equal", () => {
-    expect(whyOf(task({ primary: "A", bids: [bid("A", 5), bid("B", 5.2)] })).kind).toBe("tie");
-  });
-
-  test("before the award only the leader is named", () => {
-    expect(whyOf(task({ state: "bidding", bids: [bid("A", 9), bid("B", 5)] }))).toMatchObject({ kind: "leading", bidder: "B" });
-    expect(whyOf(task({ state: "bidding", refusals: [refusal("A", "busy")] }))).toEqual({ kind: "waiting", refused: 1 });
-  });
-
-  test("nothing is claimed of a carrier whose bid is not on record", () => {
-    expect(whyOf(task({ primary: "Z", bids: [bid("A", 9)] }))).toEqual({ kind: "unknown", winner: "Z" });
-  });
-
-  test("the sentence says it in words, and who could not", () => {
-    const refusals = [refusal("ATV7", "battery"), refusal("ATV2", "busy")];
-    const text = whyText(task({ primary: "ATV3", bids: [bid("ATV3", 20), bid("ATV1", 48)], refusals }));
-    expect(text).toBe(
-      "ATV3, because its empty way costs 28\u202fs less than that of ATV1, the next cheapest. ATV7 could not: battery.",
-    );
   });
 });
 

@@ -35,10 +35,15 @@ export function auctionOf(task: TaskView): Auction {
   };
 }
 
-/** A bid for the carriage counts before a bid for the watch; a later one before an earlier one. */
+/**
+ * A bid for the carriage counts before a bid for the watch; a later one before an earlier one. What was
+ * bid for the carriage before the task was announced anew counts no more.
+ */
 export function latestBids(bids: readonly BidView[]): BidView[] {
+  const epoch = Math.max(0, ...bids.filter(({ role }) => role === "primary").map((bid) => bid.epoch));
   const byBidder = new Map<string, BidView>();
   for (const bid of bids) {
+    if (bid.role === "primary" && bid.epoch < epoch) continue;
     const known = byBidder.get(bid.bidder);
     if (known?.role === "primary" && bid.role === "secondary") continue;
     byBidder.set(bid.bidder, bid);

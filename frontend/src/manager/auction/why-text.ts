@@ -1,66 +1,122 @@
-/** The sentence for a reason. */
-import type { TaskView } from "../../api/types";
+/**
+ * "Why this vehicle?" in words. The gateway has the reasons, computed from the bids; here they are put
+ * into the reader's language.
+ */
+import type { PassedView, RefusedView, TaskView, WhyView } from "../../api/types";
 import { format, n, t, word } from "../../text";
 import { isSilence } from "../news/news-text";
-import { auctionOf } from "./auction";
-import { type Why, whyOf } from "./why";
 
-/** More names than this are a list, not a sentence. */
-const MOST_NAMES = 3;
+/** Bidders that were passed over and are named; more would make a list of a sentence. */
+const PASSED_NAMED = 2;
+/** A smaller difference is not seen in figures with one decimal. */
+const TIE_S = 0.05;
+/** What has gone through no rounds of bidding, or not through those that are told. */
+const WITHOUT_ROUNDS = new Set<WhyView["kind"]>(["took_over", "adopted", "unknown", "withdrawn"]);
 
-export function whyText(task: TaskView): string {
-  const refused = task.primary === "" ? "" : refusedText(task);
-  return [reasonText(whyOf(task)), refused].filter(Boolean).join(" ");
+export function whyText({ why }: Pick<TaskView, "why">): string {
+  return [mainText(why), anewText(why), roundsText(why)].filter(Boolean).join(" ");
 }
 
-export function reasonText(why: Why): string {
+function mainText(why: WhyView): string {
+  const { agent, coordinator } = why;
+  const total = format.price(why.total_s);
   switch (why.kind) {
-    case "waiting":
-      return why.refused > 0 ? n("why.waitingRefused", why.refused) : t("why.waiting");
-    case "leading":
-      return t("why.leading", { bidder: why.bidder, total: format.duration(why.totalS) });
     case "withdrawn":
-      return t("why.withdrawn", { coordinator: why.coordinator });
-    case "only":
-      return t("why.only", { winner: why.winner });
-    case "tie":
-      return t("why.tie", { winner: why.winner, other: why.other });
-    case "replaced": {
-      const { before, reason, silentS, winner } = why;
-      if (isSilence({ reason, silent_s: silentS })) {
-        return t("why.replacedSilent", { winner, before, silence: format.age(silentS) });
-      }
-      return t("why.replaced", { winner, before, reason: word("failure", reason) });
-    }
-    case "tookOver":
-      return t("why.tookOver", { winner: why.winner, before: why.before, epoch: why.epoch });
+      return t("why.withdrawn", { coordinator });
     case "unknown":
-      return t("why.unknown", { winner: why.winner });
-    case "part":
-      // "Costs less suitability" would be no reason that a person understands.
-      if (why.part === "suitability") return t("why.suitability", names(why));
-      return t("why.part", { ...names(why), part: word("part", why.part) });
-    case "total":
-      return t("why.total", names(why));
-    case "cheaperDeclined":
-      return t("why.cheaperDeclined", { ...names(why), reason: word("reason", why.reason) });
-    case "cheaperSilent":
-      return t("why.cheaperSilent", names(why));
-    case "cheaperAsked":
-      return t("why.cheaperAsked", names(why));
+      return t("why.unknown", { agent });
+    case "adopted":
+      return t("why.adopted", { agent, coordinator });
+    case "took_over":
+      return tookOverText(why);
+    case "waiting":
+      return joined(why.passed.length === 0 ? t("why.waiting") : vainText(why.passed, coordinator), refusedText(why.refused));
+    case "asked":
+      return t("why.asked", { agent, total });
+    case "leading":
+      return why.left === 1 ? t("why.leadingOnly", { agent, total }) : t("why.leading", { agent, total, count: why.left });
+    case "only":
+      return onlyText(why, total);
+    case "tie":
+    case "cheapest":
+      return comparedText(why, total);
   }
 }
 
-function names(why: { winner: string; other: string; byS: number }) {
-  return { winner: why.winner, other: why.other, by: format.duration(why.byS) };
+function onlyText({ agent, bidders, coordinator, passed, refused }: WhyView, total: string): string {
+  if (passed.length > 0) return joined(t("why.onlyLeft", { agent, total, passed: passedText(passed, coordinator) }), refusedText(refused));
+  return joined(t(bidders > 1 ? "why.onlyLeast" : "why.only", { agent, total }), refusedText(refused));
 }
 
-/** Names those who could not because of their battery or ability: the reasons that a person can change. */
-function refusedText(task: TaskView): string {
-  const telling = auctionOf(task).refusals.filter(({ reason }) => reason === "battery" || reason === "ability");
-  const reason = telling[0]?.reason;
-  if (reason === undefined) return "";
-  const agents = telling.filter((refusal) => refusal.reason === reason).map(({ agent }) => agent);
-  if (agents.length > MOST_NAMES) return "";
-  return t("why.refused", { names: format.list(agents), reason: word("reason", reason) });
+function comparedText(why: WhyView, total: string): string {
+  const { agent, other } = why;
+  const someLeft = why.passed.length > 0;
+  const names = { agent, other, total, count: someLeft ? why.left : why.bidders, passed: passedText(why.passed, why.coordinator) };
+  if (why.kind === "tie") {
+    return t(someLeft ? "why.tieLeft" : "why.tie", { ...names, decided: word("why.tie", why.tie_by) });
+  }
+  const main = t(someLeft ? "why.cheapestLeft" : "why.cheapest", { ...names, by: format.price(why.by_s) });
+  return joined(main, why.part === "" ? "" : word("why.part", why.part));
+}
+
+function passedText(passed: readonly PassedView[], coordinator: string): string {
+  const named = passed.slice(0, PASSED_NAMED).map((each) => {
+    const words = { agent: each.agent, answer: answerText(each, coordinator) };
+    if (each.less_s < TIE_S) return t("why.passedEqual", words);
+    return t("why.passed", { ...words, by: format.price(each.less_s) });
+  });
+  const rest = passed.length - named.length;
+  return named.join("") + (rest > 0 ? n("why.passedMore", rest) : "");
+}
+
+function answerText({ answer, taken_for: taken }: PassedView, coordinator: string): string {
+  if (taken === "") return word("answer", answer);
+  return t(taken === coordinator ? "why.takenForOwn" : "why.takenFor", { coordinator: taken });
+}
+
+function vainText(passed: readonly PassedView[], coordinator: string): string {
+  const each = passed.slice(0, PASSED_NAMED).map((one) => t("why.vain", { agent: one.agent, answer: answerText(one, coordinator) }));
+  const rest = passed.length - each.length;
+  return t("why.waitingVain", { answers: each.join("; ") + (rest > 0 ? n("why.passedMore", rest) : "") });
+}
+
+function tookOverText(why: WhyView): string {
+  const { agent, coordinator, replaced } = why;
+  const main = isSilence(why)
+    ? t("why.tookOverSilent", { agent, replaced, silence: format.price(why.silent_s) })
+    : t("why.tookOver", { agent, replaced, reason: word("failure", why.reason) });
+  return joined(main, why.confirmed ? "" : t("why.unconfirmed", { coordinator }));
+}
+
+/** How many did not bid, counted by reason. */
+function refusedText(refused: readonly RefusedView[]): string {
+  const count = refused.reduce((sum, { agents }) => sum + agents.length, 0);
+  const first = refused[0];
+  if (!first) return "";
+  if (count === 1) return t("why.refusedOne", { agent: first.agents[0] ?? "", reason: word("refusal", first.reason) });
+  if (refused.length === 1) return t("why.refusedAll", { count: format.count(count), reason: word("refusal", first.reason) });
+  const reasons = refused.map(({ agents, reason }) =>
+    t("why.refusedBy", { count: format.count(agents.length), reason: word("refusal", reason) }),
+  );
+  return t("why.refused", { count: format.count(count), reasons: format.list(reasons) });
+}
+
+function anewText(why: WhyView): string {
+  const { replaced } = why;
+  if (replaced === "" || why.kind === "took_over") return "";
+  const reason = isSilence(why)
+    ? t("why.anewSilent", { silence: format.price(why.silent_s) })
+    : word("failure", why.reason);
+  return t("why.anew", { replaced, reason });
+}
+
+function roundsText({ kind, radius_m: radiusM, round }: WhyView): string {
+  if (round < 2 || WITHOUT_ROUNDS.has(kind)) return "";
+  const open = kind === "waiting" || kind === "leading" || kind === "asked";
+  if (radiusM === 0) return t(open ? "why.roundNowAll" : "why.roundsAll", { round });
+  return t(open ? "why.roundNow" : "why.rounds", { round, radius: format.count(radiusM) });
+}
+
+function joined(...sentences: readonly string[]): string {
+  return sentences.filter(Boolean).join(" ");
 }

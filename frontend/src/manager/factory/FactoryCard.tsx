@@ -1,16 +1,23 @@
 import { useComputed } from "@preact/signals";
 import { Card } from "../../parts/Card";
-import { world } from "../../stream/stream";
+import { nowS, world } from "../../stream/stream";
 import { format, t } from "../../text";
 import { Sparkline } from "./Sparkline";
+import { LOST, statusCounts } from "./status";
 import { StatusRow } from "./StatusRow";
 
-const ATV_ORDER = ["working", "idle", "charging", "stopped", "error"];
-const MACHINE_ORDER = ["producing", "idle", "starved", "blocked", "error"];
+const ATV_ORDER = ["working", "idle", "charging", "stopped", "error", LOST];
+const MACHINE_ORDER = ["producing", "idle", "starved", "blocked", "error", LOST];
 
 /** The factory as a whole: does it deliver, do machines wait, how long do transports take. */
 export function FactoryCard() {
   const factory = useComputed(() => world.value?.factory ?? null).value;
+  const counts = useComputed(() => {
+    const { atvs, factory, machines } = world.value ?? {};
+    const of = (views: typeof atvs | typeof machines) =>
+      statusCounts(views?.values() ?? [], nowS.value, factory?.speed ?? 1);
+    return { atvs: of(atvs), machines: of(machines) };
+  }).value;
   const percent = (frac: number | null | undefined) =>
     frac == null ? t("factory.none") : format.percent(frac, 1);
   const seconds = (s: number | null | undefined) => (s == null ? t("factory.none") : format.duration(s));
@@ -23,11 +30,11 @@ export function FactoryCard() {
         <Kpi value={seconds(factory?.transport_p95_s)} name={t("factory.p95")} />
       </div>
       <Sparkline values={factory?.deliveries_per_hour ?? []} />
-      <StatusRow name={t("factory.atvs")} group="atv" counts={factory?.atvs_by_status ?? {}} order={ATV_ORDER} />
+      <StatusRow name={t("factory.atvs")} group="atv" counts={counts.atvs} order={ATV_ORDER} />
       <StatusRow
         name={t("factory.machines")}
         group="machine"
-        counts={factory?.machines_by_status ?? {}}
+        counts={counts.machines}
         order={MACHINE_ORDER}
       />
     </Card>

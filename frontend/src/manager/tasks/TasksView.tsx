@@ -8,7 +8,7 @@ import { PUNCTUAL_S } from "../auction/times";
 import { ShowLink } from "../ShowLink";
 import { names } from "../state";
 
-/** Every task of the stream with its promise and what became of it: the promise ledger. */
+/** Every task of the stream with its promise and what became of it. */
 export function TasksView() {
   const tasks = useComputed(() => inOrder(world.value?.tasks.values() ?? [])).value;
   const heads = ["task", "what", "way", "state", "primary", "secondary", "bids", "promise", "result"] as const;

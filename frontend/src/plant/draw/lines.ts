@@ -1,7 +1,7 @@
 /** Lines between things: planned ways, who works for whom, who watches whom, who relays for whom. */
 import type { Place } from "../../motion/roads";
 import { toScreenX, toScreenY } from "../geometry";
-import type { Brush } from "./brush";
+import { type Brush, setFont } from "./brush";
 
 /** @param ways the points still ahead of each vehicle, from where it is shown */
 export function drawWays(brush: Brush, ways: readonly (readonly Place[])[]): void {
@@ -32,7 +32,12 @@ export interface Line {
   readonly to: Place;
 }
 
-export type LineStyle = "primary" | "secondary" | "mesh";
+/** `overdue`: the one that is watched should have been heard by now. */
+export type LineStyle = "primary" | "secondary" | "overdue" | "mesh";
+
+/** A shorter line leaves no room for an age. */
+const AGED_PX = 56;
+const AGE_PX = 11;
 
 /**
  * @param strong for the chosen ones; everybody else's are faint
@@ -48,12 +53,32 @@ export function drawLinks(brush: Brush, lines: readonly Line[], style: LineStyle
     ctx.setLineDash([4, 6]);
     stroke(ctx, palette.warn, 2.5);
   } else {
-    ctx.setLineDash(style === "secondary" ? [6, 4] : []);
-    stroke(ctx, strong ? palette.chosen : palette.steel, strong ? 1.75 : 1);
+    ctx.setLineDash(style === "primary" ? [] : [6, 4]);
+    if (style === "overdue") stroke(ctx, palette.warn, 2);
+    else stroke(ctx, strong ? palette.chosen : palette.steel, strong ? 1.75 : 1);
   }
   ctx.setLineDash([]);
   ctx.lineCap = "butt";
   ctx.globalAlpha = 1;
+}
+
+/** In the middle of the lines of a watch, how long ago the one at their end was heard. */
+export function drawAges(brush: Brush, lines: readonly (Line & { age: string; overdue: boolean })[]): void {
+  const { ctx, palette, view } = brush;
+  setFont(brush, AGE_PX, 600);
+  ctx.textAlign = "center";
+  ctx.textBaseline = "middle";
+  ctx.lineWidth = 4;
+  ctx.lineJoin = "round";
+  ctx.strokeStyle = palette.floor;
+  for (const { age, from, overdue, to } of lines) {
+    if (Math.hypot(to.x - from.x, to.y - from.y) * view.scale < AGED_PX) continue;
+    const x = toScreenX(view, (from.x + to.x) / 2);
+    const y = toScreenY(view, (from.y + to.y) / 2);
+    ctx.strokeText(age, x, y);
+    ctx.fillStyle = palette[overdue ? "warn" : "chosen"];
+    ctx.fillText(age, x, y);
+  }
 }
 
 function tracePoints({ ctx, view }: Brush, points: readonly Place[]): void {
