@@ -31,6 +31,9 @@ FOUND = [
     # The only vehicle that can carry pallets stood at a full buffer, which nothing would empty before that
     # vehicle had brought something else.
     ("all", 1135),
+    # Goods arrived while their machine's agent was down, and it made them again; the order was filled before
+    # that, and the carrier at the dock waited for pieces that nobody would make any more.
+    ("all", 212),
 ]
 
 
