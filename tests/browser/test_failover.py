@@ -88,7 +88,7 @@ def test_a_vehicle_that_is_switched_off_is_taken_over_from_and_its_load_delivere
     carriers = page.get_by_role("list", name="Carriers").get_by_role("listitem")
     expect(carriers).to_have_count(2)
     expect(carriers.first).to_contain_text(primary)
-    expect(page.locator(".auction .why")).to_contain_text(f"took over from {primary}")
+    expect(page.locator(".auction .why")).to_contain_text(f"because nothing had been heard of {primary}")
 
     expect(page.locator(".auction .card-aside")).to_contain_text("delivered", timeout=DELIVERED_MS)
     told = ask(factory, f"/api/tasks/{task}")

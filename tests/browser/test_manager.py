@@ -113,6 +113,37 @@ def test_a_quantity_that_is_no_number_is_refused_beside_its_field(
     expect(page.locator("#publish-quantity-wrong")).not_to_be_empty()
 
 
+def test_the_watch_shows_who_guards_whom_and_can_be_filtered(
+    busy_factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = open_page(busy_factory + "/#watch")
+    rows = page.locator("tbody tr")
+    expect(rows.first).to_be_visible(timeout=BUSY_MS)
+    screenshot(page, "watch")
+    carrier = rows.first.get_by_role("rowheader").inner_text().split()[0]
+    page.get_by_role("searchbox", name="Find in this list").fill(carrier)
+    # A carrier may hand over meanwhile; whoever is left has it in a name.
+    expect(rows.filter(has_not_text=carrier)).to_have_count(0)
+    page.get_by_role("button", name="Not watched").click()
+    expect(page.get_by_role("button", name="Not watched")).to_have_attribute("aria-pressed", "true")
+
+
+def test_the_promise_ledger_can_be_sorted_and_downloaded(
+    busy_factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = open_page(busy_factory + "/#promises")
+    expect(page.get_by_role("row", name="All vehicles")).to_be_visible(timeout=BUSY_MS)
+    page.get_by_role("button", name="Vehicle", exact=True).click()
+    expect(page.get_by_role("columnheader", name="Vehicle")).to_have_attribute("aria-sort", "ascending")
+    names = page.get_by_role("rowheader").all_inner_texts()
+    assert names == ["All vehicles", *sorted(names[1:], key=lambda name: int(name.removeprefix("ATV")))]
+    screenshot(page, "promises")
+    with page.expect_download() as download:
+        page.get_by_role("link", name="CSV").click()
+    assert download.value.suggested_filename == "promises.csv"
+    assert download.value.path().read_text().startswith("atv,delivered,on_time,")
+
+
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_a_busy_plant_is_shown_without_complaints_in_both_themes(
     busy_factory: str, open_page: OpenPage, screenshot: Screenshot, theme: str

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import AsyncIterator
 from datetime import UTC, datetime
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import pytest
 from gateway_kit import NOW_S, OTHER_PRODUCT, PLANT, PRODUCT, House, gateway, problem
 from tracking_kit import GOAL, MACHINE, OTHER_MACHINE, PACE_S, VEHICLE, WAY_OUT, Story
@@ -23,6 +25,22 @@ pytestmark = pytest.mark.anyio
 STAGES = ["placed", "planned", "in_production", "on_its_way", "delivered"]
 
 GERMAN = {"Accept-Language": "de"}
+
+
+MANIFEST = {
+    "src/theme/init.ts": {"file": "assets/init-1.js"},
+    "src/customer/main.ts": {"file": "assets/customer-1.js", "css": ["assets/customer-1.css"]},
+}
+"""What Vite writes: these tests need no built panels."""
+
+
+@pytest.fixture
+async def house(url: str, tmp_path: Path) -> AsyncIterator[House]:
+    """A running gateway, with nobody else on the bus."""
+    (tmp_path / ".vite").mkdir()
+    (tmp_path / ".vite" / "manifest.json").write_bytes(msgspec.json.encode(MANIFEST))
+    async with gateway(url, panels=Panels(tmp_path)) as house:
+        yield house
 
 
 def reached(state: dict[str, Any]) -> list[str]:
@@ -460,7 +478,7 @@ async def test_the_language_is_the_browsers_until_the_reader_chooses_one_which_i
     # The client keeps cookies, as a browser does.
     assert '<html lang="es">' in await story.page(**GERMAN)
     assert (
-        'href="?lang=es" lang="es" hreflang="es" aria-label="Español" aria-current="true"'
+        'href="?lang=es" lang="es" hreflang="es" aria-label="ES, Español" aria-current="true"'
         in await story.page()
     )
 

@@ -15,15 +15,15 @@ import { whyText } from "./why-text";
 
 const follow = signal<"chosen" | "newest">("chosen");
 
-/** The height of the card is fixed, so that the map above it never moves. */
-const MOST_ROWS = 4;
-
-/** The sentence has room for two lines; each further one takes the place of a row. */
-const WHY_CHARS = 200;
+/** The height of the card is fixed, so that the map above it never moves: rows and the sentence share it. */
+const SHARED_PX = 145;
+const ROW_PX = 28;
+const LINE_PX = 18;
+/** In one line of the sentence, on the smallest screen. */
 const LINE_CHARS = 95;
 
-function linesOver(why: string): number {
-  return Math.max(0, Math.ceil((why.length - WHY_CHARS) / LINE_CHARS));
+function rowsBeside(why: string): number {
+  return Math.floor((SHARED_PX - LINE_PX * Math.ceil(why.length / LINE_CHARS)) / ROW_PX);
 }
 
 /** Bottom middle: who bid, who refused, and why this vehicle. */
@@ -84,7 +84,7 @@ function Aside({ task }: { task: TaskView | null }) {
 function Bids({ task }: { task: TaskView }) {
   const { mostS, parts, refusals, rows } = auctionOf(task);
   const why = whyText(task);
-  const room = MOST_ROWS - Number(task.carriers.length > 1) - Number(task.trouble !== "") - linesOver(why);
+  const room = rowsBeside(why) - Number(task.carriers.length > 1) - Number(task.trouble !== "");
   const bids = rows.slice(0, Math.max(2, room - Math.min(1, refusals.length)));
   const refused = refusals.slice(0, Math.max(0, room - bids.length));
   const moreBids = rows.length - bids.length;

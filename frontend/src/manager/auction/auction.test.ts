@@ -38,9 +38,15 @@ describe("an auction", () => {
     expect(auctionOf(task({ bids })).rows.map((row) => row.bid.total_s)).toEqual([70]);
   });
 
+  test("puts who only bid for the watch behind who bid for the carriage", () => {
+    const bids = [bid("W", 1, 1, { role: "secondary" }), bid("A", 30), bid("S", 2, 2, { role: "secondary" })];
+    const { rows } = auctionOf(task({ secondary: "S", bids }));
+    expect(rows.map((row) => row.bid.bidder)).toEqual(["S", "A", "W"]);
+  });
+
   test("leaves out what was bid before the task was announced anew", () => {
     const bids = [bid("A", 1), bid("B", 30, 40, { epoch: 2 }), bid("C", 1, 1, { role: "secondary" })];
-    expect(auctionOf(task({ epoch: 2, bids })).rows.map((row) => row.bid.bidder)).toEqual(["C", "B"]);
+    expect(auctionOf(task({ epoch: 2, bids })).rows.map((row) => row.bid.bidder)).toEqual(["B", "C"]);
   });
 
   test("forgets the refusal of who bid in a later round", () => {

@@ -9,7 +9,7 @@ export interface BidRow {
 }
 
 export interface Auction {
-  /** The carrier first, then by price. */
+  /** The carrier first, then by price; bids for the watch alone come last. */
   readonly rows: readonly BidRow[];
   readonly refusals: readonly RefusalView[];
   /** The dearest bid: what a full bar stands for. */
@@ -60,8 +60,10 @@ function standingOf(task: TaskView, agent: string): BidRow["standing"] {
   return agent === task.secondary ? "secondary" : null;
 }
 
-function rank(row: BidRow): number {
-  return row.standing === "primary" ? 0 : 1;
+/** Who only bid for the watch did not compete for the carriage. */
+function rank({ bid, standing }: BidRow): number {
+  if (standing === "primary") return 0;
+  return standing === "secondary" || bid.role === "primary" ? 1 : 2;
 }
 
 function partsOf(rows: readonly BidRow[]): string[] {
