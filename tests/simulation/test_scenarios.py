@@ -1,0 +1,228 @@
+"""Every scenario, shortened where it is long: its claim holds, and could fail."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import re
+from pathlib import Path
+
+import pytest
+
+from dray.messages.fact import TookOver
+from dray_sim import document
+from dray_sim.evidence import HELD, Check, Evidence, Table
+from dray_sim.faults import PoweredOff, RadioCut
+from dray_sim.scenario import Findings, Scenario
+from dray_sim.scenarios import (
+    SCENARIOS,
+    experiment_power_off,
+    experiment_wlan,
+    fault_cost,
+    figure_6,
+    latency_sweep,
+    loss_sweep,
+    peak_season,
+    soak,
+    takeover,
+)
+from dray_sim.scenarios.laboratory import laboratory
+from dray_sim.stage import Played, Shift, Stage, play
+
+DOCUMENT = Path(__file__).parents[2] / "docs" / "scenarios.md"
+
+QUICK = ("experiment-wlan", "experiment-power-off", "case-4", "case-5")
+"""A second or two each."""
+
+LONG = ("case-1", "case-2", "case-3", "case-6")
+
+
+def evidence(name: str, seed: int = 1) -> Evidence:
+    outcome = SCENARIOS[name].run(seed)
+    assert isinstance(outcome, Evidence)
+    return outcome
+
+
+def failed(found: Findings) -> list[str]:
+    """The checks that did not hold, and broken invariants."""
+    broken = [played.invariants for played in found.runs if played.invariants != HELD]
+    return [*(f"{check.name}: {check.figure}" for check in found.checks if not check.held), *broken]
+
+
+# --- the claims hold ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("name", QUICK)
+def test_a_claim_about_one_vehicle_holds(name: str, seed: int) -> None:
+    assert evidence(name, seed).failure == ""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", LONG)
+def test_a_claim_about_the_plant_holds(name: str) -> None:
+    assert evidence(name).failure == ""
+
+
+def short(shift: Shift, duration_s: float) -> Shift:
+    return dataclasses.replace(shift, duration_s=duration_s)
+
+
+def test_delays_of_two_seconds_are_endured() -> None:
+    found = latency_sweep.sweep(1, (2.0,), short(latency_sweep.SHIFT, 900.0))
+    assert failed(found) == []
+
+
+def test_a_loss_of_a_fifth_is_endured() -> None:
+    found = loss_sweep.sweep(1, (0.2,), short(loss_sweep.SHIFT, 900.0))
+    assert failed(found) == []
+
+
+@pytest.mark.slow
+def test_a_season_in_short_holds() -> None:
+    found = peak_season.peak(1, short(peak_season.SHIFT, 3.5 * 1800.0), span_s=1800.0)
+    assert failed(found) == []
+
+
+@pytest.mark.slow
+def test_days_leave_nothing_behind() -> None:
+    found = soak.soak(1, days=2, full_after_days=1)
+    assert [name for name in failed(found) if not name.startswith("Memory")] == []
+    assert len(found.tables[0].rows) == 1
+
+
+@pytest.mark.slow
+def test_dead_primaries_are_replaced_within_the_bound() -> None:
+    found = takeover.takeover(2, runs=60, cut_runs=15)
+    assert failed(found) == []
+
+
+@pytest.mark.slow
+def test_faults_cost_no_order() -> None:
+    found = fault_cost.cost(1, short(fault_cost.SHIFT, 3600.0))
+    assert failed(found) == []
+
+
+# --- and could fail ----------------------------------------------------------------------------------
+
+
+def test_without_a_radio_the_experiment_does_not_hold() -> None:
+    """The checks of the experiment see what happens: a vehicle that nobody hears is replaced."""
+
+    async def cut_both(stage: Stage) -> tuple[Check, ...]:
+        stage.faults.begin(RadioCut("ATV3"))
+        return await experiment_wlan.cut(stage)
+
+    checks = figure_6.in_laboratory("experiment-wlan", 1, cut_both).told
+    assert checks is not None
+    held = [check.held for check in checks]
+    assert held[0]
+    assert not held[1]
+    assert not held[2]
+
+
+def test_without_a_secondary_the_experiment_does_not_hold() -> None:
+    async def alone(stage: Stage) -> tuple[Check, ...]:
+        stage.faults.begin(PoweredOff("ATV1"))
+        return await experiment_power_off.switch_off(stage)
+
+    shift = dataclasses.replace(experiment_power_off.SHIFT, people=None)
+    checks = figure_6.in_laboratory("experiment-power-off", 1, alone, shift).told
+    assert checks is not None
+    assert not checks[0].held
+    assert not all(check.held for check in checks[1:])
+
+
+def test_a_script_that_a_broken_invariant_cuts_short_shows_nothing() -> None:
+    async def steal(stage: Stage) -> str:
+        stage.factory.storages["S3"].stock["shaft"] -= 1
+        await stage.until_s(600.0)
+        return "came to its end"
+
+    played = play(Shift("theft", 600.0), laboratory(), 1, steal)
+    assert played.told is None
+    assert "invariant 2" in played.invariants
+    report = scenario_of(Findings(runs=(played,), checks=())).run(1)
+    assert not report.held
+    assert "invariant 2" in report.failure
+
+
+# --- the frame ---------------------------------------------------------------------------------------
+
+
+def scenario_of(found: Findings) -> Scenario:
+    return Scenario(
+        name="stub",
+        shows="",
+        source="ours",
+        claim="Water is wet.",
+        story="It is poured.",
+        play=lambda _: found,
+    )
+
+
+@pytest.fixture(scope="module")
+def idle() -> Played[None]:
+    return play(Shift("idle", 30.0), laboratory(), 1)
+
+
+@pytest.mark.parametrize("held", [True, False])
+def test_a_claim_holds_when_every_check_does(idle: Played[None], held: bool) -> None:
+    checks = (Check("Water is wet", True, "very"), Check("Fire is hot", held, "yes"))
+    report = scenario_of(Findings(runs=(idle,), checks=checks)).run(3)
+    assert report.held is held
+    assert (report.failure == "") is held
+    assert report.trace == idle.report.trace
+
+
+def test_a_report_names_every_check_with_its_figure(idle: Played[None]) -> None:
+    table = Table("Waters", ("name", "litres"), (("lake", "12"), ("sea", "1400")))
+    checks = (Check("Water is wet", True, "97 %"), Check("Fire is hot", False, "3 degrees"))
+    found = Findings(runs=(idle,), checks=checks, tables=(table,), measured={"process": "12 MB"})
+    report = scenario_of(found).run(3)
+    words, section = report.describe(), report.document()
+    for text in ("Water is wet", "97 %", "Fire is hot", "3 degrees", "sea", "1400"):
+        assert text in words
+        assert text in section
+    assert "12 MB" in words
+    assert "12 MB" not in section
+
+
+def test_the_same_seed_gives_the_same_report() -> None:
+    assert evidence("case-5", 3) == evidence("case-5", 3)
+
+
+def test_a_witness_waits_no_longer_than_it_is_told() -> None:
+    async def wait(stage: Stage) -> float:
+        seen = await stage.witness.first(TookOver, within_s=12.5)
+        assert seen is None
+        return stage.now_s()
+
+    assert play(Shift("wait", 0.0), laboratory(), 1, wait).told == pytest.approx(12.5)
+
+
+# --- the document ------------------------------------------------------------------------------------
+
+
+def test_the_document_is_what_the_command_makes_now() -> None:
+    """A part of it stands for the whole: `dray sim report --out docs/scenarios.md` makes it anew."""
+    written = DOCUMENT.read_text(encoding="utf-8")
+    for name in ("experiment-wlan", "experiment-power-off"):
+        part = document.section(name, 1)
+        assert part.text + "\n" in written, f"docs/scenarios.md is old: {document.COMMAND}"
+
+
+def test_the_document_has_every_scenario_and_all_held() -> None:
+    written = DOCUMENT.read_text(encoding="utf-8")
+    assert re.findall(r"^## (.*)$", written, re.MULTILINE) == list(SCENARIOS)
+    assert "**no**" not in written
+
+
+def test_scenarios_are_written_in_the_order_of_the_list_whoever_ends_first() -> None:
+    names = ("experiment-power-off", "experiment-wlan")
+    ended: list[str] = []
+    parts = document.sections(1, 2, lambda part: ended.append(part.name), names)
+    assert tuple(part.name for part in parts) == names
+    assert sorted(ended) == sorted(names)
+    written = document.write(parts, 1)
+    assert all(a < b for a, b in itertools.pairwise(written.index(f"\n## {name}\n") for name in names))
