@@ -18,7 +18,6 @@ frame of its receiver rose.
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from random import Random
 from typing import TYPE_CHECKING
@@ -26,11 +25,11 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from dray.codec import decode, encode
-from dray.errors import ProtocolViolation
 from dray.messages import AtvHeartbeat, Link
 from dray_sim.coverage import Coverage
 from dray_sim.latency import QUANTILE_BITS, WLAN, Latency
 from dray_sim.links import Links
+from dray_sim.listeners import Listeners
 from dray_sim.modem import Modem, Modems
 from dray_sim.radio import RADIO, UNFIT, Frame, Radio, RadioSpec
 
@@ -53,11 +52,7 @@ __all__ = [
     "Latency",
     "SimNetwork",
     "SimSession",
-    "compile_pattern",
 ]
-
-MAX_ROUTES = 10_000
-"""Keys whose listeners are remembered: ten times those of a plant of three hundred agents."""
 
 AGAIN_S = 1.0
 """A second copy comes at most so much later: longer than any protocol waits before it repeats."""
@@ -169,10 +164,7 @@ class SimNetwork:
         self._trace = trace
         self._joins = 0
         self._sessions: dict[str, SimSession] = {}
-        # Dicts for sets: they keep the order of insertion, and order is what makes runs repeatable.
-        self._exact: dict[str, dict[SimSession, None]] = {}
-        self._patterns: dict[str, tuple[Callable[[str], object], dict[SimSession, None]]] = {}
-        self._routes: dict[str, tuple[SimSession, ...]] = {}
+        self._listeners = Listeners()
         # Grows to (agents that ever talked) x (agents they talked to), and no further: names are few.
         self._last_arrival_s: dict[tuple[str, str], float] = {}
         # A generator of their own, so that a fault does not shift the chances of what it does not touch.
@@ -250,9 +242,9 @@ class SimNetwork:
             self.missed += 1
             return
         message = self._utter(sender.agent, key, message)
-        receivers = self._routes.get(key)
+        receivers = self._listeners.found.get(key)
         if receivers is None:
-            receivers = self._find_receivers(key)
+            receivers = self._listeners.of(key)
         if self._modems.busy:
             self._publish_ill(sender, key, message, receivers)
             return
@@ -276,40 +268,18 @@ class SimNetwork:
 
     def subscribe(self, session: SimSession, key: str) -> None:
         """Let `session` hear `key`, which may hold wildcards."""
-        if "*" not in key:
-            self._exact.setdefault(key, {})[session] = None
-            self._routes.pop(key, None)
-            return
-        if key not in self._patterns:
-            self._patterns[key] = (compile_pattern(key), {})
-        self._patterns[key][1][session] = None
-        self._routes.clear()
+        self._listeners.add(session, key)
 
     def unsubscribe(self, session: SimSession, key: str) -> None:
         """Let `session` hear `key` no longer."""
-        if "*" not in key:
-            listeners = self._exact.get(key, {})
-            listeners.pop(session, None)
-            if not listeners:
-                self._exact.pop(key, None)
-            self._routes.pop(key, None)
-            return
-        if key in self._patterns:
-            listeners = self._patterns[key][1]
-            listeners.pop(session, None)
-            if not listeners:
-                del self._patterns[key]
-            self._routes.clear()
+        self._listeners.remove(session, key)
 
     def leave(self, session: SimSession) -> None:
         """Forget `session`; what is under way to it is dropped when it arrives."""
         session.joined = False
         if self._sessions.get(session.agent) is session:
             del self._sessions[session.agent]
-        for key in [key for key, listeners in self._exact.items() if session in listeners]:
-            self.unsubscribe(session, key)
-        for key in [key for key, (_, listeners) in self._patterns.items() if session in listeners]:
-            self.unsubscribe(session, key)
+        self._listeners.forget(session)
 
     # --- the way of a message --------------------------------------------------------------------
 
@@ -442,7 +412,11 @@ class SimNetwork:
         if frame.to == station.agent:
             self._reach(session, frame)
             return False
-        if frame.key and not self._modems.has_wlan(station.agent) and session in self._listeners(frame.key):
+        if (
+            frame.key
+            and not self._modems.has_wlan(station.agent)
+            and session in self._listeners.of(frame.key)
+        ):
             session.deliver(frame.origin, _came_over(frame.message, via))
         if frame.rising and station.link is Link.WLAN:
             self._put_on_bus(session, frame, via)
@@ -464,7 +438,7 @@ class SimNetwork:
         if frame.key:
             message = _came_over(frame.message, (*via, gateway.agent))
             message = self._utter(gateway.agent, frame.key, message)
-            for receiver in self._listeners(frame.key):
+            for receiver in self._listeners.of(frame.key):
                 if receiver.agent != frame.origin:
                     self._carry_ill(gateway.agent, frame.origin, receiver, message)
             return
@@ -486,42 +460,7 @@ class SimNetwork:
         """Whether a vehicle's radio works: it has power, a process, and no fault in the radio itself."""
         return agent in self._sessions and agent not in self._links.radio_cut
 
-    # --- who listens -----------------------------------------------------------------------------
-
-    def _listeners(self, key: str) -> tuple[SimSession, ...]:
-        receivers = self._routes.get(key)
-        return self._find_receivers(key) if receivers is None else receivers
-
-    def _find_receivers(self, key: str) -> tuple[SimSession, ...]:
-        if "*" in key:
-            raise ProtocolViolation(f"published on {key!r}: only subscriptions may hold wildcards")
-        found = dict(self._exact.get(key, {}))
-        for matches, listeners in self._patterns.values():
-            if matches(key):
-                found.update(listeners)
-        # In the order of joining: who hears first must not hang on who subscribed how.
-        receivers = tuple(sorted(found, key=lambda session: session.number))
-        if len(self._routes) >= MAX_ROUTES:
-            self._routes.clear()
-        self._routes[key] = receivers
-        return receivers
-
 
 def _came_over(message: Message, via: tuple[str, ...]) -> Message:
     """A heartbeat marked with the vehicles that passed it on."""
     return replace(message, via=via) if type(message) is AtvHeartbeat else message
-
-
-def compile_pattern(pattern: str) -> Callable[[str], object]:
-    """Make a matcher of a key expression: ``*`` is one chunk, ``**`` any number of them, also none.
-
-    Args:
-        pattern: chunks joined by ``/``, as in Zenoh.
-
-    Returns:
-        A function of a key; what it returns is true when the pattern matches.
-    """
-    chunks = {"**": "(?:/[^/]+)*", "*": "/[^/]+"}
-    parts = (chunks.get(chunk) or "/" + re.escape(chunk) for chunk in pattern.split("/"))
-    match = re.compile("".join(parts)).fullmatch
-    return lambda key: match("/" + key)

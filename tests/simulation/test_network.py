@@ -12,7 +12,7 @@ import pytest
 
 from dray.errors import ProtocolViolation
 from dray.messages import Handover, Message, OrderTaken, Pose
-from dray_sim import network as network_module
+from dray_sim import listeners
 from dray_sim.faults import LinkTrouble, NetworkFault, Partition, RadioCut, WlanCut
 from dray_sim.loop import clock, run
 from dray_sim.network import APART, HELD_UP_S, LOST, NO_WLAN, WLAN, Latency, SimNetwork, SimSession
@@ -156,7 +156,7 @@ def test_publishing_on_a_wildcard_is_our_own_bug() -> None:
 
 
 def test_no_more_keys_are_remembered_than_the_bound(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(network_module, "MAX_ROUTES", 10)
+    monkeypatch.setattr(listeners, "MAX_KEYS", 10)
 
     async def main() -> int:
         network = SimNetwork(clock(), Random(1))
@@ -165,7 +165,7 @@ def test_no_more_keys_are_remembered_than_the_bound(monkeypatch: pytest.MonkeyPa
         session.subscribe("p/**")
         for number in range(100):
             session.publish(f"p/{number}", say(number))
-            assert len(network._routes) <= 10
+            assert len(network._listeners.found) <= 10
         await asyncio.sleep(1.0)
         return len(heard)
 
@@ -179,8 +179,7 @@ def test_who_leaves_leaves_nothing_behind() -> None:
         for key in ("p/k", "p/*", "**"):
             session.subscribe(key)
         session.leave()
-        assert not network._exact
-        assert not network._patterns
+        assert not network._listeners
         assert not network._sessions
 
     run(main())
