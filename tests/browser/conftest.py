@@ -1,17 +1,23 @@
 """A real Chromium before a real `dray up`.
 
 The browser is an installed one; the pages are those of the built panels. Whatever the page complains of
-(a console error, an exception, a request that failed) fails the test that opened it.
+(a console error, an exception, a request that failed) fails the test that opened it; so does a request
+to another host, and what breaks WCAG 2.2 AA in a state that is kept as a picture or left at the end.
 """
 
 from __future__ import annotations
 
 import shutil
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, ConsoleMessage, Page, Request, sync_playwright
+from playwright.sync_api import Browser, Page, sync_playwright
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from complaints import Complaints
 
 ROOT = Path(__file__).resolve().parents[2]
 ARTIFACTS = ROOT / "artifacts/screenshots"
@@ -54,51 +60,46 @@ def browser() -> Iterator[Browser]:
         browser.close()
 
 
-class Complaints(list[str]):
-    """What a page has complained of."""
-
-    def watch(self, page: Page) -> None:
-        page.on("console", self._console)
-        page.on("pageerror", lambda error: self.append(f"exception: {error}"))
-        page.on("requestfailed", self._failed)
-
-    def _console(self, message: ConsoleMessage) -> None:
-        if message.type in {"error", "warning"}:
-            self.append(f"console {message.type}: {message.text}")
-
-    def _failed(self, request: Request) -> None:
-        self.append(f"request failed: {request.method} {request.url}: {request.failure}")
+@pytest.fixture
+def complaints() -> Complaints:
+    """What this test's pages have complained of so far."""
+    return Complaints()
 
 
 @pytest.fixture
-def open_page(browser: Browser) -> Iterator[Callable[..., Page]]:
+def open_page(browser: Browser, complaints: Complaints) -> Iterator[Callable[..., Page]]:
     """Open an address in a fresh profile; complaints are looked at when the test is over."""
-    complaints, contexts = Complaints(), []
+    pages: list[Page] = []
 
     def open_at(url: str, **options: object) -> Page:
         context = browser.new_context(**{"viewport": VIEWPORT, "locale": "en-GB", **options})
-        contexts.append(context)
         page = context.new_page()
+        pages.append(page)
         page.set_default_timeout(TIMEOUT_MS)
         complaints.watch(page)
+        if options.get("java_script_enabled") is False:
+            complaints.without_script.append(page)
         page.goto(url)
         return page
 
     yield open_at
+    for page in pages:
+        complaints.audit(page)
     found = list(complaints)  # closing ends requests on their way, which is no complaint
-    for context in contexts:
-        context.close()
-    assert not found
+    for page in pages:
+        page.context.close()
+    assert not found, "\n".join(found)
 
 
 @pytest.fixture
-def screenshot() -> Callable[[Page, str], Path]:
-    """Keep a picture in artifacts/screenshots."""
+def screenshot(complaints: Complaints) -> Callable[[Page, str], Path]:
+    """Keep a picture in artifacts/screenshots, and complain of what is not accessible in it."""
 
     def keep(page: Page, name: str) -> Path:
         ARTIFACTS.mkdir(parents=True, exist_ok=True)
         path = ARTIFACTS / f"{name}.png"
         page.screenshot(path=path)
+        complaints.audit(page)
         return path
 
     return keep

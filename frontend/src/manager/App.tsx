@@ -11,12 +11,18 @@ import { WatchView } from "./watch/WatchView";
 
 const SHOWN = { plant: PlantView, orders: OrdersView, fleet: FleetView, tasks: TasksView, watch: WatchView, promises: PromisesView };
 
+/** The address names the view; what is skipped to must not change it. */
+function skip(event: Event): void {
+  event.preventDefault();
+  document.getElementById("content")?.focus();
+}
+
 export function App() {
   const View = SHOWN[view.value];
   return (
     <div class="app">
-      <a class="skip" href="#plant-map">
-        {t("skip.toPlant")}
+      <a class="skip" href="#content" onClick={skip}>
+        {t("skip.toContent")}
       </a>
       <TopBar />
       <NewsBanner />

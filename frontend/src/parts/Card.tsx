@@ -6,10 +6,12 @@ interface Props {
   title: ComponentChildren;
   aside?: ComponentChildren;
   class?: string;
+  /** Its content may be longer than the card, and hold nothing that can be reached by keyboard. */
+  scrolls?: boolean;
   children: ComponentChildren;
 }
 
-export function Card({ title, aside, class: name = "", children }: Props) {
+export function Card({ title, aside, class: name = "", children, scrolls = false }: Props) {
   const id = useId();
   return (
     <section class={`card ${name}`} aria-labelledby={id}>
@@ -17,7 +19,9 @@ export function Card({ title, aside, class: name = "", children }: Props) {
         <h2 id={id}>{title}</h2>
         {aside !== undefined && <div class="card-aside">{aside}</div>}
       </header>
-      <div class="card-body">{children}</div>
+      <div class="card-body" tabIndex={scrolls ? 0 : undefined}>
+        {children}
+      </div>
     </section>
   );
 }

@@ -25,7 +25,7 @@ interface Props {
 
 export function Table({ aside, children, count, empty, heads, hint, sorting, title }: Props): ComponentChildren {
   return (
-    <main class="table-view">
+    <main class="table-view" id="content" tabIndex={-1}>
       <section class="card">
         <header class="card-head">
           <h1>{title}</h1>

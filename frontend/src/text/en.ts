@@ -8,7 +8,7 @@ export const en = {
   "nav.tasks": "Tasks",
   "nav.watch": "Watch",
   "nav.promises": "Promises",
-  "skip.toPlant": "Skip to the plant",
+  "skip.toContent": "Skip to the content",
 
   "live.connecting": "Connecting",
   "live.live": "Live",

@@ -21,6 +21,7 @@ export function OrdersCard() {
       title={t("orders.title")}
       aside={<a href="#orders" class="quiet-link">{n("orders.open", open)}</a>}
       class="orders"
+      scrolls
     >
       {orders.length === 0 && <p class="empty">{t("orders.none")}</p>}
       <ul class="order-list">

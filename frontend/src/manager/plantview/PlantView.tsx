@@ -12,7 +12,8 @@ import { plant, plantFailed } from "../state";
 /** The paper's Figure 4: the factory in the middle, what is chosen around it. */
 export function PlantView() {
   return (
-    <main class="plant-view">
+    <main class="plant-view" id="content" tabIndex={-1}>
+      <h1 class="unseen">{t("nav.plant")}</h1>
       <div class="column left">
         <FactoryCard />
         <OrdersCard />
