@@ -19,5 +19,5 @@ export default defineConfig({
       input: ["src/theme/init.ts", "src/manager/main.tsx", "src/customer/main.ts"],
     },
   },
-  test: { include: ["src/**/*.test.ts"] },
+  test: { include: ["src/**/*.test.ts"], setupFiles: "src/text/in-english.ts" },
 });

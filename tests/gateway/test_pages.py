@@ -52,6 +52,15 @@ async def test_the_panel_names_its_own_scripts_and_styles_and_no_others(url: str
     assert not re.search(r"<script(?![^>]*\bsrc=)|<style|\son\w+=|\bstyle=", answer.text)
 
 
+async def test_the_panel_is_in_the_language_that_was_chosen_anywhere(url: str, built: Path) -> None:
+    async with gateway(url, panels=Panels(built)) as house:
+        wanted = await house.client.get("/", headers={"Accept-Language": "fr, es;q=0.8"})
+        house.client.cookies.set("dray_language", "de")
+        chosen = await house.client.get("/", headers={"Accept-Language": "fr, es;q=0.8"})
+    assert '<html lang="es">' in wanted.text
+    assert '<html lang="de">' in chosen.text
+
+
 @pytest.mark.parametrize("folder", ["nothing", "no such entry"])
 async def test_panels_that_are_not_built_say_how_to_build_them(url: str, built: Path, folder: str) -> None:
     if folder == "nothing":

@@ -472,8 +472,8 @@ async def test_the_language_is_the_browsers_until_the_reader_chooses_one_which_i
     chosen = await house.client.get(f"{story.path}?lang=es", headers=GERMAN)
     assert '<html lang="es">' in chosen.text
     cookie = chosen.headers["set-cookie"]
-    assert "dray.language=es" in cookie
-    assert "Path=/track" in cookie
+    assert "dray_language=es" in cookie
+    assert "Path=/;" in cookie
     assert "SameSite=lax" in cookie
     # The client keeps cookies, as a browser does.
     assert '<html lang="es">' in await story.page(**GERMAN)

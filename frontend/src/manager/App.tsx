@@ -1,4 +1,4 @@
-import { t } from "../text";
+import { t } from "../text/manager";
 import { FleetView } from "./fleet/FleetView";
 import { OrdersView } from "./orders/OrdersView";
 import { PlantView } from "./plantview/PlantView";

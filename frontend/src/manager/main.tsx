@@ -6,10 +6,12 @@ import "../styles/parts.css";
 import "../styles/topbar.css";
 import "../styles/plant.css";
 import "../styles/cards.css";
+import { effect } from "@preact/signals";
 import { render } from "preact";
 import { fetchPlant, Problem } from "../api/client";
 import { start } from "../stream/stream";
-import { t } from "../text";
+import { t, tables } from "../text/manager";
+import { beginToSpeak } from "../text/speech";
 import { followTheme } from "../theme/theme";
 import { App } from "./App";
 import { chooseAtFirst } from "./first-look";
@@ -34,7 +36,10 @@ async function loadPlant(): Promise<void> {
   }
 }
 
-document.title = t("app.title");
+await beginToSpeak(tables);
+effect(() => {
+  document.title = t("app.title");
+});
 followTheme();
 followAddress();
 chooseAtFirst();

@@ -1,6 +1,6 @@
 /** What a person reads when a request failed. */
 import { Problem } from "../api/client";
-import { t } from "../text";
+import { t } from "../text/manager";
 
 export function problemText(error: unknown): string {
   if (!(error instanceof Problem)) return String(error);

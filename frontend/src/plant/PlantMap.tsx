@@ -59,7 +59,7 @@ export function PlantMap({ over, plant }: { over?: ComponentChildren; plant: Pla
     else if (box) navigation?.goTo({ x: box.x_m, y: box.y_m });
   };
   return (
-    <section class={`map card ${past ? "map-past" : ""}`} aria-label={t("nav.plant")}>
+    <section class={`map card ${past ? "map-past" : ""}`} aria-label={t("map.title")}>
       <div class="map-head">
         <LayerSwitches />
         <Finder plant={plant} onChosen={goTo} />

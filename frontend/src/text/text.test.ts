@@ -1,12 +1,18 @@
 import { describe, expect, test } from "vitest";
-import { textsFrom } from "./catalogue";
-import { en } from "./en";
+import type { Table } from "./catalogue";
 import { formatsFor } from "./format";
-import { chooseLocale } from "./index";
+import { languageOf, localeFor } from "./language";
+import { n, t, word } from "./manager";
+import { de as managerDe } from "./manager/de";
+import { en as managerEn } from "./manager/en";
+import { es as managerEs } from "./manager/es";
+import { de as operatorDe } from "./operator/de";
+import { en as operatorEn } from "./operator/en";
+import { es as operatorEs } from "./operator/es";
+import { speak } from "./speech";
 
 const format = formatsFor("en-GB", "UTC");
 const de = formatsFor("de-DE", "UTC");
-const texts = textsFrom(en, "en-GB");
 /** Figures and units are kept together by a narrow space that does not break. */
 const plain = (text: string): string => text.replaceAll("\u202f", " ");
 
@@ -42,26 +48,55 @@ describe("formats", () => {
 
 describe("texts", () => {
   test("are filled in, once per name", () => {
-    expect(texts.t("machine.level", { level: 3, capacity: 9 })).toBe("3 / 9");
+    expect(t("machine.level", { level: 3, capacity: 9 })).toBe("3 / 9");
   });
 
   test("follow the number", () => {
-    expect(texts.n("alerts.alarm", 1)).toBe("1 alarm");
-    expect(texts.n("alerts.alarm", 2)).toBe("2 alarms");
+    expect(n("alerts.alarm", 1)).toBe("1 alarm");
+    expect(n("alerts.alarm", 2)).toBe("2 alarms");
   });
 
   test("leave a word of a newer server readable", () => {
-    expect(texts.word("reason", "battery")).toBe("battery");
-    expect(texts.word("reason", "too_heavy")).toBe("too heavy");
+    expect(word("reason", "battery")).toBe("battery");
+    expect(word("reason", "too_heavy")).toBe("too heavy");
   });
 
-  test("come in a language that we speak", () => {
-    expect(chooseLocale(["fr-FR", "en-US"])).toBe("en-US");
-    expect(chooseLocale(["fr-FR"])).toBe("en-GB");
+  test("change with the language", () => {
+    speak("de", managerDe, "de-DE");
+    expect(n("alerts.alarm", 2)).toBe("2 Alarme");
+    speak("en", managerEn, "en-GB");
+    expect(n("alerts.alarm", 2)).toBe("2 alarms");
+  });
+});
+
+describe("a page's language", () => {
+  test.each([
+    ["dray_language=es", ["de-DE"], "es"],
+    ["theme=dark; dray_language=de; more=1", [], "de"],
+    ["dray_language=fr", ["fr-FR", "de-AT", "en"], "de"],
+    ["", ["fr-FR"], "en"],
+  ])("with the cookies %j and the wishes %j is %s", (cookies, wanted, language) => {
+    expect(languageOf(cookies, wanted)).toBe(language);
   });
 
+  test("keeps the numbers and dates of the region", () => {
+    expect(localeFor("de", ["en-US", "de-AT"])).toBe("de-AT");
+    expect(localeFor("en", ["en"])).toBe("en-GB");
+  });
+});
+
+describe.each<[string, Table, Record<string, Table>]>([
+  ["management", managerEn, { de: managerDe, es: managerEs }],
+  ["operator", operatorEn, { de: operatorDe, es: operatorEs }],
+])("the texts of the %s panel", (_, en, others) => {
   test("have both forms wherever they count", () => {
-    const keys = new Set<string>(Object.keys(en));
-    for (const key of keys) if (key.endsWith(".other")) expect(keys).toContain(key.replace(/other$/, "one"));
+    for (const key of Object.keys(en)) if (key.endsWith(".other")) expect(en).toHaveProperty([key.replace(/other$/, "one")]);
+  });
+
+  test.each(Object.keys(others))("are whole in %s, with the same names to fill in", (language) => {
+    const namesOf = (message = ""): string[] => [...new Set(message.match(/\{\w+\}/g))].sort();
+    const other = others[language] ?? {};
+    expect(Object.keys(other).sort()).toEqual(Object.keys(en).sort());
+    for (const [key, message] of Object.entries(en)) expect(namesOf(other[key]), key).toEqual(namesOf(message));
   });
 });

@@ -1,8 +1,7 @@
 """The customer's page: an order, for whoever has its link.
 
 Made whole on the server, so it needs no script; its script asks for the same page again and shows what has
-changed. The language is the address's (`?lang=`), else the one chosen last, else the browser's; the time
-zone is the one that the script has noted, else this computer's.
+changed. The time zone is the one that the script has noted, else this computer's.
 """
 
 from __future__ import annotations
@@ -13,21 +12,19 @@ from typing import Any
 from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, PlainTextResponse, Response
 
+from dray.gateway.language import language_of, remember_language
 from dray.gateway.panels import NotBuilt
 from dray.gateway.parts import Gateway, Parts
 from dray.gateway.routes.track import PRIVATE
 from dray.gateway.tracking.facts import NoPage, facts_of
 from dray.gateway.tracking.page import entity_tag, gone, page, switches
-from dray.gateway.tracking.texts import LANGUAGES, choose
+from dray.gateway.tracking.texts import LANGUAGES
 from dray.gateway.tracking.texts.clock import Clock, zone_named
 from dray.gateway.tracking.track import track
 
 router = APIRouter(include_in_schema=False)
 
-LANGUAGE_COOKIE, ZONE_COOKIE = "dray.language", "dray.zone"
-
-REMEMBERED_S = 365 * 86_400
-"""How long a browser remembers the language that was chosen."""
+ZONE_COOKIE = "dray.zone"
 
 HEADERS = PRIVATE | {"Vary": "Accept-Language, Cookie"}
 
@@ -39,11 +36,7 @@ async def customer(gateway: Gateway, request: Request, token: str) -> Response:
     """The page of an order, or of a link that leads to none."""
     found = await facts_of(gateway, token)
     now_s = gateway.wall_s()
-    language = choose(
-        request.query_params.get("lang", ""),
-        request.cookies.get(LANGUAGE_COOKIE, ""),
-        request.headers.get("accept-language", ""),
-    )
+    language = language_of(request)
     texts = LANGUAGES[language]
     clock = Clock(texts, zone_named(request.cookies.get(ZONE_COOKIE, "")), now_s)
     if found.facts is None:
@@ -79,16 +72,7 @@ def _answer(
     except NotBuilt:
         return PlainTextResponse(NOT_BUILT, HTTPStatus.SERVICE_UNAVAILABLE, headers=HEADERS)
     answer = HTMLResponse(html, status, headers=HEADERS | ({"ETag": tag} if tag else {}))
-    if request.query_params.get("lang") == language:
-        answer.set_cookie(
-            LANGUAGE_COOKIE,
-            language,
-            max_age=REMEMBERED_S,
-            path="/track",
-            secure=request.url.scheme == "https",
-            httponly=True,
-            samesite="lax",
-        )
+    remember_language(answer, request)
     return answer
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from http import HTTPStatus
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, PlainTextResponse, Response
 
+from dray.gateway.language import language_of
 from dray.gateway.panels import NotBuilt
 from dray.gateway.parts import Gateway
 
@@ -21,10 +22,10 @@ To build the panels, run `make panels` in the checkout and load this page again.
 
 
 @router.get("/")
-async def manager(gateway: Gateway) -> Response:
+async def manager(gateway: Gateway, request: Request) -> Response:
     """The management panel."""
     try:
-        page = gateway.panels.render("manager.html", plant=gateway.plant)
+        page = gateway.panels.render("manager.html", language=language_of(request))
     except NotBuilt:
         return PlainTextResponse(NOT_BUILT, HTTPStatus.SERVICE_UNAVAILABLE)
     # The page names the built scripts: an old page would ask for scripts that are gone.

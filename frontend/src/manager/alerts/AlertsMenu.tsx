@@ -3,7 +3,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { choose } from "../../selection/selection";
 import { Icon } from "../../parts/Icon";
 import { nowS } from "../../stream/stream";
-import { format, n, t } from "../../text";
+import { format, n, t } from "../../text/manager";
 import { NewsList } from "../news/NewsList";
 import { alerts } from "../state";
 import { go } from "../views";

@@ -7,7 +7,7 @@ import { Tag, toneOfAtv } from "../../parts/Tag";
 import { isLost } from "../../plant/silence";
 import { selection } from "../../selection/selection";
 import { nowS, world } from "../../stream/stream";
-import { format, t, word } from "../../text";
+import { format, t, word } from "../../text/manager";
 import { names, plant } from "../state";
 import { doingText } from "./doing";
 import { TrialFacts } from "../trials/TrialFacts";

@@ -2,7 +2,7 @@ import { useSignal } from "@preact/signals";
 import { promiseHelp } from "../../api/client";
 import type { HelpView } from "../../api/types";
 import { nowS } from "../../stream/stream";
-import { format, t } from "../../text";
+import { format, t } from "../../text/manager";
 import { problemText } from "../problem-text";
 import { helpText } from "./help";
 

@@ -1,6 +1,6 @@
 import { Fact } from "../../parts/Facts";
 import { world } from "../../stream/stream";
-import { format, t } from "../../text";
+import { format, t } from "../../text/manager";
 
 /** What is not worth a word, in factory seconds. */
 const PUNCTUAL_S = 2;

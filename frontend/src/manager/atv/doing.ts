@@ -1,6 +1,6 @@
 /** What a vehicle is doing, in words. */
 import type { AtvView } from "../../api/types";
-import { t, word } from "../../text";
+import { t, word } from "../../text/manager";
 
 export function doingText(atv: AtvView): string {
   if (atv.task?.phase) return word("phase", atv.task.phase);

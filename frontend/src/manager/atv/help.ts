@@ -1,6 +1,6 @@
 /** How long a vehicle waits for a person, in words. */
 import type { HelpView } from "../../api/types";
-import { format, t } from "../../text";
+import { format, t } from "../../text/manager";
 
 /** @returns factory seconds that are left; negative when the time is over */
 export function helpLeftS(help: HelpView, nowS: number, speed: number): number {

@@ -1,6 +1,6 @@
 /** By which way a vehicle is heard, in words. */
 import type { AtvView } from "../../api/types";
-import { t } from "../../text";
+import { t } from "../../text/manager";
 
 export function linkText({ link, via }: Pick<AtvView, "link" | "via">): string {
   if (link === "wlan") return t("atv.wlan");

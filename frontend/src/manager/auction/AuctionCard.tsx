@@ -4,7 +4,7 @@ import { Card } from "../../parts/Card";
 import { Tag } from "../../parts/Tag";
 import { selection } from "../../selection/selection";
 import { world } from "../../stream/stream";
-import { format, n, t, word } from "../../text";
+import { format, n, t, word } from "../../text/manager";
 import { names } from "../state";
 import { auctionOf, shownTask } from "./auction";
 import { BidLine } from "./BidLine";

@@ -1,5 +1,5 @@
 import { Link } from "../../parts/Link";
-import { format, t, word } from "../../text";
+import { format, t, word } from "../../text/manager";
 import type { BidRow } from "./auction";
 
 interface Props {

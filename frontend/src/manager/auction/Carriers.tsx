@@ -1,6 +1,6 @@
 import type { CarrierView } from "../../api/types";
 import { Link } from "../../parts/Link";
-import { format, t } from "../../text";
+import { format, t } from "../../text/manager";
 
 /** The newest: more would not fit into one line. */
 const MOST = 4;

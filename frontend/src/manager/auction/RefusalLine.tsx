@@ -1,6 +1,6 @@
 import type { RefusalView } from "../../api/types";
 import { Link } from "../../parts/Link";
-import { t, word } from "../../text";
+import { t, word } from "../../text/manager";
 
 /** Who did not bid, and why. */
 export function RefusalLine({ refusal }: { refusal: RefusalView }) {

@@ -1,6 +1,6 @@
 /** The ledger of one task: when it was due, what was promised, what came of it. */
 import type { TaskView } from "../../api/types";
-import { format, t } from "../../text";
+import { format, t } from "../../text/manager";
 
 /** What would be shown as no second at all, in factory time. */
 export const PUNCTUAL_S = 0.5;

@@ -3,7 +3,7 @@
  * into the reader's language.
  */
 import type { PassedView, RefusedView, TaskView, WhyView } from "../../api/types";
-import { format, n, t, word } from "../../text";
+import { format, n, t, word } from "../../text/manager";
 import { isSilence } from "../news/news-text";
 
 /** Bidders that were passed over and are named; more would make a list of a sentence. */

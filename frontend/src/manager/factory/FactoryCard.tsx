@@ -1,7 +1,7 @@
 import { useComputed } from "@preact/signals";
 import { Card } from "../../parts/Card";
 import { nowS, world } from "../../stream/stream";
-import { format, t } from "../../text";
+import { format, t } from "../../text/manager";
 import { Sparkline } from "./Sparkline";
 import { LOST, statusCounts } from "./status";
 import { StatusRow } from "./StatusRow";

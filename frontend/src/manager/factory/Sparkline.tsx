@@ -1,4 +1,4 @@
-import { format, t } from "../../text";
+import { format, t } from "../../text/manager";
 import { sparkPoints } from "./spark";
 
 const WIDTH = 108;

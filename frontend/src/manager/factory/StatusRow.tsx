@@ -1,5 +1,5 @@
 import { toneOfAtv, toneOfMachine } from "../../parts/Tag";
-import { format, t, word } from "../../text";
+import { format, t, word } from "../../text/manager";
 
 interface Props {
   name: string;

@@ -6,7 +6,7 @@ import { Tag, toneOfAtv } from "../../parts/Tag";
 import { isLost } from "../../plant/silence";
 import { byId } from "../../plant/places";
 import { nowS, world } from "../../stream/stream";
-import { format, t, word } from "../../text";
+import { format, t, word } from "../../text/manager";
 import { doingText } from "../atv/doing";
 import { helpText } from "../atv/help";
 import { linkText } from "../atv/link";

@@ -1,7 +1,7 @@
 import { selection } from "../../selection/selection";
 import { Card } from "../../parts/Card";
 import { world } from "../../stream/stream";
-import { t } from "../../text";
+import { t } from "../../text/manager";
 import { plant } from "../state";
 import { MachineCard } from "./MachineCard";
 import { placeOf } from "./place";

@@ -6,7 +6,7 @@ import { Meter } from "../../parts/Meter";
 import { Tag, toneOfMachine } from "../../parts/Tag";
 import { isLost } from "../../plant/silence";
 import { nowS, world } from "../../stream/stream";
-import { format, n, t, word } from "../../text";
+import { format, n, t, word } from "../../text/manager";
 import { names } from "../state";
 import { TrialFacts } from "../trials/TrialFacts";
 import { TrialMenu } from "../trials/TrialMenu";

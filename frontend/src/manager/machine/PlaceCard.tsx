@@ -4,7 +4,7 @@ import { Fact, Facts } from "../../parts/Facts";
 import { Link } from "../../parts/Link";
 import { Tag } from "../../parts/Tag";
 import { world } from "../../stream/stream";
-import { format, t } from "../../text";
+import { format, t } from "../../text/manager";
 import { isOpen } from "../auction/auction";
 import { names } from "../state";
 import type { PlaceInfo } from "./place";

@@ -1,7 +1,7 @@
 import type { BufferView } from "../../api/types";
 import { Meter } from "../../parts/Meter";
 import { filledFrac, isLow } from "../../plant/stock";
-import { format, t } from "../../text";
+import { format, t } from "../../text/manager";
 import { names } from "../state";
 
 /** Buffers or finished goods: how full, where more is ordered, what is on its way. */

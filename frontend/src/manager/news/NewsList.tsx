@@ -1,5 +1,5 @@
 import { nowS, world } from "../../stream/stream";
-import { format, t } from "../../text";
+import { format, t } from "../../text/manager";
 import { keyOf, lately, toneOf } from "./news";
 import { newsText } from "./news-text";
 import { CALLED, showNews } from "./show";

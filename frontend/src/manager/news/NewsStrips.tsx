@@ -1,6 +1,6 @@
 import { signal, useComputed } from "@preact/signals";
 import { nowS, world } from "../../stream/stream";
-import { t } from "../../text";
+import { t } from "../../text/manager";
 import { keyOf, strips, toneOf } from "./news";
 import { newsText } from "./news-text";
 import { CALLED, showNews } from "./show";

@@ -1,6 +1,6 @@
 /** News in words. */
 import type { NewsView } from "../../api/types";
-import { format, t, word } from "../../text";
+import { format, t, word } from "../../text/manager";
 
 /** What people call what agents know by ids of their own. */
 export interface Called {

@@ -2,7 +2,7 @@
 import type { NewsView } from "../../api/types";
 import { choose } from "../../selection/selection";
 import { world } from "../../stream/stream";
-import { format, t } from "../../text";
+import { format, t } from "../../text/manager";
 import { names } from "../state";
 import { go } from "../views";
 import { subjectOf } from "./news";

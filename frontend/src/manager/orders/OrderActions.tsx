@@ -1,7 +1,7 @@
 import { useSignal } from "@preact/signals";
 import { cancelOrder, releaseOrder } from "../../api/client";
 import type { OrderView } from "../../api/types";
-import { t } from "../../text";
+import { t } from "../../text/manager";
 import { problemText } from "../problem-text";
 import { isClosed } from "./progress";
 

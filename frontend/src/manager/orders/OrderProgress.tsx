@@ -1,6 +1,6 @@
 import type { OrderView } from "../../api/types";
 import { Meter } from "../../parts/Meter";
-import { format, t } from "../../text";
+import { format, t } from "../../text/manager";
 import { progressOf } from "./progress";
 
 /** Delivered before made before ordered, in one bar. */

@@ -2,7 +2,7 @@ import { useComputed } from "@preact/signals";
 import type { OrderView } from "../../api/types";
 import { Card } from "../../parts/Card";
 import { world } from "../../stream/stream";
-import { n, t, word } from "../../text";
+import { n, t, word } from "../../text/manager";
 import { names } from "../state";
 import { DueText } from "./DueText";
 import { OrderActions } from "./OrderActions";

@@ -1,7 +1,7 @@
 import { useComputed } from "@preact/signals";
 import type { OrderView } from "../../api/types";
 import { world } from "../../stream/stream";
-import { format, t, word } from "../../text";
+import { format, t, word } from "../../text/manager";
 import { Table } from "../../parts/Table";
 import { names } from "../state";
 import { DueText } from "./DueText";

@@ -1,5 +1,5 @@
 import type { OrderView } from "../../api/types";
-import { t } from "../../text";
+import { t } from "../../text/manager";
 
 /** Why an order does not go on, in the strategist's words. */
 export function WaitsText({ order }: { order: OrderView }) {

@@ -1,5 +1,5 @@
 import { PlantMap } from "../../plant/PlantMap";
-import { t } from "../../text";
+import { t } from "../../text/manager";
 import { ChosenAtv } from "../atv/AtvCard";
 import { AuctionCard } from "../auction/AuctionCard";
 import { FactoryCard } from "../factory/FactoryCard";

@@ -3,7 +3,7 @@ import { fetchPromises, type PromiseLedger, type PromiseLine } from "../../api/c
 import { Meter } from "../../parts/Meter";
 import { Table } from "../../parts/Table";
 import { world } from "../../stream/stream";
-import { format, t } from "../../text";
+import { format, t } from "../../text/manager";
 import { problemText } from "../problem-text";
 import { ShowLink } from "../ShowLink";
 import { AT_FIRST, COLUMNS, next, type Order, sorted } from "./ledger";

@@ -1,4 +1,4 @@
-import { format, n, t } from "../../text";
+import { format, n, t } from "../../text/manager";
 import { plant } from "../state";
 import { makersOf, needsOf, quantityOf } from "./draft";
 import { draft, outcome } from "./form";

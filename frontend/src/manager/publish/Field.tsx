@@ -1,5 +1,5 @@
 import type { JSX } from "preact";
-import { t } from "../../text";
+import { t } from "../../text/manager";
 import type { Field as FieldName } from "./draft";
 import { complaints } from "./form";
 

@@ -1,5 +1,5 @@
 import { Card } from "../../parts/Card";
-import { t } from "../../text";
+import { t } from "../../text/manager";
 import { plant } from "../state";
 import { Field } from "./Field";
 import { draft, edit, send, sending } from "./form";

@@ -2,7 +2,7 @@
 import { computed, signal } from "@preact/signals";
 import { newKey, placeOrder, Problem } from "../../api/client";
 import { nowS } from "../../stream/stream";
-import { format, t } from "../../text";
+import { format, t } from "../../text/manager";
 import { problemText } from "../problem-text";
 import { plant } from "../state";
 import { checkDraft, type Complaint, type Draft, type Field, fieldOf, MOST_PIECES, orderOf } from "./draft";

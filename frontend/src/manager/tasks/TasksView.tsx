@@ -2,7 +2,7 @@ import { useComputed } from "@preact/signals";
 import type { TaskView } from "../../api/types";
 import { Table } from "../../parts/Table";
 import { world } from "../../stream/stream";
-import { format, t, word } from "../../text";
+import { format, t, word } from "../../text/manager";
 import { isOpen, latestBids } from "../auction/auction";
 import { PUNCTUAL_S } from "../auction/times";
 import { ShowLink } from "../ShowLink";

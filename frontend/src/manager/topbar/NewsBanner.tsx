@@ -1,6 +1,6 @@
 import { isPast } from "../../stream/freshness";
 import { ageS, freshness, reconnect } from "../../stream/stream";
-import { format, t } from "../../text";
+import { format, t } from "../../text/manager";
 
 /** Says that the picture is old, over the whole width, until it is not. */
 export function NewsBanner() {

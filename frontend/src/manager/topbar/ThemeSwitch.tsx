@@ -1,5 +1,5 @@
 import { Icon } from "../../parts/Icon";
-import { t } from "../../text";
+import { t } from "../../text/manager";
 import { theme, THEMES } from "../../theme/theme";
 
 const ICONS = { system: "system", light: "sun", dark: "moon" } as const;

@@ -1,6 +1,7 @@
 import { AlertsMenu } from "../alerts/AlertsMenu";
+import { LanguageSwitch } from "../../parts/LanguageSwitch";
 import { world } from "../../stream/stream";
-import { format, t } from "../../text";
+import { format, t } from "../../text/manager";
 import { view, VIEWS } from "../views";
 import { LiveTag } from "./LiveTag";
 import { ThemeSwitch } from "./ThemeSwitch";
@@ -29,6 +30,7 @@ export function TopBar() {
         )}
         <LiveTag />
         <AlertsMenu />
+        <LanguageSwitch />
         <ThemeSwitch />
       </div>
     </header>

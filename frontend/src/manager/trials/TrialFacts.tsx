@@ -1,6 +1,6 @@
 import { Fact } from "../../parts/Facts";
 import { world } from "../../stream/stream";
-import { t, word } from "../../text";
+import { t, word } from "../../text/manager";
 import { busy, end, failed } from "./act";
 import { faultsOf } from "./trials";
 

@@ -1,7 +1,7 @@
 import { useId, useRef } from "preact/hooks";
 import { Icon } from "../../parts/Icon";
 import { world } from "../../stream/stream";
-import { t } from "../../text";
+import { t } from "../../text/manager";
 import { begin, busy } from "./act";
 import { faultsOf, isOn, type Trial } from "./trials";
 

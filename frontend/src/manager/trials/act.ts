@@ -1,7 +1,7 @@
 /** Begins and ends trials, and keeps what went wrong with the asking. */
 import { signal } from "@preact/signals";
 import { beginFault, endFault } from "../../api/client";
-import { t } from "../../text";
+import { t } from "../../text/manager";
 import { problemText } from "../problem-text";
 import { faultOf, type Trial } from "./trials";
 

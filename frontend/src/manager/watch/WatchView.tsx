@@ -5,7 +5,7 @@ import { Table } from "../../parts/Table";
 import { Tag, type Tone } from "../../parts/Tag";
 import { boundS } from "../../plant/silence";
 import { nowS, world } from "../../stream/stream";
-import { format, t, word } from "../../text";
+import { format, t, word } from "../../text/manager";
 import { linkText } from "../atv/link";
 import { ShowLink } from "../ShowLink";
 import { names } from "../state";

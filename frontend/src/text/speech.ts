@@ -1,0 +1,77 @@
+/**
+ * The language that the page speaks now. Components that read a text are drawn anew when it changes.
+ *
+ * A panel brings the tables of its languages as functions, so that only one of them is loaded.
+ */
+import { computed, signal } from "@preact/signals";
+import { fill, type Table, type Texts } from "./catalogue";
+import { type Formats, formatsFor } from "./format";
+import { type Language, languageOf, localeFor, rememberLanguage } from "./language";
+
+export type Tables = Readonly<Record<Language, () => Promise<Table>>>;
+
+interface Speech {
+  readonly language: Language;
+  readonly table: Table;
+  readonly rules: Intl.PluralRules;
+  readonly formats: Formats;
+}
+
+const speech = signal(speechOf("en", {}, "en-GB"));
+let tables: Tables | null = null;
+
+export const language = computed(() => speech.value.language);
+
+/** Loads the language that was chosen here before, or else the browser's. To be awaited before anything is shown. */
+export async function beginToSpeak(known: Tables): Promise<void> {
+  tables = known;
+  await load(languageOf(document.cookie, navigator.languages));
+}
+
+/** Goes on in another language, here and on the server's pages, from now on. */
+export async function changeLanguage(to: Language): Promise<void> {
+  rememberLanguage(to);
+  await load(to);
+}
+
+/** Speaks from this table at once. */
+export function speak(to: Language, table: Table, locale: string): void {
+  speech.value = speechOf(to, table, locale);
+}
+
+/** What a panel says; the type is that of its English table. */
+export function textsOf<English extends Table>(): Texts<English> {
+  const message = (key: PropertyKey): string | undefined => speech.value.table[key as string];
+  return {
+    t: (key, ...args) => fill(message(key) ?? "", args[0] ?? {}),
+    n: (stem, count, shown = String(count)) => {
+      const form = speech.value.rules.select(count);
+      return fill(message(`${stem}.${form}`) ?? message(`${stem}.other`) ?? "", { n: shown });
+    },
+    word: (group, word) => message(`${group}.${word}`) ?? word.replaceAll("_", " "),
+  };
+}
+
+/** Numbers, times and lengths of time in the page's language. */
+export const format: Formats = {
+  percent: (frac, digits) => speech.value.formats.percent(frac, digits),
+  count: (value) => speech.value.formats.count(value),
+  number: (value, digits) => speech.value.formats.number(value, digits),
+  duration: (seconds) => speech.value.formats.duration(seconds),
+  price: (seconds) => speech.value.formats.price(seconds),
+  age: (seconds) => speech.value.formats.age(seconds),
+  clock: (atS) => speech.value.formats.clock(atS),
+  due: (atS, nowS) => speech.value.formats.due(atS, nowS),
+  list: (items) => speech.value.formats.list(items),
+};
+
+async function load(to: Language): Promise<void> {
+  const table = await tables?.[to]();
+  if (!table) return;
+  speak(to, table, localeFor(to, navigator.languages));
+  document.documentElement.lang = to;
+}
+
+function speechOf(to: Language, table: Table, locale: string): Speech {
+  return { language: to, table, rules: new Intl.PluralRules(locale), formats: formatsFor(locale) };
+}
