@@ -52,6 +52,10 @@ NOW_S = 1_900_000_000.0
 
 PROBLEM = "application/problem+json"
 
+ADMIN_TOKEN = "admin-token-of-these-tests"
+
+BEARER = {"Authorization": f"Bearer {ADMIN_TOKEN}"}
+
 M = TypeVar("M", bound=Message)
 
 
@@ -299,7 +303,7 @@ async def gateway(
     change: Callable[[FastAPI], None] = lambda _app: None,
     **settings: Any,
 ) -> AsyncIterator[House]:
-    """Run a gateway on the database at `url`; the plant's clock is 0 at `NOW_S`.
+    """Run a gateway on the database at `url`; the plant's clock is 0 at `NOW_S`, its client the administrator.
 
     Args:
         url: of a database; made and upgraded when need be.
@@ -319,7 +323,7 @@ async def gateway(
     try:
         historian = Historian(store=store, bus=bus, keys=KEYS, to_wall_s=time.to_wall_s, linger_s=0)
         app = create_app(
-            settings=Settings.load(database_url=url, **settings),
+            settings=Settings.load(**{"database_url": url, "admin_token": ADMIN_TOKEN} | settings),
             plant=plant,
             bus=bus,
             store=store,
@@ -334,7 +338,7 @@ async def gateway(
         transport = httpx.ASGITransport(app=app, raise_app_exceptions=False)
         async with (
             app.router.lifespan_context(app),
-            httpx.AsyncClient(transport=transport, base_url="http://dray.test") as client,
+            httpx.AsyncClient(transport=transport, base_url="http://dray.test", headers=BEARER) as client,
         ):
             yield House(app, bus, client, store, historian, wall)
     finally:

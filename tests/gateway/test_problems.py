@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import logging
+from typing import cast
 
 import pytest
 from fastapi import FastAPI
 from gateway_kit import House, draft, gateway, problem
 from sqlalchemy.exc import OperationalError
 
+from dray.gateway.access.rules import PUBLIC, RULES, Rule
 from dray.gateway.problems import FieldError, Problem, unusable
 from dray.store.orders import Orders
 from dray.store.work import Work
@@ -18,6 +20,11 @@ pytestmark = pytest.mark.anyio
 SECRET = "postgresql://dray:hunter2@db/dray"
 
 
+@pytest.fixture
+def rule(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(cast(dict[tuple[str, str], Rule], RULES), ("GET", "/api/bug"), PUBLIC)
+
+
 def with_a_bug(app: FastAPI) -> None:
     @app.get("/api/bug")
     async def bug() -> None:
@@ -25,7 +32,7 @@ def with_a_bug(app: FastAPI) -> None:
 
 
 async def test_a_bug_is_told_without_insides_and_logged_with_them(
-    url: str, caplog: pytest.LogCaptureFixture
+    url: str, rule: None, caplog: pytest.LogCaptureFixture
 ) -> None:
     async with gateway(url, change=with_a_bug) as house:
         answer = await house.client.get("/api/bug")
@@ -39,7 +46,7 @@ async def test_a_bug_is_told_without_insides_and_logged_with_them(
     assert SECRET in caplog.text
 
 
-async def test_a_bug_is_shielded_as_every_answer_is(url: str) -> None:
+async def test_a_bug_is_shielded_as_every_answer_is(url: str, rule: None) -> None:
     async with gateway(url, change=with_a_bug) as house:
         answer = await house.client.get("/api/bug")
     assert answer.headers["x-content-type-options"] == "nosniff"

@@ -9,7 +9,7 @@ from contextlib import asynccontextmanager
 from typing import Any
 
 import pytest
-from gateway_kit import NOW_S, PLANT, House, Wall, atv_heartbeat, draft, gateway, machine_heartbeat
+from gateway_kit import BEARER, NOW_S, PLANT, House, Wall, atv_heartbeat, draft, gateway, machine_heartbeat
 
 from dray.gateway.projection import Projection
 from dray.gateway.routes.stream import INCOMING_MESSAGES, POLICY, TRY_LATER
@@ -320,7 +320,10 @@ class Socket:
             "raw_path": b"/api/stream",
             "query_string": b"",
             "root_path": "",
-            "headers": [(b"host", b"dray.test"), *((k.encode(), v.encode()) for k, v in headers.items())],
+            "headers": [
+                (name.lower().encode(), value.encode())
+                for name, value in ({"host": "dray.test"} | BEARER | headers).items()
+            ],
             "client": ("127.0.0.1", 1234),
             "server": ("dray.test", 80),
             "subprotocols": [],

@@ -7,11 +7,13 @@ import time as clock
 from collections.abc import AsyncIterator, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
 
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 from starlette.middleware.errors import ServerErrorMiddleware
 
 from dray import __version__
 from dray.gateway import openapi, problems
+from dray.gateway.access.caller import admitted
+from dray.gateway.access.gate import Gate
 from dray.gateway.commands import Commands
 from dray.gateway.desk import CANCELLED_AGAIN_S, Desk
 from dray.gateway.faultdesk import FaultDesk
@@ -116,6 +118,7 @@ def create_app(
         docs_url=None,
         redoc_url=None,
         redirect_slashes=False,
+        dependencies=[Depends(admitted)],
     )
     for module in API:
         app.include_router(module.router, prefix="/api")
@@ -128,6 +131,7 @@ def create_app(
     # The last one added is the outermost.
     app.add_middleware(BodyLimit, limit_bytes=settings.body_limit_bytes)
     app.add_middleware(SameOrigin)
+    app.add_middleware(Gate)
     # FastAPI's own handler of bugs stands outside of all shields: its answers would lack the headers.
     app.add_middleware(ServerErrorMiddleware, handler=problems.on_bug)
     app.add_middleware(SecurityHeaders)

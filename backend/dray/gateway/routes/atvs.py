@@ -8,6 +8,7 @@ import msgspec
 from fastapi import APIRouter, Depends
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from dray.gateway.access.caller import Caller
 from dray.gateway.answers import PAGE, Cursor, Json, Limit, described, list_of, page, problems
 from dray.gateway.bodies import json_only
 from dray.gateway.parts import Gateway
@@ -20,9 +21,6 @@ router = APIRouter(tags=["factory"])
 
 MAX_PROMISE_S = 900.0
 """No vehicle waits longer for a promise: it may be forgotten."""
-
-ISSUED_BY = "Control room"
-"""Whom the vehicle names as the one who asked: nobody is logged in yet."""
 
 
 class CommandRequest(BaseModel):
@@ -98,11 +96,11 @@ async def get_atv(gateway: Gateway, atv: str) -> Json:
     },
     response_class=Json,
 )
-async def command_atv(gateway: Gateway, atv: str, command: CommandRequest) -> Json:
+async def command_atv(gateway: Gateway, caller: Caller, atv: str, command: CommandRequest) -> Json:
     """Stop a vehicle, acknowledge, let it go on, limit its speed, or promise help; waits for its word."""
     if atv not in gateway.projection.atvs:
         raise not_found("atv", atv, "GET /api/atvs")
     answer = await gateway.commands.order(
-        atv, command.kind, speed_frac=command.speed_frac, wait_s=command.wait_s, issued_by=ISSUED_BY
+        atv, command.kind, speed_frac=command.speed_frac, wait_s=command.wait_s, issued_by=caller.name
     )
     return Json(CommandAnswer(answer.command, answer.done, answer.reason))

@@ -1,0 +1,75 @@
+"""Principals: whoever has been recognised, be it a person, another system's key or the administrator."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Literal
+
+
+class Role(StrEnum):
+    """What a person is here for."""
+
+    MANAGER = "manager"
+    OPERATOR = "operator"
+
+
+class Scope(StrEnum):
+    """One thing that somebody may be allowed."""
+
+    FACTORY_READ = "factory:read"
+    ORDERS_READ = "orders:read"
+    ORDERS_WRITE = "orders:write"
+    VEHICLES_COMMAND = "vehicles:command"
+    ALERTS_ACKNOWLEDGE = "alerts:acknowledge"
+    AUDIT_READ = "audit:read"
+    PEOPLE_WRITE = "people:write"
+    FAULTS_WRITE = "faults:write"
+
+
+EVERYTHING = frozenset(Scope)
+
+SCOPES: dict[Role, frozenset[Scope]] = {
+    Role.MANAGER: EVERYTHING,
+    Role.OPERATOR: frozenset({Scope.FACTORY_READ, Scope.VEHICLES_COMMAND, Scope.ALERTS_ACKNOWLEDGE}),
+}
+"""What each role may; an operator in the areas of its own only."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Principal:
+    """Somebody who has been recognised.
+
+    Attributes:
+        kind: how it was recognised: by a session, a key or the administrator's token.
+        id: of the person or key, unique in its kind; what the audit log names.
+        name: what people call it.
+        role: of a person; None for others.
+        scopes: what it may do.
+        areas: where it may do so; None for the whole plant.
+        station: the machine at which an operator works; empty where that matters nothing.
+        session: the session's id, which is no secret; empty where there is none.
+        expires_at_s: when it will have to be recognised anew, in wall clock seconds; None for never.
+    """
+
+    kind: Literal["person", "key", "admin"]
+    id: str
+    name: str
+    role: Role | None = None
+    scopes: frozenset[Scope]
+    areas: frozenset[str] | None = None
+    station: str = ""
+    session: str = ""
+    expires_at_s: float | None = None
+
+    def may(self, scope: Scope) -> bool:
+        """Whether it is allowed this, if only in some areas."""
+        return scope in self.scopes
+
+    def covers(self, area: str) -> bool:
+        """Whether it may act in this area."""
+        return self.areas is None or area in self.areas
+
+
+ADMIN = Principal(kind="admin", id="admin", name="Administrator", scopes=EVERYTHING)
+"""Whoever has the administrator's token (`DRAY_ADMIN_TOKEN`)."""

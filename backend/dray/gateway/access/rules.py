@@ -1,0 +1,100 @@
+"""Rules: what every route asks of its caller. One table; a route without a row is refused.
+
+Whoever adds a route adds its row. A row of a method that changes something names the `action` under which
+the audit log keeps it. `by_area` opens a route to callers who are limited to areas: its router then shows
+and does only what lies in these. All other rows are for callers of the whole plant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from starlette.routing import compile_path
+
+from dray.gateway.access.principal import Scope
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """What one route asks of its caller.
+
+    Attributes:
+        scope: what the caller must be allowed; None where being recognised is enough.
+        by_area: whether callers who are limited to areas may come in.
+        public: whether anybody may come in, recognised or not.
+        action: what the audit log calls it; empty for what changes nothing.
+    """
+
+    scope: Scope | None = None
+    by_area: bool = False
+    public: bool = False
+    action: str = ""
+
+
+PUBLIC = Rule(public=True)
+
+KNOWN = Rule(by_area=True)
+"""Whoever has been recognised."""
+
+RULES: Mapping[tuple[str, str], Rule] = {
+    ("GET", "/api/openapi.json"): PUBLIC,
+    ("GET", "/api/docs"): PUBLIC,
+    ("GET", "/healthz"): PUBLIC,
+    ("GET", "/readyz"): PUBLIC,
+    ("GET", "/api/track/{token}"): PUBLIC,
+    ("GET", "/track/{token}"): PUBLIC,
+    ("GET", "/"): KNOWN,
+    ("GET", "/api/stream"): Rule(Scope.FACTORY_READ),
+    ("GET", "/api/plant"): Rule(Scope.FACTORY_READ),
+    ("GET", "/api/products"): Rule(Scope.ORDERS_READ),
+    ("GET", "/api/machines"): Rule(Scope.FACTORY_READ),
+    ("GET", "/api/machines/{machine}"): Rule(Scope.FACTORY_READ),
+    ("GET", "/api/atvs"): Rule(Scope.FACTORY_READ),
+    ("GET", "/api/atvs/{atv}"): Rule(Scope.FACTORY_READ),
+    ("POST", "/api/atvs/{atv}/commands"): Rule(Scope.VEHICLES_COMMAND, action="vehicle.command"),
+    ("GET", "/api/tasks"): Rule(Scope.FACTORY_READ),
+    ("GET", "/api/tasks/{task}"): Rule(Scope.FACTORY_READ),
+    ("GET", "/api/promises"): Rule(Scope.FACTORY_READ),
+    ("GET", "/api/events"): Rule(Scope.FACTORY_READ),
+    ("GET", "/api/kpis"): Rule(Scope.FACTORY_READ),
+    ("GET", "/api/orders"): Rule(Scope.ORDERS_READ),
+    ("POST", "/api/orders"): Rule(Scope.ORDERS_WRITE, action="order.place"),
+    ("GET", "/api/orders/{order}"): Rule(Scope.ORDERS_READ),
+    ("POST", "/api/orders/{order}/release"): Rule(Scope.ORDERS_WRITE, action="order.release"),
+    ("POST", "/api/orders/{order}/cancel"): Rule(Scope.ORDERS_WRITE, action="order.cancel"),
+    ("GET", "/api/faults"): Rule(Scope.FACTORY_READ),
+    ("POST", "/api/faults"): Rule(Scope.FAULTS_WRITE, action="fault.begin"),
+    ("DELETE", "/api/faults/{fault}"): Rule(Scope.FAULTS_WRITE, action="fault.end"),
+}
+"""By method and path template, as the routers name them. A websocket begins as a GET."""
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """The row for a request.
+
+    Attributes:
+        rule: what it asks.
+        template: the path template of the row.
+        parameters: what the template's names stand for in the request.
+    """
+
+    rule: Rule
+    template: str
+    parameters: Mapping[str, str]
+
+
+def find(method: str, path: str) -> Found | None:
+    """The row for a request; None where there is none, and so most likely no route either."""
+    method = "GET" if method == "HEAD" else method
+    plain = RULES.get((method, path))
+    if plain is not None:
+        return Found(plain, path, {})
+    for wanted, template, pattern in _PATTERNS:
+        if wanted == method and (matched := pattern.match(path)):
+            return Found(RULES[method, template], template, matched.groupdict())
+    return None
+
+
+_PATTERNS = [(method, template, compile_path(template)[0]) for method, template in RULES if "{" in template]

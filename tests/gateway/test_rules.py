@@ -1,0 +1,98 @@
+"""Every route says who may use it, and none is let through without."""
+
+from __future__ import annotations
+
+import logging
+from typing import cast
+
+import pytest
+from fastapi import FastAPI
+from fastapi.routing import iter_route_contexts
+from gateway_kit import PLANT, FakeBus, House, gateway, problem
+from starlette.routing import Mount
+
+from dray.gateway.access.rules import RULES, find
+from dray.gateway.app import create_app
+from dray.gateway.timescale import TimeScale
+from dray.settings import Settings
+from dray.store import Store
+
+SAFE = {"GET", "HEAD", "OPTIONS"}
+
+NO_STORE = cast(Store, None)
+"""Routes are known before anything is opened."""
+
+
+@pytest.fixture(scope="module")
+def routes() -> set[tuple[str, str]]:
+    """Method and path template of all that the gateway answers."""
+    app = create_app(
+        settings=Settings(), plant=PLANT, bus=FakeBus(), store=NO_STORE, time=TimeScale(0.0, 0.0)
+    )
+    found = set()
+    for context in iter_route_contexts(app.routes):
+        if isinstance(context.original_route, Mount):
+            # The panels' files: anybody may have them.
+            assert context.path == "/static"
+            continue
+        for method in context.methods or {"GET"}:
+            assert context.path is not None
+            if method != "HEAD":
+                found.add((method, context.path))
+    return found
+
+
+def test_every_route_has_a_row_and_every_row_a_route(routes: set[tuple[str, str]]) -> None:
+    assert set(RULES) == routes
+
+
+def test_whatever_changes_something_has_a_name_in_the_audit_log() -> None:
+    for (method, path), rule in RULES.items():
+        assert bool(rule.action) == (method not in SAFE), path
+
+
+def test_a_row_is_found_by_its_own_route_only(routes: set[tuple[str, str]]) -> None:
+    for method, template in routes:
+        found = find(method, template.replace("{", "").replace("}", ""))
+        assert found is not None
+        assert found.template == template
+
+
+@pytest.mark.anyio
+async def test_a_route_without_a_row_is_refused_and_told_in_the_log(
+    url: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    answered = []
+
+    def with_a_new_route(app: FastAPI) -> None:
+        @app.post("/api/new")
+        async def new() -> None:
+            answered.append("new")
+
+    async with gateway(url, change=with_a_new_route) as house:
+        problem(await house.client.post("/api/new"), 403, "no-rule")
+    assert answered == []
+    assert [record.levelno for record in caplog.records if "/api/new" in record.getMessage()] == [
+        logging.ERROR
+    ]
+
+
+@pytest.mark.anyio
+async def test_a_route_that_another_ones_row_lets_pass_is_refused(url: str) -> None:
+    def with_a_new_route(app: FastAPI) -> None:
+        # Comes before the router's own, and has the address of a tracking page.
+        @app.get("/api/{noun}/{name}")
+        async def new() -> None:
+            raise AssertionError
+
+        app.router.routes.insert(0, app.router.routes.pop())
+
+    async with gateway(url, change=with_a_new_route) as house:
+        problem(await house.client.get("/api/track/x"), 403, "no-rule")
+
+
+@pytest.mark.anyio
+async def test_a_wrong_bearer_token_is_refused(house: House) -> None:
+    answer = await house.client.get("/api/orders", headers={"Authorization": "Bearer guess"})
+    problem(answer, 401, "not-logged-in")
+    assert answer.headers["www-authenticate"].startswith("Bearer")
