@@ -595,6 +595,37 @@ def test_what_is_not_stopped_can_be_neither_acknowledged_nor_resumed() -> None:
     assert instructed(rig.all, Unhold) == []
 
 
+def test_a_fault_that_is_still_there_cannot_be_acknowledged() -> None:
+    rig = contracted()
+    rig.report(ProblemRaised(reason="the load has shifted"))
+    command(rig, CommandKind.STOP)
+    refused = command(rig, CommandKind.ACKNOWLEDGE)
+    assert (refused.done, refused.reason) == (False, "its sensors still report: the load has shifted")
+    assert not command(rig, CommandKind.RESUME).done
+    rig.report(ProblemCleared())
+    assert command(rig, CommandKind.ACKNOWLEDGE).done
+    assert command(rig, CommandKind.RESUME).done
+
+
+def test_a_fault_that_comes_after_the_acknowledge_takes_it_back() -> None:
+    rig = contracted()
+    for kind in (CommandKind.STOP, CommandKind.ACKNOWLEDGE):
+        command(rig, kind)
+    rig.report(ProblemRaised(reason="the load has shifted"))
+    rig.report(ProblemCleared())
+    assert command(rig, CommandKind.RESUME).reason == "acknowledge the stop first"
+    assert instructed(rig.all, Unhold) == []
+
+
+def test_a_stopped_vehicle_tells_whether_it_was_acknowledged() -> None:
+    rig = contracted()
+    told = []
+    for kind in (CommandKind.STOP, CommandKind.ACKNOWLEDGE, CommandKind.RESUME):
+        command(rig, kind)
+        told.append(last_beat(rig).acknowledged)
+    assert told == [False, True, False]
+
+
 def test_no_message_but_a_resume_moves_a_stopped_vehicle() -> None:
     rig = parked()
     command(rig, CommandKind.STOP)
@@ -674,9 +705,7 @@ def test_a_stop_is_seen_before_a_problem_and_a_problem_before_work() -> None:
     assert last_beat(rig).status is AtvStatus.ERROR
     command(rig, CommandKind.STOP)
     assert last_beat(rig).status is AtvStatus.STOPPED
-    command(rig, CommandKind.ACKNOWLEDGE)
-    command(rig, CommandKind.RESUME)
-    assert last_beat(rig).status is AtvStatus.ERROR
+    assert last_beat(rig).problem == "a wheel is stuck"
 
 
 # --- charging and parking ------------------------------------------------------------------------

@@ -62,6 +62,8 @@ class AtvView(View, kw_only=True):
     watches: tuple[BriefView, ...] = ()
     berth: str = ""
     speed_limit_frac: float = 1.0
+    acknowledged: bool = False
+    """While it is stopped: somebody has said that the reason is gone, and it may be resumed."""
     problem: str = ""
     help: HelpView | None = None
     software: str = ""

@@ -145,6 +145,8 @@ class AtvHeartbeat(Message, frozen=True):
     """The charger or parking place that it holds or is driving to."""
     speed_limit_frac: Fraction = 1.0
     """An operator's limit, as a part of the vehicle's own top speed."""
+    acknowledged: bool = False
+    """Somebody has said that the reason of its stop is gone: a resume will be obeyed."""
     problem: Text = ""
     """What keeps it in ERROR, in words; empty otherwise."""
     help: HelpWanted | None = None

@@ -113,9 +113,9 @@ class Atv(Core):
         self._watches = Watches(self._following, self._timers, self._out)
         self._bidder = Bidder(atv, plant, self._type, self._out)
         self._rest = Rest(atv, plant, self._type, self._keys, self._driver, self._timers, self._out)
-        self._obedience = Obedience(self._out)
-        self._carriage: Carriage | None = None
         self._trouble = Trouble(self._out)
+        self._obedience = Obedience(self._trouble, self._out)
+        self._carriage: Carriage | None = None
         self._link = Link.WLAN
         self._status = AtvStatus.IDLE
         self._battery_frac = 1.0
@@ -234,6 +234,7 @@ class Atv(Core):
             way=self._driver.ahead,
             berth=self._rest.berth,
             speed_limit_frac=self._obedience.speed_frac,
+            acknowledged=self._obedience.acknowledged,
             link=self._link,
             problem=self._trouble.problem,
             help=self._trouble.help,
@@ -281,6 +282,8 @@ class Atv(Core):
 
     def _problem_raised(self, report: ProblemRaised, now_s: float) -> None:
         self._trouble.problem = report.reason
+        if self._obedience.take_back():
+            self._commit()
         self._ask_for_help(report.reason, now_s)
         self._watches.resign("in error")
         self._update_status(now_s, report.reason)

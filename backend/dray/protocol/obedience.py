@@ -1,7 +1,8 @@
 """People's commands to a vehicle: stop, acknowledge, resume, slow down (paper, case 5).
 
 A stop holds against everything else until the fault was acknowledged and then a resume was given, as
-two deliberate acts (invariant 5).
+two deliberate acts (invariant 5). To acknowledge says that the fault is gone: a vehicle whose own
+sensors still report it refuses, and one that comes later takes the acknowledge back.
 """
 
 from __future__ import annotations
@@ -10,20 +11,26 @@ from dray.body import Hold, LimitSpeed, Unhold
 from dray.messages import CommandAnswered, CommandKind, VehicleCommand
 from dray.messages.fact import CommandObeyed
 from dray.protocol.events import Effect, Instruct, Record, Send
+from dray.protocol.trouble import Trouble
 
 COMMANDS_KEPT = 32
 """Whoever gives a command repeats it until it is answered, and people give few: a command that comes
 again, or late, is among the last ones."""
+
+NOT_STOPPED = "it is not stopped"
+"""Why a vehicle refuses to be acknowledged or resumed: nothing holds it."""
 
 
 class Obedience:
     """What people have told one vehicle.
 
     Args:
+        trouble: what its sensors report.
         out: where effects go.
     """
 
-    def __init__(self, out: list[Effect]) -> None:
+    def __init__(self, trouble: Trouble, out: list[Effect]) -> None:
+        self._trouble = trouble
         self._out = out
         self._refusals: dict[tuple[str, str], str] = {}
         """What became of the last commands, by who gave them and their names; the oldest first."""
@@ -56,8 +63,17 @@ class Obedience:
 
     def recall(self, acknowledged: bool, speed_frac: float) -> None:
         """Go on with what an earlier life was told; whether it is stopped, its body knows."""
-        self.acknowledged = acknowledged and self.stopped
+        self.acknowledged = acknowledged and self.stopped and not self._trouble.problem
         self.speed_frac = speed_frac
+
+    def take_back(self) -> bool:
+        """A fault has come up that nobody can have meant: the stop is to be acknowledged anew.
+
+        Returns:
+            Whether it had been acknowledged.
+        """
+        taken, self.acknowledged = self.acknowledged, False
+        return taken
 
     def answer(self, sender: str, command: VehicleCommand, refused: str) -> None:
         """Say what became of a command; `refused` tells why not."""
@@ -79,13 +95,15 @@ class Obedience:
         if command.kind is CommandKind.SET_SPEED:
             return self._limit_speed(command.speed_frac)
         if not self.stopped:
-            return "it is not stopped"
+            return NOT_STOPPED
         if command.kind is CommandKind.ACKNOWLEDGE:
+            if self._trouble.problem:
+                return f"its sensors still report: {self._trouble.problem}"
             self.acknowledged = True
             return ""
         if not self.acknowledged:
             return "acknowledge the stop first"
-        self.stopped = False
+        self.stopped = self.acknowledged = False
         self._out.append(Instruct(Unhold()))
         return ""
 

@@ -19,6 +19,7 @@ export interface Point {
  * An ATV, as its last heartbeat told.
  */
 export interface AtvView {
+  acknowledged: boolean;
   battery_frac: number;
   berth: string;
   heading_rad: number;

@@ -11,6 +11,7 @@ from random import Random
 
 from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand
 from dray.ports import Bus
+from dray.protocol.obedience import NOT_STOPPED
 
 NAME = "passerby"
 
@@ -45,7 +46,7 @@ class Passerby:
         self._fleet = fleet
         self._random = random
         self._said = 0
-        self._answered: dict[str, asyncio.Event] = {}
+        self._answers: dict[str, asyncio.Future[CommandAnswered]] = {}
 
     async def meddle(self) -> None:
         """Give commands until cancelled."""
@@ -56,22 +57,31 @@ class Passerby:
             self._session.send(self._random.choice(self._fleet), self._command(kind))
 
     async def put_right(self) -> None:
-        """Let every vehicle drive on, at full speed; returns when all have heard it."""
+        """Let every vehicle drive on, at full speed; returns when all do."""
         async with asyncio.TaskGroup() as group:
             for atv in self._fleet:
                 group.create_task(self._let_go(atv))
 
     async def _let_go(self, atv: str) -> None:
-        for kind in (CommandKind.ACKNOWLEDGE, CommandKind.RESUME, CommandKind.SET_SPEED):
-            command = self._command(kind, speed_frac=1.0)
-            answered = self._answered[command.command] = asyncio.Event()
-            while not answered.is_set():
-                self._session.send(atv, command)
-                try:
-                    await asyncio.wait_for(answered.wait(), AGAIN_S)
-                except TimeoutError:
-                    continue
-            del self._answered[command.command]
+        await self._insist(atv, CommandKind.SET_SPEED)
+        while True:
+            await self._insist(atv, CommandKind.ACKNOWLEDGE)
+            resumed = await self._insist(atv, CommandKind.RESUME)
+            if resumed.done or resumed.reason == NOT_STOPPED:
+                return
+            # What is broken refuses to be acknowledged until it was mended.
+            await asyncio.sleep(AGAIN_S)
+
+    async def _insist(self, atv: str, kind: CommandKind) -> CommandAnswered:
+        """Give a command until it is answered."""
+        command = self._command(kind, speed_frac=1.0)
+        answer: asyncio.Future[CommandAnswered] = asyncio.get_running_loop().create_future()
+        self._answers[command.command] = answer
+        while not answer.done():
+            self._session.send(atv, command)
+            await asyncio.wait((answer,), timeout=AGAIN_S)
+        del self._answers[command.command]
+        return answer.result()
 
     def _command(self, kind: CommandKind, speed_frac: float | None = None) -> VehicleCommand:
         self._said += 1
@@ -85,5 +95,8 @@ class Passerby:
         )
 
     def _hear(self, _sender: str, message: Message) -> None:
-        if isinstance(message, CommandAnswered) and message.command in self._answered:
-            self._answered[message.command].set()
+        if isinstance(message, CommandAnswered):
+            answer = self._answers.get(message.command)
+            # A command that was said twice may be answered twice.
+            if answer is not None and not answer.done():
+                answer.set_result(message)

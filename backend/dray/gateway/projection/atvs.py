@@ -89,6 +89,7 @@ class Atvs:
             watches=tuple(self._brief(brief) for brief in heartbeat.watches),
             berth=heartbeat.berth,
             speed_limit_frac=heartbeat.speed_limit_frac,
+            acknowledged=heartbeat.acknowledged,
             problem=heartbeat.problem,
             help=None if heartbeat.help is None else self._help(heartbeat.help),
             software=heartbeat.software,
