@@ -1,9 +1,9 @@
 import { describe, expect, test } from "vitest";
 import {
-  boxOnScreen, centredOn, contains, fitView, overlaps, scaleBar, toFloor, toScreenX, toScreenY, zoomed,
+  boxOnScreen, centredOn, contains, fitView, overlaps, scaleBar, toFloor, toScreenX, toScreenY, wholeOf, zoomed,
 } from "./geometry";
 
-const floor = { width_m: 60, height_m: 40 };
+const floor = wholeOf({ width_m: 60, height_m: 40 });
 const size = { width: 800, height: 600 };
 const pad = { left: 10, right: 10, top: 50, bottom: 30 };
 const fit = fitView(floor, size, pad);
@@ -19,6 +19,13 @@ describe("the fitted view", () => {
 
   test("has y pointing up", () => {
     expect(toScreenY(fit, 40)).toBeLessThan(toScreenY(fit, 0));
+  });
+
+  test("holds a part of the floor, wherever that lies", () => {
+    const part = fitView({ left_m: 20, bottom_m: 12, width_m: 15, height_m: 7 }, size, pad);
+    expect(toScreenX(part, 27.5)).toBeCloseTo(400);
+    expect(toScreenX(part, 20)).toBeCloseTo(pad.left);
+    expect(toScreenY(part, 19) - pad.top).toBeCloseTo(size.height - pad.bottom - toScreenY(part, 12));
   });
 
   test("survives a map without room", () => {

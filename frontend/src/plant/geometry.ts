@@ -6,7 +6,15 @@ export interface Size {
   readonly height: number;
 }
 
-/** What d3-zoom keeps: scale 1 and no shift is the whole plant, fitted. */
+/** A part of the floor, or all of it. */
+export interface Region {
+  readonly left_m: number;
+  readonly bottom_m: number;
+  readonly width_m: number;
+  readonly height_m: number;
+}
+
+/** What d3-zoom keeps: scale 1 and no shift is the region that is shown at first, fitted. */
 export interface Zoom {
   readonly k: number;
   readonly x: number;
@@ -28,16 +36,20 @@ export interface Rect {
   readonly bottom: number;
 }
 
-/** The view in which the whole floor fits, centred. */
-export function fitView(floor: { width_m: number; height_m: number }, size: Size, pad: Rect): View {
+/** The view in which a part of the floor fits, centred. */
+export function fitView(region: Region, size: Size, pad: Rect): View {
   const width = Math.max(1, size.width - pad.left - pad.right);
   const height = Math.max(1, size.height - pad.top - pad.bottom);
-  const scale = Math.min(width / floor.width_m, height / floor.height_m);
+  const scale = Math.min(width / region.width_m, height / region.height_m);
   return {
     scale,
-    x0: pad.left + (width - floor.width_m * scale) / 2,
-    y0: pad.top + (height + floor.height_m * scale) / 2,
+    x0: pad.left + (width - region.width_m * scale) / 2 - region.left_m * scale,
+    y0: pad.top + (height + region.height_m * scale) / 2 + region.bottom_m * scale,
   };
+}
+
+export function wholeOf({ height_m, width_m }: { height_m: number; width_m: number }): Region {
+  return { left_m: 0, bottom_m: 0, width_m, height_m };
 }
 
 export function zoomed(fit: View, zoom: Zoom): View {

@@ -15,7 +15,7 @@ import { drawAges, drawChosenWay, drawLinks, drawWays } from "./draw/lines";
 import { drawMachine } from "./draw/machines";
 import { drawMark } from "./draw/marks";
 import { drawDots, drawVehicle, drawVehicleLabels, type Look, lookOf } from "./draw/vehicles";
-import { boxOnScreen, fitView, type Size, toScreenX, toScreenY, type View, type Zoom, zoomed } from "./geometry";
+import { boxOnScreen, fitView, type Region, type Size, toScreenX, toScreenY, type View, type Zoom, zoomed } from "./geometry";
 import type { Layers } from "./layers";
 import { type Guard, meshLinks, watchLinks } from "./links";
 import { Marks } from "./marks";
@@ -26,6 +26,12 @@ export interface Canvases {
   readonly floor: HTMLCanvasElement;
   readonly machines: HTMLCanvasElement;
   readonly moving: HTMLCanvasElement;
+}
+
+/** A plant, and the part of it that is shown at first. */
+export interface Scene {
+  readonly plant: PlantFile;
+  readonly home: Region;
 }
 
 /** Room for the scale below the floor. */
@@ -44,6 +50,7 @@ export class PlantRenderer {
   readonly fleet: FleetMotion;
   /** Called after the scale has changed. */
   onZoom: () => void = () => undefined;
+  readonly #home: Region;
   readonly #canvases: Canvases;
   readonly #roads: Roads;
   readonly #serverNowS: () => number;
@@ -61,8 +68,9 @@ export class PlantRenderer {
   #drawnAtMs = 0;
   #stale = { floor: true, machines: true };
 
-  constructor(plant: PlantFile, canvases: Canvases, shown: Shown, serverNowS: () => number) {
+  constructor({ home, plant }: Scene, canvases: Canvases, shown: Shown, serverNowS: () => number) {
     this.plant = plant;
+    this.#home = home;
     this.#canvases = canvases;
     this.#shown = shown;
     this.#serverNowS = serverNowS;
@@ -73,9 +81,9 @@ export class PlantRenderer {
     this.fleet = new FleetMotion(this.#roads);
   }
 
-  /** The whole plant in this much room; the zoom is relative to it. */
+  /** What is shown at first, in this much room; the zoom is relative to it. */
   get fit(): View {
-    return fitView(this.plant, this.#size, PAD);
+    return fitView(this.#home, this.#size, PAD);
   }
 
   get view(): View {

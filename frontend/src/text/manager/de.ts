@@ -14,7 +14,7 @@ export const de: Catalogue<typeof en> = {
   "nav.tasks": "Transporte",
   "nav.watch": "Wache",
   "nav.promises": "Zusagen",
-  "skip.toPlant": "Zum Plan springen",
+  "skip.toContent": "Zum Inhalt springen",
 
   "alerts.none": "Keine Alarme",
   "alerts.alarm.one": "{n} Alarm",

@@ -14,7 +14,7 @@ export const es: Catalogue<typeof en> = {
   "nav.tasks": "Transportes",
   "nav.watch": "Vigilancia",
   "nav.promises": "Promesas",
-  "skip.toPlant": "Saltar al plano",
+  "skip.toContent": "Saltar al contenido",
 
   "alerts.none": "Sin alarmas",
   "alerts.alarm.one": "{n} alarma",
