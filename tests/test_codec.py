@@ -58,7 +58,7 @@ patiently = settings(deadline=None)
 
 MESSAGE_TYPES: tuple[type[Message], ...] = typing.get_args(AnyMessage)
 
-_ID_CHARACTERS = st.characters(exclude_categories=("Cs", "Cc", "Zs", "Zl", "Zp"), exclude_characters="/*?#$")
+_ID_CHARACTERS = st.characters(exclude_categories=("Cs", "Cc", "Zs", "Zl", "Zp"), exclude_characters="/*?#$@")
 
 
 def messages() -> st.SearchStrategy[Message]:

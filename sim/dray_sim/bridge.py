@@ -4,7 +4,8 @@ The factory runs paced in a thread of its own (`SimThread`); the gateway lives o
 a peer on the same network, by way of `BridgedBus`. Nothing is shared but two queues, one each way. A
 queue wakes the other side once, however much it holds by then, so a burst costs one wake-up.
 
-The queues are bounded (see `Crossing`). What agents mean by what crosses is none of this module's business.
+The queues are bounded (see `dray.adapters.crossing`). What agents mean by what crosses is none of this
+module's business.
 """
 
 from __future__ import annotations
@@ -12,92 +13,24 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import threading
-from collections import deque
 from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+from dray.adapters.crossing import Crossing
 from dray.errors import UnavailableError
-from dray.messages import Heartbeat, Message
 from dray_sim.loop import VirtualLoop
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
 
+    from dray.messages import Message
     from dray.ports import Bus, Receive, Session
     from dray_sim.loop import Pace
 
 T = TypeVar("T")
 
-QUEUE = 20_000
-"""Calls that wait to cross. Some seconds of a plant of 300 agents at ten times real time; a side that
-is further behind has stopped."""
-
-HEARTBEAT_ROOM = QUEUE // 2
-"""From this filling on heartbeats are dropped: the next one says the same."""
-
-CALLS_PER_TURN = 500
-"""Calls made before the loop may look at its sockets again: some 5 ms of a gateway's work."""
-
 STOP_S = 10.0
 """How long a factory may take to stop: its agents only leave the bus, which takes milliseconds."""
-
-
-class Crossing:
-    """A bounded queue of calls to be made on another thread's loop, in the order given.
-
-    Policy: half full, it drops heartbeats; full, it drops every message; both are counted. Joining,
-    leaving and subscribing are never dropped: they are few, and the other side would be wrong for good.
-
-    Args:
-        loop: where the calls are made.
-
-    Attributes:
-        dropped_heartbeats: heartbeats that found the queue half full.
-        dropped_messages: other messages that found it full.
-    """
-
-    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
-        self.dropped_heartbeats = 0
-        self.dropped_messages = 0
-        self._loop = loop
-        self._calls: deque[tuple[Callable[..., object], tuple[Any, ...]]] = deque()
-        self._awake = False
-
-    def say(self, message: Message, call: Callable[..., object], *args: Any) -> None:
-        """Cross with something that is said: dropped when there is no room."""
-        waiting = len(self._calls)
-        if waiting >= HEARTBEAT_ROOM and isinstance(message, Heartbeat):
-            self.dropped_heartbeats += 1
-        elif waiting >= QUEUE:
-            self.dropped_messages += 1
-        else:
-            self.order(call, *args)
-
-    def order(self, call: Callable[..., object], *args: Any) -> None:
-        """Cross with something that must arrive."""
-        self._calls.append((call, args))
-        if not self._awake:
-            self._wake()
-
-    def _wake(self) -> None:
-        self._awake = True
-        try:
-            self._loop.call_soon_threadsafe(self._take)
-        except RuntimeError:
-            # The other side has closed its loop: nobody is there to hear anything any more.
-            self._calls.clear()
-            self._awake = False
-
-    def _take(self) -> None:
-        # First this: whoever appends from now on wakes us again, so that no call is left behind.
-        self._awake = False
-        try:
-            for _ in range(min(CALLS_PER_TURN, len(self._calls))):
-                call, args = self._calls.popleft()
-                call(*args)
-        finally:
-            if self._calls and not self._awake:
-                self._wake()
 
 
 class BridgedSession:

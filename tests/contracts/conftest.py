@@ -1,11 +1,15 @@
-"""Contract tests are coroutines: each runs inside the world that it is given."""
+"""Contract tests are coroutines: each runs inside the world that it is given. Some worlds are in `tests/adapters`."""
 
 from __future__ import annotations
 
 import inspect
+import sys
+from pathlib import Path
 from typing import Any
 
 import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "adapters"))
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -1,153 +1,18 @@
-"""The bridge: bounded queues between two loops, and the factory's own thread."""
+"""The bridge: the factory's own thread."""
 
 from __future__ import annotations
 
 import asyncio
 import threading
 from collections.abc import Callable
-from typing import Any
 
 import pytest
 
 from dray.errors import UnavailableError
-from dray.messages import AtvHeartbeat, AtvStatus, OrderTaken, Pose
-from dray_sim import bridge as bridge_module
-from dray_sim.bridge import Crossing, SimThread
+from dray_sim.bridge import SimThread
 from dray_sim.loop import clock, paced
 
 FAST = paced(1e6)
-SAY = OrderTaken(order="1")
-HEARTBEAT = AtvHeartbeat(
-    atv="A1",
-    incarnation=1,
-    seq=1,
-    at_s=0.0,
-    status=AtvStatus.IDLE,
-    pose=Pose(0.0, 0.0, 0.0),
-    node="n1",
-    speed_mps=0.0,
-    battery_frac=1.0,
-)
-
-
-class OtherSide(asyncio.SelectorEventLoop):
-    """A loop that only notes how often it was woken, and takes its turn when the test says so."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.woken: list[Callable[[], object]] = []
-
-    def call_soon_threadsafe(self, callback: Any, *_: Any, **__: Any) -> Any:  # type: ignore[override]
-        self._check_closed()  # type: ignore[attr-defined]
-        self.woken.append(callback)
-
-    def take_turn(self) -> None:
-        self.woken.pop(0)()
-
-
-@pytest.fixture
-def other_side() -> Any:
-    loop = OtherSide()
-    yield loop
-    loop.close()
-
-
-# --- the queue -------------------------------------------------------------------------------------
-
-
-def test_a_burst_costs_one_wake_up_and_keeps_its_order(other_side: OtherSide) -> None:
-    crossing = Crossing(other_side)
-    seen: list[Any] = []
-    for number in range(100):
-        crossing.order(seen.append, number)
-    assert len(other_side.woken) == 1
-    other_side.take_turn()
-    assert seen == list(range(100))
-    crossing.order(seen.append, 100)
-    assert len(other_side.woken) == 1
-
-
-def test_a_long_queue_is_worked_off_in_turns(other_side: OtherSide, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(bridge_module, "CALLS_PER_TURN", 10)
-    crossing = Crossing(other_side)
-    seen: list[Any] = []
-    for number in range(25):
-        crossing.order(seen.append, number)
-    turns = 0
-    while other_side.woken:
-        other_side.take_turn()
-        turns += 1
-    assert turns == 3
-    assert seen == list(range(25))
-
-
-def test_a_call_that_fails_holds_up_no_other(other_side: OtherSide) -> None:
-    crossing = Crossing(other_side)
-    seen: list[Any] = []
-
-    def fail() -> None:
-        raise ZeroDivisionError
-
-    crossing.order(fail)
-    crossing.order(seen.append, 1)
-    with pytest.raises(ZeroDivisionError):
-        other_side.take_turn()
-    other_side.take_turn()
-    assert seen == [1]
-
-
-def test_heartbeats_are_dropped_first_and_subscriptions_never(
-    other_side: OtherSide, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(bridge_module, "QUEUE", 10)
-    monkeypatch.setattr(bridge_module, "HEARTBEAT_ROOM", 5)
-    crossing = Crossing(other_side)
-    seen: list[Any] = []
-    for _ in range(8):
-        crossing.say(HEARTBEAT, seen.append, "heartbeat")
-    for _ in range(8):
-        crossing.say(SAY, seen.append, "message")
-    crossing.order(seen.append, "subscription")
-    other_side.take_turn()
-    assert seen == ["heartbeat"] * 5 + ["message"] * 5 + ["subscription"]
-    assert (crossing.dropped_heartbeats, crossing.dropped_messages) == (3, 3)
-
-
-def test_nothing_piles_up_for_a_side_that_has_closed(other_side: OtherSide) -> None:
-    crossing = Crossing(other_side)
-    other_side.close()
-    for _ in range(10):
-        crossing.order(print, "never")
-        assert not crossing._calls
-
-
-def test_no_call_is_left_behind_however_the_threads_interleave() -> None:
-    calls, threads = 5_000, 4
-
-    async def main() -> int:
-        crossing = Crossing(asyncio.get_running_loop())
-        seen: list[int] = []
-        done = asyncio.Event()
-
-        def note(number: int) -> None:
-            seen.append(number)
-            if len(seen) == calls * threads:
-                done.set()
-
-        def shout() -> None:
-            for number in range(calls):
-                crossing.order(note, number)
-
-        speakers = [threading.Thread(target=shout) for _ in range(threads)]
-        for speaker in speakers:
-            speaker.start()
-        async with asyncio.timeout(60.0):
-            await done.wait()
-        for speaker in speakers:
-            speaker.join()
-        return len(seen)
-
-    assert asyncio.run(main()) == calls * threads
 
 
 # --- the thread ------------------------------------------------------------------------------------

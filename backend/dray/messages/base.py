@@ -15,11 +15,12 @@ WIRE_VERSION = 1
 """Raised when a receiver of the older version could misunderstand; new optional fields do not raise it."""
 
 Id = Annotated[
-    str, Meta(pattern=r"^[^\s/*?#$]{1,128}(?!\n)$", description="Names one thing; a chunk of a key.")
+    str, Meta(pattern=r"^[^\s/*?#$@]{1,128}(?!\n)$", description="Names one thing; a chunk of a key.")
 ]
-"""Without what has a meaning in a key on the bus: its separator, its wildcards, and white space."""
+"""Without what has a meaning in a key on the bus: its separator, its wildcards, the mark of what no wildcard
+matches, and white space."""
 
-IdOrNone = Annotated[str, Meta(pattern=r"^[^\s/*?#$]{0,128}(?!\n)$", description="An id; empty for none.")]
+IdOrNone = Annotated[str, Meta(pattern=r"^[^\s/*?#$@]{0,128}(?!\n)$", description="An id; empty for none.")]
 
 Text = Annotated[str, Meta(max_length=1000)]
 """Words for people. What is longer than a page is no message."""

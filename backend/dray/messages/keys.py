@@ -1,15 +1,17 @@
 """Keys on the bus: who speaks where.
 
 Keys are paths of chunks, as in Zenoh: ``*`` stands for one chunk, ``**`` for any number of them,
-and only subscriptions may hold them. An agent id never holds a ``/``.
+and only subscriptions may hold them. A chunk that begins with ``@`` is matched by no wildcard. An id
+never holds any of these.
 
     {plant}/hb/atv/{id}       heartbeats of a vehicle
     {plant}/hb/machine/{id}   heartbeats of a machine
     {plant}/task/{cell}       announcements of transports, to the grid cells within the radius
     {plant}/goal/{product}    announcements of production goals, to the machines that can make it
     {plant}/berth/{id}        claims of one charger or parking place
-    {plant}/agent/{id}        what is said to one agent alone
+    {plant}/agent/@{id}       what is said to one agent alone
     {plant}/event/{id}        an agent's numbered events
+    {plant}/alive/{id}/{life} a token that is there as long as this life of the agent is
 """
 
 from __future__ import annotations
@@ -22,7 +24,14 @@ class Keys:
         plant: the plant's id; it is the first chunk of every key.
     """
 
-    __slots__ = ("all_atv_heartbeats", "all_events", "all_heartbeats", "all_machine_heartbeats", "plant")
+    __slots__ = (
+        "_owned",
+        "all_atv_heartbeats",
+        "all_events",
+        "all_heartbeats",
+        "all_machine_heartbeats",
+        "plant",
+    )
 
     def __init__(self, plant: str) -> None:
         self.plant = plant
@@ -30,6 +39,7 @@ class Keys:
         self.all_atv_heartbeats = f"{plant}/hb/atv/*"
         self.all_machine_heartbeats = f"{plant}/hb/machine/*"
         self.all_events = f"{plant}/event/*"
+        self._owned = (f"{plant}/hb/atv", f"{plant}/hb/machine", f"{plant}/event")
 
     def atv_heartbeat(self, atv: str) -> str:
         return f"{self.plant}/hb/atv/{atv}"
@@ -46,8 +56,16 @@ class Keys:
     def berth(self, berth: str) -> str:
         return f"{self.plant}/berth/{berth}"
 
-    def agent(self, agent: str) -> str:
-        return f"{self.plant}/agent/{agent}"
+    def addressed(self, agent: str) -> str:
+        return f"{self.plant}/agent/@{agent}"
 
     def events(self, agent: str) -> str:
         return f"{self.plant}/event/{agent}"
+
+    def alive(self, agent: str, life: str) -> str:
+        return f"{self.plant}/alive/{agent}/{life}"
+
+    def owner(self, key: str) -> str | None:
+        """The agent that alone may speak on `key`; None when others may too."""
+        start, _, last = key.rpartition("/")
+        return last if start in self._owned else None

@@ -1,0 +1,256 @@
+"""The bus on many computers: `dray.ports.Bus` on Zenoh.
+
+One process has one Zenoh session, and any number of agents on it: one for a vehicle, some for a gateway.
+
+    publish  {key}                           whoever listens on a pattern that matches
+    send     {plant}/agent/@{to}             one agent: a chunk with an @ is matched by no wildcard
+    join     {plant}/alive/{agent}/{life}    a liveliness token: who is there, and since when
+
+Two threads meet here. Agents call on their loop, and a call goes straight into Zenoh's queues, which never
+hold it up. What comes in comes on Zenoh's threads: there it is read and judged, and crosses to the loop by
+a bounded queue (`Crossing`, which says what is dropped when it is full).
+
+What a link cannot take is lost at the sender or on the way, where nobody can count it. So every message
+carries its number (`Stamp`), and whoever hears it counts the numbers that are missing.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import threading
+import time
+from collections import Counter
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import zenoh
+from zenoh.handlers import Callback
+
+from dray.adapters.crossing import Crossing
+from dray.adapters.zenoh_stamp import Stamp, Tally, read_stamp, write_stamp
+from dray.codec import decode, encode
+from dray.errors import NewerVersion, ProtocolViolation, WireError
+from dray.messages.keys import Keys
+
+if TYPE_CHECKING:
+    from dray.adapters.zenoh_links import Links
+    from dray.messages import Message
+    from dray.ports import Receive
+
+log = logging.getLogger(__name__)
+
+MAX_OWNERS = 10_000
+"""Keys of which a session remembers by which of its patterns it hears them: ten times those of a plant
+of three hundred agents."""
+
+ROLL_CALL_S = 2.0
+"""Longest wait for neighbours' answers; who is there is known in milliseconds when links are well."""
+
+UNREADABLE = "no message of ours"
+NEWER = "a newer wire version"
+FOREIGN = "another agent's key"
+
+
+class ZenohSession:
+    """One agent's place on the bus (see `dray.ports.Session`)."""
+
+    def __init__(self, bus: ZenohBus, agent: str, receive: Receive) -> None:
+        self.agent = agent
+        self._bus = bus
+        self._receive = receive
+        self._left = False
+        self._said: Counter[str] = Counter()
+        """How many messages on each key; keys are few: agents, cells, products, berths."""
+        self._heard = Tally()
+        self._owners: dict[str, str] = {}
+        """By which of its patterns a key is heard, so that two that match do not make it heard twice."""
+        # Never twice the same, and never less: a restart is later than the life before it.
+        self._life = time.time_ns()
+        keys, inner = bus.keys, bus.inner
+        self._patterns: dict[str, tuple[zenoh.KeyExpr, zenoh.Subscriber[None]]] = {}
+        self._own = inner.declare_subscriber(keys.addressed(agent), _on_zenohs_thread(self._hear))
+        self._others = inner.liveliness().declare_subscriber(
+            keys.alive(agent, "*"), _on_zenohs_thread(self._see_other)
+        )
+        self._token = inner.liveliness().declare_token(keys.alive(agent, str(self._life)))
+
+    def publish(self, key: str, message: Message) -> None:
+        """Say it to all that listen on `key`."""
+        if "*" in key:
+            raise ProtocolViolation(f"published on {key!r}: only subscriptions may hold wildcards")
+        self._say(key, message)
+
+    def send(self, to: str, message: Message) -> None:
+        """Say it to one agent alone."""
+        self._say(self._bus.keys.addressed(to), message)
+
+    def subscribe(self, key: str) -> None:
+        """Hear what is published on `key` from now on."""
+        if not self._left and key not in self._patterns:
+            heard = _on_zenohs_thread(lambda sample: self._hear_on(key, sample))
+            self._patterns[key] = (zenoh.KeyExpr(key), self._bus.inner.declare_subscriber(key, heard))
+            self._owners = {}
+
+    def unsubscribe(self, key: str) -> None:
+        """Hear it no longer."""
+        if key in self._patterns:
+            _, subscriber = self._patterns.pop(key)
+            subscriber.undeclare()
+            self._owners = {}
+            self._heard.forget()
+
+    def leave(self) -> None:
+        """Leave the bus; nothing is received after the return."""
+        if self._left:
+            return
+        self._left = True
+        self._token.undeclare()
+        self._others.undeclare()
+        self._own.undeclare()
+        for pattern in tuple(self._patterns):
+            self.unsubscribe(pattern)
+        self._bus.forget(self)
+
+    # --- on the agent's loop ---------------------------------------------------------------------
+
+    def _say(self, key: str, message: Message) -> None:
+        if self._left:
+            self._bus.unsaid += 1
+            return
+        self._said[key] += 1
+        stamp = Stamp(self._life, self._said[key])
+        self._bus.inner.put(key, encode(self.agent, message), attachment=write_stamp(stamp))
+
+    def _arrive(self, sender: str, message: Message) -> None:
+        if not self._left:
+            self._bus.delivered += 1
+            self._receive(sender, message)
+
+    def _give_way(self) -> None:
+        if not self._left:
+            log.warning("%s has joined the bus elsewhere; this one leaves", self.agent)
+            self.leave()
+            self._bus.replaced(self.agent)
+
+    # --- on Zenoh's threads ----------------------------------------------------------------------
+
+    def _hear_on(self, pattern: str, sample: zenoh.Sample) -> None:
+        key = str(sample.key_expr)
+        owners = self._owners
+        owner = owners.get(key)
+        if owner is None:
+            if len(owners) >= MAX_OWNERS:
+                owners.clear()
+            owner = owners[key] = self._owner(key)
+        if owner == pattern:
+            self._hear(sample)
+
+    def _owner(self, key: str) -> str:
+        """The first of all patterns that match; none any more for what was under way."""
+        patterns = tuple(self._patterns.items())
+        return next((pattern for pattern, (matching, _) in patterns if matching.includes(key)), "")
+
+    def _hear(self, sample: zenoh.Sample) -> None:
+        bus, key = self._bus, str(sample.key_expr)
+        try:
+            stamp = read_stamp(b"" if sample.attachment is None else sample.attachment.to_bytes())
+            sender, message = decode(sample.payload.to_bytes())
+        except NewerVersion:
+            bus.refuse(NEWER)
+            return
+        except WireError:
+            bus.refuse(UNREADABLE)
+            return
+        if bus.keys.owner(key) not in (sender, None):
+            bus.refuse(FOREIGN)
+            return
+        with bus.lock:
+            bus.missed += self._heard.skipped(sender, key, stamp)
+        bus.arrivals.say(message, self._arrive, sender, message)
+
+    def _see_other(self, sample: zenoh.Sample) -> None:
+        """Another life of this agent is there, or was: the latest of them is the agent."""
+        life = str(sample.key_expr).rpartition("/")[2]
+        if sample.kind == zenoh.SampleKind.PUT and life.isdecimal() and int(life) > self._life:
+            self._bus.arrivals.order(self._give_way)
+
+
+class ZenohBus:
+    """One process's place on the bus (see `dray.ports.Bus`).
+
+    Used on the loop on which it was made.
+
+    Args:
+        links: opened by this call, which takes some 10 ms; closed by `close`.
+        plant: the plant's id.
+        replaced: told when an agent of this process has joined elsewhere since, and has left here.
+
+    Attributes:
+        keys: the plant's.
+        inner: Zenoh's session.
+        lock: held where Zenoh's threads count.
+        arrivals: what has come in and waits for its agent; counts what it drops.
+        delivered: messages that reached an agent.
+        unsaid: messages of agents that had left.
+        missed: messages that were lost on the way, by the numbers of those that came after them.
+        refused: what came in and reached nobody, by reason; reasons are few and fixed.
+    """
+
+    def __init__(self, links: Links, plant: str, replaced: Callable[[str], None] = lambda _: None) -> None:
+        self.keys = Keys(plant)
+        self.arrivals = Crossing(asyncio.get_running_loop())
+        self.replaced = replaced
+        self.delivered = 0
+        self.unsaid = 0
+        self.refused: Counter[str] = Counter()
+        self._sessions: dict[str, ZenohSession] = {}
+        self.missed = 0
+        self.lock = threading.Lock()
+        self.inner = links.open()
+
+    def join(self, agent: str, receive: Receive) -> ZenohSession:
+        """See `dray.ports.Bus.join`; also when the first has joined in another process."""
+        if before := self._sessions.get(agent):
+            before.leave()
+        session = self._sessions[agent] = ZenohSession(self, agent, receive)
+        return session
+
+    async def roll_call(self) -> frozenset[str]:
+        """Who is there now, in any process, as far as the links reach."""
+        loop = asyncio.get_running_loop()
+        present: set[str] = set()
+        all_told: asyncio.Future[None] = loop.create_future()
+
+        def note(reply: zenoh.Reply) -> None:
+            if reply.ok is not None:
+                present.add(str(reply.ok.key_expr).split("/")[-2])
+
+        def end() -> None:
+            self.arrivals.order(all_told.set_result, None)
+
+        tokens = Callback(note, end, indirect=False)
+        self.inner.liveliness().get(self.keys.alive("*", "*"), tokens, timeout=ROLL_CALL_S)
+        await all_told
+        return frozenset(present)
+
+    def forget(self, session: ZenohSession) -> None:
+        """Let go of a session that has left."""
+        if self._sessions.get(session.agent) is session:
+            del self._sessions[session.agent]
+
+    def refuse(self, reason: str) -> None:
+        """Count what came in and reaches nobody; on any thread."""
+        with self.lock:
+            self.refused[reason] += 1
+
+    def close(self) -> None:
+        """Let all agents leave, and close the links. Twice is harmless."""
+        for session in tuple(self._sessions.values()):
+            session.leave()
+        self.inner.close()
+
+
+def _on_zenohs_thread(hear: Callable[[zenoh.Sample], None]) -> Callback[zenoh.Sample]:
+    """Called where a message comes in: with no thread and no queue between that nobody bounds."""
+    return Callback(hear, indirect=False)

@@ -1,0 +1,146 @@
+"""How a process is linked with the others: which addresses, found how, secured how.
+
+Every session is a Zenoh router, which is how neighbours pass on what others say to one another: a cut
+link is gone round by whatever way is left. Links are TLS with mutual authentication; plain TCP must be
+asked for.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import zenoh
+
+from dray.errors import SettingsError, UnavailableError
+
+RETRY_MS = {"period_init_ms": 500, "period_max_ms": 4000, "period_increase_factor": 2}
+"""How often a peer that does not answer is called again: it is back within some seconds, and a peer that
+is gone for good costs nothing to speak of."""
+
+QUEUE_BATCHES = 16
+"""Of 64 kB each, to be sent on one link: 1 MB is more than all agents say within any lease, and whoever
+cannot take it has been silent for longer than that."""
+
+DROP_AT_ONCE_US = 0
+"""A full link holds nobody up: what it cannot take is lost, and its receivers count it."""
+
+SCOUTING_MS = 10
+"""The wait for others at the start: nobody is needed there, and whoever comes later is linked later."""
+
+
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """The files by which a process proves who it is; PEM.
+
+    Attributes:
+        authority: certificates of whom we trust to have examined others.
+        certificate: our own, signed by such an authority.
+        key: the private key of our certificate.
+    """
+
+    authority: Path
+    certificate: Path
+    key: Path
+
+    @classmethod
+    def in_folder(cls, folder: Path, name: str) -> Identity:
+        """The files as `dray certs` writes them.
+
+        Raises:
+            SettingsError: one of them is not there.
+        """
+        found = cls(folder / "authority.pem", folder / f"{name}.pem", folder / f"{name}.key")
+        for file in (found.authority, found.certificate, found.key):
+            if not file.is_file():
+                raise SettingsError(str(file), "there is no such file; `dray certs` makes certificates")
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class Links:
+    """The links of one process.
+
+    Attributes:
+        listen: HOST:PORT each; port 0 lets the system choose one.
+        peers: HOST:PORT of those that are called, again and again until they answer.
+        multicast: find others on the same network without being told.
+        identity: who we are; None only with `plain`.
+        plain: TCP without encryption or authentication: whoever reaches the port may say anything.
+        lease_s: a link on which nothing has come for so long is closed, and gone round.
+    """
+
+    listen: tuple[str, ...] = ()
+    peers: tuple[str, ...] = ()
+    multicast: bool = False
+    identity: Identity | None = None
+    plain: bool = False
+    lease_s: float = 2.0
+
+    def open(self) -> zenoh.Session:
+        """Open the links; takes some 10 ms, and does not wait for peers.
+
+        Raises:
+            SettingsError: neither an identity nor `plain`, or an address that is none.
+            UnavailableError: an address cannot be listened on.
+        """
+        config = self.config()
+        try:
+            return zenoh.open(config)
+        except zenoh.ZError as error:
+            where = ", ".join(self.listen) or "no address"
+            raise UnavailableError(
+                f"the bus on {where}", str(error).splitlines()[0], "choose another address, or free this one"
+            ) from None
+
+    def config(self) -> zenoh.Config:
+        """The same in Zenoh's words."""
+        if self.identity is None and not self.plain:
+            raise SettingsError(
+                "DRAY_BUS_CERTIFICATES",
+                "agents on many computers need certificates: name the folder that `dray certs` has made, "
+                "or allow plain TCP with DRAY_BUS_PLAIN=true on a network that nobody else can reach",
+            )
+        linked_by_itself = ["router"] if self.multicast else []
+        settings: dict[str, Any] = {
+            "mode": "router",
+            "listen/endpoints": [self._endpoint(address) for address in self.listen],
+            "connect/endpoints": [self._endpoint(address) for address in self.peers],
+            "connect/exit_on_failure": False,
+            "connect/timeout_ms": -1,
+            "connect/retry": RETRY_MS,
+            "scouting/delay": SCOUTING_MS,
+            "scouting/multicast/enabled": self.multicast,
+            "scouting/multicast/autoconnect": {"router": linked_by_itself},
+            "scouting/gossip/enabled": self.multicast,
+            "scouting/gossip/autoconnect": {"router": linked_by_itself},
+            "timestamping/enabled": {"router": False},
+            "transport/link/tx/lease": int(self.lease_s * 1000),
+            "transport/link/tx/queue/size/data": QUEUE_BATCHES,
+            "transport/link/tx/queue/congestion_control/drop/wait_before_drop": DROP_AT_ONCE_US,
+            "transport/shared_memory/enabled": False,
+        }
+        if self.identity is not None:
+            settings |= {
+                "transport/link/protocols": ["tls"],
+                "transport/link/tls/root_ca_certificate": str(self.identity.authority),
+                "transport/link/tls/enable_mtls": True,
+                # A vehicle has no name in anybody's register; who it is stands in its certificate.
+                "transport/link/tls/verify_name_on_connect": False,
+                "transport/link/tls/close_link_on_expiration": True,
+            }
+            for side in ("listen", "connect"):
+                settings[f"transport/link/tls/{side}_certificate"] = str(self.identity.certificate)
+                settings[f"transport/link/tls/{side}_private_key"] = str(self.identity.key)
+        config = zenoh.Config()
+        for path, value in settings.items():
+            config.insert_json5(path, json.dumps(value))
+        return config
+
+    def _endpoint(self, address: str) -> str:
+        host, colon, port = address.rpartition(":")
+        if not (host and colon and port.isdecimal() and int(port) < 2**16):
+            raise SettingsError(address, "is no address for the bus; write HOST:PORT")
+        return f"{'tcp' if self.identity is None else 'tls'}/{address}"

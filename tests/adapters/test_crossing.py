@@ -1,0 +1,193 @@
+"""The bounded queue from other threads into a loop."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from msgspec.structs import replace
+
+from dray.adapters import crossing as crossing_module
+from dray.adapters.crossing import Crossing
+from dray.messages import AtvHeartbeat, AtvStatus, Message, OrderTaken, Pose
+
+SAY = OrderTaken(order="1")
+HEARTBEAT = AtvHeartbeat(
+    atv="A1",
+    incarnation=1,
+    seq=1,
+    at_s=0.0,
+    status=AtvStatus.IDLE,
+    pose=Pose(0.0, 0.0, 0.0),
+    node="n1",
+    speed_mps=0.0,
+    battery_frac=1.0,
+)
+
+
+class OtherSide(asyncio.SelectorEventLoop):
+    """A loop that only notes how often it was woken, and takes its turn when the test says so."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.woken: list[Callable[[], object]] = []
+
+    def call_soon_threadsafe(self, callback: Any, *_: Any, **__: Any) -> Any:  # type: ignore[override]
+        self._check_closed()  # type: ignore[attr-defined]
+        self.woken.append(callback)
+
+    def take_turn(self) -> None:
+        self.woken.pop(0)()
+
+
+@pytest.fixture
+def other_side() -> Any:
+    loop = OtherSide()
+    yield loop
+    loop.close()
+
+
+def test_a_burst_costs_one_wake_up_and_keeps_its_order(other_side: OtherSide) -> None:
+    crossing = Crossing(other_side)
+    seen: list[Any] = []
+    for number in range(100):
+        crossing.order(seen.append, number)
+    assert len(other_side.woken) == 1
+    other_side.take_turn()
+    assert seen == list(range(100))
+    crossing.order(seen.append, 100)
+    assert len(other_side.woken) == 1
+
+
+def test_a_long_queue_is_worked_off_in_turns(other_side: OtherSide, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(crossing_module, "CALLS_PER_TURN", 10)
+    crossing = Crossing(other_side)
+    seen: list[Any] = []
+    for number in range(25):
+        crossing.order(seen.append, number)
+    turns = 0
+    while other_side.woken:
+        other_side.take_turn()
+        turns += 1
+    assert turns == 3
+    assert seen == list(range(25))
+
+
+def test_a_call_that_fails_holds_up_no_other(other_side: OtherSide) -> None:
+    crossing = Crossing(other_side)
+    seen: list[Any] = []
+
+    def fail() -> None:
+        raise ZeroDivisionError
+
+    crossing.order(fail)
+    crossing.order(seen.append, 1)
+    with pytest.raises(ZeroDivisionError):
+        other_side.take_turn()
+    other_side.take_turn()
+    assert seen == [1]
+
+
+@pytest.fixture
+def small(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A queue of ten, half of it for heartbeats."""
+    monkeypatch.setattr(crossing_module, "QUEUE", 10)
+    monkeypatch.setattr(crossing_module, "HEARTBEAT_ROOM", 5)
+
+
+class Ear:
+    """An agent on the other side."""
+
+    def __init__(self) -> None:
+        self.heard: list[tuple[str, Message]] = []
+
+    def hear(self, sender: str, message: Message) -> None:
+        self.heard.append((sender, message))
+
+
+def beat(seq: int) -> AtvHeartbeat:
+    return replace(HEARTBEAT, seq=seq)
+
+
+@pytest.mark.usefixtures("small")
+def test_of_the_heartbeats_that_crowd_the_queue_the_newest_is_kept(other_side: OtherSide) -> None:
+    crossing, ear, other_ear = Crossing(other_side), Ear(), Ear()
+    for seq in range(9):
+        crossing.say(beat(seq), ear.hear, "A1", beat(seq))
+    crossing.say(SAY, ear.hear, "A1", SAY)
+    for to, sender in ((ear, "A2"), (other_ear, "A1")):
+        crossing.say(beat(9), to.hear, sender, beat(9))
+    crossing.say(beat(10), ear.hear, "A1", beat(10))
+    other_side.take_turn()
+    first = [("A1", beat(seq)) for seq in range(5)]
+    assert ear.heard == [*first, ("A1", beat(10)), ("A1", SAY), ("A2", beat(9))]
+    assert other_ear.heard == [("A1", beat(9))]
+    assert (crossing.dropped_heartbeats, crossing.dropped_messages) == (4, 0)
+
+
+@pytest.mark.usefixtures("small")
+def test_a_heartbeat_takes_no_place_of_one_that_has_crossed(other_side: OtherSide) -> None:
+    crossing, ear = Crossing(other_side), Ear()
+    for seq in range(7):
+        crossing.say(beat(seq), ear.hear, "A1", beat(seq))
+    other_side.take_turn()
+    for seq in range(7, 14):
+        crossing.say(beat(seq), ear.hear, "A1", beat(seq))
+    other_side.take_turn()
+    assert [message.seq for _, message in ear.heard] == [0, 1, 2, 3, 4, 6, 7, 8, 9, 10, 11, 13]
+    assert crossing.dropped_heartbeats == 2
+
+
+@pytest.mark.usefixtures("small")
+def test_a_full_queue_drops_and_counts_all_messages_but_no_subscription(other_side: OtherSide) -> None:
+    crossing, ear = Crossing(other_side), Ear()
+    for number in range(13):
+        message = OrderTaken(order=str(number))
+        crossing.say(message, ear.hear, "S", message)
+    crossing.say(HEARTBEAT, ear.hear, "A1", HEARTBEAT)
+    seen: list[str] = []
+    crossing.order(seen.append, "subscription")
+    other_side.take_turn()
+    assert [message.order for _, message in ear.heard] == [str(number) for number in range(10)]
+    assert seen == ["subscription"]
+    assert (crossing.dropped_heartbeats, crossing.dropped_messages) == (1, 3)
+
+
+def test_nothing_piles_up_for_a_side_that_has_closed(other_side: OtherSide) -> None:
+    crossing = Crossing(other_side)
+    other_side.close()
+    for _ in range(10):
+        crossing.order(print, "never")
+        assert not crossing._calls
+
+
+def test_no_call_is_left_behind_however_the_threads_interleave() -> None:
+    calls, threads = 5_000, 4
+
+    async def main() -> int:
+        crossing = Crossing(asyncio.get_running_loop())
+        seen: list[int] = []
+        done = asyncio.Event()
+
+        def note(number: int) -> None:
+            seen.append(number)
+            if len(seen) == calls * threads:
+                done.set()
+
+        def shout() -> None:
+            for number in range(calls):
+                crossing.order(note, number)
+
+        speakers = [threading.Thread(target=shout) for _ in range(threads)]
+        for speaker in speakers:
+            speaker.start()
+        async with asyncio.timeout(60.0):
+            await done.wait()
+        for speaker in speakers:
+            speaker.join()
+        return len(seen)
+
+    assert asyncio.run(main()) == calls * threads

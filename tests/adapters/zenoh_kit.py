@@ -1,0 +1,82 @@
+"""Some computers on a Zenoh bus, in one process, and a way to know that all that was said has arrived."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+from typing import Any
+
+import zenoh
+from zenoh.handlers import Callback
+
+from dray.adapters.zenoh_bus import ZenohBus
+from dray.adapters.zenoh_links import Links
+
+PATIENCE_S = 30.0
+"""For what takes milliseconds on a machine with nothing else to do."""
+
+AGAIN_S = 0.1
+"""A marker that found no way yet is sent again after this; it is an upper bound of a wait for an event."""
+
+
+def free_address() -> str:
+    """An address on this computer where nobody listens."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return f"127.0.0.1:{probe.getsockname()[1]}"
+
+
+class Row:
+    """Computers in a row, each linked with the one before it: the ends hear each other by relays.
+
+    Args:
+        count: how many.
+        plant: the plant's id.
+        links: further arguments of every computer's `Links`.
+    """
+
+    def __init__(self, count: int, plant: str = "p", **links: Any) -> None:
+        links.setdefault("plain", True)
+        addresses = [free_address() for _ in range(count)]
+        self.buses = [
+            ZenohBus(Links(listen=(own,), peers=tuple(addresses[:place][-1:]), **links), plant)
+            for place, own in enumerate(addresses)
+        ]
+        self._round = 0
+        self._marks: set[tuple[int, int]] = set()
+        self._complete = asyncio.Event()
+        for place, bus in enumerate(self.buses):
+            bus.inner.declare_subscriber("settle/*", Callback(self._marker(place, bus), indirect=False))
+
+    async def settle(self) -> None:
+        """Wait until all that was asked for before has taken effect, and all that was said has arrived.
+
+        Every computer says a marker, which goes the way of all that was said before it, until every other
+        one has heard it.
+        """
+        self._round += 1
+        self._marks.clear()
+        self._complete.clear()
+        async with asyncio.timeout(PATIENCE_S):
+            while not self._complete.is_set():
+                for place, bus in enumerate(self.buses):
+                    bus.inner.put(f"settle/{place}", str(self._round))
+                with_patience = asyncio.wait_for(self._complete.wait(), AGAIN_S)
+                await asyncio.gather(with_patience, return_exceptions=True)
+
+    def close(self) -> None:
+        for bus in self.buses:
+            bus.close()
+
+    def _marker(self, place: int, bus: ZenohBus) -> Any:
+        def hear(sample: zenoh.Sample) -> None:
+            sender = int(str(sample.key_expr).rpartition("/")[2])
+            bus.arrivals.order(self._mark, place, sender, int(sample.payload.to_string()))
+
+        return hear
+
+    def _mark(self, place: int, sender: int, round_number: int) -> None:
+        if round_number == self._round:
+            self._marks.add((place, sender))
+            if len(self._marks) == len(self.buses) ** 2:
+                self._complete.set()
