@@ -7,7 +7,8 @@ from history import keep, order
 from sqlalchemy import text
 
 from dray.store import Store, downgrade, upgrade
-from dray.store.links import Link, digest
+from dray.store.digest import digest
+from dray.store.links import Link
 from dray.store.milestones import OrderTimes
 
 pytestmark = pytest.mark.anyio

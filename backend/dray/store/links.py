@@ -8,12 +8,11 @@ read that table may read all that the page could tell.
 
 from __future__ import annotations
 
-import hashlib
-
 import msgspec
 from sqlalchemy import insert, select, update
 from sqlalchemy.ext.asyncio import AsyncConnection
 
+from dray.store.digest import digest
 from dray.store.tables import tracking_links
 
 
@@ -25,11 +24,6 @@ class Link(msgspec.Struct, frozen=True, gc=False):
     expires_at_s: float | None = None
     """None: it ends some time after the order has."""
     revoked_at_s: float | None = None
-
-
-def digest(token: str) -> str:
-    """What is kept of a token: it has 192 random bits, so a plain hash cannot be turned round."""
-    return hashlib.sha256(token.encode("utf-8", "surrogatepass")).hexdigest()
 
 
 class Links:

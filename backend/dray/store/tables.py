@@ -179,3 +179,129 @@ incarnations = Table(
     Column("incarnation", Integer, nullable=False),
     comment="How often the agents of a plant have been started.",
 )
+
+# --- who is who ----------------------------------------------------------------------------------
+
+TokenHash = String(64)
+"""A SHA-256 in hexadecimal digits."""
+
+people = Table(
+    "people",
+    metadata,
+    Column("id", Id, primary_key=True),
+    Column("name", String(80), nullable=False),
+    Column("role", String(16), nullable=False),
+    Column("password_hash", String(200)),
+    Column("pin_hash", String(200)),
+    Column("badge_hash", TokenHash),
+    Column("created_at_s", Double, nullable=False),
+    Column("disabled_at_s", Double),
+    CheckConstraint("role IN ('manager', 'operator')", name="role"),
+    UniqueConstraint("badge_hash"),
+    comment="Who may log in. Nobody is ever deleted: the audit log names people by their ids.",
+)
+
+people_areas = Table(
+    "people_areas",
+    metadata,
+    Column("person_id", Id, ForeignKey("people.id", ondelete="CASCADE"), primary_key=True),
+    Column("area", Id, primary_key=True),
+    comment="The areas in which an operator works.",
+)
+
+sessions = Table(
+    "sessions",
+    metadata,
+    Column("id", Id, primary_key=True),
+    Column("token_hash", TokenHash, nullable=False),
+    Column("person_id", Id, ForeignKey("people.id", ondelete="CASCADE"), nullable=False),
+    Column("station", Id, nullable=False, server_default=""),
+    Column("created_at_s", Double, nullable=False),
+    Column("used_at_s", Double, nullable=False),
+    Column("expires_at_s", Double, nullable=False),
+    Column("ended_at_s", Double),
+    UniqueConstraint("token_hash"),
+    Index(None, "person_id"),
+    Index(None, "expires_at_s"),
+    comment="Logins. ended_at_s: logged out or taken back; one that only ran out of time has none.",
+)
+
+login_links = Table(
+    "login_links",
+    metadata,
+    Column("token_hash", TokenHash, primary_key=True),
+    Column("person_id", Id, ForeignKey("people.id", ondelete="CASCADE"), nullable=False),
+    Column("created_at_s", Double, nullable=False),
+    Column("expires_at_s", Double, nullable=False),
+    Column("ended_at_s", Double),
+    Index(None, "person_id"),
+    comment="Links by which a person logs in once. ended_at_s: used or taken back.",
+)
+
+api_keys = Table(
+    "api_keys",
+    metadata,
+    Column("id", Id, primary_key=True),
+    Column("name", String(80), nullable=False),
+    Column("token_hash", TokenHash, nullable=False),
+    Column("scopes", Text, nullable=False),
+    Column("created_at_s", Double, nullable=False),
+    Column("expires_at_s", Double),
+    Column("revoked_at_s", Double),
+    Column("used_at_s", Double),
+    UniqueConstraint("token_hash"),
+    comment="Keys of other systems. scopes: their names, with spaces between them.",
+)
+
+lockouts = Table(
+    "lockouts",
+    metadata,
+    Column("subject", TokenHash, primary_key=True),
+    Column("failures", Integer, nullable=False),
+    Column("failed_at_s", Double, nullable=False),
+    Column("until_s", Double, nullable=False),
+    Index(None, "failed_at_s"),
+    comment="Failed logins by the SHA-256 of the name that was given, whether anybody has it or not.",
+)
+
+# No foreign key to people: keys, the administrator and strangers are in it too.
+audit = Table(
+    "audit",
+    metadata,
+    Column("position", Position, primary_key=True, autoincrement=True),
+    Column("at_s", Double, nullable=False),
+    Column("who", Id, nullable=False),
+    Column("who_kind", String(16), nullable=False),
+    Column("from_ip", String(64), nullable=False),
+    Column("session", Id, nullable=False),
+    Column("action", String(64), nullable=False),
+    Column("target", Id, nullable=False),
+    Column("result", String(16), nullable=False),
+    Column("detail", Text, nullable=False),
+    CheckConstraint("result IN ('done', 'refused', 'failed')", name="result"),
+    Index(None, "at_s"),
+    Index(None, "who", "position"),
+    Index(None, "action", "position"),
+    Index(None, "target", "position"),
+    sqlite_autoincrement=True,
+    comment="Who did what, or tried to; detail is JSON.",
+)
+
+secrets = Table(
+    "secrets",
+    metadata,
+    Column("name", String(64), primary_key=True),
+    Column("value", Text, nullable=False),
+    comment="Random values that are made once for this database.",
+)
+
+signing_keys = Table(
+    "signing_keys",
+    metadata,
+    Column("id", Id, primary_key=True),
+    Column("private_key", Text, nullable=False),
+    Column("public_key", Text, nullable=False),
+    Column("created_at_s", Double, nullable=False),
+    Column("retired_at_s", Double),
+    comment="Ed25519 keys, in hexadecimal digits, by which commands to vehicles are signed.",
+)

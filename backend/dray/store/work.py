@@ -8,17 +8,24 @@ from contextlib import asynccontextmanager
 from sqlalchemy import text
 from sqlalchemy.ext.asyncio import AsyncConnection
 
+from dray.store.apikeys import ApiKeys
+from dray.store.audit import Audit
 from dray.store.database import Database
 from dray.store.events import Events
 from dray.store.goals import Goals
 from dray.store.incarnations import Incarnations
 from dray.store.keys import IdempotencyKeys
 from dray.store.links import Links
+from dray.store.lockouts import Lockouts
+from dray.store.loginlinks import LoginLinks
 from dray.store.migrate import upgrade
 from dray.store.milestones import Milestones
 from dray.store.orders import Orders
+from dray.store.people import People
 from dray.store.products import Products
 from dray.store.samples import Samples
+from dray.store.secrets import Secrets
+from dray.store.sessions import Sessions
 
 
 class Work:
@@ -35,6 +42,13 @@ class Work:
         self.samples = Samples(connection)
         self.keys = IdempotencyKeys(connection)
         self.incarnations = Incarnations(connection)
+        self.people = People(connection)
+        self.sessions = Sessions(connection)
+        self.login_links = LoginLinks(connection)
+        self.api_keys = ApiKeys(connection)
+        self.lockouts = Lockouts(connection)
+        self.audit = Audit(connection)
+        self.secrets = Secrets(connection)
 
     async def ping(self) -> None:
         """Do nothing, in the database."""

@@ -1,0 +1,70 @@
+"""API keys in SQL: how other systems are recognised. A key is looked up by the SHA-256 of its token."""
+
+from __future__ import annotations
+
+import msgspec
+from sqlalchemy import ColumnElement, insert, select, update
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from dray.store.digest import digest
+from dray.store.tables import api_keys
+
+
+class ApiKey(msgspec.Struct, frozen=True, kw_only=True):
+    """A key of another system. Times are wall clock seconds."""
+
+    id: str
+    name: str
+    scopes: str
+    """Their names, with spaces between them."""
+    created_at_s: float
+    expires_at_s: float | None = None
+    revoked_at_s: float | None = None
+    used_at_s: float | None = None
+
+
+_COLUMNS = [api_keys.c[name] for name in ApiKey.__struct_fields__]
+
+
+class ApiKeys:
+    """The keys, inside one transaction."""
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def add(self, token: str, key: ApiKey) -> None:
+        """Keep a new key."""
+        row = msgspec.structs.asdict(key)
+        await self._connection.execute(insert(api_keys), [{"token_hash": digest(token), **row}])
+
+    async def find(self, token: str) -> ApiKey | None:
+        """The key with this token, usable or not."""
+        return await self._one(api_keys.c.token_hash == digest(token))
+
+    async def get(self, key_id: str) -> ApiKey | None:
+        """The key with this id, usable or not."""
+        return await self._one(api_keys.c.id == key_id)
+
+    async def all(self) -> list[ApiKey]:
+        """All keys, oldest first."""
+        rows = await self._connection.execute(
+            select(*_COLUMNS).order_by(api_keys.c.created_at_s, api_keys.c.id)
+        )
+        return [ApiKey(**row._mapping) for row in rows]  # noqa: SLF001 - SQLAlchemy's public name
+
+    async def use(self, key_id: str, at_s: float) -> None:
+        """Note that it is in use."""
+        await self._connection.execute(update(api_keys).where(api_keys.c.id == key_id).values(used_at_s=at_s))
+
+    async def revoke(self, key_id: str, at_s: float) -> int:
+        """Take it back; returns how many were taken back by this: 0 or 1."""
+        done = await self._connection.execute(
+            update(api_keys)
+            .where(api_keys.c.id == key_id, api_keys.c.revoked_at_s.is_(None))
+            .values(revoked_at_s=at_s)
+        )
+        return done.rowcount
+
+    async def _one(self, condition: ColumnElement[bool]) -> ApiKey | None:
+        row = (await self._connection.execute(select(*_COLUMNS).where(condition))).one_or_none()
+        return None if row is None else ApiKey(**row._mapping)  # noqa: SLF001 - SQLAlchemy's public name

@@ -1,0 +1,93 @@
+"""The audit log in SQL: who did what, or tried to, and what came of it. Rows are only ever added."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+from sqlalchemy import ColumnElement, delete, func, insert, select
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from dray.store.tables import audit
+
+
+class AuditRow(msgspec.Struct, frozen=True, kw_only=True):
+    """One line of the audit log."""
+
+    position: int = 0
+    """Grows with every line; given by the database."""
+    at_s: float
+    """Wall clock."""
+    who: str
+    """The id of a person or key; what somebody claimed to be, where nobody was recognised."""
+    who_kind: str
+    """person, key, admin, console or nobody."""
+    from_ip: str = ""
+    session: str = ""
+    action: str
+    """As `vehicle.command`."""
+    target: str = ""
+    """What it was about, as a vehicle's id."""
+    result: str
+    """done, refused (by a rule or the vehicle) or failed."""
+    detail: dict[str, Any] | msgspec.Raw = {}
+
+
+class AuditFilter(msgspec.Struct, frozen=True, kw_only=True):
+    """Which lines are wanted; empty fields want all."""
+
+    since_s: float | None = None
+    until_s: float | None = None
+    who: str = ""
+    action: str = ""
+    target: str = ""
+    result: str = ""
+
+
+class Audit:
+    """The audit log, inside one transaction."""
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def add(self, row: AuditRow) -> int:
+        """Add a line; returns its position."""
+        fields = msgspec.structs.asdict(row)
+        del fields["position"]
+        fields["detail"] = msgspec.json.encode(row.detail).decode()
+        done = await self._connection.execute(insert(audit).returning(audit.c.position), [fields])
+        position: int = done.scalar_one()
+        return position
+
+    async def page(self, wanted: AuditFilter, before: int | None, limit: int) -> list[AuditRow]:
+        """Lines, newest first.
+
+        Args:
+            wanted: which ones.
+            before: only those that are older than the line of this position.
+            limit: how many at most.
+        """
+        conditions = list(_conditions(wanted))
+        if before is not None:
+            conditions.append(audit.c.position < before)
+        query = select(audit).where(*conditions).order_by(audit.c.position.desc()).limit(limit)
+        rows = [dict(row._mapping) for row in await self._connection.execute(query)]  # noqa: SLF001 - SQLAlchemy's public name
+        return [AuditRow(**row | {"detail": msgspec.Raw(row["detail"].encode())}) for row in rows]
+
+    async def prune(self, keep: int) -> None:
+        """Forget all but the newest `keep` lines."""
+        newest = select(func.max(audit.c.position)).scalar_subquery()
+        await self._connection.execute(delete(audit).where(audit.c.position <= newest - keep))
+
+
+def _conditions(wanted: AuditFilter) -> list[ColumnElement[bool]]:
+    conditions: list[ColumnElement[bool]] = [
+        audit.c[name] == value
+        for name in ("who", "action", "target", "result")
+        if (value := getattr(wanted, name))
+    ]
+    if wanted.since_s is not None:
+        conditions.append(audit.c.at_s >= wanted.since_s)
+    if wanted.until_s is not None:
+        conditions.append(audit.c.at_s < wanted.until_s)
+    return conditions

@@ -1,0 +1,79 @@
+"""Sessions in SQL: who is logged in. A session is looked up by the SHA-256 of its token."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import msgspec
+from sqlalchemy import ColumnElement, delete, insert, select, update
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from dray.store.digest import digest
+from dray.store.tables import sessions
+
+
+class Session(msgspec.Struct, frozen=True, kw_only=True):
+    """One login. Times are wall clock seconds."""
+
+    id: str
+    """Names it in the audit log; no secret."""
+    person_id: str
+    station: str = ""
+    created_at_s: float
+    used_at_s: float
+    expires_at_s: float
+    ended_at_s: float | None = None
+    """Logged out or taken back; None for one that only ran out of time."""
+
+
+_COLUMNS = [sessions.c[name] for name in Session.__struct_fields__]
+
+
+class Sessions:
+    """The sessions, inside one transaction."""
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def add(self, token: str, session: Session) -> None:
+        """Keep a new session."""
+        row = msgspec.structs.asdict(session)
+        await self._connection.execute(insert(sessions), [{"token_hash": digest(token), **row}])
+
+    async def find(self, token: str) -> Session | None:
+        """The session with this token, ended or not."""
+        query = select(*_COLUMNS).where(sessions.c.token_hash == digest(token))
+        row = (await self._connection.execute(query)).one_or_none()
+        return None if row is None else Session(**row._mapping)  # noqa: SLF001 - SQLAlchemy's public name
+
+    async def some(self, ids: Iterable[str]) -> list[Session]:
+        """Those of these ids that there are."""
+        query = select(*_COLUMNS).where(sessions.c.id.in_(list(ids)))
+        rows = await self._connection.execute(query)
+        return [Session(**row._mapping) for row in rows]  # noqa: SLF001 - SQLAlchemy's public name
+
+    async def use(self, ids: Iterable[str], at_s: float) -> None:
+        """Note that these are in use."""
+        query = update(sessions).where(sessions.c.id.in_(list(ids))).values(used_at_s=at_s)
+        await self._connection.execute(query)
+
+    async def station(self, session_id: str, station: str) -> None:
+        """Note at which machine this one's person works."""
+        query = update(sessions).where(sessions.c.id == session_id).values(station=station)
+        await self._connection.execute(query)
+
+    async def end(self, session_id: str, at_s: float) -> int:
+        """End one; returns how many were ended by this: 0 or 1."""
+        return await self._end(sessions.c.id == session_id, at_s)
+
+    async def end_all(self, person_id: str, at_s: float) -> int:
+        """End all of a person; returns how many were ended by this."""
+        return await self._end(sessions.c.person_id == person_id, at_s)
+
+    async def forget_before(self, at_s: float) -> None:
+        """Forget those that ran out before this."""
+        await self._connection.execute(delete(sessions).where(sessions.c.expires_at_s < at_s))
+
+    async def _end(self, condition: ColumnElement[bool], at_s: float) -> int:
+        query = update(sessions).where(condition, sessions.c.ended_at_s.is_(None)).values(ended_at_s=at_s)
+        return (await self._connection.execute(query)).rowcount
