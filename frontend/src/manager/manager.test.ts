@@ -7,7 +7,7 @@ import { alertsOf, isLate } from "./alerts/alerts";
 import { sparkPoints } from "./factory/spark";
 import { firstLook } from "./first-look";
 import { placeOf } from "./machine/place";
-import { namesOf } from "./names";
+import { namesOf } from "../plant/names";
 import { inOrder, progressOf } from "./orders/progress";
 import { problemText } from "./problem-text";
 import { checkDraft, type Draft, fieldOf, makersOf, needsOf, orderOf } from "./publish/draft";

@@ -3,7 +3,7 @@ import { computed, signal } from "@preact/signals";
 import type { PlantFile } from "../api/types";
 import { nowS, world } from "../stream/stream";
 import { alertsOf } from "./alerts/alerts";
-import { namesOf } from "./names";
+import { namesOf } from "../plant/names";
 
 export const plant = signal<PlantFile | null>(null);
 export const plantFailed = signal<string | null>(null);

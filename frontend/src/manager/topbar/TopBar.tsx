@@ -3,8 +3,8 @@ import { LanguageSwitch } from "../../parts/LanguageSwitch";
 import { world } from "../../stream/stream";
 import { format, t } from "../../text/manager";
 import { view, VIEWS } from "../views";
-import { LiveTag } from "./LiveTag";
-import { ThemeSwitch } from "./ThemeSwitch";
+import { LiveTag } from "../../parts/LiveTag";
+import { ThemeSwitch } from "../../parts/ThemeSwitch";
 
 export function TopBar() {
   const speed = world.value?.factory.speed ?? 1;

@@ -1,5 +1,5 @@
-import { ageS, freshness } from "../../stream/stream";
-import { format, t } from "../../text/manager";
+import { ageS, freshness } from "../stream/stream";
+import { format, t } from "../text";
 
 /** How old the picture is; its width never changes. */
 export function LiveTag() {

@@ -1,6 +1,6 @@
-import { Icon } from "../../parts/Icon";
-import { t } from "../../text/manager";
-import { theme, THEMES } from "../../theme/theme";
+import { Icon } from "./Icon";
+import { t } from "../text";
+import { theme, THEMES } from "../theme/theme";
 
 const ICONS = { system: "system", light: "sun", dark: "moon" } as const;
 
