@@ -14,6 +14,8 @@ class Complaints(list[str]):
     def __init__(self) -> None:
         super().__init__()
         self.without_script: list[Page] = []
+        """There is nothing to run axe in; such pages are audited with their scripts."""
+        self._audited: list[Page] = []
 
     def watch(self, page: Page) -> None:
         page.on("console", self._console)
@@ -24,11 +26,20 @@ class Complaints(list[str]):
 
     def audit(self, page: Page) -> None:
         """Add what the page breaks of WCAG 2.2 AA as it is now."""
-        # Without scripts there is nothing to run axe in; such a page is audited with them.
+        self._audited.append(page)
         if page not in self.without_script and not page.is_closed() and page.url != "about:blank":
             self.extend(violations(page))
 
+    def audit_once(self, page: Page) -> None:
+        """Audit it, unless that has been done in some state of it."""
+        if page not in self._audited:
+            self.audit(page)
+
     def _console(self, message: ConsoleMessage) -> None:
+        page = message.page
+        # A page that is itself the answer 410, say, tells so in its text.
+        if page is not None and message.location["url"] == page.url and "status of 4" in message.text:
+            return
         if message.type in {"error", "warning"}:
             self.append(f"console {message.type}: {message.text}")
 

@@ -2,7 +2,7 @@
 
 The browser is an installed one; the pages are those of the built panels. Whatever the page complains of
 (a console error, an exception, a request that failed) fails the test that opened it; so does a request
-to another host, and what breaks WCAG 2.2 AA in a state that is kept as a picture or left at the end.
+to another host, and what breaks WCAG 2.2 AA in a state that is kept as a picture, or at the end where there is none.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def open_page(browser: Browser, complaints: Complaints) -> Iterator[Callable[...
 
     yield open_at
     for page in pages:
-        complaints.audit(page)
+        complaints.audit_once(page)
     found = list(complaints)  # closing ends requests on their way, which is no complaint
     for page in pages:
         page.context.close()
@@ -92,13 +92,13 @@ def open_page(browser: Browser, complaints: Complaints) -> Iterator[Callable[...
 
 
 @pytest.fixture
-def screenshot(complaints: Complaints) -> Callable[[Page, str], Path]:
+def screenshot(complaints: Complaints) -> Callable[..., Path]:
     """Keep a picture in artifacts/screenshots, and complain of what is not accessible in it."""
 
-    def keep(page: Page, name: str) -> Path:
+    def keep(page: Page, name: str, *, whole: bool = False) -> Path:
         ARTIFACTS.mkdir(parents=True, exist_ok=True)
         path = ARTIFACTS / f"{name}.png"
-        page.screenshot(path=path)
+        page.screenshot(path=path, full_page=whole)
         complaints.audit(page)
         return path
 

@@ -155,6 +155,9 @@ async def test_a_cancelled_order_says_so_and_how_far_it_came(house: House) -> No
     page = await story.page()
     assert "Cancelled" in page
     assert 'aria-current="step"' not in page
+    # Nothing more is to come, and nobody is told that it is.
+    assert re.findall(r'<li class="(\w+)"', page) == ["done", "done", "done", "stopped"]
+    assert "still to come" not in page
 
 
 # --- late, and why ---------------------------------------------------------------------------------
@@ -162,7 +165,11 @@ async def test_a_cancelled_order_says_so_and_how_far_it_came(house: House) -> No
 
 @pytest.mark.parametrize(
     ("due_s", "late", "words"),
-    [(3600, "", "Wanted: "), (525, "maybe", "May be later than wanted"), (400, "yes", "Later than wanted")],
+    [
+        (3600, "", "Requested for today, 18:46"),
+        (525, "maybe", "May be later than requested"),
+        (400, "yes", "Later than requested"),
+    ],
 )
 async def test_an_order_that_will_be_late_says_so_before_it_is(
     house: House, due_s: float, late: str, words: str
@@ -181,7 +188,7 @@ async def test_an_order_that_came_late_does_not_hide_it(house: House) -> None:
     await story.making(40)
     await story.arrived(40, 600.0)
     assert (await story.state())["late"] == "yes"
-    assert "Delivered later than wanted" in await story.page()
+    assert "Delivered later than requested" in await story.page()
 
 
 async def test_an_order_that_nobody_can_make_says_so_until_somebody_takes_it(house: House) -> None:

@@ -81,7 +81,7 @@ def test_the_reader_decides_on_the_language(
         ("en", 300, "11 Jan 2031, 17:46"),
         ("de", 1, "Morgen, 17:46"),
         ("de", 3, "Mi, 20. März, 17:46"),
-        ("es", 3, "mié, 20 mar, 17:46"),
+        ("es", 3, "Mié, 20 mar, 17:46"),
     ],
 )
 def test_days_are_written_as_people_do(language: str, days: int, written: str) -> None:
@@ -93,7 +93,7 @@ def test_a_range_names_a_day_once_and_its_beginning_only_while_it_lies_ahead() -
     assert clock.range(Range(NOW_S + 60, NOW_S + HOUR_S), NOW_S) == "Today, 17:47 – 18:46"
     assert clock.range(Range(NOW_S - 60, NOW_S + HOUR_S), NOW_S) == "Today, by about 18:46"
     over_night = clock.range(Range(NOW_S + HOUR_S, NOW_S + 8 * HOUR_S), NOW_S)
-    assert over_night == "Today, 18:46 – Tomorrow, 01:46"
+    assert over_night == "Today, 18:46 – tomorrow, 01:46"
 
 
 def test_today_is_the_readers_day() -> None:

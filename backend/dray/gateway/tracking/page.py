@@ -31,7 +31,7 @@ class StageLine(msgspec.Struct, frozen=True):
 
     name: str
     state: str
-    """done, now or next."""
+    """done, now, next, or stopped, where it ends before its end."""
     state_text: str
     note: str
     time: str
@@ -99,10 +99,10 @@ def page(told: Track, texts: Catalogue, clock: Clock, now_s: float) -> Page:
         note=note,
         tag=tag,
         tag_tone="alarm" if told.late is Late.YES else "warn",
-        wanted="" if told.due_at_s is None else texts.wanted_by.format(time=clock.moment(told.due_at_s)),
+        wanted="" if told.due_at_s is None else texts.wanted_by.format(time=clock.inside(told.due_at_s)),
         reasons=reasons,
         items=tuple(_items(told, texts, clock)),
-        stages=tuple(_stage(told, stage, texts, clock) for stage in told.stages),
+        stages=tuple(_way(told, texts, clock)),
         ended=told.ended,
         poll_s=POLL_S,
         announcement=". ".join(filter(None, (stage if not told.ended else answer, tag, *reasons))),
@@ -129,8 +129,7 @@ def _heading(told: Track, texts: Catalogue, clock: Clock) -> str:
 def _answer(told: Track, texts: Catalogue, clock: Clock, now_s: float) -> tuple[str, str, str]:
     """When it comes: what is asked, the answer, and what to know about it."""
     if told.status is OrderStatus.CANCELLED:
-        when = "" if told.cancelled_at_s is None else clock.moment(told.cancelled_at_s)
-        return texts.cancelled_at, when, ""
+        return texts.cancelled_at, _written(told.cancelled_at_s, clock)[0], ""
     if told.delivered_at_s is not None:
         return texts.delivered_at, clock.moment(told.delivered_at_s), ""
     if Reason.NOT_RELEASED in told.reasons:
@@ -167,14 +166,28 @@ def _items(told: Track, texts: Catalogue, clock: Clock) -> list[ItemLine]:
     ]
 
 
+def _way(told: Track, texts: Catalogue, clock: Clock) -> list[StageLine]:
+    if told.status is not OrderStatus.CANCELLED:
+        return [_stage(told, stage, texts, clock) for stage in told.stages]
+    # Nothing is still to come.
+    way = [_stage(told, stage, texts, clock) for stage in told.stages if stage.reached]
+    time, iso = _written(told.cancelled_at_s, clock)
+    return [*way, StageLine(texts.cancelled_at, "stopped", texts.reached, "", time, iso)]
+
+
 def _stage(told: Track, stage: Stage, texts: Catalogue, clock: Clock) -> StageLine:
     # The last step of a delivered order is done; a cancelled one is nowhere any more.
     now = stage.name is told.stage and not told.ended
     state, state_text = ("done", texts.reached) if stage.reached else ("next", texts.not_reached)
     if now:
         state, state_text = "now", texts.now
-    time, iso = ("", "") if stage.at_s is None else (clock.moment(stage.at_s), clock.iso(stage.at_s))
+    time, iso = _written(stage.at_s, clock)
     return StageLine(texts.stages[stage.name], state, state_text, _note(told, stage, texts, clock), time, iso)
+
+
+def _written(at_s: float | None, clock: Clock) -> tuple[str, str]:
+    """For people and for machines; empty where nobody knows."""
+    return ("", "") if at_s is None else (clock.moment(at_s), clock.iso(at_s))
 
 
 def _note(told: Track, stage: Stage, texts: Catalogue, clock: Clock) -> str:

@@ -19,6 +19,7 @@ class Calendar(msgspec.Struct, frozen=True, kw_only=True):
     day_of_year: str
     """With {day}, {month} and {year}."""
     yesterday: str
+    """As within a sentence, like the other two."""
     today: str
     tomorrow: str
     thousands: str

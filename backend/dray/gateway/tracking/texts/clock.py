@@ -46,7 +46,7 @@ class Clock:
         return f"{self._local(at_s):%H:%M}"
 
     def day(self, at_s: float) -> str:
-        """Today, Fri 20 Nov, or 20 Nov 2031 in another year."""
+        """today, Fri 20 Nov, or 20 Nov 2031 in another year; as within a sentence."""
         calendar, date = self._texts.calendar, self._local(at_s).date()
         near = {-1: calendar.yesterday, 0: calendar.today, 1: calendar.tomorrow}
         days = (date - self._today) // timedelta(days=1)
@@ -67,18 +67,22 @@ class Clock:
         return f"{calendar.day_of_year.format(day=date.day, month=month, year=date.year)}, {self.time(at_s)}"
 
     def moment(self, at_s: float) -> str:
-        """Today, 13:10."""
+        """Today, 13:10: on its own."""
+        return _begun(self.inside(at_s))
+
+    def inside(self, at_s: float) -> str:
+        """today, 13:10: within a sentence."""
         return f"{self.day(at_s)}, {self.time(at_s)}"
 
     def range(self, between: Range, now_s: float) -> str:
         """Today, 13:10 – 13:50; once it may be at any moment, only its end."""
         first, last = self.day(between.from_s), self.day(between.to_s)
         if between.from_s <= now_s:
-            return self._texts.by_about.format(day=last, to=self.time(between.to_s))
+            return _begun(self._texts.by_about.format(day=last, to=self.time(between.to_s)))
         if first == last:
             words = {"from": self.time(between.from_s), "to": self.time(between.to_s)}
-            return self._texts.range.format(day=first, **words)
-        return f"{self.moment(between.from_s)} – {self.moment(between.to_s)}"
+            return _begun(self._texts.range.format(day=first, **words))
+        return f"{self.moment(between.from_s)} – {self.inside(between.to_s)}"
 
     def number(self, value: int) -> str:
         """1,250."""
@@ -98,3 +102,8 @@ class Clock:
 
     def _local(self, at_s: float) -> datetime:
         return datetime.fromtimestamp(at_s, UTC).astimezone(self._zone)
+
+
+def _begun(text: str) -> str:
+    """With a capital, as what stands on its own begins; the rest stays as it is."""
+    return text[:1].upper() + text[1:]

@@ -1,0 +1,79 @@
+"""The gateway of the gateway's tests, served to a browser: every agent is the test's, and so is the clock.
+
+It lives on a thread with an event loop of its own, since Playwright's pages and an event loop do not
+share one thread.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+import sys
+import threading
+from collections.abc import Callable, Coroutine, Iterator
+from concurrent.futures import Future
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, TypeVar
+
+import uvicorn
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "gateway"))
+
+from gateway_kit import House, database_url, gateway
+
+T = TypeVar("T")
+
+PATIENCE_S = 30.0
+"""Longest wait for the house to open or close, and for one call: ten times what a slow machine takes."""
+
+
+class OpenHouse:
+    """A gateway that browsers can reach, and that a test can speak to between two looks at a page.
+
+    Args:
+        url: where its pages are, without a slash at the end.
+        house: the gateway, which only its own loop may touch.
+        loop: that loop.
+    """
+
+    def __init__(self, url: str, house: House, loop: asyncio.AbstractEventLoop) -> None:
+        self.url, self._house, self._loop = url, house, loop
+
+    def do(self, work: Callable[[House], Coroutine[Any, Any, T]]) -> T:
+        """Run this on the gateway's loop, and wait for it."""
+        return asyncio.run_coroutine_threadsafe(work(self._house), self._loop).result(PATIENCE_S)
+
+
+@contextmanager
+def open_house(folder: Path) -> Iterator[OpenHouse]:
+    """Serve a gateway on a free port, with an empty database in this folder."""
+    opened: Future[tuple[OpenHouse, uvicorn.Server]] = Future()
+
+    def run() -> None:
+        try:
+            asyncio.run(_live(folder, opened))
+        except BaseException as error:
+            if opened.done():
+                raise
+            opened.set_exception(error)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    house, server = opened.result(PATIENCE_S)
+    try:
+        yield house
+    finally:
+        server.should_exit = True
+        thread.join(PATIENCE_S)
+        assert not thread.is_alive()
+
+
+async def _live(folder: Path, opened: Future[tuple[OpenHouse, uvicorn.Server]]) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        async with gateway(database_url(folder)) as house:
+            # `gateway` has started the application already.
+            server = uvicorn.Server(uvicorn.Config(house.app, lifespan="off", log_level="error"))
+            url = f"http://127.0.0.1:{listener.getsockname()[1]}"
+            opened.set_result((OpenHouse(url, house, asyncio.get_running_loop()), server))
+            await server.serve(sockets=[listener])
