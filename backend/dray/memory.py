@@ -82,6 +82,17 @@ class StrategistMemory(Part, tag_field="kind", tag="strategist", frozen=True):
     ended: tuple[str, ...] = ()
     """Ended orders whose repeated release is recognised, oldest first."""
     goal_count: int = 0
+    returned: tuple[ReturnedOrder, ...] = ()
+    """Orders that were taken back, oldest first."""
+
+
+class ReturnedOrder(Part, frozen=True):
+    """An order that was taken back: a later release of it is taken, and no other."""
+
+    order: str
+    release: int
+    outstanding: tuple[int, ...] = ()
+    """Per item, what had not arrived; empty when this release never came."""
 
 
 class OrderMemory(Part, frozen=True):
@@ -91,6 +102,11 @@ class OrderMemory(Part, frozen=True):
     items: tuple[OrderItem, ...]
     due_s: float
     goals: tuple[GoalBooked, ...]
+    release: int = 1
+    revoked_by: str = ""
+    """Who has taken it back and waits for its end; empty while it is worked at."""
+    withdrawn: tuple[int, ...] = ()
+    """Per item, pieces of goals that were withdrawn and had not arrived."""
 
 
 class GoalBooked(Part, frozen=True):

@@ -30,6 +30,7 @@ def order(name: str = "O-1", *lines: tuple[int, int], due_at_s: float | None = N
     return Order(
         id=name,
         status=OrderStatus.RELEASED,
+        releases=1,
         customer="Customer",
         token="token",
         items=tuple(Item("P1", quantity, done, done) for quantity, done in lines or ((4, 0),)),
@@ -106,7 +107,7 @@ def test_an_order_that_was_taken_is_sent_no_more() -> None:
     async def answers_to_the_third(stage: Stage) -> None:
         stage.desk.release(order())
         await asyncio.sleep(2.0)
-        stage.desk.taken("O-1")
+        stage.desk.taken("O-1", 1)
         await asyncio.sleep(3600.0)
 
     assert play(answers_to_the_third).times_s == pytest.approx([0.0, 0.5, 1.5])
@@ -127,7 +128,7 @@ def test_every_order_has_its_own_pauses() -> None:
         await asyncio.sleep(5.0)
         stage.desk.release(order("O-2"))
         await asyncio.sleep(0.6)
-        stage.desk.taken("O-1")
+        stage.desk.taken("O-1", 1)
         await asyncio.sleep(1.0)
 
     stage = play(one_after_the_other)
@@ -140,11 +141,11 @@ def test_every_order_has_its_own_pauses() -> None:
 def test_an_answer_about_another_order_and_the_same_answer_again_change_nothing() -> None:
     async def strange_answers(stage: Stage) -> None:
         stage.desk.release(order())
-        stage.desk.taken("O-9")
+        stage.desk.taken("O-9", 1)
         stage.desk.dropped("O-1")
         await asyncio.sleep(0.6)
         for _ in range(2):
-            stage.desk.taken("O-1")
+            stage.desk.taken("O-1", 1)
         await asyncio.sleep(60.0)
 
     assert play(strange_answers).times_s == pytest.approx([0.0, 0.5])
@@ -192,7 +193,7 @@ def test_a_cancellation_takes_the_place_of_the_order_and_is_repeated() -> None:
         await asyncio.sleep(3.0)
         stage.desk.cancel("O-1")
         await asyncio.sleep(2.0)
-        stage.desk.taken("O-1")
+        stage.desk.taken("O-1", 1)
         await asyncio.sleep(2.0)
         stage.desk.dropped("O-1")
         await asyncio.sleep(60.0)

@@ -308,6 +308,7 @@ def ordered(projection: Projection) -> Projection:
         id="O-1",
         customer="Hall 3",
         status=OrderStatus.RELEASED,
+        releases=1,
         items=(Item("P1", 6),),
         token="t",
         created_at_s=NOW_S,

@@ -172,7 +172,7 @@ async def test_orders_are_found_by_one_status_or_several(house: House) -> None:
         assert found["next_cursor"] is None
 
 
-@pytest.mark.parametrize("path", ["", "/release", "/cancel"])
+@pytest.mark.parametrize("path", ["", "/release", "/revoke", "/cancel"])
 async def test_an_unknown_order_is_not_found(house: House, path: str) -> None:
     method = "POST" if path else "GET"
     answer = await house.client.request(method, f"/api/orders/O-000000000-0000{path}")

@@ -490,6 +490,7 @@ def test_a_machine_that_was_silent_did_not_starve_all_the_while(projection: Proj
 def order(name: str = "O-1", *quantities: int, **fields: Any) -> Order:
     usual: dict[str, Any] = {
         "status": OrderStatus.RELEASED,
+        "releases": 1,
         "customer": "Customer",
         "token": f"token-{name}",
         "created_at_s": NOW_S,

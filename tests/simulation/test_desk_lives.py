@@ -62,6 +62,7 @@ class Office:
         self.orders[order.id] = placed = Order(
             id=order.id,
             status=OrderStatus.RELEASED,
+            releases=1,
             customer="Customer",
             token=order.id,
             items=tuple(Item(item.product, item.quantity) for item in order.items),
@@ -105,7 +106,7 @@ class Office:
         if self._chance.random() < LOSS_FRAC:
             return
         if isinstance(message, OrderTaken):
-            self._desk.taken(message.order)
+            self._desk.taken(message.order, message.release)
         elif isinstance(message, CancellationTaken):
             self._desk.dropped(message.order)
 

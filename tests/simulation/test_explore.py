@@ -24,10 +24,14 @@ from dray.messages import (
     Event,
     Message,
     OrderCancelled,
+    OrderItem,
     OrderReleased,
+    OrderRevoked,
+    OrderTaken,
     Pose,
     Production,
     Release,
+    RevocationTaken,
     Role,
     TaskAnnounced,
     Transport,
@@ -51,6 +55,7 @@ from dray.plant import default_plant
 from dray.plant.check import faults as plant_faults
 from dray.protocol.strategist import Strategist
 from dray_sim.broken import InvariantBroken
+from dray_sim.demand import Order
 from dray_sim.explore.blame import LATER_S, Blame
 from dray_sim.explore.bonds import HEED_S, Bonds
 from dray_sim.explore.calm import Calm
@@ -59,9 +64,10 @@ from dray_sim.explore.passerby import Passerby
 from dray_sim.explore.patience import HELP_S, NOTICE_S, Patience
 from dray_sim.explore.play import play, try_seed
 from dray_sim.explore.regret import Regret
+from dray_sim.explore.revision import Revised, Revision
 from dray_sim.explore.search import search
 from dray_sim.explore.story import Story
-from dray_sim.explore.trial import PROFILES, draw
+from dray_sim.explore.trial import FAULTS_UNTIL_S, PROFILES, draw
 from dray_sim.factory import SimFactory
 from dray_sim.faults import Crashed, LinkTrouble, PoweredOff, RadioCut, WlanCut
 from dray_sim.loop import JUMP, VirtualClock, clock, run
@@ -150,6 +156,11 @@ def test_trials_are_of_all_sorts() -> None:
     assert {trial.passerby for trial in trials} == {True, False}
     assert {trial.codec for trial in trials} == {True, False}
     assert {len(trial.cancelled) > 0 for trial in trials} == {True, False}
+    assert {len(trial.revised) > 0 for trial in trials} == {True, False}
+    times = [revised.times_s for trial in trials for revised in trial.revised]
+    assert {len(each) for each in times} == {1, 2, 3}
+    flat = [[moment for pair in each for moment in pair] for each in times]
+    assert all(each == sorted(each) and each[-1] <= FAULTS_UNTIL_S for each in flat)
     assert len({type(timed.fault) for trial in trials for timed in trial.schedule}) >= 10
 
 
@@ -343,6 +354,24 @@ def test_an_order_that_is_cancelled_needs_nothing_any_more() -> None:
     watched.calm.begin(0.0)
     watched.say("strategist", CancellationTaken(order="D1"))
     watched.say("desk", released)
+    watched.wait(10.0)
+    assert watched.calm.over.is_set()
+
+
+def test_an_order_that_is_taken_back_needs_nothing_until_it_is_released_again() -> None:
+    watched = Watched()
+    released = OrderReleased(order="D1", items=(), due_s=0.0)
+    watched.say("desk", released)
+    watched.calm.begin(0.0)
+    watched.say("strategist", RevocationTaken("D1", 1, (3,)))
+    watched.say("desk", released)
+    watched.wait(10.0)
+    assert watched.calm.over.is_set()
+    watched.say("revision", msgspec.structs.replace(released, release=2))
+    watched.say("strategist", RevocationTaken("D1", 1, (3,)))
+    watched.wait(10.0)
+    assert not watched.calm.over.is_set()
+    watched.say("strategist", OrderFulfilled(order="D1"))
     watched.wait(10.0)
     assert watched.calm.over.is_set()
 
@@ -554,6 +583,55 @@ def test_a_cancellation_is_said_until_it_is_heard() -> None:
 
     run(regret(), JUMP)
     assert sorted(heard) == ["D1"] * 3 + ["D2"] * 3
+
+
+def test_an_order_is_published_again_with_what_the_strategist_says_is_outstanding() -> None:
+    said: list[Message] = []
+
+    async def revise() -> None:
+        network = SimNetwork(clock(), Random(1))
+
+        def answer(sender: str, message: Message) -> None:
+            said.append(message)
+            # Every other answer is lost.
+            if said.count(message) < 2:
+                return
+            if isinstance(message, OrderRevoked):
+                strategist.send(sender, RevocationTaken("D1", message.release, (5 - message.release, 0)))
+            elif isinstance(message, OrderReleased):
+                strategist.send(sender, OrderTaken(order="D1", release=message.release))
+
+        strategist = network.join("strategist", answer)
+        items = (OrderItem("P1", 6), OrderItem("P2", 1))
+        order = Order(id="D1", at_s=0.0, items=items, due_s=900.0)
+        await Revision(network, clock()).revise((Revised(order, ((10.0, 50.0), (60.0, 70.0))),))
+        assert clock().now_s() >= 70.0
+
+    run(revise(), JUMP)
+    assert list(dict.fromkeys(said)) == [
+        OrderRevoked("D1", 1),
+        OrderReleased("D1", (OrderItem("P1", 4), OrderItem("P2", 0)), 900.0, release=2),
+        OrderRevoked("D1", 2),
+        OrderReleased("D1", (OrderItem("P1", 3), OrderItem("P2", 0)), 900.0, release=3),
+    ]
+
+
+def test_an_order_that_was_fulfilled_when_it_is_taken_back_is_not_published_again() -> None:
+    said: list[Message] = []
+
+    async def revise() -> None:
+        network = SimNetwork(clock(), Random(1))
+
+        def answer(sender: str, message: Message) -> None:
+            said.append(message)
+            strategist.send(sender, RevocationTaken("D1", 1, (0,)))
+
+        strategist = network.join("strategist", answer)
+        order = Order(id="D1", at_s=0.0, items=(OrderItem("P1", 6),), due_s=900.0)
+        await Revision(network, clock()).revise((Revised(order, ((10.0, 20.0), (30.0, 40.0))),))
+
+    run(revise(), JUMP)
+    assert said == [OrderRevoked("D1", 1)]
 
 
 # --- stories -----------------------------------------------------------------------------------------

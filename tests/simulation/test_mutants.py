@@ -18,6 +18,8 @@ from dray.protocol.coordinator import OpenTask
 from dray.protocol.docking import Dock
 from dray.protocol.events import Instruct, Send
 from dray.protocol.obedience import Obedience
+from dray.protocol.order_book import OrderInWork
+from dray.protocol.strategist import Strategist
 from dray_sim.explore.play import play
 from dray_sim.explore.trial import draw
 
@@ -90,11 +92,25 @@ def that_resumes_unacknowledged(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Obedience, "_try", obey)
 
 
+def that_gives_orders_back_with_an_open_gate(patch: pytest.MonkeyPatch) -> None:
+    """A strategist ends the goals of an order that is taken back, and lets in what is on the way."""
+
+    def give_back(self: Strategist, order: OrderInWork) -> None:
+        for goal in list(order.goals.values()):
+            self._end(goal, "withdrawn")
+            self._book.withdraw(goal)
+        self._commit()
+        self._end_if_done(order)
+
+    patch.setattr(Strategist, "_shut", give_back)
+
+
 MUTANTS = [
     pytest.param(without_the_fence, "links", 0, "invariant 2", id="no-fence"),
     pytest.param(with_handovers_that_count_twice, "answers", 0, "ended twice", id="handover-twice"),
     pytest.param(without_release_after_silence, "answers", 17, "invariant 3|still works", id="no-release"),
     pytest.param(that_resumes_unacknowledged, "hands", 0, "invariant 5", id="no-acknowledge"),
+    pytest.param(that_gives_orders_back_with_an_open_gate, "revisions", 0, "invariant 4", id="open-gate"),
 ]
 """A mutant, from where trials are drawn, the seed to begin with, and what will be seen."""
 

@@ -94,6 +94,7 @@ def order(number: int = 1, *quantities: int, status: OrderStatus = OrderStatus.R
         items=tuple(Item(PRODUCTS[i % 2], quantity) for i, quantity in enumerate(quantities or (4,))),
         created_at_s=1000.0 + number,
         due_at_s=5000.0,
+        releases=int(status is not OrderStatus.STORED),
     )
 
 

@@ -75,6 +75,75 @@ async def test_a_cancelled_order_counts_on_but_stays_cancelled(store: Store) -> 
     assert (found.status, found.delivered_at_s, found.items[0].delivered) == ("cancelled", None, 4)
 
 
+async def test_an_order_that_is_taken_back_is_stored_when_the_factory_says_so_and_keeps_what_arrived(
+    store: Store,
+) -> None:
+    await keep(store, order(1, 4, 2))
+    async with store.write() as work:
+        await work.orders.store("O-1", 1, (0, 1))
+        asked = [await work.orders.get("O-1")]
+        for at_s in (20.0, 21.0):
+            await work.orders.revoke("O-1", at_s)
+        asked.append(await work.orders.get("O-1"))
+        await work.orders.store("O-1", 2, (0, 1))
+        asked.append(await work.orders.get("O-1"))
+        await work.orders.store("O-1", 1, (1, 2))
+        found = await work.orders.get("O-1")
+        await work.orders.release("O-1", 30.0)
+        again = await work.orders.get("O-1")
+    assert [one and (one.status, one.revoked_at_s, one.being_revoked) for one in asked] == [
+        ("released", None, False),
+        ("released", 20.0, True),
+        ("released", 20.0, True),
+    ]
+    assert found is not None
+    assert (found.status, found.revoked_at_s, found.delivered) == ("stored", 20.0, (3, 0))
+    assert not found.being_revoked
+    assert again is not None
+    assert (again.status, again.releases, again.revoked_at_s) == ("released", 2, None)
+    assert again.outstanding == (1, 2)
+
+
+async def test_a_strategist_that_knows_nothing_of_a_release_leaves_what_is_known_of_it(store: Store) -> None:
+    await keep(store, order())
+    async with store.write() as work:
+        await work.orders.advance(order(), Progress(OrderStatus.IN_DELIVERY, (3,), (2,), None))
+        await work.orders.revoke("O-1", 20.0)
+        await work.orders.store("O-1", 1, ())
+        found = await work.orders.get("O-1")
+    assert found is not None
+    assert (found.status, found.delivered) == ("stored", (2,))
+
+
+async def test_an_order_that_was_taken_back_too_late_waits_for_the_facts_that_end_it(store: Store) -> None:
+    await keep(store, order())
+    async with store.write() as work:
+        await work.orders.revoke("O-1", 20.0)
+        await work.orders.store("O-1", 1, (0,))
+        found = await work.orders.get("O-1")
+        assert found is not None
+        assert (found.status, found.revoked_at_s, found.delivered) == ("released", None, (4,))
+        await work.orders.advance(found, Progress(OrderStatus.DELIVERED, (4,), (4,), 9.0))
+        ended = await work.orders.get("O-1")
+    assert ended is not None
+    assert (ended.status, ended.delivered_at_s) == ("delivered", 9.0)
+
+
+async def test_an_advance_that_was_read_before_somebody_took_the_order_back_does_not_undo_that(
+    store: Store,
+) -> None:
+    await keep(store, order())
+    async with store.write() as work:
+        read = await work.orders.get("O-1")
+        assert read is not None
+        await work.orders.revoke("O-1", 20.0)
+        await work.orders.store("O-1", 1, (4,))
+        await work.orders.advance(read, Progress(OrderStatus.IN_PRODUCTION, (1,), (0,), None))
+        found = await work.orders.get("O-1")
+    assert found is not None
+    assert found.status is OrderStatus.STORED
+
+
 async def test_totals_count_an_order_without_due_time_as_on_time(store: Store) -> None:
     finished = [order(number, status=OrderStatus.DELIVERED) for number in (1, 2, 3)]
     finished[0].delivered_at_s, finished[1].delivered_at_s = 4000.0, 6000.0

@@ -10,16 +10,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dray.messages import Event
-from dray.messages.fact import GoalLost
-from dray.store.progress import Goal, OrderStatus, Progress, goal_of, note, progress
+from dray.messages.fact import GoalLost, GoalWithdrawn
+from dray.store.progress import Goal, OrderStatus, Progress, goal_of, note, progress, status_after
 
 
-def reached(events: Sequence[Event], *quantities: int, life: int = 0) -> Progress:
+def reached(
+    events: Sequence[Event], *quantities: int, life: int = 0, arrived: tuple[int, ...] = ()
+) -> Progress:
     goals: dict[str, Goal] = {}
     for event in events:
         if goal := goal_of(event):
             note(goals.setdefault(goal, Goal(goal)), event, same_clock)
-    return progress(quantities, goals.values(), life)
+    return progress(quantities, goals.values(), life, arrived or (0,) * len(quantities))
 
 
 @pytest.mark.parametrize(
@@ -98,6 +100,47 @@ def test_an_order_that_had_arrived_when_its_machine_was_lost_is_delivered() -> N
     assert (result.status, result.delivered_at_s) == (OrderStatus.DELIVERED, told[-1].at_s)
 
 
+def test_of_an_order_that_was_taken_back_only_what_had_arrived_counts() -> None:
+    first = tell("strategist", contracted("G1", 0, 4)) + tell("M1", made("G1", 3), delivered("G1", 0, 1))
+    back = tell("strategist", GoalWithdrawn("G1", "M1", arrived=2), first=2)
+    resting = reached(first + back, 4)
+    assert (resting.made, resting.delivered) == ((2,), (2,))
+    again = tell("strategist", contracted("G2", 0, 2), first=3) + tell("M1", made("G2", 1))
+    assert reached(first + back + again, 4).made == (3,)
+    done = again + tell("M1", delivered("G2", 0, 2), first=9)
+    assert reached(first + back + done, 4).status is OrderStatus.DELIVERED
+
+
+def test_a_goal_that_was_withdrawn_has_lost_nothing() -> None:
+    told = tell("strategist", contracted("G1", 0, 4), GoalWithdrawn("G1", "M1", arrived=0))
+    goal = Goal("G1")
+    for event in told:
+        note(goal, event, same_clock)
+    assert (goal.over, goal.lost) == (True, False)
+
+
+def test_what_is_known_to_have_arrived_counts_before_its_facts_do() -> None:
+    assert reached([], 4, 1, arrived=(3, 0)).delivered == (3, 0)
+    told = tell("M1", delivered("G1", 0, 2))
+    assert reached(told, 4, arrived=(3,)).delivered == (3,)
+    assert reached(told, 4, arrived=(1,)).delivered == (2,)
+
+
+@pytest.mark.parametrize(
+    ("status", "goals_say", "after"),
+    [
+        (OrderStatus.RELEASED, OrderStatus.IN_DELIVERY, OrderStatus.IN_DELIVERY),
+        (OrderStatus.STORED, OrderStatus.IN_DELIVERY, OrderStatus.STORED),
+        (OrderStatus.STORED, OrderStatus.DELIVERED, OrderStatus.DELIVERED),
+        (OrderStatus.CANCELLED, OrderStatus.DELIVERED, OrderStatus.CANCELLED),
+    ],
+)
+def test_a_stored_order_stays_stored_unless_all_of_it_arrives(
+    status: OrderStatus, goals_say: OrderStatus, after: OrderStatus
+) -> None:
+    assert status_after(status, goals_say) is after
+
+
 FACTS = [
     *tell(
         "M1",
@@ -108,6 +151,7 @@ FACTS = [
         delivered("G1", 0, 4),
     ),
     *tell("M1", GoalLost("G1", "M1", arrived=3, successor="G2"), contracted("G2", 0, 1), first=6, at_s=105.0),
+    *tell("M1", GoalWithdrawn("G2", "M1", arrived=0), first=8, at_s=107.0),
 ]
 
 

@@ -24,6 +24,7 @@ from dray.gateway.peer import Peer
 from dray.gateway.projection import Projection
 from dray.gateway.projection.orders import ENDED_KEPT
 from dray.gateway.recall import recall_news
+from dray.gateway.revocations import Revocations
 from dray.gateway.routes import API, REST
 from dray.gateway.shields import BodyLimit, SameOrigin, SecurityHeaders
 from dray.gateway.stream import Hub
@@ -71,6 +72,7 @@ def create_app(
         peer = Peer(bus, Keys(plant.plant))
         products = frozenset(product.id for product in plant.products)
         projection = Projection(plant, time, trials=faults is not None)
+        desk = Desk(send=peer.send, time=time, wall_s=wall_s, products=products)
         parts = Parts(
             settings=settings,
             plant=plant,
@@ -78,7 +80,8 @@ def create_app(
             historian=historian,
             wall_s=wall_s,
             projection=projection,
-            desk=Desk(send=peer.send, time=time, wall_s=wall_s, products=products),
+            desk=desk,
+            revocations=Revocations(store, desk, projection),
             commands=Commands(peer.send, f"gateway.{incarnation}", settings.command_timeout_s),
             ledger=Ledger(store),
             hub=Hub(
@@ -99,9 +102,9 @@ def create_app(
             if historian is not None:
                 await stack.enter_async_context(historian.running(projection.fold))
             stack.callback(peer.leave)
-            peer.join(projection, parts.desk, parts.commands)
+            peer.join(projection, desk, parts.revocations, parts.commands)
             tasks = await stack.enter_async_context(asyncio.TaskGroup())
-            running = [tasks.create_task(parts.desk.run()), tasks.create_task(parts.hub.run())]
+            running = [tasks.create_task(each.run()) for each in (parts.desk, parts.revocations, parts.hub)]
             async with store.read() as work:
                 dropped = await work.orders.cancelled(wall_s() - CANCELLED_AGAIN_S)
                 parts.desk.begin(await work.orders.open(), dropped)

@@ -1,8 +1,9 @@
-"""The order desk: brings released orders to the strategist, and cancellations too.
+"""The order desk: brings released orders to the strategist, and revocations and cancellations too.
 
-The bus promises nothing, so both are repeated with growing pauses until they are answered. Nothing is
+The bus promises nothing, so all are repeated with growing pauses until they are answered. Nothing is
 remembered here that SQL does not know: at the start all open orders are sent again, with what is
-still to be delivered, and late cancellations too; to a strategist who has them already that is no news.
+still to be delivered, or taken back again, and late cancellations too; to a strategist who knows
+already that is no news.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from collections.abc import Callable, Collection, Iterable
 from contextlib import suppress
 
 from dray.gateway.timescale import TimeScale
-from dray.messages import Message, OrderCancelled, OrderItem, OrderReleased
+from dray.messages import Message, OrderCancelled, OrderItem, OrderReleased, OrderRevoked
 from dray.store.orders import Order
 
 STRATEGIST = "strategist"
@@ -59,10 +60,18 @@ class Reminders:
         """It was said now: say it again until it is answered; replaces an older one."""
         self._reminders[order] = Reminder(message, now_s)
 
-    def answered(self, order: str, kind: type[Message]) -> bool:
-        """The strategist has answered; returns whether something of this kind was waiting for it."""
+    def waits(self, order: str, kind: type[Message], release: int | None = None) -> bool:
+        """Whether something of this kind, and about this release, is said again until it is answered."""
         reminder = self._reminders.get(order)
-        if reminder is None or not isinstance(reminder.message, kind):
+        return (
+            reminder is not None
+            and isinstance(reminder.message, kind)
+            and release == getattr(reminder.message, "release", None)
+        )
+
+    def answered(self, order: str, kind: type[Message], release: int | None = None) -> bool:
+        """The strategist has answered; returns whether something of this kind was waiting for it."""
+        if not self.waits(order, kind, release):
             return False
         del self._reminders[order]
         return True
@@ -107,7 +116,10 @@ class Desk:
         for order in cancelled:
             self.cancel(order)
         for opened in orders:
-            self.release(opened)
+            if opened.being_revoked:
+                self.revoke(opened)
+            else:
+                self.release(opened)
 
     def release(self, order: Order) -> None:
         """Let the strategist have an order, with what is still to be delivered of it."""
@@ -123,16 +135,29 @@ class Desk:
             # An item that is delivered keeps its place: goals name items by their index.
             items=tuple(OrderItem(item.product, outstanding) for item, outstanding in items),
             due_s=due_s + (NO_DUE_S if wanted_s is None else 0.0),
+            release=order.releases,
         )
         self._say(order.id, message)
+
+    def revoke(self, order: Order) -> None:
+        """Let the strategist stop working at an order, and say what is outstanding of it."""
+        self._say(order.id, OrderRevoked(order=order.id, release=order.releases))
 
     def cancel(self, order: str) -> None:
         """Let the strategist drop an order."""
         self._say(order, OrderCancelled(order=order))
 
-    def taken(self, order: str) -> None:
-        """The strategist has the order."""
-        self._reminders.answered(order, OrderReleased)
+    def taken(self, order: str, release: int) -> None:
+        """The strategist has this release of the order."""
+        self._reminders.answered(order, OrderReleased, release)
+
+    def revokes(self, order: str, release: int) -> bool:
+        """Whether the strategist was asked to stop working at this release, and that is not written down."""
+        return self._reminders.waits(order, OrderRevoked, release)
+
+    def returned(self, order: str, release: int) -> None:
+        """It is written down that the strategist does not work at this release any more."""
+        self._reminders.answered(order, OrderRevoked, release)
 
     def dropped(self, order: str) -> None:
         """The strategist has dropped the order."""

@@ -23,7 +23,7 @@ from dray.gateway.problems import FieldError, Problem, unusable
 from dray.store.keys import KeptAnswer
 from dray.store.links import Link
 from dray.store.orders import Item, Order
-from dray.store.progress import OrderStatus
+from dray.store.progress import ENDED, OrderStatus
 from dray.store.work import Work
 
 MAX_ITEMS = 50
@@ -155,11 +155,43 @@ async def release(gateway: Parts, order_id: str) -> Order | None:
             return None
         if before.status is OrderStatus.CANCELLED:
             raise _ended(before, "place it again")
+        if before.being_revoked:
+            raise Problem(
+                HTTPStatus.CONFLICT,
+                "being-taken-back",
+                "The order is being taken back",
+                f"the factory has not confirmed that it has stopped working at order {order_id}; "
+                "look at revoked_at_s and status, and try again when it is stored",
+                headers={"Retry-After": "1"},
+            )
         await work.orders.release(order_id, gateway.wall_s())
         after = await work.orders.get(order_id)
     if after is not None and before.status is OrderStatus.STORED:
         gateway.projection.orders.put(after)
         gateway.desk.release(after)
+    return after
+
+
+async def revoke(gateway: Parts, order_id: str) -> Order | None:
+    """Take the start of an order back; one that is stored, or being taken back, stays as it is.
+
+    Returns:
+        The order as it is now: stored only when the factory has confirmed; None when there is none.
+
+    Raises:
+        Problem: 409, it has ended.
+    """
+    async with gateway.store.write() as work:
+        before = await work.orders.get(order_id)
+        if before is None:
+            return None
+        if before.status in ENDED:
+            raise _ended(before, "there is nothing left to take back")
+        await work.orders.revoke(order_id, gateway.wall_s())
+        after = await work.orders.get(order_id)
+    if after is not None and after.being_revoked and not before.being_revoked:
+        gateway.projection.orders.put(after)
+        gateway.desk.revoke(after)
     return after
 
 
@@ -251,6 +283,7 @@ async def _written(gateway: Parts, work: Work, draft: OrderDraft) -> Order:
         reference=draft.reference,
         due_at_s=None if draft.due_at is None else draft.due_at.timestamp(),
         released_at_s=now_s if draft.release else None,
+        releases=int(draft.release),
     )
     await work.orders.add(order)
     await work.links.add(order.token, Link(order.id, now_s))

@@ -16,6 +16,7 @@ from dray.gateway.ledger import Ledger
 from dray.gateway.panels import Panels
 from dray.gateway.peer import Peer
 from dray.gateway.projection import Projection
+from dray.gateway.revocations import Revocations
 from dray.gateway.stream import Hub
 from dray.plant.model import PlantFile
 from dray.settings import Settings
@@ -34,6 +35,7 @@ class Parts:
     wall_s: Callable[[], float]
     projection: Projection
     desk: Desk
+    revocations: Revocations
     commands: Commands
     ledger: Ledger
     hub: Hub

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dray.gateway.commands import Commands
 from dray.gateway.desk import STRATEGIST, Desk
 from dray.gateway.projection import Projection
-from dray.messages import CancellationTaken, CommandAnswered, Message, OrderTaken
+from dray.gateway.revocations import Revocations
+from dray.messages import CancellationTaken, CommandAnswered, Message, OrderTaken, RevocationTaken
 from dray.messages.keys import Keys
 from dray.ports import Bus, Session
 
@@ -32,19 +33,22 @@ class Peer:
         """Whether it takes part at this moment."""
         return self._session is not None
 
-    def join(self, projection: Projection, desk: Desk, commands: Commands) -> None:
+    def join(self, projection: Projection, desk: Desk, revocations: Revocations, commands: Commands) -> None:
         """Take part, and hand on what is heard."""
 
         def receive(sender: str, message: Message) -> None:
             match message:
-                case OrderTaken(order=order):
+                case OrderTaken(order=order, release=release):
                     if sender == STRATEGIST:
-                        desk.taken(order)
+                        desk.taken(order, release)
                 case CommandAnswered():
                     self.ignored += not commands.answered(sender, message)
                 case CancellationTaken(order=order):
                     if sender == STRATEGIST:
                         desk.dropped(order)
+                case RevocationTaken():
+                    if sender == STRATEGIST:
+                        self.ignored += not revocations.hear(message)
                 case _:
                     projection.fold(message)
 

@@ -303,6 +303,10 @@ class OrderView(View, kw_only=True):
     created_at_s: float
     due_at_s: float | None = None
     delivered_at_s: float | None = None
+    releases: int = 0
+    """How often it was released."""
+    revoked_at_s: float | None = None
+    """When its last release was taken back. Until `status` is `stored` the factory has not confirmed that."""
     waits: str = ""
     """Why it waits: nobody who lives can make what is missing, say; empty when it goes on."""
 

@@ -58,7 +58,9 @@ from dray.messages.order import (
     OrderCancelled,
     OrderItem,
     OrderReleased,
+    OrderRevoked,
     OrderTaken,
+    RevocationTaken,
     VehicleCommand,
 )
 
@@ -88,6 +90,8 @@ AnyMessage = (
     | OrderTaken
     | OrderCancelled
     | CancellationTaken
+    | OrderRevoked
+    | RevocationTaken
     | VehicleCommand
     | CommandAnswered
     | BerthClaimed
@@ -134,6 +138,7 @@ __all__ = [
     "OrderCancelled",
     "OrderItem",
     "OrderReleased",
+    "OrderRevoked",
     "OrderTaken",
     "Part",
     "Phase",
@@ -143,6 +148,7 @@ __all__ = [
     "Refusal",
     "Release",
     "Resigned",
+    "RevocationTaken",
     "Role",
     "Superseded",
     "TakenOver",

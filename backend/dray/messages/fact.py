@@ -286,6 +286,15 @@ class GoalLost(Fact, frozen=True):
     """The new goal for the rest; empty when nothing was left to make."""
 
 
+class GoalWithdrawn(Fact, frozen=True):
+    """A machine need not make a goal any more, because its order was taken back."""
+
+    goal: Id
+    machine: Id
+    arrived: Count
+    """Pieces that count, once."""
+
+
 class GoalWaits(Fact, frozen=True):
     """Nobody who lives can make this goal; only its order waits (paper, case 1)."""
 
@@ -315,6 +324,15 @@ class OrderDropped(Fact, frozen=True):
     order: Id
 
 
+class OrderReturned(Fact, frozen=True):
+    """An order that was taken back left the strategist's books; it may be released again."""
+
+    order: Id
+    release: Count
+    outstanding: tuple[Count, ...]
+    """Per item, what had not arrived."""
+
+
 AnyFact = (
     TaskOpened
     | BidReceived
@@ -342,10 +360,12 @@ AnyFact = (
     | OrderAccepted
     | GoalContracted
     | GoalLost
+    | GoalWithdrawn
     | GoalWaits
     | OrderProgressed
     | OrderFulfilled
     | OrderDropped
+    | OrderReturned
 )
 
 

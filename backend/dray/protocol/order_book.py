@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from dray.memory import GoalBooked, OrderMemory, StrategistMemory
+from dray.memory import GoalBooked, OrderMemory, ReturnedOrder, StrategistMemory
 from dray.messages import OrderItem, OrderReleased, Production
 from dray.plant import Plant
 
@@ -12,7 +12,7 @@ DELIVERY_S = 300.0
 """How long before an order is due its goals should be made: carrying the last lot away."""
 
 ENDED_KEPT = 1024
-"""Ended orders whose repeated release is still recognised."""
+"""Ended orders whose repeated release is still recognised; as many that were taken back."""
 
 
 class OpenGoal:
@@ -62,14 +62,20 @@ class OpenGoal:
 class OrderInWork:
     """An order that is not delivered yet."""
 
-    __slots__ = ("due_s", "goals", "id", "items")
+    __slots__ = ("due_s", "goals", "id", "items", "release", "revoked_by", "withdrawn")
 
-    def __init__(self, order: str, items: tuple[OrderItem, ...], due_s: float) -> None:
+    def __init__(self, order: str, items: tuple[OrderItem, ...], due_s: float, release: int) -> None:
         self.id = order
         self.items = items
         self.due_s = due_s
+        self.release = release
+        """How often it was released, with this time."""
         self.goals: dict[str, OpenGoal] = {}
         """Those that are not delivered."""
+        self.revoked_by = ""
+        """Who has taken it back: then it ends when no goal is open any more. Empty while it is worked at."""
+        self.withdrawn = [0] * len(items)
+        """Per item, pieces of goals that were withdrawn and had not arrived."""
 
 
 class OrderBook:
@@ -87,6 +93,8 @@ class OrderBook:
         self._goals: dict[str, OpenGoal] = {}
         self._ended: dict[str, None] = {}
         """Orders that have ended, or were cancelled before they came, oldest first; a dict for its order."""
+        self._returned: dict[str, ReturnedOrder] = {}
+        """Orders that were taken back and have not come again, oldest first."""
         self._count = 0
         """Goals that were ever named."""
 
@@ -94,12 +102,32 @@ class OrderBook:
         """All open goals, those of the oldest order first."""
         return (goal for order in self._orders.values() for goal in order.goals.values())
 
-    def __contains__(self, order: str) -> bool:
-        """Whether this order is in work, or has ended, if only before it came."""
-        return order in self._orders or order in self._ended
+    def order(self, order: str) -> OrderInWork | None:
+        """An order in work."""
+        return self._orders.get(order)
+
+    def knows(self, order: str, release: int) -> bool:
+        """Whether this release is in work, or has ended or was taken back, if only before it came."""
+        return (
+            order in self._orders
+            or order in self._ended
+            or (order in self._returned and release <= self._returned[order].release)
+        )
+
+    def returned(self, order: str) -> ReturnedOrder | None:
+        """How an order was taken back; None when it was not, or has come again since."""
+        return self._returned.get(order)
 
     def goal(self, goal: str) -> OpenGoal | None:
         return self._goals.get(goal)
+
+    def order_of(self, goal: OpenGoal) -> OrderInWork:
+        """The order that an open goal is of."""
+        return self._orders[goal.work.order]
+
+    def revoked(self) -> Iterator[OrderInWork]:
+        """Orders in work that are being taken back."""
+        return (order for order in self._orders.values() if order.revoked_by)
 
     def unclaimed(self, product: str) -> Iterator[OpenGoal]:
         """Goals of a product that nobody has taken, in the order in which they are put up."""
@@ -109,8 +137,9 @@ class OrderBook:
 
     def take(self, message: OrderReleased) -> OrderInWork:
         """Split a new order into goals."""
-        order = OrderInWork(message.order, message.items, message.due_s)
+        order = OrderInWork(message.order, message.items, message.due_s, message.release)
         self._orders[order.id] = order
+        self._returned.pop(order.id, None)
         for index, item in enumerate(message.items):
             for quantity in self._split(item):
                 work = Production(product=item.product, quantity=quantity, order=order.id, item=index)
@@ -136,6 +165,22 @@ class OrderBook:
         del self._goals[goal.id], order.goals[goal.id]
         return order
 
+    def withdraw(self, goal: OpenGoal) -> OrderInWork:
+        """Forget a goal of an order that is taken back, and note what has not arrived; returns the order."""
+        order = self.close(goal)
+        order.withdrawn[goal.work.item] += goal.work.quantity - goal.arrived
+        return order
+
+    def give_back(self, order: str, release: int) -> ReturnedOrder:
+        """Forget an order that has no goals any more, or never came: only a later release is taken."""
+        ended = self._orders.pop(order, None)
+        outstanding = () if ended is None else tuple(ended.withdrawn)
+        self._returned.pop(order, None)
+        returned = self._returned[order] = ReturnedOrder(order, release, outstanding)
+        if len(self._returned) > ENDED_KEPT:
+            del self._returned[next(iter(self._returned))]
+        return returned
+
     def end(self, order: str) -> OrderInWork | None:
         """Forget an order and its goals, and take none of this name any more.
 
@@ -143,6 +188,7 @@ class OrderBook:
             The order; None when it was not in work.
         """
         self._ended[order] = None
+        self._returned.pop(order, None)
         if len(self._ended) > ENDED_KEPT:
             del self._ended[next(iter(self._ended))]
         ended = self._orders.pop(order, None)
@@ -161,17 +207,28 @@ class OrderBook:
                 items=order.items,
                 due_s=order.due_s,
                 goals=tuple(goal.booked() for goal in order.goals.values()),
+                release=order.release,
+                revoked_by=order.revoked_by,
+                withdrawn=tuple(order.withdrawn),
             )
             for order in self._orders.values()
         )
-        return StrategistMemory(orders=orders, ended=tuple(self._ended), goal_count=self._count)
+        return StrategistMemory(
+            orders=orders,
+            ended=tuple(self._ended),
+            goal_count=self._count,
+            returned=tuple(self._returned.values()),
+        )
 
     def restore(self, memory: StrategistMemory) -> None:
         """Take up what an earlier life has written down."""
         self._ended = dict.fromkeys(memory.ended)
         self._count = memory.goal_count
+        self._returned = {kept.order: kept for kept in memory.returned}
         for kept in memory.orders:
-            order = self._orders[kept.order] = OrderInWork(kept.order, kept.items, kept.due_s)
+            order = self._orders[kept.order] = OrderInWork(kept.order, kept.items, kept.due_s, kept.release)
+            order.revoked_by = kept.revoked_by
+            order.withdrawn = list(kept.withdrawn) or order.withdrawn
             for booked in kept.goals:
                 goal = OpenGoal(booked.goal, booked.work, booked.deadline_s)
                 goal.machine, goal.epoch, goal.arrived = booked.machine, booked.epoch, booked.arrived

@@ -10,11 +10,15 @@ much has arrived, and the rest is put up under a new name. Whatever the machine 
 shut, so every ordered piece is delivered exactly once (invariant 4), and no machine needs a lease:
 all goes on while the strategist is away.
 
+An order whose start is revoked ends in the same way: the gate is shut for its goals, and what it has
+counted by then is the last word. Only when all of them were counted is the answer given, with what is
+outstanding, so that another release orders that and no piece more.
+
     UNCLAIMED --accepted--> MADE BY A MACHINE --all has arrived--> closed
         ^                      |
         |                      +-- not named for GOAL_SILENCE_S, or broken for BREAKDOWN_S,
         |                          and somebody else could make it: the gate is shut
-        +-- the rest, as a new goal --+
+        +-- the rest, as a new goal --+        (when its order was taken back: no new goal)
 """
 
 from __future__ import annotations
@@ -35,8 +39,10 @@ from dray.messages import (
     MachineHeartbeat,
     OrderCancelled,
     OrderReleased,
+    OrderRevoked,
     OrderTaken,
     Production,
+    RevocationTaken,
     Withdrawn,
     Work,
 )
@@ -44,10 +50,12 @@ from dray.messages.fact import (
     GoalContracted,
     GoalLost,
     GoalWaits,
+    GoalWithdrawn,
     GoodsDelivered,
     OrderAccepted,
     OrderDropped,
     OrderFulfilled,
+    OrderReturned,
     TaskClosed,
 )
 from dray.messages.keys import Keys
@@ -67,6 +75,8 @@ GOAL_RULES = AuctionRules(window_s=0.5, rest_s=5.0, moves_deadline=False)
 """Machines are wired and few: the window may be shorter than for vehicles."""
 
 NOT_NEEDED = "not needed any more"
+
+TAKEN_BACK = "its order was taken back"
 
 REASON_CHARS = 500
 """Words for people; a large plant has more machines than anybody reads."""
@@ -113,6 +123,7 @@ class Strategist(Core):
             MachineHeartbeat: self._hear_machine,
             OrderReleased: self._hear_released,
             OrderCancelled: self._hear_cancelled,
+            OrderRevoked: self._hear_revoked,
         }
         self._on_report = {GoodsArrived: self._hear_arrived}
         self._on_alarm = {
@@ -139,10 +150,12 @@ class Strategist(Core):
                 # An award may be under way that nobody remembers: an answer to it comes too late.
                 goal.epoch += 1
                 continue
-            self._follow(goal, now_s)
+            self._follow(goal, now_s, admit=not self._book.order_of(goal).revoked_by)
             self._note_arrived(goal, gate.arrived.get(goal.id, 0))
             if goal.arrived >= goal.work.quantity:
                 self._deliver(goal)
+        for order in list(self._book.revoked()):
+            self._shut(order)
         for product in self._plant.products:
             self._ask_next(product, now_s)
         self._commit()
@@ -156,14 +169,19 @@ class Strategist(Core):
         if any(item.product not in self._plant.products for item in message.items):
             self._out.append(Ignore("an order for a product that this plant does not make"))
             return
-        if message.order not in self._book:
+        in_work = self._book.order(message.order)
+        if in_work is not None and in_work.release < message.release:
+            # It was never answered as taken back; what is outstanding of it nobody can know yet.
+            self._out.append(Ignore("a release of an order that is in work"))
+            return
+        if not self._book.knows(message.order, message.release):
             order = self._book.take(message)
             self._commit()
             self._out.append(Record(OrderAccepted(order=order.id, goals=tuple(order.goals))))
             for item in message.items:
                 self._ask_next(item.product, now_s)
             self._end_if_done(order)
-        self._out.append(Send(sender, OrderTaken(order=message.order)))
+        self._out.append(Send(sender, OrderTaken(order=message.order, release=message.release)))
 
     def _hear_cancelled(self, sender: str, message: OrderCancelled, now_s: float) -> None:
         """Drop an order, and say so as often as it is asked for, also of one that has not come yet."""
@@ -183,10 +201,65 @@ class Strategist(Core):
             self._ask_next(goal.work.product, now_s)
         self._out.append(Record(OrderDropped(order=order.id)))
 
+    def _hear_revoked(self, sender: str, message: OrderRevoked, now_s: float) -> None:
+        """Take an order back, and answer when the gate is shut for all of it, as often as it is asked for."""
+        order = self._book.order(message.order)
+        if order is None:
+            self._answer_revoked(sender, message)
+        elif message.release != order.release:
+            self._out.append(Ignore("another release of an order was taken back"))
+        elif not order.revoked_by:
+            order.revoked_by = sender
+            self._commit()
+            self._shut(order)
+            for item in order.items:
+                self._ask_next(item.product, now_s)
+
+    def _answer_revoked(self, asker: str, message: OrderRevoked) -> None:
+        """Say again how an order was taken back; one that has not come will not be begun."""
+        outstanding: tuple[int, ...] = ()
+        returned = self._book.returned(message.order)
+        if not self._book.knows(message.order, message.release):
+            self._book.give_back(message.order, message.release)
+            self._commit()
+        elif returned is not None and returned.release == message.release:
+            outstanding = returned.outstanding
+        self._out.append(Send(asker, RevocationTaken(message.order, message.release, outstanding)))
+
+    def _shut(self, order: OrderInWork) -> None:
+        """Withdraw what nobody makes yet, and shut the gate for the rest, whose last count is awaited."""
+        for goal in list(order.goals.values()):
+            if goal.machine:
+                goal.failure = goal.failure or TAKEN_BACK
+                self._out.append(Instruct(Admit(goal=goal.id, quantity=0)))
+            else:
+                self._end(goal, "withdrawn")
+                self._book.withdraw(goal)
+        self._commit()
+        self._end_if_done(order)
+
+    def _take_out(self, goal: OpenGoal) -> None:
+        """The gate is shut and has counted: a goal of an order that was taken back is over."""
+        self._end(goal, "withdrawn")
+        order = self._book.withdraw(goal)
+        self._commit()
+        withdrawn = GoalWithdrawn(goal=goal.id, machine=goal.machine, arrived=goal.arrived)
+        self._out.append(Record(withdrawn))
+        self._end_if_done(order)
+
     def _end_if_done(self, order: OrderInWork) -> None:
-        if not order.goals:
+        if order.goals:
+            return
+        if any(order.withdrawn):
+            returned = self._book.give_back(order.id, order.release)
+            self._out.append(Record(OrderReturned(order.id, order.release, returned.outstanding)))
+        else:
             self._book.end(order.id)
             self._out.append(Record(OrderFulfilled(order=order.id)))
+        self._commit()
+        if order.revoked_by:
+            taken = RevocationTaken(order.id, order.release, tuple(order.withdrawn))
+            self._out.append(Send(order.revoked_by, taken))
 
     # --- goals are given out ---
 
@@ -243,9 +316,10 @@ class Strategist(Core):
 
     # --- and followed ---
 
-    def _follow(self, goal: OpenGoal, now_s: float) -> None:
+    def _follow(self, goal: OpenGoal, now_s: float, *, admit: bool = True) -> None:
         goal.named_s = now_s
-        self._out.append(Instruct(Admit(goal=goal.id, quantity=goal.work.quantity)))
+        if admit:
+            self._out.append(Instruct(Admit(goal=goal.id, quantity=goal.work.quantity)))
         self._timers.set((GOAL_VIGIL, goal.id), now_s + GOAL_SILENCE_S)
 
     def _hear_machine(self, _sender: str, heartbeat: MachineHeartbeat, now_s: float) -> None:
@@ -286,7 +360,11 @@ class Strategist(Core):
         if goal.arrived >= goal.work.quantity:
             self._deliver(goal)
         elif goal.failure and not report.admitted:
-            self._give_to_others(goal, now_s)
+            if self._book.order_of(goal).revoked_by:
+                self._take_out(goal)
+                self._ask_next(goal.work.product, now_s)
+            else:
+                self._give_to_others(goal, now_s)
 
     def _note_arrived(self, goal: OpenGoal, arrived: int) -> None:
         news = arrived - goal.arrived

@@ -281,5 +281,6 @@ class Historian:
         goals_of = await work.goals.of_orders(order.id for order in orders)
         for order in orders:
             await work.orders.advance(
-                order, progress(order.quantities, goals_of[order.id], order.incarnation)
+                order,
+                progress(order.quantities, goals_of[order.id], order.incarnation, order.delivered),
             )

@@ -8,7 +8,7 @@ import msgspec
 from sqlalchemy import ColumnElement, Row, bindparam, func, insert, or_, select, tuple_, update
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from dray.store.progress import OPEN, OrderStatus, Progress
+from dray.store.progress import OPEN, OrderStatus, Progress, status_after
 from dray.store.tables import order_items, orders
 
 
@@ -38,11 +38,25 @@ class Order(msgspec.Struct, kw_only=True, gc=False):
     delivered_at_s: float | None = None
     incarnation: int = 0
     """The newest life of the strategist that has accepted it."""
+    releases: int = 0
+    """How often it was released."""
+    revoked_at_s: float | None = None
+    """When its last release was taken back; until it is stored the factory has not confirmed that."""
 
     @property
     def quantities(self) -> tuple[int, ...]:
         """Pieces ordered, per item."""
         return tuple(item.quantity for item in self.items)
+
+    @property
+    def delivered(self) -> tuple[int, ...]:
+        """Pieces that have arrived, per item."""
+        return tuple(item.delivered for item in self.items)
+
+    @property
+    def being_revoked(self) -> bool:
+        """Whether it was taken back and the factory has not confirmed that."""
+        return self.status in OPEN and self.revoked_at_s is not None
 
     @property
     def outstanding(self) -> tuple[int, ...]:
@@ -138,8 +152,51 @@ class Orders:
         await self._connection.execute(
             update(orders)
             .where(orders.c.id == order_id, orders.c.status == OrderStatus.STORED)
-            .values(status=OrderStatus.RELEASED, released_at_s=at_s)
+            .values(
+                status=OrderStatus.RELEASED,
+                released_at_s=at_s,
+                releases=orders.c.releases + 1,
+                revoked_at_s=None,
+            )
         )
+
+    async def revoke(self, order_id: str, at_s: float) -> None:
+        """Note that an order that the factory works at is to be taken back; any other stays as it is."""
+        await self._connection.execute(
+            update(orders)
+            .where(orders.c.id == order_id, orders.c.status.in_(OPEN), orders.c.revoked_at_s.is_(None))
+            .values(revoked_at_s=at_s)
+        )
+
+    async def store(self, order_id: str, release: int, outstanding: Sequence[int]) -> None:
+        """The factory does not work any more at an order that was taken back.
+
+        Args:
+            order_id: which; one that is not being taken back, or was released again, stays as it is.
+            release: which release the factory speaks of.
+            outstanding: per item, what had not arrived by then; empty when it does not know.
+        """
+        order = await self.get(order_id)
+        if order is None or not order.being_revoked or order.releases != release:
+            return
+        arrived = [
+            (index, item.quantity - left)
+            for index, (item, left) in enumerate(zip(order.items, outstanding, strict=False))
+        ]
+        for index, pieces in arrived:
+            await self._connection.execute(
+                update(order_items)
+                .where(
+                    order_items.c.order_id == order_id,
+                    order_items.c.item == index,
+                    order_items.c.delivered < pieces,
+                )
+                .values(delivered=pieces)
+            )
+        # All of it had arrived already: the facts about that will end it.
+        too_late = bool(outstanding) and not any(outstanding)
+        after = {"revoked_at_s": None} if too_late else {"status": OrderStatus.STORED}
+        await self._connection.execute(update(orders).where(orders.c.id == order_id).values(after))
 
     async def cancel(self, order_id: str, at_s: float) -> None:
         """Cancel an order that is not delivered yet; any other stays as it is."""
@@ -160,15 +217,14 @@ class Orders:
             )
 
     async def advance(self, order: Order, progress: Progress) -> None:
-        """Write how far an order has come; a stored or cancelled one keeps its status."""
-        status, delivered_at_s = order.status, order.delivered_at_s
-        if status not in {OrderStatus.STORED, OrderStatus.CANCELLED}:
-            status, delivered_at_s = progress.status, progress.delivered_at_s
-        if (status, delivered_at_s) != (order.status, order.delivered_at_s):
+        """Write how far an order has come, as `status_after` has it."""
+        status = status_after(order.status, progress.status)
+        if status is not order.status:
             await self._connection.execute(
                 update(orders)
-                .where(orders.c.id == order.id)
-                .values(status=status, delivered_at_s=delivered_at_s)
+                # Somebody may have taken it back or cancelled it since it was read.
+                .where(orders.c.id == order.id, orders.c.status == order.status)
+                .values(status=status, delivered_at_s=progress.delivered_at_s)
             )
         changed = [
             {"of": order.id, "at": index, "made": made, "delivered": delivered}

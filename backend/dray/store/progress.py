@@ -4,9 +4,9 @@ Facts come late, doubled and in any order, so a goal only ever keeps the most th
 and an order is computed anew from all of its goals: the result does not depend on the order in
 which the facts came.
 
-A goal *counts as running* while the strategist's newest life knows it and its machine has not failed
-with it. What another goal had made but not delivered is gone; what it delivered stays delivered and is
-never made again.
+A goal *counts as running* while the strategist's newest life knows it, its machine has not failed with
+it and its order was not taken back. What another goal had made but not delivered is gone; what it
+delivered stays delivered and is never made again.
 """
 
 from __future__ import annotations
@@ -17,7 +17,14 @@ from enum import StrEnum
 import msgspec
 
 from dray.messages import Event
-from dray.messages.fact import GoalContracted, GoalLost, GoodsDelivered, OrderAccepted, PieceMade
+from dray.messages.fact import (
+    GoalContracted,
+    GoalLost,
+    GoalWithdrawn,
+    GoodsDelivered,
+    OrderAccepted,
+    PieceMade,
+)
 
 ToWall = Callable[[float], float]
 """Plant clock to wall clock, both in seconds."""
@@ -50,10 +57,10 @@ class Goal(msgspec.Struct, gc=False):
     product: str = ""
     quantity: int = 0
     machine: str = ""
-    """Empty before a contract was heard of, and again when the machine has failed with it."""
+    """Empty before a contract was heard of, and again when the machine has failed with it or need not make it."""
     promised_at_s: float | None = None
     incarnation: int = 0
-    """Life of the strategist that contracted it, or that lost it; 0 while neither was heard of."""
+    """Life of the strategist that contracted it, or that ended it; 0 while neither was heard of."""
     number: int = 0
     """Which of that life's facts told it."""
     made: int = 0
@@ -66,6 +73,11 @@ class Goal(msgspec.Struct, gc=False):
     @property
     def lost(self) -> bool:
         """Whether its machine has failed with it: what is missing goes on under another name."""
+        return self.over and self.quantity > 0
+
+    @property
+    def over(self) -> bool:
+        """Whether its machine has failed with it, or its order was taken back."""
         return self.incarnation > 0 and not self.machine
 
 
@@ -84,7 +96,11 @@ def goal_of(event: Event) -> str | None:
     """The id of the goal that this event tells something about, if any."""
     match event.fact:
         case (
-            GoalContracted(goal=goal) | GoalLost(goal=goal) | PieceMade(goal=goal) | GoodsDelivered(goal=goal)
+            GoalContracted(goal=goal)
+            | GoalLost(goal=goal)
+            | GoalWithdrawn(goal=goal)
+            | PieceMade(goal=goal)
+            | GoodsDelivered(goal=goal)
         ):
             return goal or None
         case _:
@@ -105,10 +121,12 @@ def note(goal: Goal, event: Event, to_wall_s: ToWall) -> None:
                 goal.incarnation, goal.number = event.incarnation, event.number
                 goal.quantity, goal.machine = fact.quantity, fact.machine
                 goal.promised_at_s = to_wall_s(fact.finish_s)
-        case GoalLost() as fact:
+        case GoalLost() | GoalWithdrawn() as fact:
             if (event.incarnation, event.number) > (goal.incarnation, goal.number):
                 goal.incarnation, goal.number = event.incarnation, event.number
                 goal.machine, goal.promised_at_s = "", None
+                if isinstance(fact, GoalWithdrawn):
+                    goal.quantity = 0  # Nobody makes what is missing, unless the order is released again.
             if fact.arrived > 0:
                 # The delivery warehouse has counted more than the machine could still tell. When the last
                 # piece came is not told; now is the latest that it can have been.
@@ -126,26 +144,31 @@ def note(goal: Goal, event: Event, to_wall_s: ToWall) -> None:
             return
 
 
-def progress(quantities: Sequence[int], goals: Iterable[Goal], incarnation: int) -> Progress:
+def progress(
+    quantities: Sequence[int], goals: Iterable[Goal], incarnation: int, arrived: Sequence[int]
+) -> Progress:
     """Compute how far an order has come.
 
     Args:
         quantities: pieces ordered, per item.
         goals: all goals of the order that are known.
         incarnation: the newest life of the strategist that has accepted the order; 0 for none.
+        arrived: pieces that are known to be delivered, per item, if facts about them come later.
     """
     made, delivered = [0] * len(quantities), [0] * len(quantities)
     running, last_s = False, 0.0
     for goal in goals:
         if goal.item is None or not 0 <= goal.item < len(quantities):
             continue
-        alive = goal.incarnation >= incarnation and not goal.lost
+        alive = goal.incarnation >= incarnation and not goal.over
         running = running or (alive and goal.incarnation > 0)
         made[goal.item] += goal.made if alive else goal.delivered
         delivered[goal.item] += goal.delivered
         last_s = max(last_s, goal.delivered_at_s or 0.0)
-    made = [min(pair) for pair in zip(made, quantities, strict=True)]
+    delivered = [max(pair) for pair in zip(delivered, arrived, strict=True)]
     delivered = [min(pair) for pair in zip(delivered, quantities, strict=True)]
+    made = [max(pair) for pair in zip(made, delivered, strict=True)]
+    made = [min(pair) for pair in zip(made, quantities, strict=True)]
     if delivered == list(quantities):
         status = OrderStatus.DELIVERED
     elif any(delivered) or made == list(quantities):
@@ -156,3 +179,15 @@ def progress(quantities: Sequence[int], goals: Iterable[Goal], incarnation: int)
         status = OrderStatus.RELEASED
     ended_s = last_s if status is OrderStatus.DELIVERED else None
     return Progress(status, tuple(made), tuple(delivered), ended_s)
+
+
+def status_after(status: OrderStatus, reached: OrderStatus) -> OrderStatus:
+    """What an order becomes whose goals say how far it has come.
+
+    A cancelled order stays cancelled. So does a stored one stay stored, unless all of it has arrived: it was
+    taken back too late.
+    """
+    keeps = status is OrderStatus.CANCELLED or (
+        status is OrderStatus.STORED and reached is not OrderStatus.DELIVERED
+    )
+    return status if keeps else reached

@@ -63,6 +63,8 @@ orders = Table(
     Column("cancelled_at_s", Double),
     Column("delivered_at_s", Double),
     Column("incarnation", Integer, nullable=False, server_default="0"),
+    Column("releases", Integer, nullable=False, server_default="0"),
+    Column("revoked_at_s", Double),
     CheckConstraint(
         "status IN ('stored', 'released', 'in_production', 'in_delivery', 'delivered', 'cancelled')",
         name="status",

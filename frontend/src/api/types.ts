@@ -254,6 +254,8 @@ export interface OrderView {
   id: string;
   items: OrderItemView[];
   reference: string | null;
+  releases: number;
+  revoked_at_s: number | null;
   status: "cancelled" | "delivered" | "in_delivery" | "in_production" | "released" | "stored";
   waits: string;
 }

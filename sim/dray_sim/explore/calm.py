@@ -14,6 +14,7 @@ from dray.messages import (
     Event,
     Message,
     OrderReleased,
+    RevocationTaken,
     Transport,
 )
 from dray.messages.fact import (
@@ -53,6 +54,8 @@ class Calm:
         self._orders: dict[str, None] = {}
         """Those that are not delivered yet."""
         self._ended_orders: dict[str, None] = {}
+        self._returned: dict[str, int] = {}
+        """By order that was taken back: its newest release of which that is known."""
         self._ended: dict[str, None] = {}
         """Transports that are not open any more."""
         self._busy: dict[str, tuple[str, float]] = {}
@@ -79,10 +82,13 @@ class Calm:
             self._note(message, at_s)
         elif type(message) is OrderReleased:
             # It is repeated until it is answered, and that may be after its end.
-            if message.order not in self._ended_orders:
+            again = message.release > self._returned.get(message.order, 0)
+            if message.order not in self._ended_orders and again:
                 self._orders[message.order] = None
         elif type(message) is CancellationTaken:
             self._end_order(message.order)
+        elif type(message) is RevocationTaken:
+            self._return_order(message)
         elif type(message) is AtvHeartbeat:
             self._note_work(message, at_s)
         if at_s >= self._look_s:
@@ -101,6 +107,12 @@ class Calm:
                 self._ended[fact.task] = None
             elif isinstance(fact, OrderFulfilled | OrderDropped):
                 self._end_order(fact.order)
+
+    def _return_order(self, message: RevocationTaken) -> None:
+        """It is not worked at, unless it was released again meanwhile."""
+        if message.release > self._returned.get(message.order, 0):
+            self._returned[message.order] = message.release
+            self._orders.pop(message.order, None)
 
     def _end_order(self, order: str) -> None:
         self._orders.pop(order, None)

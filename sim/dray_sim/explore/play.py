@@ -17,6 +17,7 @@ from dray_sim.explore.outcome import Outcome
 from dray_sim.explore.passerby import Passerby
 from dray_sim.explore.patience import Patience
 from dray_sim.explore.regret import Regret
+from dray_sim.explore.revision import Revision
 from dray_sim.explore.story import Story
 from dray_sim.explore.trial import Trial, draw
 from dray_sim.factory import Ears, SimFactory
@@ -160,6 +161,8 @@ class _Game:
             group.create_task(Desk(factory.bus, factory.clock).place(trial.orders))
             if trial.cancelled:
                 group.create_task(Regret(factory.bus, factory.clock).cancel(trial.cancelled))
+            if trial.revised:
+                group.create_task(Revision(factory.bus, factory.clock).revise(trial.revised))
             if trial.habits is not None:
                 for operator in hire(factory, seed=trial.seed, habits=trial.habits):
                     group.create_task(operator.run())

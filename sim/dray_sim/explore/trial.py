@@ -7,7 +7,7 @@ meet more of it than one large one.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from math import ceil
 from random import Random
@@ -16,6 +16,7 @@ import msgspec
 
 from dray.plant import MachineSpec, Making, Material, Plant, Product, VehicleSpec
 from dray_sim import demand
+from dray_sim.explore.revision import Revised
 from dray_sim.faults import (
     WEIGHTS,
     CoverageHole,
@@ -43,6 +44,13 @@ FAULTS_UNTIL_S = 900.0
 TRANSPORT_S = 120.0
 """What a vehicle needs for a transport in a small plant, about: the demand is held below what the fleet carries."""
 
+TAKEN_BACK_TIMES = (1, 1, 1, 2, 3)
+"""How often an order is taken back that is taken back at all."""
+
+LONGEST_REST_S = 120.0
+"""How long an order rests before it is published again: long enough for its goals to be gone, and for goods
+that were on the way to have found the gate shut."""
+
 LEAST_LOT = 2
 """Pieces in the smallest container of a trial."""
 
@@ -63,6 +71,8 @@ class Profile:
         operators_frac: the part of the trials with operators.
         passerby_frac: the part in which somebody presses buttons at random.
         cancelled_frac: the part of the orders that customers cancel.
+        revising_frac: the part of the trials in which managers take orders back and publish them again.
+        revised_frac: in these, the part of the orders.
     """
 
     machines: tuple[int, int] = (1, 6)
@@ -77,6 +87,8 @@ class Profile:
     operators_frac: float = 0.7
     passerby_frac: float = 0.4
     cancelled_frac: float = 0.1
+    revising_frac: float = 0.3
+    revised_frac: float = 0.4
 
 
 PROFILES: Mapping[str, Profile] = {
@@ -87,6 +99,7 @@ PROFILES: Mapping[str, Profile] = {
         weights={LinkTrouble: 1.0}, intensity=(3.0, 8.0), operators_frac=0.0, passerby_frac=0.0
     ),
     "hands": Profile(weights={VehicleBroken: 1.0, LoadShifted: 2.0}, operators_frac=1.0, passerby_frac=1.0),
+    "revisions": Profile(revising_frac=1.0, revised_frac=0.8),
     "calm": Profile(intensity=(0.0, 0.0), passerby_frac=0.0),
 }
 """By name, as `dray sim explore --profile` takes them."""
@@ -107,6 +120,7 @@ class Trial:
         habits: of the operators; None where there are none.
         passerby: whether somebody presses buttons at random.
         cancelled: orders that are cancelled, and when (plant clock), in the order of their times.
+        revised: orders that are taken back and published again.
     """
 
     seed: int
@@ -122,13 +136,14 @@ class Trial:
     orders: tuple[demand.Order, ...] = field(repr=False)
     schedule: tuple[Timed, ...] = field(repr=False)
     cancelled: tuple[tuple[float, str], ...] = field(repr=False)
+    revised: tuple[Revised, ...] = field(repr=False)
 
     def __str__(self) -> str:
         """In one line, for a reader."""
         parts = (
             f"{len(self.plant.machines)} machines",
             f"{len(self.plant.fleet)} vehicles",
-            f"{len(self.orders)} orders ({len(self.cancelled)} cancelled)",
+            f"{len(self.orders)} orders ({len(self.cancelled)} cancelled, {len(self.revised)} taken back)",
             f"load {self.load:.0%}",
             f"{len(self.schedule)} faults",
             "operators" if self.habits is not None else "no operators",
@@ -177,6 +192,7 @@ def draw(seed: int, profile: str = "all") -> Trial:
             weights=ranges.weights,
         ),
         cancelled=_cancelled(orders, ranges.cancelled_frac, Random(f"{seed} regret")),
+        revised=_revised(orders, ranges, Random(f"{seed} revised")),
     )
 
 
@@ -186,6 +202,26 @@ def _cancelled(
     """Some are cancelled at once, most while they are made."""
     regretted = [order for order in orders if random.random() < frac]
     return tuple(sorted((random.uniform(order.at_s, FAULTS_UNTIL_S), order.id) for order in regretted))
+
+
+def _revised(orders: tuple[demand.Order, ...], ranges: Profile, random: Random) -> tuple[Revised, ...]:
+    """Taken back at any moment of their lives, some more than once, and published again at once or later."""
+    if random.random() >= ranges.revising_frac:
+        return ()
+    return tuple(
+        Revised(order, tuple(_takings_back(order.at_s, random)))
+        for order in orders
+        if random.random() < ranges.revised_frac
+    )
+
+
+def _takings_back(placed_s: float, random: Random) -> Iterator[tuple[float, float]]:
+    at_s = placed_s
+    for _ in range(random.choice(TAKEN_BACK_TIMES)):
+        at_s = random.uniform(at_s, FAULTS_UNTIL_S)
+        again_s = min(at_s + random.choice((0.0, random.uniform(0.0, LONGEST_REST_S))), FAULTS_UNTIL_S)
+        yield at_s, again_s
+        at_s = again_s
 
 
 def _habits(random: Random) -> Habits:

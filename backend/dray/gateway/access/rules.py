@@ -62,6 +62,7 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("POST", "/api/orders"): Rule(Scope.ORDERS_WRITE, action="order.place"),
     ("GET", "/api/orders/{order}"): Rule(Scope.ORDERS_READ),
     ("POST", "/api/orders/{order}/release"): Rule(Scope.ORDERS_WRITE, action="order.release"),
+    ("POST", "/api/orders/{order}/revoke"): Rule(Scope.ORDERS_WRITE, action="order.revoke"),
     ("POST", "/api/orders/{order}/cancel"): Rule(Scope.ORDERS_WRITE, action="order.cancel"),
     ("GET", "/api/faults"): Rule(Scope.FACTORY_READ),
     ("POST", "/api/faults"): Rule(Scope.FAULTS_WRITE, action="fault.begin"),

@@ -11,6 +11,7 @@ from dray.messages.fact import GoalContracted, GoalWaits
 from dray.store.orders import Order, OrderTotals
 from dray.store.progress import (
     ENDED,
+    OPEN,
     Goal,
     OrderStatus,
     ToWall,
@@ -18,6 +19,7 @@ from dray.store.progress import (
     goal_of,
     note,
     progress,
+    status_after,
 )
 
 ENDED_KEPT = 50
@@ -78,7 +80,7 @@ class Orders:
         if isinstance(event.fact, GoalWaits):
             return self._wait(event, event.fact)
         order = self._orders.get(self._subject(event) or "")
-        if order is None or order.status is OrderStatus.STORED:
+        if order is None or not order.releases:
             return False
         went_on = isinstance(event.fact, GoalContracted) and self._goes_on(order.id, event.fact.goal)
         if accepted_order(event):
@@ -157,6 +159,7 @@ class Orders:
             order.quantities,
             self._goals.get(order.id, {}).values(),
             max(order.incarnation, known.incarnation),
+            order.delivered,
         )
         items = tuple(
             type(item)(item.product, item.quantity, made, delivered)
@@ -164,8 +167,9 @@ class Orders:
         )
         fields = {name: getattr(order, name) for name in order.__struct_fields__}
         fields["items"] = items
-        if order.status not in {OrderStatus.STORED, OrderStatus.CANCELLED}:
-            fields["status"], fields["delivered_at_s"] = reached.status, reached.delivered_at_s
+        status = status_after(order.status, reached.status)
+        if status is not order.status:
+            fields["status"], fields["delivered_at_s"] = status, reached.delivered_at_s
         return Order(**fields)
 
     def _count(self, order: Order) -> None:
@@ -176,9 +180,10 @@ class Orders:
     def _keep(self, order: Order) -> None:
         self._orders[order.id] = order
         self.changes.mark(order.id)
+        if order.status not in OPEN:
+            self._waits.pop(order.id, None)
         if order.status in ENDED and order.id not in self._ended:
             self._ended[order.id] = None
-            self._waits.pop(order.id, None)
             if len(self._ended) > ENDED_KEPT:
                 self._forget(next(iter(self._ended)))
 
@@ -210,5 +215,7 @@ def order_view(order: Order, waits: str = "") -> OrderView:
         created_at_s=order.created_at_s,
         due_at_s=order.due_at_s,
         delivered_at_s=order.delivered_at_s,
+        releases=order.releases,
+        revoked_at_s=order.revoked_at_s,
         waits=waits,
     )

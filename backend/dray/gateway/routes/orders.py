@@ -1,4 +1,4 @@
-"""Orders: placing, finding, releasing and cancelling them."""
+"""Orders: placing, finding, releasing, taking back and cancelling them."""
 
 from __future__ import annotations
 
@@ -161,13 +161,31 @@ async def get_order(gateway: Gateway, request: Request, order: str) -> Json:
     "/orders/{order}/release",
     responses={
         200: described(OrderAnswer, "The order, released", EXAMPLE),
-        **problems(p404="There is no such order", p409="It is cancelled"),
+        **problems(p404="There is no such order", p409="It is cancelled, or being taken back"),
     },
     response_class=Json,
 )
 async def release_order(gateway: Gateway, request: Request, order: str) -> Json:
     """Hand a stored order to the factory; doing it twice is harmless."""
     return _answer(gateway, await intake.release(gateway, order), order, request)
+
+
+@router.post(
+    "/orders/{order}/revoke",
+    responses={
+        200: described(OrderAnswer, "The order; stored once the factory has confirmed", EXAMPLE),
+        **problems(p404="There is no such order", p409="It has ended"),
+    },
+    response_class=Json,
+)
+async def revoke_order(gateway: Gateway, request: Request, order: str) -> Json:
+    """Take the start of an order back; doing it twice is harmless.
+
+    What has arrived stays delivered. `revoked_at_s` is set at once; when the factory has confirmed that it
+    has stopped, `status` is `stored`, and the rest can be released again. Pieces that are made and have not
+    arrived go to the next order of that product.
+    """
+    return _answer(gateway, await intake.revoke(gateway, order), order, request)
 
 
 @router.post(
