@@ -193,6 +193,11 @@ class SimVehicle:
         """Whether it has no power."""
         return self._off
 
+    @property
+    def stopped(self) -> bool:
+        """Whether it is held, broken, empty or off: it neither moves nor goes on with an action."""
+        return self._held or bool(self._fault) or self._empty or self._off
+
     def notice_link(self, link: Link) -> None:
         """The modem has lost the WLAN or is back on it; told when that is a change."""
         if link is not self._link:
@@ -406,7 +411,7 @@ class SimVehicle:
             return
         self._settle()
         self._out_of_stock = False
-        if not self._stopped:
+        if not self.stopped:
             self._due(self._plan)
 
     def _complete(self, order: int) -> None:
@@ -425,12 +430,8 @@ class SimVehicle:
     # --- stops and plans -------------------------------------------------------------------------
 
     @property
-    def _stopped(self) -> bool:
-        return self._held or bool(self._fault) or self._empty or self._off
-
-    @property
     def _charging(self) -> bool:
-        return isinstance(self._action, Charge) and not self._stopped
+        return isinstance(self._action, Charge) and not self.stopped
 
     def _change_of_fortune(self) -> None:
         """Something outside has changed: stop or go on, and tell."""
@@ -439,7 +440,7 @@ class SimVehicle:
         self._reporter.flush_soon()
 
     def _obey_stops(self) -> None:
-        if self._stopped:
+        if self.stopped:
             self._travel.halt(self._settled_s)
         else:
             self._travel.go_on(self._settled_s)
@@ -450,7 +451,7 @@ class SimVehicle:
         when_s = NEVER_S
         if self._travel.way is not None:
             when_s = self._travel.next_at_s
-        elif self._action is not None and not self._stopped and not self._out_of_stock:
+        elif self._action is not None and not self.stopped and not self._out_of_stock:
             charging_s = self._battery.charging_s(self._level_frac)
             left_s = charging_s if isinstance(self._action, Charge) else self._action_left_s
             when_s = self._settled_s + left_s
@@ -526,7 +527,7 @@ class SimVehicle:
             return
         self._add_to(self._sums, now_s)
         self._level_frac = self._level(now_s)
-        if self._action is not None and not self._stopped:
+        if self._action is not None and not self.stopped:
             self._action_left_s = max(self._action_left_s - (now_s - self._settled_s), 0.0)
         self._settled_s, self._settled_m = now_s, self._travel.driven_m(now_s)
 
@@ -544,7 +545,7 @@ class SimVehicle:
         """What it does when it does not move."""
         if self._off:
             return Activity.OFF
-        if self._stopped:
+        if self.stopped:
             return Activity.HELD
         if isinstance(self._action, Charge):
             return Activity.CHARGING

@@ -94,6 +94,7 @@ class FakeWorld:
         self.workcells = {name: Body(self, name) for name in ("M1", "M2")}
         self.workers = dict.fromkeys((*self.workcells, *self.vehicles, "strategist"))
         self.dead: set[str] = set()
+        self.off: set[str] = set()
 
     def begin(self, fault: NetworkFault) -> None:
         self.done.append(f"begin {kind_of(fault)}")
@@ -106,19 +107,23 @@ class FakeWorld:
 
     def power_off(self, agent: str) -> None:
         self.dead.add(agent)
+        self.off.add(agent)
         self.done.append(f"off {agent}")
 
     def power_on(self, agent: str) -> None:
-        self.dead.discard(agent)
-        self.done.append(f"on {agent}")
+        if agent in self.off:
+            self.off.discard(agent)
+            self.dead.discard(agent)
+            self.done.append(f"on {agent}")
 
     def crash(self, agent: str) -> None:
         self.dead.add(agent)
         self.done.append(f"crash {agent}")
 
     def restart(self, agent: str) -> None:
-        self.dead.discard(agent)
-        self.done.append(f"restart {agent}")
+        if agent not in self.off:
+            self.dead.discard(agent)
+            self.done.append(f"restart {agent}")
 
     def pass_time(self, until_s: float) -> None:
         while self.clock.heap and self.clock.heap[0][0] <= until_s:
@@ -195,6 +200,14 @@ def test_power_that_is_back_does_not_mend_a_crash(world: FakeWorld, faults: Faul
     assert not world.running("M1")
     faults.end(crashed)
     assert world.running("M1")
+
+
+def test_who_was_switched_on_by_hand_and_crashes_is_started_again(world: FakeWorld, faults: Faults) -> None:
+    faults.begin(PoweredOff("ATV1"))
+    world.power_on("ATV1")
+    crashed = faults.begin(Crashed("ATV1"))
+    faults.end(crashed)
+    assert world.running("ATV1")
 
 
 def test_a_vehicle_is_repaired_when_its_last_problem_ends(world: FakeWorld, faults: Faults) -> None:

@@ -34,6 +34,10 @@ FOUND = [
     # Goods arrived while their machine's agent was down, and it made them again; the order was filled before
     # that, and the carrier at the dock waited for pieces that nobody would make any more.
     ("all", 212),
+    # The search's own: an operator had switched a vehicle on, its agent crashed, and was never started again.
+    ("all", 2099),
+    # The search's own: a vehicle that was stopped half-way through its pick cannot let go before it goes on.
+    ("all", 2326),
 ]
 
 

@@ -53,7 +53,9 @@ class Bonds:
         self._transports: dict[str, None] = {}
         self._given_up: dict[Key, _GivenUp] = {}
         self._bound: dict[Key, float] = {}
-        """Contracts that vehicles believe in, and since when."""
+        """Contracts that vehicles believe in, and since when they could have ended them."""
+        self._loading: set[Key] = set()
+        """Those of them whose pick has begun."""
         self._look_s = 0.0
 
     def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
@@ -86,9 +88,17 @@ class Bonds:
         elif type(fact) is ContractEnded:
             if fact.role is Role.PRIMARY:
                 self._bound.pop((agent, fact.task, fact.epoch), None)
-        elif type(fact) is PhaseEntered and fact.phase is Phase.RETURNING:
+                self._loading.discard((agent, fact.task, fact.epoch))
+        elif type(fact) is PhaseEntered:
+            self._note_phase((agent, fact.task, fact.epoch), fact.phase)
+
+    def _note_phase(self, key: Key, phase: Phase) -> None:
+        self._loading.discard(key)
+        if phase is Phase.LOADING:
+            self._loading.add(key)
+        elif phase is Phase.RETURNING:
             # It knows, and brings its load back.
-            self._bound.pop((agent, fact.task, fact.epoch), None)
+            self._bound.pop(key, None)
 
     def _look(self, key: Key, at_s: float) -> None:
         atv, task, epoch = key
@@ -101,6 +111,10 @@ class Bonds:
             del self._given_up[key]
             return
         if bound_s is None:
+            return
+        if key in self._loading and self._factory.vehicles[atv].stopped:
+            # A pick that is held half-way goes on to its end when the vehicle may move again.
+            self._bound[key] = at_s
             return
         knows_s = max(given_up.since_s, bound_s) + HEED_S + self._blame.delay_s(given_up.since_s)
         if at_s > knows_s:

@@ -173,8 +173,8 @@ class Faults:
             case PoweredOff(agent):
                 self._put_on(agent)
             case Crashed(agent):
-                # Without power there is nothing to start: the process comes with the power.
-                if not self._holds(agent, PoweredOff, Crashed) and not world.running(agent):
+                # Without power it comes with the power, which somebody may have given by hand meanwhile.
+                if not self._holds(agent, Crashed) and not world.running(agent):
                     world.restart(agent)
             case MachineBroken(machine):
                 if not self._holds(machine, MachineBroken):
