@@ -4,7 +4,8 @@
     ├── InputError            somebody gave us something we cannot use
     │   ├── PlantError        a plant file: names file, line, field and reason
     │   ├── WireError         bytes from the bus that are no message of ours
-    │   │   └── NewerVersion  a message of a wire version we do not know yet
+    │   │   ├── NewerVersion  a message of a wire version we do not know yet
+    │   │   └── SealError     a message that its sender has not signed
     │   ├── SettingsError     an environment variable or command line option
     │   └── OrderError        an order or goal that no plant of ours can make
     ├── NoWay                 no lanes lead from one node of the plant to another
@@ -77,6 +78,10 @@ class WireError(InputError):
 
 class NewerVersion(WireError):
     """A message of a wire version that we do not know yet: ignored and counted."""
+
+
+class SealError(WireError):
+    """A message that nobody has signed whom we know: ignored and counted."""
 
 
 class SettingsError(InputError):

@@ -18,11 +18,11 @@ from dray.errors import ProtocolViolation, SettingsError, UnavailableError, Wire
 from dray.messages import WIRE_VERSION, Message, OrderTaken
 
 
-def on(count: int, test: Callable[[Row], Coroutine[Any, Any, None]], **links: Any) -> None:
+def on(count: int, test: Callable[[Row], Coroutine[Any, Any, None]]) -> None:
     """Run a test with so many computers in a row."""
 
     async def main() -> None:
-        row = Row(count, **links)
+        row = Row(count)
         try:
             await test(row)
         finally:

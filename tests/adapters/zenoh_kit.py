@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import socket
+from collections.abc import Sequence
 from typing import Any
 
 import zenoh
 from zenoh.handlers import Callback
 
 from dray.adapters.zenoh_bus import ZenohBus
-from dray.adapters.zenoh_links import Links
+from dray.adapters.zenoh_links import Identity, Links
 
 PATIENCE_S = 30.0
 """For what takes milliseconds on a machine with nothing else to do."""
@@ -32,16 +33,20 @@ class Row:
     Args:
         count: how many.
         plant: the plant's id.
-        links: further arguments of every computer's `Links`.
+        identities: of each of them; without any, links are plain.
     """
 
-    def __init__(self, count: int, plant: str = "p", **links: Any) -> None:
-        links.setdefault("plain", True)
+    def __init__(self, count: int, plant: str = "p", identities: Sequence[Identity] = ()) -> None:
         addresses = [free_address() for _ in range(count)]
-        self.buses = [
-            ZenohBus(Links(listen=(own,), peers=tuple(addresses[:place][-1:]), **links), plant)
-            for place, own in enumerate(addresses)
-        ]
+        self.buses = []
+        for place, own in enumerate(addresses):
+            links = Links(
+                listen=(own,),
+                peers=tuple(addresses[:place][-1:]),
+                identity=identities[place] if identities else None,
+                plain=not identities,
+            )
+            self.buses.append(ZenohBus(links, plant))
         self._round = 0
         self._marks: set[tuple[int, int]] = set()
         self._complete = asyncio.Event()

@@ -28,10 +28,12 @@ import zenoh
 from zenoh.handlers import Callback
 
 from dray.adapters.crossing import Crossing
+from dray.adapters.seals import Seals
 from dray.adapters.zenoh_stamp import Stamp, Tally, read_stamp, write_stamp
 from dray.codec import decode, encode
-from dray.errors import NewerVersion, ProtocolViolation, WireError
+from dray.errors import NewerVersion, ProtocolViolation, SealError, SettingsError, WireError
 from dray.messages.keys import Keys
+from dray.messages.speakers import SPEAKERS
 
 if TYPE_CHECKING:
     from dray.adapters.zenoh_links import Links
@@ -49,7 +51,8 @@ ROLL_CALL_S = 2.0
 
 UNREADABLE = "no message of ours"
 NEWER = "a newer wire version"
-FOREIGN = "another agent's key"
+FOREIGN = "another agent's key or word"
+UNSEALED = "not signed by its sender"
 
 
 class ZenohSession:
@@ -119,8 +122,9 @@ class ZenohSession:
             self._bus.unsaid += 1
             return
         self._said[key] += 1
-        stamp = Stamp(self._life, self._said[key])
-        self._bus.inner.put(key, encode(self.agent, message), attachment=write_stamp(stamp))
+        number, data, seals = self._said[key], encode(self.agent, message), self._bus.seals
+        seal = b"" if seals is None else seals.seal(key, self._life, number, data)
+        self._bus.inner.put(key, data, attachment=write_stamp(Stamp(self._life, number, seal)))
 
     def _arrive(self, sender: str, message: Message) -> None:
         if not self._left:
@@ -155,19 +159,22 @@ class ZenohSession:
         bus, key = self._bus, str(sample.key_expr)
         try:
             stamp = read_stamp(b"" if sample.attachment is None else sample.attachment.to_bytes())
-            sender, message = decode(sample.payload.to_bytes())
+            data = sample.payload.to_bytes()
+            sender, message = decode(data)
+            speaks = bus.may_say(sender, message, key, stamp, data)
         except NewerVersion:
             bus.refuse(NEWER)
-            return
+        except SealError:
+            bus.refuse(UNSEALED)
         except WireError:
             bus.refuse(UNREADABLE)
-            return
-        if bus.keys.owner(key) not in (sender, None):
-            bus.refuse(FOREIGN)
-            return
-        with bus.lock:
-            bus.missed += self._heard.skipped(sender, key, stamp)
-        bus.arrivals.say(message, self._arrive, sender, message)
+        else:
+            if not speaks:
+                bus.refuse(FOREIGN)
+                return
+            with bus.lock:
+                bus.missed += self._heard.skipped(sender, key, stamp)
+            bus.arrivals.say(message, self._arrive, sender, message)
 
     def _see_other(self, sample: zenoh.Sample) -> None:
         """Another life of this agent is there, or was: the latest of them is the agent."""
@@ -188,6 +195,7 @@ class ZenohBus:
 
     Attributes:
         keys: the plant's.
+        seals: by which agents are known; None on a bus without certificates.
         inner: Zenoh's session.
         lock: held where Zenoh's threads count.
         arrivals: what has come in and waits for its agent; counts what it drops.
@@ -207,10 +215,17 @@ class ZenohBus:
         self._sessions: dict[str, ZenohSession] = {}
         self.missed = 0
         self.lock = threading.Lock()
+        self.seals = None if links.identity is None else Seals(links.identity, plant)
         self.inner = links.open()
 
     def join(self, agent: str, receive: Receive) -> ZenohSession:
-        """See `dray.ports.Bus.join`; also when the first has joined in another process."""
+        """See `dray.ports.Bus.join`; also when the first has joined in another process.
+
+        Raises:
+            SettingsError: the process's certificate does not name the agent.
+        """
+        if self.seals is not None and agent not in self.seals.agents:
+            raise SettingsError(agent, f"the certificate names {', '.join(self.seals.agents)} only")
         if before := self._sessions.get(agent):
             before.leave()
         session = self._sessions[agent] = ZenohSession(self, agent, receive)
@@ -238,6 +253,19 @@ class ZenohBus:
         """Let go of a session that has left."""
         if self._sessions.get(session.agent) is session:
             del self._sessions[session.agent]
+
+    def may_say(self, sender: str, message: Message, key: str, stamp: Stamp, data: bytes) -> bool:
+        """Whether `sender` may say this, on this key; on any thread.
+
+        Raises:
+            SealError: it has not said this at all.
+        """
+        if self.keys.owner(key) not in (sender, None):
+            return False
+        if self.seals is None:
+            return True
+        kind = self.seals.examine(stamp.seal, sender, key, stamp.life, stamp.number, data)
+        return kind in SPEAKERS[type(message)]
 
     def refuse(self, reason: str) -> None:
         """Count what came in and reaches nobody; on any thread."""

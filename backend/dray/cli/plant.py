@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from dray.plant import Plant
 
 app = typer.Typer(no_args_is_help=True, help="Plant files.")
 
@@ -23,3 +26,14 @@ def check(
     from dray.plant import check_plant
 
     typer.echo(check_plant(file))
+
+
+def chosen_plant(file: Path | None) -> Plant:
+    """The plant of a file, or the default plant.
+
+    Raises:
+        PlantError: the file cannot be used.
+    """
+    from dray.plant import default_plant, load_plant
+
+    return default_plant() if file is None else load_plant(file)

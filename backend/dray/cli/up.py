@@ -38,9 +38,8 @@ def up(
     import asyncio
 
     from dray.cli.options import load_settings
+    from dray.cli.plant import chosen_plant
     from dray.cli.service import Service, run_service
-    from dray.plant import default_plant, load_plant
 
     settings = load_settings(host=host, port=port, database_url=db)
-    chosen = default_plant() if plant is None else load_plant(plant)
-    asyncio.run(run_service(Service(settings, chosen, speed=speed, seed=seed, demand=demand)))
+    asyncio.run(run_service(Service(settings, chosen_plant(plant), speed=speed, seed=seed, demand=demand)))

@@ -1,0 +1,187 @@
+"""Certificates: an authority for one plant, and what it says about who is who.
+
+A certificate names agents, each as the URI ``dray:{plant}/{kind}/{agent}`` in its alternative names. A
+process that runs several agents has one that names them all. Keys are P-256: what TLS and signatures of
+single messages both do quickly.
+"""
+
+from __future__ import annotations
+
+import datetime as dt
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from cryptography import x509
+from cryptography.hazmat.primitives import hashes, serialization
+from cryptography.hazmat.primitives.asymmetric import ec
+from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
+
+from dray.errors import SettingsError
+from dray.messages.speakers import Kind
+
+AUTHORITY = "authority"
+"""The name of the authority's files."""
+
+AUTHORITY_DAYS = 3650
+"""As long as a plant's control computers are in service."""
+
+DAYS = 397
+"""A year and a month: whoever renews once a year is never late. Lost keys end with it."""
+
+CLOCKS_APART = dt.timedelta(hours=1)
+"""A certificate is valid from a little earlier on: a computer's first clock may be wrong."""
+
+_KINDS = frozenset[str](Kind)
+
+_URI = re.compile(r"dray:([^/]+)/([^/]+)/([^/]+)")
+
+
+@dataclass(frozen=True, slots=True)
+class Authority:
+    """Who signs a plant's certificates. Its key belongs on no computer of the plant.
+
+    Attributes:
+        certificate: what all agents must know of it.
+        key: what nobody else may have.
+    """
+
+    certificate: x509.Certificate
+    key: ec.EllipticCurvePrivateKey
+
+    @classmethod
+    def make(cls, plant: str) -> Authority:
+        """A new one."""
+        key = ec.generate_private_key(ec.SECP256R1())
+        name = _name(f"Dray authority of {plant}")
+        builder = (
+            _builder(name, name, key.public_key(), AUTHORITY_DAYS)
+            .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
+            .add_extension(_usage(signs_certificates=True), critical=True)
+            .add_extension(x509.SubjectKeyIdentifier.from_public_key(key.public_key()), critical=False)
+        )
+        return cls(builder.sign(key, hashes.SHA256()), key)
+
+    @classmethod
+    def load(cls, folder: Path) -> Authority:
+        """Read it from its files.
+
+        Raises:
+            SettingsError: they are not there, or hold something else.
+        """
+        certificate, key = (_read(folder / f"{AUTHORITY}.{end}") for end in ("pem", "key"))
+        try:
+            return cls(x509.load_pem_x509_certificate(certificate), read_key(key))
+        except ValueError as error:
+            raise SettingsError(str(folder), f"holds no authority of ours: {error}") from None
+
+    def write(self, folder: Path) -> None:
+        """Write both files into `folder`, which is made if need be."""
+        folder.mkdir(parents=True, exist_ok=True)
+        _write(folder, AUTHORITY, self.certificate, self.key)
+
+    def issue(self, folder: Path, plant: str, agents: Mapping[str, Kind], *, days: int = DAYS) -> None:
+        """Write a certificate and its key into `folder`, named by the first agent.
+
+        Args:
+            folder: it is there.
+            plant: the plant's id.
+            agents: whom the process may speak for; not empty.
+            days: how long it is valid.
+        """
+        first = next(iter(agents))
+        key = ec.generate_private_key(ec.SECP256R1())
+        names = [
+            x509.UniformResourceIdentifier(f"dray:{plant}/{kind}/{name}") for name, kind in agents.items()
+        ]
+        issuer = x509.AuthorityKeyIdentifier.from_issuer_public_key(self.key.public_key())
+        usages = [ExtendedKeyUsageOID.SERVER_AUTH, ExtendedKeyUsageOID.CLIENT_AUTH]
+        builder = (
+            _builder(_name(first), self.certificate.subject, key.public_key(), days)
+            .add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
+            .add_extension(_usage(signs_certificates=False), critical=True)
+            .add_extension(x509.ExtendedKeyUsage(usages), critical=False)
+            .add_extension(x509.SubjectAlternativeName(names), critical=False)
+            .add_extension(issuer, critical=False)
+        )
+        _write(folder, first, builder.sign(self.key, hashes.SHA256()), key)
+
+
+def read_key(pem: bytes) -> ec.EllipticCurvePrivateKey:
+    """Read a private key.
+
+    Raises:
+        ValueError: it is none of our sort.
+    """
+    key = serialization.load_pem_private_key(pem, password=None)
+    if isinstance(key, ec.EllipticCurvePrivateKey):
+        return key
+    raise ValueError("no key on an elliptic curve")
+
+
+def agents_of(certificate: x509.Certificate, plant: str) -> dict[str, Kind]:
+    """The agents that a certificate names in this plant, and what they are."""
+    try:
+        names = certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
+    except x509.ExtensionNotFound:
+        return {}
+    found: dict[str, Kind] = {}
+    for uri in names.get_values_for_type(x509.UniformResourceIdentifier):
+        match = _URI.fullmatch(uri)
+        if match and match[1] == plant and match[2] in _KINDS:
+            found[match[3]] = Kind(match[2])
+    return found
+
+
+def _name(text: str) -> x509.Name:
+    return x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, text)])
+
+
+def _builder(
+    subject: x509.Name, issuer: x509.Name, key: ec.EllipticCurvePublicKey, days: int
+) -> x509.CertificateBuilder:
+    now = dt.datetime.now(dt.UTC)
+    return (
+        x509.CertificateBuilder()
+        .subject_name(subject)
+        .issuer_name(issuer)
+        .public_key(key)
+        .serial_number(x509.random_serial_number())
+        .not_valid_before(now - CLOCKS_APART)
+        .not_valid_after(now + dt.timedelta(days=days))
+    )
+
+
+def _usage(*, signs_certificates: bool) -> x509.KeyUsage:
+    return x509.KeyUsage(
+        digital_signature=not signs_certificates,
+        content_commitment=False,
+        key_encipherment=False,
+        data_encipherment=False,
+        key_agreement=False,
+        key_cert_sign=signs_certificates,
+        crl_sign=signs_certificates,
+        encipher_only=False,
+        decipher_only=False,
+    )
+
+
+def _read(file: Path) -> bytes:
+    try:
+        return file.read_bytes()
+    except OSError as error:
+        raise SettingsError(str(file), f"{error.strerror}; `dray certs make` makes an authority") from None
+
+
+def _write(folder: Path, name: str, certificate: x509.Certificate, key: ec.EllipticCurvePrivateKey) -> None:
+    secret = folder / f"{name}.key"
+    # Nobody else may read it, not even for an instant.
+    secret.unlink(missing_ok=True)
+    secret.touch(mode=0o600)
+    secret.write_bytes(
+        key.private_bytes(
+            serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption()
+        )
+    )
+    (folder / f"{name}.pem").write_bytes(certificate.public_bytes(serialization.Encoding.PEM))

@@ -1,0 +1,137 @@
+"""Seals: who has said a message, whoever has passed it on.
+
+Links are authenticated by TLS, but that says only who the neighbour is: neighbours relay for one another,
+so a message of a machine may come from a vehicle. What must be known is who has said it. So every message
+is signed by its sender, together with the key on which it was said and the time, and brings the sender's
+certificate along. A relay can lose it, and nothing else.
+
+A message may be played again within `FRESH_S`; that is a message that comes twice, which the protocol
+has to bear anyway.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import msgspec
+from cryptography import x509
+from cryptography.exceptions import InvalidSignature
+from cryptography.hazmat.primitives import hashes, serialization
+from cryptography.hazmat.primitives.asymmetric import ec
+from cryptography.x509.verification import PolicyBuilder, Store, VerificationError
+
+from dray.adapters.certificates import agents_of, read_key
+from dray.adapters.zenoh_links import Identity
+from dray.errors import SealError, SettingsError
+from dray.messages.speakers import Kind
+
+FRESH_S = 30.0
+"""How old a message may be: the slowest link of the paper takes 5 s, and clocks agree within 0.1 s."""
+
+KNOWN = 1000
+"""Certificates whose examination is remembered: three times the agents of a large plant."""
+
+_ECDSA = ec.ECDSA(hashes.SHA256())
+
+
+class _Seal(msgspec.Struct, frozen=True, gc=False, array_like=True):
+    certificate: bytes
+    at_s: float
+    signature: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class _Examined:
+    """A certificate of our authority."""
+
+    key: ec.EllipticCurvePublicKey
+    agents: dict[str, Kind]
+    until_s: float
+
+
+_write = msgspec.msgpack.Encoder().encode
+_read = msgspec.msgpack.Decoder(_Seal).decode
+
+
+class Seals:
+    """Seals what this process says, and examines the seals of others. On any thread.
+
+    Args:
+        identity: whose certificate and key to use, and whom to trust.
+        plant: the plant's id; certificates of other plants are worth nothing here.
+        now_s: unix time, for tests.
+
+    Attributes:
+        agents: for whom this process may speak.
+
+    Raises:
+        SettingsError: the files hold no certificates or keys of ours, or name no agent of this plant.
+    """
+
+    def __init__(self, identity: Identity, plant: str, *, now_s: Callable[[], float] = time.time) -> None:
+        self._plant, self._now_s = plant, now_s
+        try:
+            own = x509.load_pem_x509_certificate(identity.certificate.read_bytes())
+            self._key = read_key(identity.key.read_bytes())
+            self._authorities = x509.load_pem_x509_certificates(identity.authority.read_bytes())
+        except (OSError, ValueError) as error:
+            raise SettingsError(str(identity.certificate), f"cannot be used: {error}") from None
+        self.agents = agents_of(own, plant)
+        if not self.agents:
+            raise SettingsError(str(identity.certificate), f"names no agent of the plant {plant}")
+        self._certificate = own.public_bytes(serialization.Encoding.DER)
+        self._known: dict[bytes, _Examined] = {}
+
+    def seal(self, key: str, life: int, number: int, data: bytes) -> bytes:
+        """Seal what is said on `key` now."""
+        at_s = self._now_s()
+        signature = self._key.sign(_signed(key, life, number, at_s, data), _ECDSA)
+        return _write(_Seal(self._certificate, at_s, signature))
+
+    def examine(self, seal: bytes, sender: str, key: str, life: int, number: int, data: bytes) -> Kind:
+        """What kind of agent has really said this.
+
+        Raises:
+            SealError: nobody whom we know has, or not this, not here, not now.
+        """
+        try:
+            read = _read(seal)
+        except (msgspec.MsgspecError, ValueError) as fault:
+            raise SealError(f"no seal: {fault}", data) from fault
+        examined = self._examine(read.certificate, data)
+        kind = examined.agents.get(sender)
+        if kind is None:
+            raise SealError(f"its certificate does not name {sender}", data)
+        now_s = self._now_s()
+        if abs(now_s - read.at_s) > FRESH_S or now_s > examined.until_s:
+            raise SealError(f"said {now_s - read.at_s:.0f} s ago, or its certificate has expired", data)
+        try:
+            examined.key.verify(read.signature, _signed(key, life, number, read.at_s, data), _ECDSA)
+        except InvalidSignature:
+            raise SealError("its signature does not fit", data) from None
+        return kind
+
+    def _examine(self, certificate: bytes, data: bytes) -> _Examined:
+        known = self._known.get(certificate)
+        if known is not None:
+            return known
+        try:
+            loaded = x509.load_der_x509_certificate(certificate)
+            # Built anew each time: a verifier judges by the time at which it was built.
+            PolicyBuilder().store(Store(self._authorities)).build_client_verifier().verify(loaded, [])
+        except (ValueError, VerificationError) as fault:
+            raise SealError(f"its certificate: {fault}", data) from fault
+        key = loaded.public_key()
+        if not isinstance(key, ec.EllipticCurvePublicKey):
+            raise SealError("its certificate is for no key on an elliptic curve", data)
+        examined = _Examined(key, agents_of(loaded, self._plant), loaded.not_valid_after_utc.timestamp())
+        if len(self._known) >= KNOWN:
+            self._known.clear()
+        self._known[certificate] = examined
+        return examined
+
+
+def _signed(key: str, life: int, number: int, at_s: float, data: bytes) -> bytes:
+    return f"{key} {life} {number} {at_s!r} ".encode() + data

@@ -1,0 +1,85 @@
+"""`dray certs`: certificates for the agents of a plant, and the authority that signs them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dray.messages.speakers import Kind
+
+app = typer.Typer(no_args_is_help=True, help="Certificates for the agents of a plant.")
+
+Folder = Annotated[Path, typer.Argument(help="The folder of the certificates.")]
+PlantFile = Annotated[Path | None, typer.Option("--plant", help="A plant file; else the default plant.")]
+Days = Annotated[
+    int | None, typer.Option(min=1, max=3650, help="How long they are valid; else a year and a month.")
+]
+
+
+@app.callback()
+def certs() -> None:
+    """Certificates for the agents of a plant."""
+
+
+@app.command()
+def make(folder: Folder, plant: PlantFile = None, days: Days = None) -> None:
+    """Make an authority, and a certificate for every agent of the plant.
+
+    Each computer gets authority.pem and the two files of its own agent. The key of the authority,
+    authority.key, belongs on none of them.
+    """
+    from dray.adapters.certificates import AUTHORITY, DAYS, Authority
+    from dray.cli.plant import chosen_plant
+    from dray.errors import SettingsError
+
+    chosen = chosen_plant(plant)
+    if (folder / f"{AUTHORITY}.pem").exists():
+        raise SettingsError(
+            str(folder), "has an authority already; `dray certs issue` uses it, or choose another folder"
+        )
+    processes = [
+        *({machine: Kind.MACHINE} for machine in chosen.machines),
+        *({atv: Kind.ATV} for atv in chosen.fleet),
+        {"strategist": Kind.STRATEGIST},
+        {"gateway": Kind.GATEWAY},
+        {"historian": Kind.HISTORIAN},
+    ]
+    with _writing_into(folder):
+        authority = Authority.make(chosen.id)
+        authority.write(folder)
+        for agents in processes:
+            authority.issue(folder, chosen.id, agents, days=days or DAYS)
+    typer.echo(f"{folder}: an authority and {len(processes)} certificates for {chosen.id}")
+
+
+@app.command()
+def issue(
+    folder: Folder,
+    kind: Annotated[Kind, typer.Argument(help="What the agent is.")],
+    agent: Annotated[str, typer.Argument(help="Its id.")],
+    plant: PlantFile = None,
+    days: Days = None,
+) -> None:
+    """Make a certificate for one agent, with the authority of that folder."""
+    from dray.adapters.certificates import DAYS, Authority
+    from dray.cli.plant import chosen_plant
+
+    authority = Authority.load(folder)
+    with _writing_into(folder):
+        authority.issue(folder, chosen_plant(plant).id, {agent: kind}, days=days or DAYS)
+    typer.echo(f"{folder / agent}.pem")
+
+
+@contextmanager
+def _writing_into(folder: Path) -> Iterator[None]:
+    from dray.errors import UnavailableError
+
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise UnavailableError(str(folder), reason, "choose a folder that can be written") from None

@@ -1,0 +1,88 @@
+"""`dray certs`: an authority and a certificate for every agent of a plant."""
+
+from __future__ import annotations
+
+import stat
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from dray.adapters.seals import Seals
+from dray.adapters.zenoh_links import Identity
+from dray.cli import main
+from dray.messages.speakers import Kind
+from dray.plant import default_plant
+
+Dray = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def dray(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Dray:
+    """Run `dray certs`; its exit code and what it printed."""
+
+    def run(*args: object) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["dray", "certs", *map(str, args)])
+        code = 0
+        try:
+            main()
+        except SystemExit as end:
+            code = end.code if isinstance(end.code, int) else 0
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return run
+
+
+def test_every_agent_of_the_plant_gets_its_certificate(dray: Dray, tmp_path: Path) -> None:
+    folder, plant = tmp_path / "certs", default_plant()
+    code, out, _ = dray("make", folder)
+    assert code == 0
+    expected = {
+        **dict.fromkeys(plant.machines, Kind.MACHINE),
+        **dict.fromkeys(plant.fleet, Kind.ATV),
+        "strategist": Kind.STRATEGIST,
+        "gateway": Kind.GATEWAY,
+        "historian": Kind.HISTORIAN,
+    }
+    assert f"{len(expected)} certificates for {plant.id}" in out
+    for agent, kind in expected.items():
+        assert Seals(Identity.in_folder(folder, agent), plant.id).agents == {agent: kind}
+
+
+def test_nobody_else_may_read_a_key(dray: Dray, tmp_path: Path) -> None:
+    dray("make", tmp_path)
+    modes = {stat.S_IMODE(file.stat().st_mode) for file in tmp_path.glob("*.key")}
+    assert modes == {0o600}
+
+
+def test_a_new_vehicle_gets_one_that_all_others_trust(dray: Dray, tmp_path: Path) -> None:
+    dray("make", tmp_path)
+    code, out, _ = dray("issue", tmp_path, "atv", "ATV9")
+    assert (code, out.strip()) == (0, str(tmp_path / "ATV9.pem"))
+    plant = default_plant().id
+    newcomer, machine = (Seals(Identity.in_folder(tmp_path, name), plant) for name in ("ATV9", "M1"))
+    assert machine.examine(newcomer.seal("k", 1, 1, b"x"), "ATV9", "k", 1, 1, b"x") is Kind.ATV
+
+
+def test_an_authority_is_never_overwritten(dray: Dray, tmp_path: Path) -> None:
+    dray("make", tmp_path)
+    before = (tmp_path / "authority.pem").read_bytes()
+    code, _, err = dray("make", tmp_path)
+    assert code == 2
+    assert "has an authority already" in err
+    assert (tmp_path / "authority.pem").read_bytes() == before
+
+
+def test_without_an_authority_nothing_is_issued(dray: Dray, tmp_path: Path) -> None:
+    code, _, err = dray("issue", tmp_path, "atv", "ATV9")
+    assert code == 2
+    assert "`dray certs make` makes an authority" in err
+
+
+def test_a_folder_that_cannot_be_made_is_named(dray: Dray, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    code, _, err = dray("make", tmp_path / "file" / "certs")
+    assert code == 1
+    assert str(tmp_path / "file" / "certs") in err
