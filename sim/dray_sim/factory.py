@@ -19,7 +19,7 @@ from dray.messages import Message
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.plant.model import VehicleSpec
-from dray.ports import Body
+from dray.ports import Body, Bus
 from dray.protocol.atv import Atv
 from dray.protocol.events import Agent
 from dray.protocol.machine import Machine
@@ -92,9 +92,10 @@ class SimFactory:
         latency: of the network.
         codec: pass every message through the wire format.
         ear: hears everything that is said.
+        meet: where the agents meet, when that is not the simulated network.
 
     Attributes:
-        bus: join it to take part.
+        bus: the simulated network; join it to take part.
         vehicles, workcells, storages: the bodies and places by id.
         workers: by agent id; of a crashed agent, that of its last life.
         journals: by agent id.
@@ -113,6 +114,7 @@ class SimFactory:
         latency: Latency = WLAN,
         codec: bool = False,
         ear: Ear | None = None,
+        meet: Bus | None = None,
     ) -> None:
         self.plant = plant
         self.clock = clock
@@ -127,6 +129,7 @@ class SimFactory:
             chance=Random(f"{seed} network faults"),
             coverage=Coverage.of_plant(plant),
         )
+        self._meet: Bus = self.bus if meet is None else meet
         self.source = SourceWarehouse(plant.source_warehouses[0], plant.materials)
         self.gate = Gate(clock)
         self.delivery: Mapping[str, DeliveryWarehouse] = {
@@ -275,7 +278,7 @@ class SimFactory:
         post = self._posts[agent]
         self.workers[agent] = Worker(
             post.make(post.journal.incarnation, post.software),
-            bus=self.bus,
+            bus=self._meet,
             clock=self.clock,
             keys=self.keys,
             body=post.body,

@@ -37,7 +37,9 @@ from dray.messages.order import (
     CommandAnswered,
     OrderCancelled,
     OrderReleased,
+    OrderRevoked,
     OrderTaken,
+    RevocationTaken,
     VehicleCommand,
 )
 
@@ -84,9 +86,11 @@ SPEAKERS: Mapping[type[Message], frozenset[Kind]] = {
     CommandAnswered: _ATVS,
     OrderReleased: _GATEWAYS,
     OrderCancelled: _GATEWAYS,
+    OrderRevoked: _GATEWAYS,
     VehicleCommand: _GATEWAYS,
     OrderTaken: _STRATEGISTS,
     CancellationTaken: _STRATEGISTS,
+    RevocationTaken: _STRATEGISTS,
     Event: _TELLERS,
     EventsKept: _TELLERS,
     EventsAsked: frozenset({Kind.HISTORIAN}),

@@ -1,0 +1,160 @@
+"""A whole factory whose agents meet on Zenoh: its stories end as on the simulated network."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Coroutine
+from itertools import cycle
+from typing import Any
+
+import pytest
+from zenoh_kit import Row
+
+from dray.messages import Event, Message, OrderItem, Phase
+from dray.messages.fact import AnyFact, CarrierChanged, OrderFulfilled, PhaseEntered, TaskClosed
+from dray.plant import default_plant
+from dray.ports import Bus, Receive, Session
+from dray_sim.demand import Order
+from dray_sim.desk import Desk
+from dray_sim.factory import Ear, Ears, SimFactory
+from dray_sim.invariants import Invariants
+from dray_sim.loop import clock, paced, run
+
+PLANT = default_plant()
+
+SPEED = 25.0
+"""Factory seconds per real one: an order takes some real seconds, and a breath of a busy computer is not yet
+the silence of a dead vehicle."""
+
+LATEST_S = 3600.0
+"""No story takes so long (plant clock)."""
+
+SESSIONS = 3
+"""In a row, so that a third of the agents hear another third by relay."""
+
+ORDER = Order("O-1", 0.0, LATEST_S, (OrderItem("gear-unit-g1", 2),))
+
+
+class Overheard:
+    """A place on a bus, and an ear that hears what is said there."""
+
+    def __init__(self, inner: Session, agent: str, ear: Ear) -> None:
+        self._inner, self._agent, self._ear = inner, agent, ear
+        self.subscribe, self.unsubscribe, self.leave = inner.subscribe, inner.unsubscribe, inner.leave
+
+    def publish(self, key: str, message: Message) -> None:
+        self._ear.hear(clock().now_s(), self._agent, key, message)
+        self._inner.publish(key, message)
+
+    def send(self, to: str, message: Message) -> None:
+        self._ear.hear(clock().now_s(), self._agent, f">{to}", message)
+        self._inner.send(to, message)
+
+
+class Spread:
+    """A bus of several Zenoh sessions, with every so manyth agent each."""
+
+    def __init__(self, row: Row, ear: Ear) -> None:
+        self._turns, self._ear = cycle(row.buses), ear
+
+    def join(self, agent: str, receive: Receive) -> Overheard:
+        return Overheard(next(self._turns).join(agent, receive), agent, self._ear)
+
+
+class Stage:
+    """A factory in which a story is told."""
+
+    def __init__(self, factory: SimFactory, bus: Bus) -> None:
+        self.factory, self.bus = factory, bus
+        self.facts: list[tuple[str, AnyFact]] = []
+        self._told = asyncio.Event()
+
+    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
+        if isinstance(message, Event) and address.startswith(PLANT.id):
+            self.facts.append((sender, message.fact))
+            self._told.set()
+
+    async def until(self, seen: Callable[[str, AnyFact], bool]) -> tuple[str, AnyFact]:
+        """The first fact of this sort, whether it is told already or not."""
+        looked = 0
+        while True:
+            for agent, fact in self.facts[looked:]:
+                if seen(agent, fact):
+                    return agent, fact
+            looked = len(self.facts)
+            self._told.clear()
+            await self._told.wait()
+
+
+Story = Callable[[Stage], Coroutine[Any, Any, object]]
+
+
+async def tell(story: Story, factory: SimFactory, bus: Bus, ears: Ears) -> object:
+    """Tell a story; it ends by itself, or with the first broken invariant."""
+    checks, stage = Invariants(factory), Stage(factory, bus)
+    ears.add(checks, stage)
+    async with asyncio.timeout(LATEST_S), asyncio.TaskGroup() as group:
+        life = group.create_task(factory.run())
+        ending = group.create_task(story(stage))
+        watch = group.create_task(checks.wait_broken())
+        await asyncio.wait((ending, watch), return_when=asyncio.FIRST_COMPLETED)
+        checks.check_end(clock().now_s())
+        for task in (life, ending, watch):
+            task.cancel()
+    if checks.broken is not None:
+        raise checks.broken
+    return ending.result()
+
+
+def on_the_simulated_network(story: Story) -> object:
+    async def main() -> object:
+        ears = Ears()
+        factory = SimFactory(PLANT, clock(), seed=1, ear=ears)
+        return await tell(story, factory, factory.bus, ears)
+
+    return run(main())
+
+
+def on_zenoh(story: Story) -> object:
+    async def main() -> object:
+        ears, row = Ears(), Row(SESSIONS, PLANT.id)
+        bus = Spread(row, ears)
+        try:
+            told = await tell(story, SimFactory(PLANT, clock(), seed=1, meet=bus), bus, ears)
+            assert all(not zenoh.refused and not zenoh.missed for zenoh in row.buses)
+            return told
+        finally:
+            row.close()
+
+    return run(main(), paced(SPEED))
+
+
+async def an_order_is_delivered(stage: Stage) -> object:
+    """What was delivered, and how each of its transports ended."""
+    await Desk(stage.bus, stage.factory.clock).order(ORDER)
+    _, fulfilled = await stage.until(lambda _, fact: isinstance(fact, OrderFulfilled))
+    arrived = {name: dict(warehouse.arrived) for name, warehouse in stage.factory.delivery.items()}
+    ends = {fact.outcome for _, fact in stage.facts if isinstance(fact, TaskClosed)}
+    return fulfilled, arrived, ends
+
+
+async def a_vehicle_dies_on_its_way(stage: Stage) -> object:
+    """What was delivered, though the first vehicle that had set off for the order has died at once."""
+    await Desk(stage.bus, stage.factory.clock).order(ORDER)
+    dead, entered = await stage.until(
+        lambda _, fact: isinstance(fact, PhaseEntered) and fact.phase is Phase.APPROACHING
+    )
+    assert isinstance(entered, PhaseEntered)
+    stage.factory.power_off(dead)
+    _, changed = await stage.until(
+        lambda _, fact: isinstance(fact, CarrierChanged) and fact.task == entered.task
+    )
+    assert isinstance(changed, CarrierChanged)
+    _, fulfilled = await stage.until(lambda _, fact: isinstance(fact, OrderFulfilled))
+    arrived = {name: dict(warehouse.arrived) for name, warehouse in stage.factory.delivery.items()}
+    return fulfilled, arrived, changed.carrier != dead
+
+
+@pytest.mark.parametrize("story", [an_order_is_delivered, a_vehicle_dies_on_its_way])
+def test_a_story_ends_alike_on_both_buses(story: Story) -> None:
+    assert on_zenoh(story) == on_the_simulated_network(story)
