@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import functools
 import json
+from collections import Counter
 from collections.abc import Callable
+from math import hypot
 
 import pytest
 
+from dray.gateway.projection import Projection
+from dray.gateway.timescale import TimeScale
+from dray.messages import AtvHeartbeat
 from dray_sim import bench
 from dray_sim.bench import Row, bus, projection, rates
+from dray_sim.bench.crowd import GROUP, Crowd
 
 
 def count_to(number: int, calls: list[int]) -> Callable[[], int]:
@@ -72,3 +78,35 @@ def test_every_message_that_the_projection_is_measured_with_tells_it_something()
         view.fold(message)
     assert view.ignored == 0
     assert [task.state for task in view.tasks.views()] == ["delivered"] * 3
+
+
+def test_where_less_is_better_a_target_is_met_from_above() -> None:
+    rows = [Row("r", figure, "ms", 10.0, "plain", target=8.0, less=True) for figure in (7.9, 8.0, 8.1)]
+    assert [row.met for row in rows] == [True, True, False]
+
+
+def test_a_crowd_says_a_heartbeat_per_agent_and_second_from_where_its_lanes_are() -> None:
+    crowd = Crowd(20)
+    told = [message for tenth in range(1, 51) for message in crowd.until(tenth / 10 - 1e-6)]
+    said = Counter(getattr(message, "atv", None) or message.machine for message in told)
+    assert set(said) == {*crowd.plant.fleet, *crowd.plant.machines}
+    assert set(said.values()) == {5}
+    for message in told:
+        if isinstance(message, AtvHeartbeat):
+            lane = crowd.plant.roads.lane(message.node, message.way[0])
+            assert lane is not None
+            begin = crowd.plant.nodes[message.node]
+            assert hypot(message.pose.x_m - begin.x_m, message.pose.y_m - begin.y_m) <= lane.length_m
+    ways = [message.pose for message in told if getattr(message, "atv", None) == "ATV1"]
+    assert len(set(ways)) == 5
+
+
+def test_what_a_crowd_says_is_understood_and_watched_over() -> None:
+    crowd = Crowd(20)
+    view = Projection(crowd.plant.file, TimeScale(0.0, 0.0))
+    for message in (*crowd.transports(), *crowd.until(2.0)):
+        view.fold(message)
+    assert view.ignored == 0
+    tasks = view.tasks.views()
+    assert len(tasks) == 20 // GROUP
+    assert all(task.state == "contracted" and task.secondary for task in tasks)

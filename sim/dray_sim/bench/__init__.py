@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
-from dray_sim.bench import bus, projection, sim
+from dray_sim.bench import bus, plantmap, projection, sim
 from dray_sim.bench.row import Row, rates
 
 __all__ = ["BENCHES", "Bench", "Row", "as_json", "rates"]
@@ -22,7 +22,12 @@ Bench = Callable[[bool], list[Row]]
 """Measures; True means quick: a tenth of the work, for a look and for tests."""
 
 
-BENCHES: dict[str, Bench] = {"bus": bus.measure, "projection": projection.measure, "sim": sim.measure}
+BENCHES: dict[str, Bench] = {
+    "bus": bus.measure,
+    "projection": projection.measure,
+    "sim": sim.measure,
+    "map": plantmap.measure,
+}
 """Name -> benchmark, in the order in which they run."""
 
 

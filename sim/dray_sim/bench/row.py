@@ -17,12 +17,13 @@ class Row:
 
     Attributes:
         name: what was measured.
-        figure: how much it was; more is better.
+        figure: how much it was.
         unit: of both figures.
         baseline: the same work done in the plainest way, or what is required.
         baseline_name: what the baseline is.
         target: what we want to reach, or None where only the ratio says something.
         note: what else was seen in the same run.
+        less: whether less is better, else more is.
     """
 
     name: str
@@ -32,6 +33,7 @@ class Row:
     baseline_name: str
     target: float | None = None
     note: str = ""
+    less: bool = False
 
     @property
     def ratio(self) -> float:
@@ -41,7 +43,9 @@ class Row:
     @property
     def met(self) -> bool:
         """True when there is no target, or it was reached."""
-        return self.target is None or self.figure >= self.target
+        if self.target is None:
+            return True
+        return self.figure <= self.target if self.less else self.figure >= self.target
 
 
 def rates(

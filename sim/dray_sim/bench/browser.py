@@ -1,0 +1,55 @@
+"""A real Chromium for the benchmarks of the panels, headless and without a graphics card.
+
+So every picture is painted by the processor that also runs the script: a desk's computer is quicker.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from dray.errors import UnavailableError
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, ViewportSize
+
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+
+FLAGS = (
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+)
+"""Works as root and in a container, and speaks to nobody but the panel's server."""
+
+SCREEN: ViewportSize = {"width": 1920, "height": 1080}
+"""A control room's; the management panel is made for 1,280 x 800 and more."""
+
+
+@contextmanager
+def chromium() -> Iterator[Browser]:
+    """A browser that is closed in the end.
+
+    Raises:
+        UnavailableError: there is no Chromium, or nothing to steer it with.
+    """
+    path = next(filter(None, map(shutil.which, NAMES)), None)
+    if path is None:
+        raise UnavailableError(
+            "Chromium", "is not installed", "install it; on Debian: apt-get install chromium"
+        )
+    try:
+        from playwright.sync_api import sync_playwright  # noqa: PLC0415 (only development has it)
+    except ImportError:
+        raise UnavailableError("playwright", "is not installed", "run `make setup`") from None
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=list(FLAGS))
+        try:
+            yield browser
+        finally:
+            browser.close()

@@ -1,0 +1,117 @@
+"""A panel's server for the benchmarks: the whole gateway, fed by a crowd instead of by agents.
+
+It runs on a thread of its own, in real time; the browser's own work is what is measured.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import time
+from collections.abc import Iterator
+from concurrent.futures import Future
+from contextlib import contextmanager
+from pathlib import Path
+from socket import create_server
+from tempfile import TemporaryDirectory
+
+import uvicorn
+
+from dray.gateway.app import create_app
+from dray.gateway.parts import Parts
+from dray.gateway.timescale import TimeScale
+from dray.messages import Message
+from dray.ports import Receive, Session
+from dray.settings import Settings
+from dray.store import open_store
+from dray_sim.bench.crowd import Crowd
+
+TICK_S = 0.05
+"""The crowd is asked for news twice as often as the gateway makes frames."""
+
+OPEN_S, CLOSE_S = 60.0, 20.0
+"""Longest wait: ten times what a slow machine takes."""
+
+
+class _Nobody:
+    """A bus on which nobody speaks: the crowd is put into the projection itself."""
+
+    def join(self, agent: str, receive: Receive) -> Session:
+        return self
+
+    def publish(self, key: str, message: Message) -> None:
+        """Nobody listens."""
+
+    def send(self, to: str, message: Message) -> None:
+        """Nobody listens."""
+
+    def subscribe(self, key: str) -> None:
+        """Nobody speaks."""
+
+    def unsubscribe(self, key: str) -> None:
+        """Nobody speaks."""
+
+    def leave(self) -> None:
+        """Nobody notices."""
+
+
+@contextmanager
+def serving(crowd: Crowd) -> Iterator[str]:
+    """A gateway that shows this crowd, and its address.
+
+    Args:
+        crowd: which drives from now on.
+    """
+    opened: Future[tuple[str, uvicorn.Server]] = Future()
+
+    def run() -> None:
+        try:
+            with TemporaryDirectory() as folder:
+                asyncio.run(_serve(crowd, Path(folder), opened))
+        except BaseException as error:
+            if opened.done():
+                raise
+            opened.set_exception(error)
+
+    thread = threading.Thread(target=run, name="panel", daemon=True)
+    thread.start()
+    url, server = opened.result(OPEN_S)
+    try:
+        yield url
+    finally:
+        server.should_exit = True
+        thread.join(CLOSE_S)
+
+
+async def _serve(crowd: Crowd, folder: Path, opened: Future[tuple[str, uvicorn.Server]]) -> None:
+    settings = Settings.load(database_url=f"sqlite:///{folder / 'bench.db'}")
+    store = await open_store(settings.database_url)
+    try:
+        app = create_app(
+            settings=settings,
+            plant=crowd.plant.file,
+            bus=_Nobody(),
+            store=store,
+            time=TimeScale(0.0, time.time(), 1.0),
+        )
+        with create_server(("127.0.0.1", 0)) as listener:
+            async with app.router.lifespan_context(app):
+                server = uvicorn.Server(uvicorn.Config(app, lifespan="off", log_level="error"))
+                url = f"http://127.0.0.1:{listener.getsockname()[1]}"
+                driving = asyncio.create_task(_drive(crowd, app.state.parts))
+                opened.set_result((url, server))
+                await server.serve(sockets=[listener])
+                driving.cancel()
+    finally:
+        await store.close()
+
+
+async def _drive(crowd: Crowd, parts: Parts) -> None:
+    """Tell the gateway what the crowd does, as it does it."""
+    for message in crowd.transports():
+        parts.projection.fold(message)
+    begun_s = time.monotonic()
+    while True:
+        for message in crowd.until(time.monotonic() - begun_s):
+            parts.projection.fold(message)
+        await asyncio.sleep(TICK_S)
