@@ -81,6 +81,8 @@ frontend: setup ## Types, style and unit tests of the panels
 pytest: setup ## Python's tests: units, simulation, gateway, store, packaging, browser
 	$(call stage,Chromium)
 	@tools/chromium.sh || true
+	$(call stage,PostgreSQL)
+	@tools/postgres.sh || true
 	$(call stage,pytest)
 	$(PYTEST) $(ARGS)
 

@@ -20,6 +20,10 @@ from typing import TypeVar
 
 import pytest
 
+sys.path.insert(0, str(Path(__file__).parent))
+
+from databases import Files, Postgres, PostgresMissing
+
 UNDER_CI = os.environ.get("CI", "").lower() in {"1", "true", "yes"}
 
 
@@ -59,6 +63,47 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
         terminalreporter.write_sep("!", f"{len(skipped)} TESTS WERE SKIPPED", red=True, bold=True)
         for report in skipped:
             terminalreporter.write_line(f"!!! {report.nodeid}: {reason_of(report)}", red=True, bold=True)
+
+
+# --- databases ---------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="session")
+def files(tmp_path_factory: pytest.TempPathFactory) -> Files:
+    """SQLite databases."""
+    return Files(tmp_path_factory.mktemp("empty"))
+
+
+@pytest.fixture(scope="session")
+def postgres() -> Iterator[Postgres]:
+    """A PostgreSQL server, one for all tests."""
+    try:
+        server = Postgres()
+    except PostgresMissing as missing:
+        pytest.skip(str(missing))
+    yield server
+    server.close()
+
+
+@pytest.fixture
+def sqlite_url(files: Files, tmp_path: Path) -> str:
+    """An empty database on SQLite."""
+    return files.new(tmp_path)
+
+
+@pytest.fixture
+def postgresql_url(postgres: Postgres) -> Iterator[str]:
+    """An empty database on PostgreSQL."""
+    url = postgres.new()
+    yield url
+    postgres.drop(url)
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def url(request: pytest.FixtureRequest) -> str:
+    """An empty database; a test that asks for one runs on each kind."""
+    url: str = request.getfixturevalue(f"{request.param}_url")
+    return url
 
 
 # --- `dray up` as a process --------------------------------------------------------------------------
@@ -152,11 +197,9 @@ def start_dray(tmp_path_factory: pytest.TempPathFactory) -> Iterator[StartDray]:
     """Start `dray up` on a free port, by default with a database of its own; whatever still runs is stopped."""
     started: list[DrayProcess] = []
 
-    def start(
-        *options: str, python: Path | str = sys.executable, database: Path | None = None
-    ) -> DrayProcess:
+    def start(*options: str, python: Path | str = sys.executable, url: str = "") -> DrayProcess:
         home = tmp_path_factory.mktemp("dray")
-        url = f"sqlite:///{database or home / 'dray.db'}"
+        url = url or f"sqlite:///{home / 'dray.db'}"
         dray = DrayProcess(python, "--port", "0", "--db", url, *options, cwd=home)
         started.append(dray)
         return dray

@@ -58,7 +58,7 @@ def test_an_order_over_rest_is_delivered_and_its_events_tell_every_auction(
     start_dray, tmp_path: Path
 ) -> None:
     database = tmp_path / "dray.db"
-    dray = start_dray(*SPEED, database=database)
+    dray = start_dray(*SPEED, url=f"sqlite:///{database}")
     placed = order(dray.url, 4, "k-1")
     assert placed["status"] == "released"
     view = watch(dray.url, placed["id"], "delivered")
@@ -83,14 +83,13 @@ def test_an_order_over_rest_is_delivered_and_its_events_tell_every_auction(
         } <= told
 
 
-def test_an_accepted_order_survives_a_kill_and_is_delivered_once(start_dray, tmp_path: Path) -> None:
-    database = tmp_path / "dray.db"
-    dray = start_dray(*SPEED, database=database)
+def test_an_accepted_order_survives_a_kill_and_is_delivered_once(start_dray, url: str) -> None:
+    dray = start_dray(*SPEED, url=url)
     placed = order(dray.url, 6, "k-2")
     watch(dray.url, placed["id"], "in_production")
     dray.kill()
 
-    dray = start_dray(*SPEED, database=database)
+    dray = start_dray(*SPEED, url=url)
     again = order(dray.url, 6, "k-2")
     assert again["id"] == placed["id"], "the key is remembered: no second order"
     view = watch(dray.url, placed["id"], "delivered")

@@ -10,7 +10,6 @@ import asyncio
 from collections.abc import AsyncIterator, Callable, Iterable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import httpx
@@ -283,10 +282,6 @@ class House:
 def draft(**fields: Any) -> dict[str, Any]:
     """A body of `POST /api/orders` that can be taken; `fields` may change anything."""
     return {"customer": "Muster GmbH", "items": [{"product": PRODUCT, "quantity": 5}]} | fields
-
-
-def database_url(folder: Path) -> str:
-    return f"sqlite+aiosqlite:///{folder / 'dray.db'}"
 
 
 @asynccontextmanager

@@ -11,7 +11,6 @@ from gateway_kit import NOW_S, PRODUCT, House, draft, gateway, problem
 
 from dray.gateway.intake import KEYS_KEPT_S
 from dray.messages import OrderReleased
-from dray.store.keys import IdempotencyKeys
 
 pytestmark = pytest.mark.anyio
 
@@ -99,20 +98,6 @@ async def test_two_gateways_on_one_database_take_an_order_once(url: str) -> None
         first, second = await asyncio.gather(send(one, draft()), send(other, draft()))
         assert first.content == second.content
         assert await one.orders_kept() == 1
-
-
-async def test_a_gateway_that_was_slower_with_a_key_stores_nothing(
-    house: House, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    await send(house, draft())
-
-    async def not_yet(_keys: IdempotencyKeys, _key: str) -> None:
-        """As a transaction finds it that began before the other one ended."""
-
-    with monkeypatch.context() as patch:
-        patch.setattr(IdempotencyKeys, "get", not_yet)
-        problem(await send(house, draft()), 409, "key-at-work")
-    assert await house.orders_kept() == 1
 
 
 async def test_a_key_is_forgotten_after_a_week(house: House) -> None:

@@ -19,11 +19,6 @@ def anyio_backend() -> str:
 
 
 @pytest.fixture
-def url(tmp_path: Path) -> str:
-    return f"sqlite+aiosqlite:///{tmp_path / 'dray.db'}"
-
-
-@pytest.fixture
 async def store(url: str) -> AsyncIterator[Store]:
     store = await open_store(url)
     yield store

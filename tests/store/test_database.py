@@ -2,28 +2,52 @@
 
 from __future__ import annotations
 
-import sqlite3
+import asyncio
 from pathlib import Path
 
 import pytest
+from databases import Postgres
 from history import made, same_clock, tell
 from sqlalchemy import text
 
 from dray.errors import UnavailableError
-from dray.store import Database, Store, open_store
-from dray.store import database as database_module
+from dray.store import Database, Store, dialect, open_store
 from dray.store.progress import Goal
 
 pytestmark = pytest.mark.anyio
 
 
-async def test_every_connection_writes_through_and_checks_foreign_keys(store: Store) -> None:
-    async with store.database.read() as connection:
-        found = {
-            pragma: (await connection.execute(text(f"PRAGMA {pragma}"))).scalar_one()
-            for pragma in ("journal_mode", "synchronous", "foreign_keys", "busy_timeout")
-        }
-    assert found == {"journal_mode": "wal", "synchronous": 2, "foreign_keys": 1, "busy_timeout": 5000}
+async def settings(url: str, names: dict[str, str]) -> dict[str, object]:
+    """What a connection that reads is asked, by a name for each question."""
+    store = await open_store(url)
+    try:
+        async with store.database.read() as connection:
+            return {
+                name: (await connection.execute(text(question))).scalar_one()
+                for name, question in names.items()
+            }
+    finally:
+        await store.close()
+
+
+async def test_sqlite_writes_through_and_checks_foreign_keys(sqlite_url: str) -> None:
+    names = ("journal_mode", "synchronous", "foreign_keys", "busy_timeout")
+    assert await settings(sqlite_url, {name: f"PRAGMA {name}" for name in names}) == {
+        "journal_mode": "wal",
+        "synchronous": 2,
+        "foreign_keys": 1,
+        "busy_timeout": 5000,
+    }
+
+
+async def test_postgresql_writes_through_and_readers_cannot_write(postgresql_url: str) -> None:
+    names = ("synchronous_commit", "lock_timeout", "transaction_isolation", "transaction_read_only")
+    assert await settings(postgresql_url, {name: f"SHOW {name}" for name in names}) == {
+        "synchronous_commit": "on",
+        "lock_timeout": "5s",
+        "transaction_isolation": "repeatable read",
+        "transaction_read_only": "on",
+    }
 
 
 async def test_a_write_that_raises_is_undone(store: Store) -> None:
@@ -42,6 +66,24 @@ async def test_a_reader_does_not_wait_for_a_writer(store: Store) -> None:
         await writing.incarnations.next("plant")
         async with store.read() as reading:
             await reading.ping()
+
+
+async def test_a_reader_sees_one_moment_whatever_is_written_meanwhile(store: Store) -> None:
+    async with store.read() as reading:
+        assert await reading.events.known() == []
+        async with store.write() as writing:
+            await writing.events.add(tell("M1", made("G1", 1)), same_clock)
+        assert await reading.events.known() == []
+    async with store.read() as reading:
+        assert [life.agent for life in await reading.events.known()] == ["M1"]
+
+
+async def test_writers_of_two_processes_take_turns(url: str) -> None:
+    one, other = await open_store(url), await open_store(url)
+    given = await asyncio.gather(*(store.next_incarnation("plant") for store in (one, other) * 10))
+    await one.close()
+    await other.close()
+    assert sorted(given) == list(range(1, 21))
 
 
 def _text_file(folder: Path) -> Path:
@@ -70,17 +112,37 @@ async def test_a_database_that_cannot_be_used_is_named_with_a_remedy(
 
 
 async def test_a_database_that_another_process_writes_to_is_not_waited_for_for_ever(
-    url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    store: Store, url: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    await (await open_store(url)).close()
-    monkeypatch.setattr(database_module, "BUSY_TIMEOUT_MS", 1)
-    other = sqlite3.connect(tmp_path / "dray.db", isolation_level=None)
-    other.execute("BEGIN IMMEDIATE")
-    try:
-        with pytest.raises(UnavailableError, match="another process"):
+    monkeypatch.setattr(dialect, "BUSY_TIMEOUT_MS", 1)
+    async with store.write():
+        with pytest.raises(UnavailableError, match="lock"):
             await Database.open(url)
+
+
+async def test_a_server_that_is_not_there_is_named_without_its_password(postgresql_url: str) -> None:
+    url = postgresql_url.replace("dray@", "dray:hunter2@").replace("/test_", "/no_test_")
+    with pytest.raises(UnavailableError, match=r"does not exist.*DRAY_DATABASE_URL") as raised:
+        await open_store(url)
+    assert "hunter2" not in str(raised.value)
+    with pytest.raises(UnavailableError, match="DRAY_DATABASE_URL"):
+        await open_store("postgresql+asyncpg://dray@127.0.0.1:1/dray")
+
+
+async def test_a_server_that_is_started_anew_is_used_again(postgres: Postgres, postgresql_url: str) -> None:
+    store = await open_store(postgresql_url)
+    assert await store.next_incarnation("plant") == 1
+    postgres.stop()
+    try:
+        with pytest.raises(UnavailableError):
+            await store.next_incarnation("plant")
+        with pytest.raises(UnavailableError):
+            async with store.read() as work:
+                await work.ping()
     finally:
-        other.close()
+        postgres.start()
+    assert await store.next_incarnation("plant") == 2
+    await store.close()
 
 
 async def test_incarnations_grow_over_restarts(url: str) -> None:

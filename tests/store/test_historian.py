@@ -13,6 +13,7 @@ from typing import Any
 
 import anyio
 import pytest
+from databases import Postgres
 from history import (
     Line,
     a_day,
@@ -29,8 +30,9 @@ from history import (
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from sqlalchemy import select
-from sqlalchemy.exc import DataError, OperationalError
+from sqlalchemy.exc import DataError
 
+from dray.errors import UnavailableError
 from dray.messages import Event, EventsAsked, EventsKept, Message, OrderTaken
 from dray.messages.keys import Keys
 from dray.store import Historian, Store, open_store
@@ -307,7 +309,7 @@ async def test_a_database_that_fails_for_a_while_loses_nothing(
     async def failing(self: Store) -> AsyncIterator[Work]:
         if failures[0]:
             failures[0] -= 1
-            raise OperationalError("INSERT", {}, Exception("disk I/O error"))
+            raise UnavailableError("database", "disk I/O error", "wait")
         async with real(self) as work:
             yield work
 
@@ -337,6 +339,35 @@ async def test_one_event_that_can_never_be_written_does_not_take_others_with_it(
         line.say(a_day())
     assert historian.lost == 1
     assert len((await rows(store))["events"]) == len(a_day()) - 1
+
+
+async def test_a_server_that_is_started_anew_loses_nothing(postgres: Postgres, postgresql_url: str) -> None:
+    store = await open_store(postgresql_url)
+    await keep(store, order(1, 4, 2))
+    day = a_day()
+    async with writing(store, retry_s=(0.0, 0.0)) as (historian, line):
+        line.say(day[:5])
+        await historian.written()
+        postgres.stop()
+        try:
+            line.say(day[5:])
+            while not historian.failing:  # noqa: ASYNC110 - it tells nobody that it fails
+                await asyncio.sleep(0)
+        finally:
+            postgres.start()
+        await historian.written()
+    assert len((await rows(store))["events"]) == len(day)
+    assert historian.lost == 0
+    await store.close()
+
+
+async def test_an_event_whose_numbers_are_too_large_for_the_database_is_given_up(postgresql_url: str) -> None:
+    store = await open_store(postgresql_url)
+    async with writing(store) as (historian, line):
+        line.say([*tell("M1", made("G1", 1)), *tell("M2", made("G2", 1), life=2**40)])
+    assert [row["agent"] for row in (await rows(store))["events"]] == ["M1"]
+    assert historian.lost == 1
+    await store.close()
 
 
 async def test_other_messages_are_nothing_to_it(store: Store) -> None:

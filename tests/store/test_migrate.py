@@ -5,11 +5,13 @@ from __future__ import annotations
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
-from history import keep, order
+from history import a_day, keep, order, same_clock
 from sqlalchemy import inspect, text
 
 from dray.errors import UnavailableError
 from dray.store import Store, downgrade, open_store, upgrade
+from dray.store.events import EventFilter
+from dray.store.links import Link
 from dray.store.migrate import migrations_folder, newest_revision
 from dray.store.tables import metadata
 
@@ -38,6 +40,24 @@ async def test_upgrading_twice_keeps_what_is_there(store: Store) -> None:
     await upgrade(store.database)
     async with store.read() as work:
         assert await work.orders.get("O-1") == order()
+
+
+@pytest.mark.parametrize("revision", ["0001", "0002"])
+async def test_down_to_an_older_dray_and_up_again_keeps_orders_and_history(
+    store: Store, revision: str
+) -> None:
+    await keep(store, order(), order(2))
+    async with store.write() as work:
+        await work.links.add(order().token, Link("O-1", order().created_at_s))
+        await work.events.add(a_day(), same_clock)
+    await downgrade(store.database, revision)
+    await upgrade(store.database)
+    async with store.read() as work:
+        assert await work.orders.get("O-1") == order()
+        assert await work.orders.get("O-2") == order(2)
+        kept = await work.events.page(EventFilter(), None, 100, newest_first=False)
+        assert [row.number for row in kept] == [event.number for event in a_day()]
+        assert await work.links.find(order().token) == Link("O-1", order().created_at_s)
 
 
 async def test_a_database_of_a_newer_dray_is_left_alone(store: Store, url: str) -> None:

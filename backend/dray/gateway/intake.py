@@ -14,7 +14,6 @@ from http import HTTPStatus
 from typing import Annotated, Any
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
-from sqlalchemy.exc import IntegrityError
 
 from dray.gateway.bodies import Line
 from dray.gateway.orderids import new_order_id, new_token
@@ -233,9 +232,6 @@ async def _alone(at_work: set[str], key: str) -> AsyncIterator[None]:
     at_work.add(key)
     try:
         yield
-    except IntegrityError as error:
-        # Another gateway on the same database was faster.
-        raise _key_at_work() from error
     finally:
         at_work.discard(key)
 

@@ -18,12 +18,15 @@ from starlette.exceptions import HTTPException
 from starlette.routing import BaseRoute, Match, Mount
 from starlette.types import Scope
 
-from dray.errors import DrayError
+from dray.errors import DrayError, UnavailableError
 
 MEDIA_TYPE = "application/problem+json"
 
 MAX_FIELD_ERRORS = 50
 """Single faults told at once: more of them have one cause."""
+
+AGAIN_S = 5
+"""When to try again what the database could not do: a server that is started anew takes about as long."""
 
 _log = logging.getLogger(__name__)
 
@@ -129,6 +132,7 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(Problem, _on_problem)
     app.add_exception_handler(RequestValidationError, _on_validation)
     app.add_exception_handler(HTTPException, _on_http)
+    app.add_exception_handler(UnavailableError, _on_unavailable)
 
 
 async def _on_problem(request: Request, error: Exception) -> Response:
@@ -162,6 +166,17 @@ async def _on_http(request: Request, error: Exception) -> Response:
             detail = str(error.detail)
     kind = status.phrase.lower().replace(" ", "-")
     return Problem(status, kind, status.phrase, detail, headers=headers).response(path)
+
+
+async def _on_unavailable(request: Request, error: Exception) -> Response:
+    _log.warning("cannot answer %s %s: %s", request.method, request.url.path, error)
+    return Problem(
+        HTTPStatus.SERVICE_UNAVAILABLE,
+        "database-away",
+        "The database does not answer",
+        "try again in some seconds; an order that is sent again under its Idempotency-Key is taken once",
+        headers={"Retry-After": str(AGAIN_S)},
+    ).response(request.url.path)
 
 
 async def on_bug(request: Request, error: Exception) -> Response:

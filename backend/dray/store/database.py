@@ -1,28 +1,29 @@
 """The database: opening it, and one transaction at a time.
 
-SQLite has one writer at a time, so writers queue here, in order, instead of in SQLite's own waiting
-by sleeping. A write transaction takes the lock of the file when it begins (BEGIN IMMEDIATE):
-a lock taken half way, after a read, could not be waited for. A commit returns when it is on disk.
+Both databases have one writer at a time. Writers of this process queue here, in order, so that a burst of
+them holds one connection; those of other processes queue where the data is (`dray.store.dialect`). A commit
+returns when it is on disk.
 """
 
 from __future__ import annotations
 
 import asyncio
 import sqlite3
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
-from typing import Any
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, contextmanager
 
-from sqlalchemy import Connection, event, make_url, text
+from sqlalchemy import text
 from sqlalchemy.exc import ArgumentError, DBAPIError
-from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine, create_async_engine
+from sqlalchemy.exc import TimeoutError as PoolTimeout
+from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine
 
 from dray.errors import UnavailableError
+from dray.store.dialect import Dialect
+from dray.store.postgresql import Postgresql
+from dray.store.sqlite import Sqlite
 
-BUSY_TIMEOUT_MS = 5_000
-"""How long to wait for another process's write: an upgrade or a backup takes seconds, no more."""
-
-_IMMEDIATE = "dray_immediate"
+_FAULTS = (DBAPIError, PoolTimeout, OSError, sqlite3.Error)
+"""What drivers raise, beside our own bugs."""
 
 
 class Database:
@@ -30,11 +31,14 @@ class Database:
 
     Args:
         engine: its engine; closed by `close`.
+        dialect: how it is spoken to.
     """
 
-    def __init__(self, engine: AsyncEngine) -> None:
+    def __init__(self, engine: AsyncEngine, dialect: Dialect) -> None:
         self.engine = engine
-        self.is_sqlite = engine.dialect.name == "sqlite"
+        self._dialect = dialect
+        self._reader = engine.execution_options(**dialect.reading)
+        self._writer = engine.execution_options(**dialect.writing)
         self._writing = asyncio.Lock()
 
     @classmethod
@@ -47,92 +51,74 @@ class Database:
         Raises:
             UnavailableError: with a remedy, when it cannot be opened or written.
         """
+        dialect: Dialect = Sqlite() if url.startswith("sqlite") else Postgresql()
         try:
-            engine = create_async_engine(url, pool_pre_ping=not url.startswith("sqlite"))
+            engine = dialect.engine(url)
         except (ArgumentError, ModuleNotFoundError) as error:
             raise UnavailableError(
                 "database", str(error), "give DRAY_DATABASE_URL as sqlite:///dray.db, or install its driver"
             ) from error
-        if engine.dialect.name == "sqlite":
-            event.listen(engine.sync_engine, "connect", _prepare_sqlite)
-            event.listen(engine.sync_engine, "begin", _begin_sqlite)
-        database = cls(engine)
+        database = cls(engine, dialect)
         try:
-            if database.is_sqlite:
-                await asyncio.to_thread(_open_once, engine.url.database or "")
+            await dialect.knock(engine)
             await database._prove_writable()
-        except (DBAPIError, OSError, sqlite3.Error) as error:
+        except _FAULTS as error:
             await database.close()
-            raise UnavailableError(*_complaint(url, error)) from error
+            raise database._complaint(error) from error
         return database
+
+    @property
+    def name(self) -> str:
+        """What a person calls it: the path of the file, or the URL without its password."""
+        url = self.engine.url
+        sqlite = url.get_backend_name() == "sqlite"
+        return str(url.database) if sqlite else url.render_as_string(hide_password=True)
 
     @asynccontextmanager
     async def read(self) -> AsyncIterator[AsyncConnection]:
-        """A transaction that only reads: a consistent view, never waited for by writers."""
-        async with self.engine.connect() as connection:
-            yield connection
+        """A transaction that only reads: a consistent view, never waited for by writers.
+
+        Raises:
+            UnavailableError: the database cannot be read at present.
+        """
+        with self._told():
+            async with self._reader.connect() as connection:
+                yield connection
 
     @asynccontextmanager
     async def write(self) -> AsyncIterator[AsyncConnection]:
-        """A transaction that is on disk when the block has ended, or undone when it raises."""
-        async with self._writing, self.engine.connect() as connection:
-            await connection.execution_options(**{_IMMEDIATE: True})
-            async with connection.begin():
+        """A transaction that is on disk when the block has ended, or undone when it raises.
+
+        Raises:
+            UnavailableError: the database cannot be written at present. Where it is raised by the end of the
+                block, nobody knows whether the transaction was undone.
+        """
+        with self._told():
+            async with self._writing, self._writer.begin() as connection:
+                await self._dialect.take_turn(connection)
                 yield connection
 
     async def close(self) -> None:
         """Close all connections; harmless when done twice."""
         await self.engine.dispose()
 
+    @contextmanager
+    def _told(self) -> Iterator[None]:
+        """Tell a database that is away from a fault in what was asked of it."""
+        try:
+            yield
+        except _FAULTS as error:
+            if self._dialect.is_away(error):
+                raise self._complaint(error) from error
+            raise
+
     async def _prove_writable(self) -> None:
         """Try a write and undo it: BEGIN alone does not tell on a file that may only be read."""
-        async with self.engine.connect() as connection:
-            await connection.execution_options(**{_IMMEDIATE: True})
-            async with connection.begin() as transaction:
-                await connection.execute(text("CREATE TABLE dray_probe (probe INTEGER)"))
-                await transaction.rollback()
+        async with self._writer.connect() as connection, connection.begin() as transaction:
+            await self._dialect.take_turn(connection)
+            await connection.execute(text("CREATE TABLE dray_probe (probe INTEGER)"))
+            await transaction.rollback()
 
-
-def _open_once(path: str) -> None:
-    """Open and close the file. A failed attempt of aiosqlite leaves a thread that may answer to a closed loop."""
-    sqlite3.connect(path).close()
-
-
-def _prepare_sqlite(connection: Any, _record: Any) -> None:
-    # The driver would begin transactions by itself, and only before some statements: `_begin_sqlite`
-    # does it instead.
-    connection.isolation_level = None
-    cursor = connection.cursor()
-    # FULL: an order that was answered 201 must be on disk even when the power fails right after it.
-    for pragma in (
-        f"busy_timeout = {BUSY_TIMEOUT_MS}",
-        "journal_mode = WAL",
-        "synchronous = FULL",
-        "foreign_keys = ON",
-    ):
-        cursor.execute(f"PRAGMA {pragma}")
-    cursor.close()
-
-
-def _begin_sqlite(connection: Connection) -> None:
-    immediate = connection.get_execution_options().get(_IMMEDIATE, False)
-    connection.exec_driver_sql("BEGIN IMMEDIATE" if immediate else "BEGIN")
-
-
-def _complaint(url: str, error: Exception) -> tuple[str, str, str]:
-    """What, reason and remedy for a database that cannot be used."""
-    parsed = make_url(url)
-    reason = str(getattr(error, "orig", None) or error)
-    if parsed.get_backend_name() != "sqlite":
-        where = parsed.render_as_string(hide_password=True)
-        return f"database {where}", reason, "see that the server runs and DRAY_DATABASE_URL names it"
-    if "not a database" in reason:
-        remedy = "it is some other file: name another one with --db or DRAY_DATABASE_URL"
-    elif "locked" in reason:
-        remedy = "another process is writing to it: end it, or name another file with --db"
-    else:
-        remedy = (
-            "see that its folder exists and may be written to and that the disk is not full, "
-            "or name another file with --db or DRAY_DATABASE_URL"
-        )
-    return f"database {parsed.database}", reason, remedy
+    def _complaint(self, error: Exception) -> UnavailableError:
+        reason = str(getattr(error, "orig", None) or error)
+        return UnavailableError(f"database {self.name}", reason, self._dialect.remedy(reason))

@@ -1,10 +1,56 @@
-"""The one place where SQLite and PostgreSQL are written differently."""
+"""What SQLite and PostgreSQL want done differently; `sqlite` and `postgresql` do it."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any, Protocol
+
 from sqlalchemy import Insert, Table
 from sqlalchemy.dialects import postgresql, sqlite
-from sqlalchemy.ext.asyncio import AsyncConnection
+from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine
+
+BUSY_TIMEOUT_MS = 5_000
+"""How long to wait for another process's write: an upgrade or a backup takes seconds, no more."""
+
+
+class Dialect(Protocol):
+    """One kind of database.
+
+    Attributes:
+        reading: options of a connection that only reads, and sees one moment of the database.
+        writing: options of a connection that writes.
+    """
+
+    reading: Mapping[str, Any]
+    writing: Mapping[str, Any]
+
+    def engine(self, url: str) -> AsyncEngine:
+        """An engine whose connections are ready to use. Opens nothing yet.
+
+        Raises:
+            ArgumentError: it cannot be read as a URL.
+        """
+        ...
+
+    async def knock(self, engine: AsyncEngine) -> None:
+        """Try whether anything is there, when a failed attempt of the driver would leave something behind."""
+        ...
+
+    async def take_turn(self, connection: AsyncConnection) -> None:
+        """Wait, at the beginning of a transaction, until no other process writes.
+
+        So no query has to reckon with a second writer, and rows are numbered in the order in which they
+        become visible.
+        """
+        ...
+
+    def is_away(self, error: Exception) -> bool:
+        """Whether it is the database that cannot be used at present, and not what was asked of it."""
+        ...
+
+    def remedy(self, reason: str) -> str:
+        """What to do about a database that could not be opened."""
+        ...
 
 
 def insert_new(connection: AsyncConnection, table: Table) -> Insert:

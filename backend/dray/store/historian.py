@@ -17,8 +17,9 @@ from collections import deque
 from collections.abc import AsyncIterator, Callable, Collection, Sequence
 from contextlib import asynccontextmanager
 
-from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError
+from sqlalchemy.exc import DBAPIError
 
+from dray.errors import UnavailableError
 from dray.messages import AtvHeartbeat, Event, EventsKept, Heartbeat, MachineHeartbeat, Message
 from dray.messages.keys import Keys
 from dray.ports import Bus, Session
@@ -226,9 +227,9 @@ class Historian:
         while True:
             try:
                 await self._write(events, samples)
-            except (OperationalError, InterfaceError) as error:
+            except UnavailableError as error:
                 if not self.failing:
-                    _log.warning("the database cannot be written (%s); trying again", error.orig)
+                    _log.warning("the database cannot be written (%s); trying again", error.reason)
                 self.failing = True
                 if await self._closed_within(wait_s):
                     self.lost += len(events)

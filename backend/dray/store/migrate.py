@@ -71,7 +71,7 @@ async def _run(database: Database, order: Callable[[Config], None]) -> None:
             await connection.run_sync(with_connection)
     except CommandError as error:
         raise UnavailableError(
-            f"database {database.engine.url.database}",
+            f"database {database.name}",
             f"its tables cannot be brought up to date: {error}",
             "it may be of a newer Dray: install that one, or name another file with --db",
         ) from error

@@ -93,6 +93,8 @@ class Orders:
 
     async def get(self, order_id: str) -> Order | None:
         """One order, or None."""
+        if "\0" in order_id:  # PostgreSQL has no such texts, and refuses to look for one.
+            return None
         return next(iter(await self._select(orders.c.id == order_id)), None)
 
     async def many(self, ids: Iterable[str]) -> list[Order]:

@@ -14,8 +14,9 @@ from dray.store.events import EventFilter, EventRow
 
 router = APIRouter(tags=["history"])
 
-Words = Annotated[list[Annotated[str, Query(max_length=128)]] | None, Query(max_length=50)]
-Word = Annotated[str, Query(max_length=128)]
+# Without NUL, which no text on PostgreSQL may hold.
+Word = Annotated[str, Query(max_length=128, pattern=r"^[^\x00]*$")]
+Words = Annotated[list[Word] | None, Query(max_length=50)]
 
 LAST_POSITION = 2**63 - 1
 """The largest number that SQL can hold."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from http import HTTPStatus
 
 from fastapi import APIRouter
-from sqlalchemy.exc import DBAPIError
 
+from dray.errors import UnavailableError
 from dray.gateway.answers import Json
 from dray.gateway.parts import Gateway
 from dray.gateway.problems import Problem
@@ -27,8 +27,8 @@ async def readyz(gateway: Gateway) -> Json:
     try:
         async with gateway.store.read() as work:
             await work.ping()
-    except DBAPIError as error:
-        faults.append(f"the database does not answer: {error.orig}")
+    except UnavailableError:
+        faults.append("the database does not answer")
     if gateway.historian is not None and gateway.historian.failing:
         faults.append("the historian cannot write to the database")
     if not gateway.peer.joined:

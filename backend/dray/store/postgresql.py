@@ -1,0 +1,79 @@
+"""PostgreSQL: a server, with any number of processes that write.
+
+They queue for one lock, as SQLite's writers queue for the file: what the factory writes is a few
+transactions a second, so the queue is short, and queries are the same on both databases.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+from sqlalchemy import text
+from sqlalchemy.exc import DBAPIError
+from sqlalchemy.exc import TimeoutError as PoolTimeout
+from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine, create_async_engine
+
+from dray.store import dialect
+
+WRITERS = 0x44726179
+"""The advisory lock of all writers; "Dray" in ASCII. Such locks are known in one database only."""
+
+CONNECT_S = 5.0
+"""Seconds for a connection: a server that needs longer is not there."""
+
+COMMAND_S = 60.0
+"""Seconds for one statement: the longest is the making of an index while tables are brought up to date. A
+server whose network fell silent is given up after this."""
+
+FORGOTTEN_MS = 60_000
+"""A transaction that does nothing for so long belongs to a process that hangs; others wait for its lock."""
+
+_AWAY = frozenset({"08", "25", "40", "53", "55", "57", "58"})
+"""Classes of SQLSTATE that say nothing about what was asked: connection lost, read-only standby, rolled
+back, no resources, lock not to be had, server being stopped, system error."""
+
+
+class Postgresql:
+    """See `dray.store.dialect.Dialect`."""
+
+    reading: Mapping[str, Any] = MappingProxyType(
+        {"isolation_level": "REPEATABLE READ", "postgresql_readonly": True}
+    )
+    # Each statement must see what was committed while its transaction waited for its turn.
+    writing: Mapping[str, Any] = MappingProxyType({"isolation_level": "READ COMMITTED"})
+
+    def engine(self, url: str) -> AsyncEngine:
+        server_settings = {
+            "application_name": "dray",
+            # An order that was answered 201 must be on disk even when the power fails right after it.
+            "synchronous_commit": "on",
+            "lock_timeout": str(dialect.BUSY_TIMEOUT_MS),
+            "idle_in_transaction_session_timeout": str(FORGOTTEN_MS),
+            # Compiling costs more than any of our queries.
+            "jit": "off",
+        }
+        connect: dict[str, Any] = {
+            "timeout": CONNECT_S,
+            "command_timeout": COMMAND_S,
+            "server_settings": server_settings,
+        }
+        return create_async_engine(url, connect_args=connect, pool_pre_ping=True)
+
+    async def knock(self, engine: AsyncEngine) -> None:
+        """A failed attempt leaves nothing behind."""
+
+    async def take_turn(self, connection: AsyncConnection) -> None:
+        """Held until the transaction ends, however it ends."""
+        await connection.execute(text("SELECT pg_advisory_xact_lock(:writers)"), {"writers": WRITERS})
+
+    def is_away(self, error: Exception) -> bool:
+        """A server that is not there, is stopped or started, or has no room."""
+        if isinstance(error, DBAPIError):
+            state: str | None = getattr(error.orig, "sqlstate", None)
+            return error.connection_invalidated or (state or "")[:2] in _AWAY
+        return isinstance(error, OSError | PoolTimeout)
+
+    def remedy(self, reason: str) -> str:
+        return "see that the server runs and DRAY_DATABASE_URL names it, its user and its password"

@@ -1,0 +1,80 @@
+"""SQLite: a file beside the process, with one writer at a time.
+
+A write transaction takes the lock of the file when it begins (BEGIN IMMEDIATE): a lock taken half way,
+after a read, could not be waited for.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import sqlite3
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+from sqlalchemy import Connection, event
+from sqlalchemy.exc import InterfaceError, OperationalError
+from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine, create_async_engine
+
+from dray.store import dialect
+
+_IMMEDIATE = "dray_immediate"
+
+
+class Sqlite:
+    """See `dray.store.dialect.Dialect`."""
+
+    reading: Mapping[str, Any] = MappingProxyType({})
+    writing: Mapping[str, Any] = MappingProxyType({_IMMEDIATE: True})
+
+    def engine(self, url: str) -> AsyncEngine:
+        engine = create_async_engine(url)
+        event.listen(engine.sync_engine, "connect", _prepare)
+        event.listen(engine.sync_engine, "begin", _begin)
+        return engine
+
+    async def knock(self, engine: AsyncEngine) -> None:
+        """A failed attempt of aiosqlite would leave a thread that may answer to a closed loop."""
+        await asyncio.to_thread(_open_once, engine.url.database or "")
+
+    async def take_turn(self, connection: AsyncConnection) -> None:
+        """BEGIN IMMEDIATE has done so."""
+
+    def is_away(self, error: Exception) -> bool:
+        """A full disk, a lock that is held for too long, a folder that is gone."""
+        return isinstance(error, OperationalError | InterfaceError | sqlite3.Error | OSError)
+
+    def remedy(self, reason: str) -> str:
+        if "not a database" in reason:
+            return "it is some other file: name another one with --db or DRAY_DATABASE_URL"
+        if "locked" in reason:
+            return "another process is writing to it: end it, or name another file with --db"
+        return (
+            "see that its folder exists and may be written to and that the disk is not full, "
+            "or name another file with --db or DRAY_DATABASE_URL"
+        )
+
+
+def _open_once(path: str) -> None:
+    sqlite3.connect(path).close()
+
+
+def _prepare(connection: Any, _record: Any) -> None:
+    # The driver would begin transactions by itself, and only before some statements: `_begin` does it
+    # instead.
+    connection.isolation_level = None
+    cursor = connection.cursor()
+    # FULL: an order that was answered 201 must be on disk even when the power fails right after it.
+    for pragma in (
+        f"busy_timeout = {dialect.BUSY_TIMEOUT_MS}",
+        "journal_mode = WAL",
+        "synchronous = FULL",
+        "foreign_keys = ON",
+    ):
+        cursor.execute(f"PRAGMA {pragma}")
+    cursor.close()
+
+
+def _begin(connection: Connection) -> None:
+    immediate = connection.get_execution_options().get(_IMMEDIATE, False)
+    connection.exec_driver_sql("BEGIN IMMEDIATE" if immediate else "BEGIN")
