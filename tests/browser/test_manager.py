@@ -144,6 +144,41 @@ def test_the_promise_ledger_can_be_sorted_and_downloaded(
     assert download.value.path().read_text().startswith("atv,delivered,on_time,")
 
 
+def test_an_alert_says_what_to_do_and_is_taken_on_by_name(
+    quiet_factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = open_page(quiet_factory)
+    broken = {"kind": "machine_broken", "machine": "M5", "reason": "spindle"}
+    fault = page.request.post(f"{quiet_factory}/api/faults", data=broken)
+    assert fault.ok, fault.text()
+    inbox = page.get_by_role("region", name="Needs an answer")
+    alert = inbox.get_by_role("listitem").filter(has_text="M5")
+    expect(alert).to_contain_text("Stopped by a fault: spindle")
+    expect(alert).to_contain_text("Have it repaired")
+    screenshot(page, "alerts")
+    take = alert.get_by_role("button", name="Take")
+    take.focus()
+    page.keyboard.press("Enter")
+    expect(inbox).to_be_hidden()
+    page.get_by_role("link", name="No alarms").click()
+    expect(page.get_by_role("row").filter(has_text="M5")).to_contain_text("Administrator")
+    page.request.delete(f"{quiet_factory}/api/faults/{fault.json()['id']}")
+    expect(page.get_by_text("Nothing needs an answer.")).to_be_visible()
+
+
+def test_the_panel_speaks_the_language_that_is_chosen_and_remembers_it(
+    quiet_factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = open_page(quiet_factory, locale="es-ES")
+    expect(page.get_by_role("heading", name="Lanzar producción")).to_be_visible()
+    page.get_by_label("Idioma").select_option("Deutsch")
+    expect(page.get_by_role("heading", name="Produktion starten")).to_be_visible()
+    expect(page.locator("html")).to_have_attribute("lang", "de")
+    screenshot(page, "manager-de")
+    page.reload()
+    expect(page.get_by_role("heading", name="Produktion starten")).to_be_visible()
+
+
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_a_busy_plant_is_shown_without_complaints_in_both_themes(
     busy_factory: str, open_page: OpenPage, screenshot: Screenshot, theme: str

@@ -34,7 +34,7 @@ from schemathesis.specs.openapi.checks import negative_data_rejection, positive_
 
 from dray.gateway.app import create_app
 from dray.gateway.timescale import TimeScale
-from dray.messages import CommandAnswered, Message, Role, Transport, VehicleCommand
+from dray.messages import CommandAnswered, MachineStatus, Message, Role, Transport, VehicleCommand
 from dray.messages.fact import TaskOpened
 from dray.settings import Settings
 from dray.store import Store
@@ -99,11 +99,15 @@ async def _fill(house: House) -> dict[str, str]:
     house.bus.join("ATV1", obey)
     work = Transport(item="steel", quantity=4, sources=("S1",), destination="M1", ability="tote")
     opened = TaskOpened("M1-1", 1, Role.PRIMARY, 1, work, 20.0, 900.0, 105.0)
-    await house.say([atv_heartbeat("ATV1"), machine_heartbeat("M1"), *events("M1", opened)])
+    await house.say(
+        [atv_heartbeat("ATV1"), machine_heartbeat("M1", status=MachineStatus.ERROR), *events("M1", opened)]
+    )
     order = await house.place()
     await house.client.post("/api/faults", json={"kind": "powered_off", "agent": "ATV3"})
     token = order["tracking_url"].rpartition("/")[2]
+    await house.parts.alerts.look()
     return {
+        "alert": "machine_error-M1",
         "order": order["id"],
         "token": token,
         "atv": "ATV1",

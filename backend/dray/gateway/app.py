@@ -14,6 +14,7 @@ from dray import __version__
 from dray.gateway import openapi, problems
 from dray.gateway.access.caller import admitted
 from dray.gateway.access.gate import Gate
+from dray.gateway.alertdesk import AlertDesk
 from dray.gateway.commands import Commands
 from dray.gateway.desk import CANCELLED_AGAIN_S, Desk
 from dray.gateway.faultdesk import FaultDesk
@@ -83,6 +84,7 @@ def create_app(
             desk=desk,
             revocations=Revocations(store, desk, projection),
             commands=Commands(peer.send, f"gateway.{incarnation}", settings.command_timeout_s),
+            alerts=AlertDesk(projection, store, wall_s),
             ledger=Ledger(store),
             hub=Hub(
                 projection,
@@ -97,6 +99,7 @@ def create_app(
             keys_at_work=set(),
         )
         await _remember(parts, time)
+        await parts.alerts.begin()
         app.state.parts = parts
         async with AsyncExitStack() as stack:
             if historian is not None:
@@ -104,7 +107,10 @@ def create_app(
             stack.callback(peer.leave)
             peer.join(projection, desk, parts.revocations, parts.commands)
             tasks = await stack.enter_async_context(asyncio.TaskGroup())
-            running = [tasks.create_task(each.run()) for each in (parts.desk, parts.revocations, parts.hub)]
+            running = [
+                tasks.create_task(each.run())
+                for each in (parts.desk, parts.revocations, parts.alerts, parts.hub)
+            ]
             async with store.read() as work:
                 dropped = await work.orders.cancelled(wall_s() - CANCELLED_AGAIN_S)
                 parts.desk.begin(await work.orders.open(), dropped)

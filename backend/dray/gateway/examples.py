@@ -8,6 +8,7 @@ from typing import Any
 import msgspec
 
 from dray.gateway.ledger import ON_TIME_S, PromiseLedger, PromiseLine
+from dray.gateway.routes.alerts import EXAMPLE as ALERT
 from dray.gateway.routes.events import EventAnswer
 from dray.gateway.routes.orders import EXAMPLE as ORDER
 from dray.gateway.routes.products import ProductAnswer
@@ -51,6 +52,7 @@ PROMISES = PromiseLine(
 
 _STRUCTS = (
     ORDER,
+    ALERT,
     TrackAnswer(
         status=ORDER.status,
         reference=ORDER.reference,

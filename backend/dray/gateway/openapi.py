@@ -18,10 +18,11 @@ from dray.gateway.routes.faults import FaultsAnswer
 from dray.gateway.routes.orders import OrderAnswer
 from dray.gateway.routes.products import ProductAnswer
 from dray.gateway.tracking.answer import TrackAnswer
-from dray.gateway.views import AtvView, FactoryView, FaultView, MachineView, TaskView
+from dray.gateway.views import AlertView, AtvView, FactoryView, FaultView, MachineView, TaskView
 from dray.plant.model import PlantFile
 
 SHAPES = (
+    AlertView,
     AtvView,
     CommandAnswer,
     EventAnswer,

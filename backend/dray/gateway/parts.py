@@ -9,6 +9,7 @@ from typing import Annotated, cast
 from fastapi import Depends
 from starlette.requests import HTTPConnection
 
+from dray.gateway.alertdesk import AlertDesk
 from dray.gateway.commands import Commands
 from dray.gateway.desk import Desk
 from dray.gateway.faultdesk import FaultDesk
@@ -37,6 +38,7 @@ class Parts:
     desk: Desk
     revocations: Revocations
     commands: Commands
+    alerts: AlertDesk
     ledger: Ledger
     hub: Hub
     peer: Peer

@@ -174,6 +174,16 @@ idempotency_keys = Table(
     comment="What was answered to a request with an Idempotency-Key.",
 )
 
+acknowledgements = Table(
+    "acknowledgements",
+    metadata,
+    Column("alert", String(192), primary_key=True),
+    Column("since_at_s", Double, nullable=False),
+    Column("by", String(200), nullable=False),
+    Column("at_s", Double, nullable=False),
+    comment="Who has taken on which alert; a row leaves when its alert has ended.",
+)
+
 incarnations = Table(
     "incarnations",
     metadata,

@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager
 from sqlalchemy import text
 from sqlalchemy.ext.asyncio import AsyncConnection
 
+from dray.store.acknowledgements import Acknowledgements
 from dray.store.apikeys import ApiKeys
 from dray.store.audit import Audit
 from dray.store.database import Database
@@ -40,6 +41,7 @@ class Work:
         self.milestones = Milestones(connection)
         self.events = Events(connection)
         self.samples = Samples(connection)
+        self.acknowledgements = Acknowledgements(connection)
         self.keys = IdempotencyKeys(connection)
         self.incarnations = Incarnations(connection)
         self.people = People(connection)

@@ -84,6 +84,11 @@ export async function promiseHelp(atv: string, wait_s: number): Promise<string> 
   return answer.done ? "" : answer.reason;
 }
 
+/** Says by one's own name that an alert is in good hands. */
+export async function acknowledgeAlert(id: string): Promise<void> {
+  await request("POST", `/api/alerts/${encodeURIComponent(id)}/acknowledge`);
+}
+
 /** A fault for the simulated factory, as data; `kind` says which fields it has. */
 export type NewFault = Readonly<Record<string, string | number>> & { readonly kind: string };
 

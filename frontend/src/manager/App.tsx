@@ -1,4 +1,5 @@
 import { t } from "../text/manager";
+import { AlertsView } from "./alerts/AlertsView";
 import { FleetView } from "./fleet/FleetView";
 import { OrdersView } from "./orders/OrdersView";
 import { PlantView } from "./plantview/PlantView";
@@ -9,7 +10,15 @@ import { TopBar } from "./topbar/TopBar";
 import { view } from "./views";
 import { WatchView } from "./watch/WatchView";
 
-const SHOWN = { plant: PlantView, orders: OrdersView, fleet: FleetView, tasks: TasksView, watch: WatchView, promises: PromisesView };
+const SHOWN = {
+  plant: PlantView,
+  alerts: AlertsView,
+  orders: OrdersView,
+  fleet: FleetView,
+  tasks: TasksView,
+  watch: WatchView,
+  promises: PromisesView,
+};
 
 /** The address names the view; what is skipped to must not change it. */
 function skip(event: Event): void {

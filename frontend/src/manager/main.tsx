@@ -6,6 +6,7 @@ import "../styles/parts.css";
 import "../styles/topbar.css";
 import "../styles/plant.css";
 import "../styles/cards.css";
+import "../styles/alerts.css";
 import { effect } from "@preact/signals";
 import { render } from "preact";
 import { fetchPlant, Problem } from "../api/client";

@@ -1,14 +1,13 @@
 import { describe, expect, test } from "vitest";
 import { Problem, problemOf } from "../api/client";
-import type { AtvView, FactoryView, MachineView, OrderView, PlantFile, TaskView } from "../api/types";
+import type { OrderView, PlantFile, TaskView } from "../api/types";
 import { NOTHING, withChosen } from "../selection/selection";
 import type { World } from "../stream/world";
-import { alertsOf, isLate } from "./alerts/alerts";
 import { sparkPoints } from "./factory/spark";
 import { firstLook } from "./first-look";
 import { placeOf } from "./machine/place";
 import { namesOf } from "../plant/names";
-import { inOrder, progressOf } from "./orders/progress";
+import { inOrder, isLate, progressOf } from "./orders/progress";
 import { problemText } from "./problem-text";
 import { checkDraft, type Draft, fieldOf, makersOf, needsOf, orderOf } from "./publish/draft";
 import { viewFrom } from "./views";
@@ -82,65 +81,11 @@ describe("a problem", () => {
   });
 });
 
-describe("alerts", () => {
-  const machine = (id: string, status: MachineView["status"], more: Partial<MachineView> = {}) =>
-    ({ id, status, problem: "spindle", seen_at_s: 100, ...more }) as MachineView;
-  const atv = (id: string, more: Partial<AtvView>) =>
-    ({ id, status: "idle", seen_at_s: 100, battery_frac: 0.9, problem: "", ...more }) as AtvView;
-  const world = (atvs: AtvView[], machines: MachineView[], orders: OrderView[] = []): World => ({
-    number: 1, atS: 100, plant: "p", factory: { speed: 1 } as FactoryView, tasks: new Map(), news: new Map(), trials: false, faults: new Map(),
-    atvs: new Map(atvs.map((each) => [each.id, each])),
-    machines: new Map(machines.map((each) => [each.id, each])),
-    orders: new Map(orders.map((each) => [each.id, each])),
-  });
-
-  test("put alarms before warnings, and leave out what is normal", () => {
-    const alerts = alertsOf(
-      world([atv("ATV1", {}), atv("ATV2", { status: "stopped" })], [machine("M1", "starved"), machine("M2", "error"), machine("M3", "producing")]),
-      100,
-    );
-    expect(alerts.map(({ level, subject }) => [level, subject])).toEqual([
-      ["alarm", "M2"], ["warning", "M1"], ["warning", "ATV2"],
-    ]);
-  });
-
-  test("say of a silent vehicle that it is silent, whatever it said last", () => {
-    const [alert] = alertsOf(world([atv("ATV1", { status: "error", seen_at_s: 40 })], []), 100);
-    expect(alert).toMatchObject({ reason: "atvLost", value: 60 });
-  });
-
-  test("say of a silent machine that it is silent", () => {
-    const [alert] = alertsOf(world([], [machine("M1", "producing", { seen_at_s: 70 })]), 100);
-    expect(alert).toMatchObject({ reason: "machineLost", value: 30, level: "alarm" });
-  });
-
-  test("ask for help with the time that is left, and warn only once somebody comes", () => {
-    const help = { until_at_s: 142, promised_by: "" };
-    const needs = atv("ATV1", { status: "error", help });
-    expect(alertsOf(world([needs], []), 100)[0]).toMatchObject({ level: "alarm", reason: "atvHelp", value: 42 });
-    const promised = { ...needs, help: { ...help, promised_by: "Hall 1" } };
-    expect(alertsOf(world([promised], []), 100)[0]).toMatchObject({ level: "warning", reason: "atvPromised", by: "Hall 1" });
-  });
-
-  test("tell of a task's trouble, unless its carrier tells of it itself", () => {
-    const task = { id: "M8-3", primary: "ATV1", trouble: "blocked" } as TaskView;
-    const of = (problem: string) => alertsOf({ ...world([atv("ATV1", { problem })], []), tasks: new Map([["M8-3", task]]) }, 100);
-    expect(of("").map(({ reason }) => reason)).toEqual(["taskTrouble"]);
-    expect(of("blocked")).toEqual([]);
-  });
-
-  test("say why an order waits, rather than that it is late", () => {
-    const waits = order({ due_at_s: 50, waits: "no machine can make it" });
-    expect(alertsOf(world([], [], [waits]), 100)).toMatchObject([{ reason: "orderWaits", problem: "no machine can make it" }]);
-  });
-
-  test("name late orders, but none that is delivered in time or cancelled", () => {
-    const late = order({ due_at_s: 50 });
-    expect(isLate(late, 100)).toBe(true);
-    expect(isLate({ ...late, status: "delivered", delivered_at_s: 40 }, 100)).toBe(false);
-    expect(isLate({ ...late, status: "cancelled" }, 100)).toBe(false);
-    expect(alertsOf(world([], [], [late]), 100)[0]?.reason).toBe("orderLate");
-  });
+test("an order is late while it is due and not delivered", () => {
+  const late = order({ due_at_s: 50 });
+  expect(isLate(late, 100)).toBe(true);
+  expect(isLate({ ...late, status: "delivered", delivered_at_s: 40 }, 100)).toBe(false);
+  expect(isLate({ ...late, status: "cancelled" }, 100)).toBe(false);
 });
 
 describe("orders", () => {

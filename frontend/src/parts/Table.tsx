@@ -20,10 +20,12 @@ interface Props {
   /** Right of the title: filters, a download. */
   aside?: ComponentChildren;
   sorting?: Sorting;
+  /** Cards under the table. */
+  below?: ComponentChildren;
   children: readonly VNode[];
 }
 
-export function Table({ aside, children, count, empty, heads, hint, sorting, title }: Props): ComponentChildren {
+export function Table({ aside, below, children, count, empty, heads, hint, sorting, title }: Props): ComponentChildren {
   return (
     <main class="table-view" id="content" tabIndex={-1}>
       <section class="card">
@@ -50,6 +52,7 @@ export function Table({ aside, children, count, empty, heads, hint, sorting, tit
           </div>
         )}
       </section>
+      {below}
     </main>
   );
 }

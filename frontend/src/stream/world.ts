@@ -3,6 +3,7 @@
  * world out. Who reads the socket, and when a panel redraws, is decided elsewhere.
  */
 import type {
+  AlertView,
   AtvView,
   Delta,
   FactoryView,
@@ -29,6 +30,8 @@ export interface World {
   readonly orders: ReadonlyMap<string, OrderView>;
   /** What has happened lately, oldest first. */
   readonly news: ReadonlyMap<string, NewsView>;
+  /** What is wrong now. */
+  readonly alerts: ReadonlyMap<string, AlertView>;
   /** Whether faults can be begun by hand. */
   readonly trials: boolean;
   /** Those that were begun by hand and have not ended. */
@@ -42,6 +45,7 @@ const GONE = {
   task: "tasks",
   order: "orders",
   news: "news",
+  alert: "alerts",
   fault: "faults",
 } as const;
 
@@ -56,6 +60,7 @@ export function worldOf(frame: Snapshot): World {
     tasks: byId(frame.tasks),
     orders: byId(frame.orders),
     news: byId(frame.news),
+    alerts: byId(frame.alerts),
     trials: frame.trials,
     faults: byId(frame.faults),
   };
@@ -79,6 +84,7 @@ export function advance(world: World | null, frame: Frame): World | null {
     tasks: changed(world.tasks, frame.tasks, gone.tasks),
     orders: changed(world.orders, frame.orders, gone.orders),
     news: changed(world.news, frame.news, gone.news),
+    alerts: changed(world.alerts, frame.alerts, gone.alerts),
     faults: changed(world.faults, frame.faults, gone.faults),
   };
 }
@@ -103,7 +109,7 @@ function changed<T extends { id: string }>(
 type Kind = (typeof GONE)[keyof typeof GONE];
 
 function goneByKind(ids: readonly string[]): Record<Kind, string[]> {
-  const gone: Record<Kind, string[]> = { atvs: [], machines: [], tasks: [], orders: [], news: [], faults: [] };
+  const gone: Record<Kind, string[]> = { atvs: [], machines: [], tasks: [], orders: [], news: [], alerts: [], faults: [] };
   for (const id of ids) {
     const cut = id.indexOf(":");
     const prefix = id.slice(0, cut);

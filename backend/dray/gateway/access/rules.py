@@ -55,6 +55,8 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("POST", "/api/atvs/{atv}/commands"): Rule(Scope.VEHICLES_COMMAND, action="vehicle.command"),
     ("GET", "/api/tasks"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/tasks/{task}"): Rule(Scope.FACTORY_READ),
+    ("GET", "/api/alerts"): Rule(Scope.FACTORY_READ),
+    ("POST", "/api/alerts/{alert}/acknowledge"): Rule(Scope.ALERTS_ACKNOWLEDGE, action="alert.acknowledge"),
     ("GET", "/api/promises"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/events"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/kpis"): Rule(Scope.FACTORY_READ),

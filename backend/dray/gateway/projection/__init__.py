@@ -4,8 +4,8 @@ Folding a message costs the change it makes and nothing else: heartbeats are kep
 become views when a frame is made, so a vehicle that speaks ten times between two frames costs one.
 What has changed since the last frame is remembered by id.
 
-`atvs`, `machines`, `tasks`, `orders`, `news` and `trials` each keep one kind of entity, `factory` the
-figures.
+`atvs`, `machines`, `tasks`, `orders`, `news`, `alerts` and `trials` each keep one kind of entity, `factory`
+the figures. Alerts alone are not folded: `troubles` says what is wrong whenever somebody looks.
 """
 
 from __future__ import annotations

@@ -55,6 +55,10 @@ class Atvs:
         self.changes.mark(heartbeat.atv)
         return True
 
+    def heartbeats(self) -> Iterable[AtvHeartbeat]:
+        """The last one of each vehicle."""
+        return self._last.values()
+
     def view(self, atv: str) -> AtvView | None:
         """One vehicle, or None when it was never heard."""
         heartbeat = self._last.get(atv)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from dray.gateway.projection.atvs import plain
 from dray.gateway.projection.changes import Changes
@@ -35,6 +35,8 @@ class Machines:
         self._names = {machine.id: machine.name for machine in machines}
         self._to_wall_s = to_wall_s
         self._last: dict[str, MachineHeartbeat] = {}
+        self._since_s: dict[str, float] = {}
+        """Per machine, since when it has had its status (plant clock)."""
         self._with_goal, self._starved = Window(*STARVATION_SLOTS), Window(*STARVATION_SLOTS)
         self.changes = Changes("machine")
         self.by_status: Counter[str] = Counter()
@@ -57,6 +59,8 @@ class Machines:
             if last.status is not heartbeat.status:
                 self.by_status[heartbeat.status.value] += 1
                 self.by_status[last.status.value] -= 1
+        if last is None or last.status is not heartbeat.status:
+            self._since_s[heartbeat.machine] = heartbeat.at_s
         self._last[heartbeat.machine] = heartbeat
         self.changes.mark(heartbeat.machine)
         return True
@@ -70,6 +74,10 @@ class Machines:
         (with_goal_s,) = self._with_goal.sums(now_s, 1)
         (starved_s,) = self._starved.sums(now_s, 1)
         return starved_s / with_goal_s if with_goal_s > 0 else None
+
+    def heartbeats(self) -> Iterator[tuple[MachineHeartbeat, float]]:
+        """The last one of each machine, and since when it has had that status (plant clock)."""
+        return ((heartbeat, self._since_s[machine]) for machine, heartbeat in self._last.items())
 
     def view(self, machine: str) -> MachineView | None:
         """One machine, or None when it was never heard."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from dray.gateway.projection.changes import Changes
 from dray.gateway.views import OrderItemView, OrderView
@@ -100,6 +100,10 @@ class Orders:
     def waits(self, order: str) -> str:
         """Why an order waits; empty when it goes on, or is not kept here."""
         return next(iter(self._waits.get(order, {}).values()), "")
+
+    def under_way(self) -> Iterator[OrderView]:
+        """Those that have not ended."""
+        return (self._view(order) for order in self._orders.values() if order.id not in self._ended)
 
     def views(self) -> tuple[OrderView, ...]:
         """The open ones, and the last that ended."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dray.gateway.projection import troubles
+from dray.gateway.projection.alerts import Alerts
 from dray.gateway.projection.atvs import Atvs
 from dray.gateway.projection.machines import Machines
 from dray.gateway.projection.news import News
@@ -30,8 +32,17 @@ class Projection:
         self.tasks = Tasks(time.to_wall_s)
         self.orders = Orders(time.to_wall_s)
         self.news = News(time.to_wall_s)
+        self.alerts = Alerts()
         self.trials = Trials(possible=trials)
-        kinds = (self.atvs, self.machines, self.tasks, self.orders, self.news, self.trials)
+        kinds = (
+            self.atvs,
+            self.machines,
+            self.tasks,
+            self.orders,
+            self.news,
+            self.alerts,
+            self.trials,
+        )
         self._all = tuple(kind.changes for kind in kinds)
         self.heard = 0
         """Messages that told something."""
@@ -67,6 +78,22 @@ class Projection:
         else:
             self.ignored += 1
 
+    def look(self, wall_s: float) -> list[str]:
+        """See what is wrong at this moment; silence is heard by nobody else.
+
+        Returns:
+            The alerts that had been acknowledged and have ended.
+        """
+        now = troubles.Moment(self._time.to_plant_s(wall_s), wall_s, self._time.speed, self._time.to_wall_s)
+        of_atvs = tuple(troubles.of_atvs(self.atvs.heartbeats(), now))
+        wrong = (
+            *troubles.of_machines(self.machines.heartbeats(), now),
+            *of_atvs,
+            *troubles.of_transports(self.tasks.under_way(), of_atvs),
+            *troubles.of_orders(self.orders.under_way(), now),
+        )
+        return self.alerts.look(wrong, wall_s)
+
     def factory(self, wall_s: float) -> FactoryView:
         """The factory's figures at this moment."""
         now_s = self._time.to_plant_s(wall_s)
@@ -96,6 +123,7 @@ class Projection:
             tasks=self.tasks.views(),
             orders=self.orders.views(),
             news=self.news.views(),
+            alerts=self.alerts.views(),
             trials=self.trials.possible,
             faults=self.trials.views(),
         )
@@ -111,6 +139,7 @@ class Projection:
             tasks=self.tasks.take_changed(),
             orders=self.orders.take_changed(),
             news=self.news.take_changed(),
+            alerts=self.alerts.take_changed(),
             faults=self.trials.take_changed(),
             gone=tuple(name for changes in self._all for name in changes.take_gone()),
         )

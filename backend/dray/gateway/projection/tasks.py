@@ -9,7 +9,7 @@ ignored.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from dray.gateway.projection.atvs import plain
@@ -149,6 +149,10 @@ class Tasks:
             self._unexplained.discard(task)
             view.why = why_of(view)
         return view
+
+    def under_way(self) -> Iterable[TaskView]:
+        """Those that have not ended; their `why` may be older than they are."""
+        return self._open.values()
 
     def views(self) -> tuple[TaskView, ...]:
         """The open ones, and the last that ended."""

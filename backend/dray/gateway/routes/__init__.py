@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dray.gateway.routes import (
+    alerts,
     atvs,
     customer,
     docs,
@@ -21,7 +22,7 @@ from dray.gateway.routes import (
     track,
 )
 
-API = (orders, track, products, machines, atvs, tasks, promises, events, kpis, plant, faults)
+API = (orders, track, products, machines, atvs, tasks, alerts, promises, events, kpis, plant, faults)
 """Those that OpenAPI tells of."""
 
 REST = (docs, stream, health, pages, customer)

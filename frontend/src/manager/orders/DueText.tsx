@@ -2,7 +2,7 @@ import type { OrderView } from "../../api/types";
 import { Tag } from "../../parts/Tag";
 import { nowS } from "../../stream/stream";
 import { format, t } from "../../text/manager";
-import { isLate } from "../alerts/alerts";
+import { isLate } from "./progress";
 
 /** When an order is due, and whether that has passed; `bare` where a heading says already what it is. */
 export function DueText({ order, bare = false }: { order: OrderView; bare?: boolean }) {

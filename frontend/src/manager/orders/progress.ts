@@ -31,3 +31,9 @@ export function inOrder(orders: Iterable<OrderView>): OrderView[] {
     return (a.due_at_s ?? Infinity) - (b.due_at_s ?? Infinity) || a.created_at_s - b.created_at_s || 0;
   });
 }
+
+/** Due and not delivered. */
+export function isLate(order: OrderView, nowS: number): boolean {
+  if (order.due_at_s === null || order.status === "cancelled") return false;
+  return (order.delivered_at_s ?? nowS) > order.due_at_s;
+}

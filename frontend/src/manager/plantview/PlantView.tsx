@@ -1,5 +1,6 @@
 import { PlantMap } from "../../plant/PlantMap";
 import { t } from "../../text/manager";
+import { AlertsCard } from "../alerts/AlertsCard";
 import { ChosenAtv } from "../atv/AtvCard";
 import { AuctionCard } from "../auction/AuctionCard";
 import { FactoryCard } from "../factory/FactoryCard";
@@ -16,6 +17,7 @@ export function PlantView() {
       <h1 class="unseen">{t("nav.plant")}</h1>
       <div class="column left">
         <FactoryCard />
+        <AlertsCard />
         <OrdersCard />
         <PublishCard />
       </div>

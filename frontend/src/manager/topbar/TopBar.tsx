@@ -1,4 +1,4 @@
-import { AlertsMenu } from "../alerts/AlertsMenu";
+import { AlertsTag } from "../alerts/AlertsTag";
 import { LanguageSwitch } from "../../parts/LanguageSwitch";
 import { world } from "../../stream/stream";
 import { format, t } from "../../text/manager";
@@ -16,7 +16,7 @@ export function TopBar() {
         Dray
       </a>
       <nav aria-label={t("nav.label")}>
-        {VIEWS.map((name) => (
+        {VIEWS.filter((name) => name !== "alerts").map((name) => (
           <a key={name} href={`#${name}`} aria-current={view.value === name ? "page" : undefined}>
             {t(`nav.${name}`)}
           </a>
@@ -29,7 +29,7 @@ export function TopBar() {
           </span>
         )}
         <LiveTag />
-        <AlertsMenu />
+        <AlertsTag />
         <LanguageSwitch />
         <ThemeSwitch />
       </div>

@@ -1,0 +1,123 @@
+"""Troubles: what of machines, vehicles, transports and orders is not as it should be. Pure rules.
+
+Each thing has at most one trouble at a time, the gravest: who is silent is not said to be starved as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import msgspec
+
+from dray.gateway.projection.silence import bound_s
+from dray.gateway.views import AlertKind, OrderView, TaskView
+from dray.messages import AtvHeartbeat, AtvStatus, MachineHeartbeat, MachineStatus
+from dray.store.progress import ToWall
+
+BATTERY_FRAC = 0.1
+"""A vehicle goes to a charger long before; at this level something keeps it from there."""
+
+
+PATIENCE_S = 120.0
+"""Factory seconds that a machine may wait for a vehicle before it is worth a look: longer than most
+transports take. A machine whose material is on its way asks nothing of people."""
+
+
+class Trouble(msgspec.Struct, frozen=True, kw_only=True, gc=False):
+    """Something that is wrong now. The fields are those of `AlertView`."""
+
+    kind: AlertKind
+    agent: str = ""
+    task: str = ""
+    order: str = ""
+    problem: str = ""
+    by: str = ""
+    seen_at_s: float | None = None
+    until_at_s: float | None = None
+    battery_frac: float | None = None
+
+    @property
+    def id(self) -> str:
+        """The same one as long as the same thing is wrong with the same subject."""
+        return f"{self.kind}-{self.order or self.task or self.agent}"
+
+
+class Moment(msgspec.Struct, frozen=True):
+    """When it is looked at."""
+
+    plant_s: float
+    wall_s: float
+    speed: float
+    """Factory seconds per real second."""
+    to_wall_s: ToWall
+
+
+def of_machines(heartbeats: Iterable[tuple[MachineHeartbeat, float]], now: Moment) -> Iterator[Trouble]:
+    """What is wrong with machines.
+
+    Args:
+        heartbeats: the last one of each, and since when it has had that status (plant clock).
+        now: when it is looked at.
+    """
+    silent_before_s = now.plant_s - bound_s(working=False, speed=now.speed)
+    for heard, since_s in heartbeats:
+        agent, patient = heard.machine, now.plant_s - since_s < PATIENCE_S
+        if heard.at_s < silent_before_s:
+            yield Trouble(kind="machine_lost", agent=agent, seen_at_s=now.to_wall_s(heard.at_s))
+        elif heard.status is MachineStatus.ERROR:
+            yield Trouble(kind="machine_error", agent=agent, problem=heard.problem)
+        elif heard.status is MachineStatus.STARVED and not patient:
+            yield Trouble(kind="machine_starved", agent=agent, problem=heard.problem)
+        elif heard.status is MachineStatus.BLOCKED and not patient:
+            yield Trouble(kind="machine_blocked", agent=agent, problem=heard.problem)
+
+
+def of_atvs(heartbeats: Iterable[AtvHeartbeat], now: Moment) -> Iterator[Trouble]:
+    """What is wrong with vehicles."""
+    silent_s = {working: bound_s(working=working, speed=now.speed) for working in (False, True)}
+    for heard in heartbeats:
+        agent, help_ = heard.atv, heard.help
+        if now.plant_s - heard.at_s > silent_s[heard.task is not None]:
+            yield Trouble(kind="atv_lost", agent=agent, seen_at_s=now.to_wall_s(heard.at_s))
+        elif help_ is not None:
+            # Who is on the way has answered: there is less to ask for.
+            yield Trouble(
+                kind="atv_promised" if help_.promised_by else "atv_help",
+                agent=agent,
+                problem=heard.problem,
+                by=help_.promised_by,
+                until_at_s=now.to_wall_s(help_.until_s),
+            )
+        elif heard.status is AtvStatus.ERROR:
+            yield Trouble(kind="atv_error", agent=agent, problem=heard.problem)
+        elif heard.status is AtvStatus.STOPPED:
+            yield Trouble(kind="atv_stopped", agent=agent)
+        elif heard.battery_frac < BATTERY_FRAC and heard.status is not AtvStatus.CHARGING:
+            yield Trouble(kind="atv_battery", agent=agent, battery_frac=round(heard.battery_frac, 2))
+
+
+def of_transports(tasks: Iterable[TaskView], told: Iterable[Trouble]) -> Iterator[Trouble]:
+    """What is wrong with transports, unless their carrier tells of it already.
+
+    Args:
+        tasks: those that have not ended. Of a production goal its order tells.
+        told: the troubles of the vehicles.
+    """
+    problems = {each.agent: each.problem for each in told if each.problem}
+    for task in tasks:
+        if task.trouble and task.kind == "transport" and problems.get(task.primary) != task.trouble:
+            yield Trouble(
+                kind="task_trouble",
+                agent=task.primary or task.coordinator,
+                task=task.id,
+                problem=task.trouble,
+            )
+
+
+def of_orders(orders: Iterable[OrderView], now: Moment) -> Iterator[Trouble]:
+    """What is wrong with orders that have not ended."""
+    for order in orders:
+        if order.waits:
+            yield Trouble(kind="order_waits", order=order.id, problem=order.waits)
+        elif order.due_at_s is not None and order.due_at_s < now.wall_s:
+            yield Trouble(kind="order_late", order=order.id, until_at_s=order.due_at_s)

@@ -1,0 +1,33 @@
+/** An alert in words. */
+import type { AlertView } from "../api/types";
+import { format, t, word } from "../text";
+
+/** @param speed factory seconds per real second */
+export function whatText(alert: AlertView, nowS: number, speed: number): string {
+  const what = kindText(alert, nowS, speed);
+  return alert.problem === "" ? what : `${what}: ${word("failure", alert.problem)}`;
+}
+
+export function asksText(alert: AlertView): string {
+  return t(`alerts.asks.${alert.response}`);
+}
+
+function kindText(alert: AlertView, nowS: number, speed: number): string {
+  const { battery_frac, by, kind, seen_at_s, until_at_s } = alert;
+  const leftS = ((until_at_s ?? nowS) - nowS) * speed;
+  switch (kind) {
+    case "machine_lost":
+    case "atv_lost":
+      return t("alerts.what.lost", { age: format.age(nowS - (seen_at_s ?? nowS)) });
+    case "atv_help":
+      return leftS > 0 ? t("alerts.what.atv_help", { left: format.duration(leftS) }) : t("alerts.what.help_late");
+    case "atv_promised":
+      return t("alerts.what.atv_promised", { by, left: format.duration(Math.max(0, leftS)) });
+    case "atv_battery":
+      return t("alerts.what.atv_battery", { percent: format.percent(battery_frac ?? 0) });
+    case "order_late":
+      return t("alerts.what.order_late", { due: format.due(until_at_s ?? nowS, nowS) });
+    default:
+      return t(`alerts.what.${kind}`);
+  }
+}

@@ -1,0 +1,50 @@
+import { describe, expect, test } from "vitest";
+import type { AlertView } from "../api/types";
+import { asksText, whatText } from "./alert-text";
+import { chosenOf, inOrder } from "./alerts";
+
+const alert = (more: Partial<AlertView>): AlertView => ({
+  id: `${more.kind ?? "machine_error"}-${more.agent ?? "M8"}`, kind: "machine_error", level: "alarm", response: "repair",
+  since_at_s: 100, agent: "M8", task: "", order: "", problem: "", by: "", seen_at_s: null, until_at_s: null,
+  battery_frac: null, acknowledged_by: "", acknowledged_at_s: null, ...more,
+});
+
+describe("alerts", () => {
+  test("are in the order in which they are answered", () => {
+    const taken = alert({ agent: "M1", acknowledged_by: "Day shift" });
+    const warning = alert({ agent: "M2", level: "warning", since_at_s: 900 });
+    const old = alert({ agent: "M3", since_at_s: 10 });
+    const fresh = alert({ agent: "M4", since_at_s: 20 });
+    expect(inOrder([taken, warning, old, fresh]).map(({ agent }) => agent)).toEqual(["M4", "M3", "M2", "M1"]);
+  });
+
+  test("lead to what they are about", () => {
+    expect(chosenOf(alert({}))).toEqual({ kind: "machine", id: "M8" });
+    expect(chosenOf(alert({ kind: "atv_lost", agent: "ATV3" }))).toEqual({ kind: "atv", id: "ATV3" });
+    expect(chosenOf(alert({ kind: "task_trouble", agent: "ATV3", task: "T1" }))).toEqual({ kind: "task", id: "T1" });
+    expect(chosenOf(alert({ kind: "order_late", agent: "", order: "O-1" }))).toBeNull();
+  });
+});
+
+describe("an alert says", () => {
+  const said = (more: Partial<AlertView>, speed = 1): string => whatText(alert(more), 100, speed).replaceAll("\u202f", " ");
+
+  test("what is wrong, in the agent's own words too", () => {
+    expect(said({ problem: "spindle" })).toBe("Stopped by a fault: spindle");
+  });
+
+  test("for how long nothing was heard", () => {
+    expect(said({ kind: "atv_lost", seen_at_s: 70 })).toBe("No heartbeat for 30 s");
+  });
+
+  test("how long help is waited for, in factory time", () => {
+    expect(said({ kind: "atv_help", until_at_s: 142 })).toBe("Needs help within 42 s");
+    expect(said({ kind: "atv_help", until_at_s: 110 }, 3)).toBe("Needs help within 30 s");
+    expect(said({ kind: "atv_help", until_at_s: 90 })).toBe("Needs help, and the time for it is over");
+    expect(said({ kind: "atv_promised", until_at_s: 90, by: "Shift 2" })).toBe("Shift 2 is on the way, expected within 0 s");
+  });
+
+  test("what it asks for", () => {
+    expect(asksText(alert({}))).toBe("Have it repaired");
+  });
+});

@@ -1,0 +1,26 @@
+/** Alerts in the order in which they are answered, and what to show for them. Pure. */
+import type { AlertView } from "../api/types";
+import type { Chosen } from "../selection/selection";
+
+/** Nobody has taken it on yet. */
+export function isOpen(alert: AlertView): boolean {
+  return alert.acknowledged_by === "";
+}
+
+/** What nobody has taken on comes first, alarms before warnings, and the newest on top. */
+export function inOrder(alerts: Iterable<AlertView>): AlertView[] {
+  return [...alerts].sort(
+    (a, b) =>
+      Number(isOpen(b)) - Number(isOpen(a)) ||
+      Number(b.level === "alarm") - Number(a.level === "alarm") ||
+      b.since_at_s - a.since_at_s ||
+      a.id.localeCompare(b.id),
+  );
+}
+
+/** What on the plant it is about; null for an order. */
+export function chosenOf({ agent, kind, task }: AlertView): Chosen | null {
+  if (task !== "") return { kind: "task", id: task };
+  if (agent === "") return null;
+  return { kind: kind.startsWith("machine_") ? "machine" : "atv", id: agent };
+}

@@ -1,0 +1,351 @@
+"""Alerts: what is wrong, since when, and who has taken it on."""
+
+from __future__ import annotations
+
+from typing import Any, get_args
+
+import pytest
+from gateway_kit import (
+    NOW_S,
+    PLANT,
+    House,
+    atv_heartbeat,
+    events,
+    gateway,
+    machine_heartbeat,
+    problem,
+)
+from sqlalchemy.exc import OperationalError
+
+from dray.gateway.projection import Projection
+from dray.gateway.projection.alerts import REMEMBERED_S, RESPONSES
+from dray.gateway.projection.troubles import PATIENCE_S
+from dray.gateway.timescale import TimeScale
+from dray.gateway.views import AlertKind, AlertView
+from dray.messages import AtvStatus, Brief, HelpWanted, MachineStatus, Phase, Role, TaskBrief, Transport
+from dray.messages.fact import GoalWaits, PhaseEntered, TaskOpened
+from dray.store.acknowledgements import Acknowledgement
+from dray.store.orders import Item, Order
+from dray.store.progress import OrderStatus
+
+pytestmark = pytest.mark.anyio
+
+SPEED = 10.0
+"""Plant seconds per wall second, so that a time that was not turned is seen."""
+
+CARRYING = Brief(task="T1", epoch=1, role=Role.PRIMARY, coordinator="M1", phase=Phase.CARRYING)
+
+
+@pytest.fixture
+def projection() -> Projection:
+    return Projection(PLANT, TimeScale(0.0, NOW_S, SPEED))
+
+
+def at(plant_s: float) -> float:
+    """The wall clock at a moment of the plant's."""
+    return NOW_S + plant_s / SPEED
+
+
+def alerts(projection: Projection, plant_s: float = 2.0) -> list[AlertView]:
+    projection.look(at(plant_s))
+    return list(projection.alerts.views())
+
+
+def the_alert(projection: Projection, plant_s: float = 2.0) -> AlertView:
+    (alert,) = alerts(projection, plant_s)
+    return alert
+
+
+# --- what is wrong -------------------------------------------------------------------------------
+
+
+def test_every_kind_asks_for_a_response_and_has_a_level() -> None:
+    assert set(RESPONSES) == set(get_args(AlertKind))
+
+
+def test_what_is_as_it_should_be_makes_no_alert(projection: Projection) -> None:
+    projection.fold(atv_heartbeat())
+    projection.fold(machine_heartbeat(status=MachineStatus.PRODUCING))
+    assert alerts(projection) == []
+
+
+def test_a_machine_with_a_fault_is_told_in_its_own_words(projection: Projection) -> None:
+    projection.fold(machine_heartbeat("M8", status=MachineStatus.ERROR, problem="spindle"))
+    alert = the_alert(projection)
+    assert (alert.kind, alert.agent, alert.problem) == ("machine_error", "M8", "spindle")
+
+
+@pytest.mark.parametrize(
+    ("status", "kind"),
+    [(MachineStatus.STARVED, "machine_starved"), (MachineStatus.BLOCKED, "machine_blocked")],
+)
+def test_a_machine_may_wait_for_a_vehicle_as_long_as_one_takes(
+    projection: Projection, status: MachineStatus, kind: str
+) -> None:
+    for seq in range(1, 121):
+        projection.fold(machine_heartbeat("M8", seq, status=status))
+    assert alerts(projection, PATIENCE_S) == []
+    assert the_alert(projection, PATIENCE_S + 2).kind == kind
+
+
+@pytest.mark.parametrize(
+    ("fields", "kind"),
+    [
+        ({"status": AtvStatus.ERROR, "problem": "wheel"}, "atv_error"),
+        ({"status": AtvStatus.STOPPED}, "atv_stopped"),
+        ({"battery_frac": 0.09}, "atv_battery"),
+        ({"battery_frac": 0.09, "status": AtvStatus.STOPPED}, "atv_stopped"),
+    ],
+)
+def test_a_vehicle_has_its_gravest_trouble(projection: Projection, fields: dict[str, Any], kind: str) -> None:
+    projection.fold(atv_heartbeat("ATV2", **fields))
+    assert the_alert(projection).kind == kind
+
+
+def test_a_vehicle_that_is_being_charged_may_have_an_empty_battery(projection: Projection) -> None:
+    projection.fold(atv_heartbeat(battery_frac=0.02, status=AtvStatus.CHARGING))
+    assert alerts(projection) == []
+
+
+def test_silence_is_a_matter_of_what_the_vehicle_does(projection: Projection) -> None:
+    # At ten times real time two wall seconds, 20 factory seconds, are the least.
+    projection.fold(atv_heartbeat("ATV1", at_s=1.0, task=CARRYING))
+    assert alerts(projection, 20.9) == []
+    lost = the_alert(projection, 21.1)
+    assert (lost.kind, lost.seen_at_s) == ("atv_lost", at(1.0))
+
+
+@pytest.mark.parametrize(("task", "bound_s"), [(CARRYING, 3.5), (None, 15.5)])
+def test_in_real_time_three_beats_and_a_half_second_are_silence(task: Brief | None, bound_s: float) -> None:
+    projection = Projection(PLANT, TimeScale(0.0, NOW_S))
+    projection.fold(atv_heartbeat("ATV1", at_s=0.0, task=task))
+    projection.look(NOW_S + bound_s - 0.1)
+    assert projection.alerts.views() == ()
+    projection.look(NOW_S + bound_s + 0.1)
+    assert projection.alerts.views() != ()
+
+
+def test_of_who_is_silent_nothing_else_is_said(projection: Projection) -> None:
+    projection.fold(machine_heartbeat("M1", at_s=1.0, status=MachineStatus.ERROR, problem="spindle"))
+    assert the_alert(projection, 60.0).kind == "machine_lost"
+
+
+def test_help_that_was_promised_asks_for_less(projection: Projection) -> None:
+    help_ = HelpWanted(until_s=182.0)
+    projection.fold(atv_heartbeat("ATV1", 1, status=AtvStatus.ERROR, problem="load", help=help_))
+    asked = the_alert(projection)
+    assert (asked.kind, asked.level, asked.until_at_s) == ("atv_help", "alarm", at(182.0))
+    promised = HelpWanted(until_s=182.0, promised_by="Shift 2")
+    projection.fold(atv_heartbeat("ATV1", 2, status=AtvStatus.ERROR, problem="load", help=promised))
+    answered = the_alert(projection)
+    assert (answered.kind, answered.level, answered.by) == ("atv_promised", "warning", "Shift 2")
+
+
+def transport(projection: Projection) -> None:
+    """M1 has announced T1, and ATV1 carries it."""
+    work = Transport(item="steel", quantity=8, sources=("S1",), destination="M1", ability="tote", goal="G1")
+    opened = TaskOpened(
+        task="T1",
+        epoch=1,
+        round=1,
+        role=Role.PRIMARY,
+        work=work,
+        radius_m=15.0,
+        deadline_s=400.0,
+        bids_until_s=2.0,
+    )
+    entered = PhaseEntered(task="T1", epoch=1, phase=Phase.CARRYING)
+    for event in (*events("M1", opened, at_s=0.0), *events("ATV1", entered, at_s=1.0)):
+        projection.fold(event)
+
+
+def in_trouble(projection: Projection, trouble: str, machine_seq: int) -> None:
+    """M1's transport T1 does not go on, says M1."""
+    brief = TaskBrief(
+        task="T1",
+        epoch=1,
+        item="steel",
+        quantity=8,
+        source="S1",
+        destination="M1",
+        deadline_s=400.0,
+        primary="ATV1",
+        trouble=trouble,
+    )
+    projection.fold(machine_heartbeat("M1", machine_seq, tasks=(brief,)))
+
+
+def test_a_transport_that_does_not_go_on_is_told_unless_its_carrier_tells_of_it(
+    projection: Projection,
+) -> None:
+    transport(projection)
+    in_trouble(projection, "its carrier is silent", 1)
+    alert = the_alert(projection)
+    assert (alert.kind, alert.task, alert.problem) == ("task_trouble", "T1", "its carrier is silent")
+    assert alert.id == "task_trouble-T1"
+
+
+def test_what_the_carrier_says_itself_is_not_said_again_of_its_transport(projection: Projection) -> None:
+    transport(projection)
+    in_trouble(projection, "its load has shifted", 1)
+    projection.fold(atv_heartbeat("ATV1", status=AtvStatus.ERROR, problem="its load has shifted"))
+    assert the_alert(projection).kind == "atv_error"
+
+
+def order(due_at_s: float | None, status: OrderStatus = OrderStatus.RELEASED) -> Order:
+    return Order(
+        id="O-1",
+        status=status,
+        customer="Hall 3",
+        token="token",
+        items=(Item("gear-unit-g1", 4),),
+        created_at_s=NOW_S,
+        due_at_s=due_at_s,
+    )
+
+
+def test_an_order_is_late_until_it_is_delivered(projection: Projection) -> None:
+    projection.orders.put(order(at(100.0)))
+    assert alerts(projection, 99.0) == []
+    late = the_alert(projection, 101.0)
+    assert (late.kind, late.order, late.until_at_s) == ("order_late", "O-1", at(100.0))
+    projection.orders.put(order(at(100.0), OrderStatus.CANCELLED))
+    assert alerts(projection, 102.0) == []
+
+
+def test_an_order_that_waits_says_why_rather_than_that_it_is_late(projection: Projection) -> None:
+    projection.orders.put(order(at(100.0)))
+    waits = GoalWaits(goal="G1", order="O-1", reason="M1 is silent")
+    for event in events("strategist", waits, at_s=1.0):
+        projection.fold(event)
+    alert = the_alert(projection, 101.0)
+    assert (alert.kind, alert.problem) == ("order_waits", "M1 is silent")
+
+
+# --- how long ------------------------------------------------------------------------------------
+
+
+def test_an_alert_begins_when_it_is_seen_and_leaves_with_its_cause(projection: Projection) -> None:
+    projection.fold(machine_heartbeat("M8", 1, status=MachineStatus.ERROR))
+    first = the_alert(projection, 2.0)
+    assert the_alert(projection, 3.0).since_at_s == first.since_at_s == at(2.0)
+    projection.fold(machine_heartbeat("M8", 2, status=MachineStatus.PRODUCING))
+    assert alerts(projection, 4.0) == []
+
+
+def test_the_stream_tells_an_alert_once_and_that_it_has_gone(projection: Projection) -> None:
+    projection.fold(machine_heartbeat("M8", 1, status=MachineStatus.ERROR))
+    projection.look(at(2.0))
+    assert [alert.id for alert in projection.delta(1, NOW_S, None).alerts] == ["machine_error-M8"]
+    projection.look(at(3.0))
+    assert projection.delta(2, NOW_S, None).alerts == ()
+    projection.fold(machine_heartbeat("M8", 2))
+    projection.look(at(4.0))
+    assert projection.delta(3, NOW_S, None).gone == ("alert:machine_error-M8",)
+
+
+def test_alarms_come_before_warnings_and_graver_ones_before_others(projection: Projection) -> None:
+    projection.fold(atv_heartbeat("ATV1", status=AtvStatus.STOPPED))
+    projection.fold(atv_heartbeat("ATV3", battery_frac=0.05))
+    projection.fold(atv_heartbeat("ATV2", status=AtvStatus.ERROR))
+    projection.fold(machine_heartbeat("M2", status=MachineStatus.ERROR))
+    assert [alert.agent for alert in alerts(projection)] == ["M2", "ATV2", "ATV1", "ATV3"]
+
+
+# --- who has taken it on -------------------------------------------------------------------------
+
+
+def test_who_was_first_to_acknowledge_stays(projection: Projection) -> None:
+    projection.fold(machine_heartbeat("M8", status=MachineStatus.ERROR))
+    alert = the_alert(projection)
+    for name, at_s in (("Day shift", 5.0), ("Night shift", 6.0)):
+        projection.alerts.acknowledge(Acknowledgement(alert.id, alert.since_at_s, name, at_s))
+    taken = the_alert(projection)
+    assert (taken.acknowledged_by, taken.acknowledged_at_s) == ("Day shift", 5.0)
+
+
+def test_what_comes_again_is_acknowledged_by_nobody(projection: Projection) -> None:
+    projection.fold(machine_heartbeat("M8", 1, status=MachineStatus.ERROR))
+    alert = the_alert(projection)
+    projection.alerts.acknowledge(Acknowledgement(alert.id, alert.since_at_s, "Day shift", 5.0))
+    projection.fold(machine_heartbeat("M8", 2))
+    assert projection.look(at(3.0)) == [alert.id]
+    projection.fold(machine_heartbeat("M8", 3, status=MachineStatus.ERROR))
+    assert the_alert(projection, 4.0).acknowledged_by == ""
+
+
+def test_what_was_acknowledged_before_a_start_is_so_after_it(projection: Projection) -> None:
+    known = Acknowledgement("machine_error-M8", NOW_S - 600, "Day shift", NOW_S - 500)
+    projection.alerts.begin([known], NOW_S)
+    assert alerts(projection) == []
+    projection.fold(machine_heartbeat("M8", status=MachineStatus.ERROR))
+    alert = the_alert(projection)
+    assert (alert.since_at_s, alert.acknowledged_by) == (NOW_S - 600, "Day shift")
+
+
+def test_what_is_not_wrong_again_soon_after_a_start_has_ended(projection: Projection) -> None:
+    projection.alerts.begin([Acknowledgement("machine_error-M8", NOW_S - 600, "Day shift", NOW_S)], NOW_S)
+    assert projection.look(NOW_S + REMEMBERED_S - 1) == []
+    assert projection.look(NOW_S + REMEMBERED_S) == ["machine_error-M8"]
+    assert projection.look(NOW_S + REMEMBERED_S + 1) == []
+
+
+# --- over REST -----------------------------------------------------------------------------------
+
+
+async def break_down(house: House, seq: int = 1) -> str:
+    """M8 has a fault, and the desk has seen it; returns the alert's id."""
+    house.bus.say(machine_heartbeat("M8", seq, status=MachineStatus.ERROR, problem="spindle"))
+    await house.parts.alerts.look()
+    return "machine_error-M8"
+
+
+async def kept(house: House) -> list[str]:
+    async with house.store.read() as work:
+        return [each.alert for each in await work.acknowledgements.all()]
+
+
+async def test_an_alert_is_acknowledged_by_name_and_that_is_on_disk(house: House) -> None:
+    alert = await break_down(house)
+    (listed,) = (await house.get("/api/alerts"))["items"]
+    assert (listed["id"], listed["response"], listed["acknowledged_by"]) == (alert, "repair", "")
+    answer = await house.client.post(f"/api/alerts/{alert}/acknowledge")
+    assert answer.status_code == 200
+    assert answer.json()["acknowledged_by"] == "Administrator"
+    assert await kept(house) == [alert]
+
+
+async def test_an_acknowledgement_is_forgotten_with_its_alert(house: House) -> None:
+    alert = await break_down(house)
+    await house.client.post(f"/api/alerts/{alert}/acknowledge")
+    house.bus.say(machine_heartbeat("M8", 2))
+    await house.parts.alerts.look()
+    assert await kept(house) == []
+    problem(await house.client.post(f"/api/alerts/{alert}/acknowledge"), 404, "unknown-alert")
+
+
+async def test_an_acknowledgement_outlives_a_restart(url: str) -> None:
+    async with gateway(url) as house:
+        await house.client.post(f"/api/alerts/{await break_down(house)}/acknowledge")
+    async with gateway(url) as house:
+        await break_down(house)
+        (alert,) = (await house.get("/api/alerts"))["items"]
+    assert alert["acknowledged_by"] == "Administrator"
+
+
+async def test_what_cannot_be_forgotten_at_once_is_forgotten_later(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    alert = await break_down(house)
+    await house.client.post(f"/api/alerts/{alert}/acknowledge")
+    house.bus.say(machine_heartbeat("M8", 2))
+
+    def locked(*_args: object) -> None:
+        raise OperationalError("DELETE", {}, Exception("database is locked"))
+
+    with monkeypatch.context() as patched:
+        patched.setattr("dray.store.acknowledgements.Acknowledgements.drop", locked)
+        await house.parts.alerts.look()
+    assert await kept(house) == [alert]
+    await house.parts.alerts.look()
+    assert await kept(house) == []
