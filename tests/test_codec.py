@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dray.codec import MAX_BYTES, decode, encode, schema
+from dray.codec import MAX_BYTES, decode, encode
 from dray.errors import NewerVersion, WireError
 from dray.messages import (
     AnyMessage,
@@ -247,18 +247,3 @@ def test_a_message_longer_than_the_bound_is_refused_unread() -> None:
     assert decode(wire({**TAKEN, "more": "x" * padding}))[1] == OrderTaken(order="o-1")
     with pytest.raises(WireError, match=f"{MAX_BYTES + 1} bytes"):
         decode(wire({**TAKEN, "more": "x" * (padding + 1)}))
-
-
-# --- the schema ----------------------------------------------------------------------------------
-
-
-def test_the_schema_names_every_message_type() -> None:
-    document = schema()
-    assert {kind.__name__ for kind in MESSAGE_TYPES} <= document["$defs"].keys()
-    json.dumps(document)
-
-
-def test_the_schema_states_the_bounds_of_values() -> None:
-    handover = schema()["$defs"]["Handover"]["properties"]
-    assert handover["quantity"]["minimum"] == 0
-    assert "pattern" in handover["task"]

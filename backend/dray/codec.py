@@ -10,8 +10,6 @@ makes sense now is for the protocol.
 
 from __future__ import annotations
 
-from typing import Any
-
 import msgspec
 
 from dray.errors import NewerVersion, WireError
@@ -89,8 +87,3 @@ def _refuse_newer(data: bytes) -> None:
         return
     if version > WIRE_VERSION:
         raise NewerVersion(f"wire version {version}, and we speak {WIRE_VERSION}; update this software", data)
-
-
-def schema() -> dict[str, Any]:
-    """The JSON Schema (draft 2020-12) of everything that may be said on the bus."""
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **msgspec.json.schema(Envelope)}

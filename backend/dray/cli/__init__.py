@@ -7,6 +7,7 @@
     dray link ...       customers' links to their orders
     dray plant ...      plant files
     dray certs ...      certificates for agents on many computers
+    dray wire ...       what agents say, as schemas
     dray db ...         the database
 
 One module per group. What a command needs is imported when it runs, so that `dray --help` answers at
@@ -23,7 +24,7 @@ from typing import Annotated
 import typer
 
 from dray import __version__
-from dray.cli import bench, certs, db, fault, link, plant, sim, up
+from dray.cli import bench, certs, db, fault, link, plant, sim, up, wire
 from dray.errors import DrayError, InputError
 
 app = typer.Typer(
@@ -40,6 +41,7 @@ app.add_typer(fault.app, name="fault")
 app.add_typer(link.app, name="link")
 app.add_typer(plant.app, name="plant")
 app.add_typer(certs.app, name="certs")
+app.add_typer(wire.app, name="wire")
 app.add_typer(db.app, name="db")
 
 

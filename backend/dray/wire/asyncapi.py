@@ -1,0 +1,80 @@
+"""The AsyncAPI 3 document of the bus."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from dray.messages import WIRE_VERSION, Message
+from dray.messages.speakers import SPEAKERS
+from dray.wire.channels import CHANNELS, Channel
+from dray.wire.schemas import MESSAGES, envelope, parts
+
+ABOUT = """\
+What the agents of a Dray plant say to one another, on Zenoh. Generated from the code by `dray wire write`.
+
+A message is UTF-8 JSON. Beside it, as Zenoh's attachment, stands its stamp: a MessagePack array of the sender's
+life (when it joined, in nanoseconds of unix time), the number of the message in that life on that key, from
+1, and its seal (bytes; empty on a bus without certificates)."""
+
+_PARAMETERS = {
+    "plant": "The plant's id.",
+    "agent": "An agent's id.",
+    "atv": "A vehicle's id.",
+    "machine": "A machine's id.",
+    "cell": "A cell of the grid.",
+    "product": "A product's id.",
+    "berth": "The id of a charger or parking place.",
+}
+
+
+def document() -> dict[str, Any]:
+    """The whole document."""
+    return {
+        "asyncapi": "3.0.0",
+        "info": {"title": "Dray", "version": f"{WIRE_VERSION}.0.0", "description": ABOUT},
+        "defaultContentType": "application/json",
+        "channels": {channel.name: _channel(channel) for channel in CHANNELS},
+        "operations": {
+            f"{channel.name}.{kind.__name__}": _operation(channel, kind)
+            for channel in CHANNELS
+            for kind in channel.messages
+        },
+        "components": {
+            "messages": {kind.__name__: _message(kind) for kind in MESSAGES},
+            "schemas": parts("#/components/schemas/{name}"),
+        },
+    }
+
+
+def _channel(channel: Channel) -> dict[str, Any]:
+    return {
+        "address": channel.address,
+        "description": channel.about,
+        "parameters": {
+            name: {"description": _PARAMETERS[name]} for name in re.findall(r"{(\w+)}", channel.address)
+        },
+        "messages": {
+            kind.__name__: {"$ref": f"#/components/messages/{kind.__name__}"} for kind in channel.messages
+        },
+    }
+
+
+def _operation(channel: Channel, kind: type[Message]) -> dict[str, Any]:
+    speakers = " or ".join(sorted(SPEAKERS[kind]))
+    return {
+        "action": "send",
+        "channel": {"$ref": f"#/channels/{channel.name}"},
+        "messages": [{"$ref": f"#/channels/{channel.name}/messages/{kind.__name__}"}],
+        "summary": f"Said by {speakers}.",
+        "x-speakers": sorted(SPEAKERS[kind]),
+    }
+
+
+def _message(kind: type[Message]) -> dict[str, Any]:
+    about = (kind.__doc__ or "").partition("\n")[0]
+    return {
+        "name": kind.__name__,
+        "summary": about,
+        "payload": envelope({"$ref": f"#/components/schemas/{kind.__name__}"}),
+    }

@@ -1,0 +1,89 @@
+"""Where what is said: the keys of the bus, and the messages on each of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import get_args
+
+from dray.messages import (
+    AnyMessage,
+    AtvHeartbeat,
+    BerthClaimed,
+    Event,
+    MachineHeartbeat,
+    Message,
+    TaskAnnounced,
+)
+from dray.messages.keys import Keys
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """A key, or a family of keys.
+
+    Attributes:
+        name: of the channel in documents.
+        address: of the key; what varies is in braces.
+        about: who listens there, and why.
+        messages: all that is said there.
+    """
+
+    name: str
+    address: str
+    about: str
+    messages: tuple[type[Message], ...]
+
+
+_KEYS = Keys("{plant}")
+
+_PUBLISHED = (
+    Channel(
+        "atvHeartbeats",
+        _KEYS.atv_heartbeat("{atv}"),
+        "How a vehicle is, regularly and at once when it changes. The vehicle alone speaks here.",
+        (AtvHeartbeat,),
+    ),
+    Channel(
+        "machineHeartbeats",
+        _KEYS.machine_heartbeat("{machine}"),
+        "How a machine is, and what it waits for. The machine alone speaks here.",
+        (MachineHeartbeat,),
+    ),
+    Channel(
+        "transports",
+        _KEYS.transports("{cell}"),
+        "Announcements of transports, to the vehicles in one cell of the grid.",
+        (TaskAnnounced,),
+    ),
+    Channel(
+        "goals",
+        _KEYS.goals("{product}"),
+        "Announcements of production goals, to the machines that can make the product.",
+        (TaskAnnounced,),
+    ),
+    Channel(
+        "berths",
+        _KEYS.berth("{berth}"),
+        "Claims of one charger or parking place, to the vehicles that want it too.",
+        (BerthClaimed,),
+    ),
+    Channel(
+        "events",
+        _KEYS.events("{agent}"),
+        "An agent's history, numbered without holes. The agent alone speaks here.",
+        (Event,),
+    ),
+)
+
+_BROADCAST_ONLY = frozenset({AtvHeartbeat, MachineHeartbeat, TaskAnnounced, BerthClaimed})
+
+CHANNELS = (
+    *_PUBLISHED,
+    Channel(
+        "addressed",
+        _KEYS.addressed("{agent}"),
+        "What is said to one agent alone; no wildcard matches it.",
+        tuple(kind for kind in get_args(AnyMessage) if kind not in _BROADCAST_ONLY),
+    ),
+)
+"""All of them. Who may say which message is in `dray.messages.speakers`."""

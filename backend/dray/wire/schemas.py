@@ -1,0 +1,52 @@
+"""JSON Schemas (draft 2020-12) of everything on the wire."""
+
+from __future__ import annotations
+
+from typing import Any, get_args
+
+import msgspec
+
+from dray.messages import WIRE_VERSION, AnyMessage, Message
+from dray.messages.base import Id
+
+Schema = dict[str, Any]
+
+MESSAGES: tuple[type[Message], ...] = get_args(AnyMessage)
+
+DRAFT = "https://json-schema.org/draft/2020-12/schema"
+
+
+def parts(reference: str) -> dict[str, Schema]:
+    """The schemas of all messages and of what they are made of, by name.
+
+    Args:
+        reference: how they refer to one another, with `{name}`.
+    """
+    _, found = msgspec.json.schema_components(MESSAGES, ref_template=reference)
+    return dict(sorted(found.items()))
+
+
+def envelope(message: Schema) -> Schema:
+    """The schema of a whole message on the wire: its envelope, and what is in it."""
+    (sender,), _ = msgspec.json.schema_components([Id])
+    return {
+        "type": "object",
+        "properties": {
+            "v": {"const": WIRE_VERSION, "description": "The wire version."},
+            "from": {**sender, "description": "The id of the agent that says it."},
+            "m": message,
+        },
+        "required": ["v", "from", "m"],
+    }
+
+
+def message_schema(kind: type[Message]) -> Schema:
+    """One message's schema, complete in itself."""
+    inner = msgspec.json.schema(kind)
+    definitions = inner.pop("$defs")
+    return {
+        "$schema": DRAFT,
+        "title": kind.__name__,
+        **envelope(inner),
+        "$defs": definitions,
+    }
