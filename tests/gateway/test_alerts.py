@@ -15,8 +15,8 @@ from gateway_kit import (
     machine_heartbeat,
     problem,
 )
-from sqlalchemy.exc import OperationalError
 
+from dray.errors import UnavailableError
 from dray.gateway.projection import Projection
 from dray.gateway.projection.alerts import REMEMBERED_S, RESPONSES
 from dray.gateway.projection.troubles import PATIENCE_S
@@ -341,11 +341,11 @@ async def test_what_cannot_be_forgotten_at_once_is_forgotten_later(
     house.bus.say(machine_heartbeat("M8", 2))
 
     def locked(*_args: object) -> None:
-        raise OperationalError("DELETE", {}, Exception("database is locked"))
+        raise UnavailableError("the database", "is locked", "wait")
 
     with monkeypatch.context() as patched:
         patched.setattr("dray.store.acknowledgements.Acknowledgements.drop", locked)
         await house.parts.alerts.look()
-    assert await kept(house) == [alert]
+        assert await kept(house) == [alert]
     await house.parts.alerts.look()
     assert await kept(house) == []

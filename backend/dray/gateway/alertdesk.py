@@ -6,8 +6,7 @@ import asyncio
 import logging
 from collections.abc import Callable
 
-from sqlalchemy.exc import DBAPIError
-
+from dray.errors import UnavailableError
 from dray.gateway.projection import Projection
 from dray.gateway.views import AlertView
 from dray.store import Store
@@ -74,9 +73,9 @@ class AlertDesk:
             try:
                 async with self._store.write() as work:
                     await work.acknowledgements.drop(self._ended)
-            except DBAPIError as error:
+            except UnavailableError as error:
                 # They stay in SQL, and in the set: the next look tries again.
-                _log.warning("ended alerts are not forgotten yet: %s", error.orig)
+                _log.warning("ended alerts are not forgotten yet: %s", error)
             else:
                 self._ended.clear()
 
