@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from base64 import urlsafe_b64decode, urlsafe_b64encode
 from collections.abc import Callable, Mapping, Sequence
+from datetime import UTC, datetime
 from typing import Annotated, Any, TypeVar
 
 import msgspec
@@ -30,6 +31,11 @@ class Json(Response):
     def render(self, content: Any) -> bytes:
         """Bytes as they are, anything else encoded."""
         return content if isinstance(content, bytes) else msgspec.json.encode(content)
+
+
+def iso(wall_s: float) -> str:
+    """A moment in ISO 8601, in UTC."""
+    return datetime.fromtimestamp(wall_s, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
 
 
 def listing(items: Sequence[object], next_cursor: str | None) -> Json:

@@ -27,6 +27,7 @@ from dray.gateway.projection.orders import ENDED_KEPT
 from dray.gateway.recall import recall_news
 from dray.gateway.revocations import Revocations
 from dray.gateway.routes import API, REST
+from dray.gateway.sampler import Sampler
 from dray.gateway.shields import BodyLimit, SameOrigin, SecurityHeaders
 from dray.gateway.stream import Hub
 from dray.gateway.timescale import TimeScale
@@ -101,15 +102,17 @@ def create_app(
         await _remember(parts, time)
         await parts.alerts.begin()
         app.state.parts = parts
+        sampler = Sampler(projection, store, wall_s)
         async with AsyncExitStack() as stack:
             if historian is not None:
                 await stack.enter_async_context(historian.running(projection.fold))
+            stack.push_async_callback(sampler.sample)
             stack.callback(peer.leave)
             peer.join(projection, desk, parts.revocations, parts.commands)
             tasks = await stack.enter_async_context(asyncio.TaskGroup())
             running = [
                 tasks.create_task(each.run())
-                for each in (parts.desk, parts.revocations, parts.alerts, parts.hub)
+                for each in (parts.desk, parts.revocations, parts.alerts, parts.hub, sampler)
             ]
             async with store.read() as work:
                 dropped = await work.orders.cancelled(wall_s() - CANCELLED_AGAIN_S)

@@ -7,6 +7,7 @@ from typing import Any
 
 import msgspec
 
+from dray.gateway.kpis import KpiHistory, KpiPoint
 from dray.gateway.ledger import ON_TIME_S, PromiseLedger, PromiseLine
 from dray.gateway.routes.alerts import EXAMPLE as ALERT
 from dray.gateway.routes.events import EventAnswer
@@ -26,6 +27,7 @@ from dray.gateway.views import (
     OpenTaskView,
     RefusalView,
     TaskView,
+    UseView,
 )
 from dray.plant import default_plant
 
@@ -155,6 +157,36 @@ _STRUCTS = (
         fleet=PROMISES,
         items=(msgspec.structs.replace(PROMISES, atv="ATV2"),),
     ),
+    KpiHistory(
+        since_at_s=NOW_S - 660.0,
+        until_at_s=NOW_S - 60.0,
+        step_s=300.0,
+        items=tuple(
+            KpiPoint(
+                at_s=at_s,
+                span_s=300.0,
+                orders_delivered=2,
+                on_time_frac=1.0,
+                starved_frac=0.02,
+                transports=3,
+                transports_per_hour=36.0,
+                transport_p50_s=84.0,
+                transport_p95_s=162.0,
+                empty_frac=0.46,
+                moving_frac=0.42,
+                waiting_frac=0.13,
+                charging_frac=0.15,
+                blocked_frac=0.01,
+                idle_frac=0.29,
+                silent_frac=0.0,
+                atv_available_frac=0.99,
+                machine_available_frac=0.97,
+                commands=1,
+                helps=0,
+            )
+            for at_s in (NOW_S - 660.0, NOW_S - 360.0)
+        ),
+    ),
     EventAnswer(
         position=1042,
         agent="M1",
@@ -182,6 +214,12 @@ _STRUCTS = (
         starved_frac=0.02,
         transport_p50_s=84.0,
         transport_p95_s=162.0,
+        empty_frac=0.46,
+        use=UseView(moving=0.42, waiting=0.13, charging=0.15, blocked=0.01, idle=0.29, silent=0.0),
+        atv_available_frac=0.99,
+        machine_available_frac=0.97,
+        commands=4,
+        helps=1,
         deliveries_per_hour=(12.0, 24.0, 36.0),
         atvs_by_status={"idle": 3, "working": 4, "charging": 1},
         machines_by_status={"idle": 9, "producing": 3},

@@ -7,14 +7,13 @@ after a restart. What was read already is remembered: a look costs what has happ
 from __future__ import annotations
 
 import asyncio
-import csv
-import io
 from collections import deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import msgspec
 
 from dray.gateway.desk import STRATEGIST
+from dray.gateway.spreadsheet import Row, row_of
 from dray.messages.fact import CarrierChanged, TaskClosed
 from dray.store import Store
 from dray.store.events import EventFilter, EventRow
@@ -55,6 +54,9 @@ class PromiseLine(msgspec.Struct, frozen=True, kw_only=True):
     """Transports that somebody else had to carry on."""
     last_at_s: float | None = None
     """Wall clock: when the last one was delivered."""
+
+
+FIELDS = PromiseLine.__struct_fields__
 
 
 class PromiseLedger(msgspec.Struct, frozen=True, kw_only=True):
@@ -143,25 +145,10 @@ class Ledger:
         return self._accounts.get(atv)
 
 
-def to_csv(ledger: PromiseLedger) -> str:
-    """The ledger as a table with a line of names, for a spreadsheet; the fleet comes last.
-
-    Times are written with one decimal, and fields that nobody knows are empty.
-    """
-    text = io.StringIO()
-    writer = csv.writer(text)
-    fields = PromiseLine.__struct_fields__
-    writer.writerow(fields)
+def rows(ledger: PromiseLedger) -> Iterator[Row]:
+    """The ledger as rows of a table; the fleet comes last."""
     for line in (*ledger.items, ledger.fleet):
-        values = msgspec.structs.asdict(line) | {"atv": line.atv or "fleet"}
-        writer.writerow([_cell(name, values[name]) for name in fields])
-    return text.getvalue()
-
-
-def _cell(name: str, value: object) -> object:
-    if isinstance(value, float):
-        return f"{value:.4f}" if name.endswith("_frac") else f"{value:.1f}"
-    return value
+        yield row_of(FIELDS, msgspec.structs.replace(line, atv=line.atv or "fleet"))
 
 
 def _line(atv: str, delivered: Iterable[_Delivered], lost: int) -> PromiseLine:

@@ -10,6 +10,7 @@ from fastapi.openapi.utils import get_openapi
 
 from dray import __version__
 from dray.gateway.examples import examples
+from dray.gateway.kpis import KpiHistory
 from dray.gateway.ledger import PromiseLedger
 from dray.gateway.problems import ProblemDetails
 from dray.gateway.routes.atvs import CommandAnswer
@@ -29,6 +30,7 @@ SHAPES = (
     FactoryView,
     FaultsAnswer,
     FaultView,
+    KpiHistory,
     MachineView,
     OrderAnswer,
     PlantFile,

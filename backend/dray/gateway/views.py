@@ -421,6 +421,20 @@ class FaultView(View, kw_only=True):
     began_at_s: float
 
 
+class UseView(View, kw_only=True):
+    """What the fleet's time of the last hour was spent on, in parts that add up to 1."""
+
+    moving: float
+    waiting: float
+    """At work, and standing: while loading and unloading, or for lack of a way."""
+    charging: float
+    blocked: float
+    """Stopped by a person, or in error."""
+    idle: float
+    silent: float
+    """Not heard for longer than 15 factory seconds."""
+
+
 class FactoryView(View, kw_only=True):
     """The factory as a whole."""
 
@@ -433,6 +447,18 @@ class FactoryView(View, kw_only=True):
     transport_p50_s: float | None = None
     """From announcement to handover, over the last 200 transports, in factory seconds."""
     transport_p95_s: float | None = None
+    empty_frac: float | None = None
+    """Part of the fleet's way in the last hour of factory time that was driven without a load."""
+    use: UseView | None = None
+    """None before the first vehicle was heard for a while, as for the two below."""
+    atv_available_frac: float | None = None
+    """Part of the vehicles' time of the last hour in which they were heard and neither stopped nor in error."""
+    machine_available_frac: float | None = None
+    """Part of the machines' time of the last hour in which they were heard and not in error."""
+    commands: int = 0
+    """People's commands that vehicles have obeyed in the last hour."""
+    helps: int = 0
+    """How often vehicles have asked for help in the last hour."""
     deliveries_per_hour: tuple[float, ...] = ()
     """Transports handed over per factory hour, in the last 12 slots of 5 factory minutes, oldest first."""
     atvs_by_status: dict[str, int] = msgspec.field(default_factory=dict)

@@ -162,6 +162,43 @@ heartbeat_samples = Table(
     comment="Now and then one heartbeat of every agent, for reports.",
 )
 
+kpi_samples = Table(
+    "kpi_samples",
+    metadata,
+    Column("position", Position, primary_key=True, autoincrement=True),
+    Column("at_s", Double, nullable=False),
+    Column("span_s", Double, nullable=False),
+    Column("orders_delivered", Integer, nullable=False),
+    Column("orders_on_time", Integer, nullable=False),
+    Column("transports", Integer, nullable=False),
+    Column("transport_p50_s", Double),
+    Column("transport_p95_s", Double),
+    Column("empty_m", Double, nullable=False),
+    Column("loaded_m", Double, nullable=False),
+    Column("commands", Integer, nullable=False),
+    Column("helps", Integer, nullable=False),
+    *(
+        Column(f"{name}_s", Double, nullable=False)
+        for name in (
+            "atv_moving",
+            "atv_waiting",
+            "atv_charging",
+            "atv_blocked",
+            "atv_idle",
+            "atv_silent",
+            "machine_making",
+            "machine_starved",
+            "machine_idle",
+            "machine_broken",
+            "machine_down",
+            "machine_silent",
+        )
+    ),
+    Index(None, "at_s"),
+    sqlite_autoincrement=True,
+    comment="What every wall minute has added to the factory's figures; times are factory seconds.",
+)
+
 idempotency_keys = Table(
     "idempotency_keys",
     metadata,

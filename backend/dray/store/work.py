@@ -16,6 +16,7 @@ from dray.store.events import Events
 from dray.store.goals import Goals
 from dray.store.incarnations import Incarnations
 from dray.store.keys import IdempotencyKeys
+from dray.store.kpis import Kpis
 from dray.store.links import Links
 from dray.store.lockouts import Lockouts
 from dray.store.loginlinks import LoginLinks
@@ -42,6 +43,7 @@ class Work:
         self.events = Events(connection)
         self.samples = Samples(connection)
         self.acknowledgements = Acknowledgements(connection)
+        self.kpis = Kpis(connection)
         self.keys = IdempotencyKeys(connection)
         self.incarnations = Incarnations(connection)
         self.people = People(connection)

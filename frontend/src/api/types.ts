@@ -193,10 +193,15 @@ export interface Delta {
  * The factory as a whole.
  */
 export interface FactoryView {
+  atv_available_frac: number | null;
   atvs_by_status: {
     [k: string]: number;
   };
+  commands: number;
   deliveries_per_hour: number[];
+  empty_frac: number | null;
+  helps: number;
+  machine_available_frac: number | null;
   machines_by_status: {
     [k: string]: number;
   };
@@ -207,6 +212,18 @@ export interface FactoryView {
   starved_frac: number | null;
   transport_p50_s: number | null;
   transport_p95_s: number | null;
+  use: UseView | null;
+}
+/**
+ * What the fleet's time of the last hour was spent on, in parts that add up to 1.
+ */
+export interface UseView {
+  blocked: number;
+  charging: number;
+  idle: number;
+  moving: number;
+  silent: number;
+  waiting: number;
 }
 /**
  * A fault that was begun by hand in a simulated factory, and has not ended.

@@ -60,6 +60,7 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("GET", "/api/promises"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/events"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/kpis"): Rule(Scope.FACTORY_READ),
+    ("GET", "/api/kpis/history"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/orders"): Rule(Scope.ORDERS_READ),
     ("POST", "/api/orders"): Rule(Scope.ORDERS_WRITE, action="order.place"),
     ("GET", "/api/orders/{order}"): Rule(Scope.ORDERS_READ),

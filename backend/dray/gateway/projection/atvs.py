@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from dray.gateway.projection.changes import Changes
+from dray.gateway.projection.fleet import Fleet
 from dray.gateway.views import AtvView, BriefView, HelpView
 from dray.messages import AtvHeartbeat, Brief, HelpWanted
 from dray.plant.model import VehicleSpec
@@ -30,6 +31,7 @@ class Atvs:
         self._last: dict[str, AtvHeartbeat] = {}
         self.changes = Changes("atv")
         self.by_status: Counter[str] = Counter()
+        self.fleet = Fleet()
 
     def __contains__(self, atv: str) -> bool:
         """Whether the plant has it, or it was heard of."""
@@ -51,6 +53,7 @@ class Atvs:
             self.by_status[heartbeat.status.value] += 1
             if last is not None:
                 self.by_status[last.status.value] -= 1
+        self.fleet.fold(last, heartbeat)
         self._last[heartbeat.atv] = heartbeat
         self.changes.mark(heartbeat.atv)
         return True

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 
 from dray.gateway.projection.atvs import plain
 from dray.gateway.projection.changes import Changes
-from dray.gateway.projection.window import Window
+from dray.gateway.projection.timeuse import TimeUse
 from dray.gateway.views import BufferView, GoalView, MachineView, OpenTaskView
 from dray.messages import BufferLevel, GoalBrief, MachineHeartbeat, MachineStatus, TaskBrief
 from dray.plant.model import MachineSpec
@@ -16,11 +16,12 @@ from dray.store.progress import ToWall
 MAX_MACHINES = 2_000
 """Machines that are remembered: some times the largest plant. A peer that invents ids ends here."""
 
-SILENCE_S = 15.0
-"""Factory seconds after a heartbeat for which its status counts: three times the slowest rate."""
+MAKING, STARVED, IDLE, BROKEN, DOWN = "making", "starved", "idle", "broken", "down"
 
-STARVATION_SLOTS = (60.0, 60)
-"""An hour of factory time, by minutes: length of a slot in seconds, and how many."""
+DOINGS = (MAKING, STARVED, IDLE, BROKEN, DOWN)
+"""What a machine may do. It is broken when it cannot work at a goal that it has, and down without one."""
+
+WITH_GOAL = (MAKING, STARVED, BROKEN)
 
 
 class Machines:
@@ -37,7 +38,7 @@ class Machines:
         self._last: dict[str, MachineHeartbeat] = {}
         self._since_s: dict[str, float] = {}
         """Per machine, since when it has had its status (plant clock)."""
-        self._with_goal, self._starved = Window(*STARVATION_SLOTS), Window(*STARVATION_SLOTS)
+        self.use = TimeUse(DOINGS)
         self.changes = Changes("machine")
         self.by_status: Counter[str] = Counter()
 
@@ -55,12 +56,12 @@ class Machines:
         else:
             if (heartbeat.incarnation, heartbeat.seq) <= (last.incarnation, last.seq):
                 return False
-            self._spend(last, heartbeat.at_s)
             if last.status is not heartbeat.status:
                 self.by_status[heartbeat.status.value] += 1
                 self.by_status[last.status.value] -= 1
         if last is None or last.status is not heartbeat.status:
             self._since_s[heartbeat.machine] = heartbeat.at_s
+        self.use.tell(heartbeat.machine, doing(heartbeat), heartbeat.at_s)
         self._last[heartbeat.machine] = heartbeat
         self.changes.mark(heartbeat.machine)
         return True
@@ -71,9 +72,8 @@ class Machines:
         Args:
             now_s: plant clock.
         """
-        (with_goal_s,) = self._with_goal.sums(now_s, 1)
-        (starved_s,) = self._starved.sums(now_s, 1)
-        return starved_s / with_goal_s if with_goal_s > 0 else None
+        with_goal_s = sum(self.use.hour_s(each, now_s) for each in WITH_GOAL)
+        return self.use.hour_s(STARVED, now_s) / with_goal_s if with_goal_s > 0 else None
 
     def heartbeats(self) -> Iterator[tuple[MachineHeartbeat, float]]:
         """The last one of each machine, and since when it has had that status (plant clock)."""
@@ -91,15 +91,6 @@ class Machines:
     def take_changed(self) -> tuple[MachineView, ...]:
         """Those that have changed since the last call."""
         return tuple(self._view(self._last[machine]) for machine in self.changes.take_changed())
-
-    def _spend(self, last: MachineHeartbeat, until_s: float) -> None:
-        """Count the time since the last heartbeat, in the status that it told."""
-        spent_s = min(until_s - last.at_s, SILENCE_S)
-        if spent_s <= 0 or last.status is MachineStatus.IDLE or not last.goals:
-            return
-        self._with_goal.add(until_s, spent_s)
-        if last.status is MachineStatus.STARVED:
-            self._starved.add(until_s, spent_s)
 
     def _view(self, heartbeat: MachineHeartbeat) -> MachineView:
         return MachineView(
@@ -130,6 +121,17 @@ class Machines:
             round=task.round,
             trouble=task.trouble,
         )
+
+
+def doing(heartbeat: MachineHeartbeat) -> str:
+    """What a machine does."""
+    at_work = heartbeat.goals and heartbeat.status is not MachineStatus.IDLE
+    match heartbeat.status:
+        case MachineStatus.ERROR:
+            return BROKEN if at_work else DOWN
+        case MachineStatus.STARVED if at_work:
+            return STARVED
+    return MAKING if at_work else IDLE
 
 
 def _goal(goal: GoalBrief) -> GoalView:

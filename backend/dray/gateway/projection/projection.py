@@ -5,15 +5,19 @@ from __future__ import annotations
 from dray.gateway.projection import troubles
 from dray.gateway.projection.alerts import Alerts
 from dray.gateway.projection.atvs import Atvs
-from dray.gateway.projection.machines import Machines
+from dray.gateway.projection.fleet import BLOCKED
+from dray.gateway.projection.interventions import Interventions
+from dray.gateway.projection.machines import BROKEN, DOWN, Machines
 from dray.gateway.projection.news import News
 from dray.gateway.projection.orders import Orders
 from dray.gateway.projection.tasks import Tasks
+from dray.gateway.projection.timeuse import SILENT
 from dray.gateway.projection.trials import Trials
 from dray.gateway.timescale import TimeScale
-from dray.gateway.views import Delta, FactoryView, Snapshot
+from dray.gateway.views import Delta, FactoryView, Snapshot, UseView
 from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, Message
 from dray.plant.model import PlantFile
+from dray.store.kpis import KpiSample
 
 
 class Projection:
@@ -34,6 +38,7 @@ class Projection:
         self.news = News(time.to_wall_s)
         self.alerts = Alerts()
         self.trials = Trials(possible=trials)
+        self.interventions = Interventions()
         kinds = (
             self.atvs,
             self.machines,
@@ -70,7 +75,12 @@ class Projection:
                     self.tasks.hear(message)
             case Event():
                 # All look: GoalWaits is about a task and an order, and news.
-                told = self.tasks.fold(message) | self.orders.fold(message) | self.news.fold(message)
+                told = (
+                    self.tasks.fold(message)
+                    | self.orders.fold(message)
+                    | self.news.fold(message)
+                    | self.interventions.fold(message)
+                )
             case _:
                 told = False
         if told:
@@ -98,6 +108,9 @@ class Projection:
         """The factory's figures at this moment."""
         now_s = self._time.to_plant_s(wall_s)
         orders, transports = self.orders, self.tasks.transports
+        commands, helps = self.interventions.in_hour(now_s)
+        use = self.atvs.fleet.use.hour(now_s)
+        machines = self.machines.use.hour(now_s)
         return FactoryView(
             orders_open=orders.open,
             orders_delivered=orders.delivered,
@@ -105,10 +118,41 @@ class Projection:
             starved_frac=self.machines.starved_frac(now_s),
             transport_p50_s=transports.quantile_s(0.5),
             transport_p95_s=transports.quantile_s(0.95),
+            empty_frac=self.atvs.fleet.empty_frac(now_s),
+            use=UseView(**use) if use else None,
+            atv_available_frac=1.0 - use[BLOCKED] - use[SILENT] if use else None,
+            machine_available_frac=1.0 - sum(machines[each] for each in (BROKEN, DOWN, SILENT))
+            if machines
+            else None,
+            commands=commands,
+            helps=helps,
             deliveries_per_hour=transports.per_hour(now_s),
             atvs_by_status=dict(+self.atvs.by_status),
             machines_by_status=dict(+self.machines.by_status),
             speed=self._time.speed,
+        )
+
+    def totals(self, wall_s: float) -> KpiSample:
+        """Everything that adds up, since the plant's zero; everybody's time is counted up to this moment."""
+        now_s = self._time.to_plant_s(wall_s)
+        fleet, machines, transports = self.atvs.fleet, self.machines.use, self.tasks.transports
+        for use in (fleet.use, machines):
+            use.settle(now_s)
+        spent_s = {f"atv_{doing}_s": total_s for doing, total_s in fleet.use.totals_s.items()}
+        spent_s |= {f"machine_{doing}_s": total_s for doing, total_s in machines.totals_s.items()}
+        return KpiSample(
+            at_s=wall_s,
+            span_s=now_s,
+            orders_delivered=self.orders.delivered,
+            orders_on_time=self.orders.on_time,
+            transports=transports.count,
+            transport_p50_s=transports.quantile_s(0.5),
+            transport_p95_s=transports.quantile_s(0.95),
+            empty_m=fleet.empty_m,
+            loaded_m=fleet.loaded_m,
+            commands=self.interventions.commands,
+            helps=self.interventions.helps,
+            **spent_s,
         )
 
     def snapshot(self, number: int, wall_s: float) -> Snapshot:

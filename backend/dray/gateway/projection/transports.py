@@ -25,6 +25,8 @@ class Transports:
         self._durations_s: deque[float] = deque(maxlen=DURATIONS_KEPT)
         self._sorted_s: list[float] | None = None
         self._handovers = Window(*HANDOVER_SLOTS)
+        self.count = 0
+        """Handed over, of those whose announcement was heard."""
 
     def opened(self, task: str, at_s: float) -> None:
         """A transport was announced for the first time (plant clock)."""
@@ -36,6 +38,7 @@ class Transports:
         if delivered and opened_s is not None:
             self._durations_s.append(at_s - opened_s)
             self._sorted_s = None
+            self.count += 1
             self._handovers.add(at_s, 1)
 
     def forget(self, task: str) -> None:

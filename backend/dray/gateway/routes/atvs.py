@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Self
 
 import msgspec
-from fastapi import APIRouter, Depends
+from fastapi import APIRouter, Depends, Response
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from dray.gateway.access.caller import Caller
@@ -13,6 +13,7 @@ from dray.gateway.answers import PAGE, Cursor, Json, Limit, described, list_of, 
 from dray.gateway.bodies import json_only
 from dray.gateway.parts import Gateway
 from dray.gateway.problems import not_found
+from dray.gateway.spreadsheet import Format, header_of, row_of, table, with_csv
 from dray.gateway.views import AtvView
 from dray.messages import CommandKind
 
@@ -21,6 +22,12 @@ router = APIRouter(tags=["factory"])
 
 MAX_PROMISE_S = 900.0
 """No vehicle waits longer for a promise: it may be forgotten."""
+
+
+COLUMNS = (
+    *("id", "type", "status", "problem", "battery_frac", "load", "load_quantity", "link"),
+    *("node", "x_m", "y_m", "speed_mps", "speed_limit_frac", "berth", "software", "seen_at_s"),
+)
 
 
 class CommandRequest(BaseModel):
@@ -62,9 +69,17 @@ class CommandAnswer(msgspec.Struct, frozen=True):
     """Why it was refused; empty when it was done."""
 
 
-@router.get("/atvs", responses={200: list_of(AtvView, "ATVs, by id")}, response_class=Json)
-async def list_atvs(gateway: Gateway, cursor: Cursor = None, limit: Limit = PAGE) -> Json:
+@router.get("/atvs", responses={200: with_csv(list_of(AtvView, "ATVs, by id"))}, response_class=Json)
+async def list_atvs(
+    gateway: Gateway,
+    cursor: Cursor = None,
+    limit: Limit = PAGE,
+    format: Format = "json",  # noqa: A002 - the word that others use
+) -> Response:
     """ATVs that have been heard."""
+    if format == "csv":
+        rows = (row_of(COLUMNS, atv) for atv in gateway.projection.atvs.views())
+        return table("fleet", header_of(COLUMNS), rows)
     return page(gateway.projection.atvs.views(), lambda atv: atv.id, cursor, limit)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Response
 
 from dray.gateway.answers import (
     PAGE,
@@ -20,16 +20,24 @@ from dray.gateway.answers import (
 )
 from dray.gateway.parts import Gateway
 from dray.gateway.problems import not_found
+from dray.gateway.spreadsheet import Format, header_of, row_of, table, with_csv
 from dray.gateway.views import TaskView
 
 router = APIRouter(tags=["factory"])
+
+COLUMNS = (
+    *("id", "kind", "coordinator", "item", "quantity", "state", "phase"),
+    *("primary", "secondary", "source", "destination", "epoch", "round"),
+    *("opened_at_s", "contracted_at_s", "promised_at_s", "deadline_at_s", "closed_at_s"),
+    *("goal", "order", "trouble"),
+)
 
 State = Literal["bidding", "contracted", "delivered", "withdrawn"]
 
 
 @router.get(
     "/tasks",
-    responses={200: list_of(TaskView, "Open tasks and those that ended last, newest first")},
+    responses={200: with_csv(list_of(TaskView, "Open tasks and those that ended last, newest first"))},
     response_class=Json,
 )
 async def list_tasks(
@@ -37,10 +45,14 @@ async def list_tasks(
     state: Annotated[list[State] | None, Query(description="Only tasks in these states")] = None,
     cursor: Cursor = None,
     limit: Limit = PAGE,
-) -> Json:
+    format: Format = "json",  # noqa: A002 - the word that others use
+) -> Response:
     """Open tasks and the last fifty that ended; the whole history is in `/api/events`."""
     after = read_cursor(cursor, tuple[float, str])
     tasks = sorted(gateway.projection.tasks.views(), key=_place, reverse=True)
+    if format == "csv":
+        rows = (row_of(COLUMNS, task) for task in tasks if not state or task.state in state)
+        return table("tasks", header_of(COLUMNS), rows)
     wanted = [
         task
         for task in tasks
