@@ -137,8 +137,18 @@ export function poseAt(track: Track, atS: number): Pose {
     y: a.y + dy * part,
     heading: drives ? Math.atan2(dy, dx) : last.heading,
     // Later knots count as motion too: the picture has to go on until they are played.
-    moving: drives || knots.slice(i + 2).some((knot) => distance(b, knot) > SAME_M),
+    moving: drives || movesAfter(knots, i + 1),
   };
+}
+
+/** Whether any knot lies elsewhere than this one. */
+function movesAfter(knots: readonly Knot[], from: number): boolean {
+  const here = knots[from];
+  for (let i = from + 1; i < knots.length; i += 1) {
+    const knot = knots[i];
+    if (here && knot && distance(here, knot) > SAME_M) return true;
+  }
+  return false;
 }
 
 function clamp01(value: number): number {

@@ -22,7 +22,13 @@ interface Watchful {
 
 type Find = (id: string) => Place | undefined;
 
+/** Whether somebody carries it, so that somebody may watch. */
+export function isCarried(task: TaskView): boolean {
+  return task.state === "contracted" && task.kind === "transport";
+}
+
 /**
+ * @param tasks carried ones
  * @param find where a vehicle or machine is shown
  * @param only the chosen ones; null for everybody
  */
@@ -30,7 +36,6 @@ export function watchLinks(tasks: Iterable<TaskView>, find: Find, only: Watchful
   const primary: Line[] = [];
   const secondary: Guard[] = [];
   for (const task of tasks) {
-    if (task.state !== "contracted" || task.kind !== "transport") continue;
     const own = only === null || task.primary === only.atv || task.coordinator === only.machine;
     if (own) add(primary, find(task.primary), find(task.coordinator));
     // Who is only watching has nothing to do with the machine.

@@ -3,21 +3,23 @@
  * one of them changes) and everything that moves (while something moves). Knows nothing of the page:
  * it is told what to show, and asks for the next picture only while one is needed.
  */
-import type { Box, MachineView, PlantFile, TaskView } from "../api/types";
+import type { Box, PlantFile, TaskView } from "../api/types";
 import { FleetMotion, type ShownVehicle } from "../motion/fleet-motion";
 import { type Place, type Roads, roadsOf } from "../motion/roads";
 import type { Frame, World } from "../stream/world";
 import { format, t } from "../text";
 import { type Detail, detailOf } from "./detail";
-import type { Brush } from "./draw/brush";
+import { type Brush, isInSight } from "./draw/brush";
 import { drawFloor } from "./draw/floor";
 import { drawAges, drawChosenWay, drawLinks, drawWays } from "./draw/lines";
 import { drawMachine } from "./draw/machines";
 import { drawMark } from "./draw/marks";
-import { drawDots, drawVehicle, drawVehicleLabels, type Look, lookOf } from "./draw/vehicles";
+import { drawDots, drawVehicle, drawVehicleLabels, lookOf } from "./draw/vehicles";
 import { boxOnScreen, fitView, type Region, type Size, toScreenX, toScreenY, type View, type Zoom, zoomed } from "./geometry";
+import { groupsOf, URGENT_LAST } from "./groups";
 import type { Layers } from "./layers";
-import { type Guard, meshLinks, watchLinks } from "./links";
+import { type Guard, isCarried, meshLinks, watchLinks } from "./links";
+import { lookAlike, machineLooks, type MachineLooks } from "./machine-looks";
 import { Marks } from "./marks";
 import type { Palette } from "./palette";
 import { isLost, isOverdue } from "./silence";
@@ -61,6 +63,9 @@ export class PlantRenderer {
   readonly #marks = new Marks();
   #shown: Shown;
   #world: World | null = null;
+  /** Transports that somebody carries. */
+  #carried: readonly TaskView[] = [];
+  #machines: MachineLooks = new Map();
   #size: Size = { width: 1, height: 1 };
   #zoom: Zoom = { k: 1, x: 0, y: 0 };
   #smooth = true;
@@ -112,7 +117,11 @@ export class PlantRenderer {
   }
 
   #know(world: World): void {
-    if (world.machines !== this.#world?.machines) this.#stale.machines = true;
+    if (world.tasks !== this.#world?.tasks) this.#carried = [...world.tasks.values()].filter(isCarried);
+    const nowS = this.#serverNowS();
+    const machines = machineLooks(this.#machineAt.keys(), world.machines, (view) => isLost(view, nowS, world.factory.speed));
+    if (!lookAlike(this.#machines, machines)) this.#stale.machines = true;
+    this.#machines = machines;
     this.#world = world;
     this.#ask();
   }
@@ -187,7 +196,7 @@ export class PlantRenderer {
     const ctx = canvas.getContext("2d");
     if (!ctx) return null;
     ctx.clearRect(0, 0, this.#size.width, this.#size.height);
-    return { ctx, view: this.view, palette: this.#shown.palette, detail };
+    return { ctx, size: this.#size, view: this.view, palette: this.#shown.palette, detail };
   }
 
   #drawFloor(detail: Detail): void {
@@ -207,8 +216,8 @@ export class PlantRenderer {
     const brush = this.#brush(this.#canvases.machines, detail);
     if (!brush) return;
     for (const spec of this.plant.machines) {
-      const view: MachineView | undefined = this.#world?.machines.get(spec.id);
-      const lost = view !== undefined && isLost(view, this.#serverNowS(), this.#world?.factory.speed ?? 1);
+      if (!isInSight(brush, spec.box)) continue;
+      const { view, lost = false } = this.#machines.get(spec.id) ?? {};
       const product = this.#productNames.get(view?.product ?? "") ?? "";
       drawMachine(brush, { spec, view, product, lost, chosen: spec.id === this.#shown.place });
     }
@@ -231,7 +240,7 @@ export class PlantRenderer {
       const others = vehicles.filter((vehicle) => vehicle.view.id !== atv && onItsWay(vehicle));
       drawWays(brush, others.map(({ view }) => this.fleet.ahead(view.id)));
     }
-    if (layers.watch) this.#drawWatch(brush, world.tasks, vehicles, nowS);
+    if (layers.watch) this.#drawWatch(brush, vehicles, nowS);
     if (layers.mesh) drawLinks(brush, meshLinks(vehicles, this.#find), "mesh", true);
     const chosen = atv === null ? undefined : this.fleet.get(atv);
     if (layers.ways && chosen && onItsWay(chosen)) drawChosenWay(brush, this.fleet.ahead(chosen.view.id));
@@ -239,59 +248,57 @@ export class PlantRenderer {
     this.#drawVehicles(brush, vehicles, nowS);
   }
 
-  #drawWatch(
-    brush: Brush,
-    tasks: ReadonlyMap<string, TaskView>,
-    inSight: readonly ShownVehicle[],
-    nowS: number,
-  ): void {
+  #drawWatch(brush: Brush, inSight: readonly ShownVehicle[], nowS: number): void {
     const { atv, place } = this.#shown;
-    const speed = this.#world?.factory.speed ?? 1;
     if (brush.detail.everybody) {
       // Lines that only pass through would say nothing.
       const seen = new Map(inSight.map((vehicle) => [vehicle.view.id, vehicle]));
-      const all = watchLinks(tasks.values(), (id) => seen.get(id), null);
-      drawLinks(brush, all.secondary, "secondary", false);
+      drawLinks(brush, watchLinks(this.#carried, (id) => seen.get(id), null).secondary, "secondary", false);
     }
-    const chosen = watchLinks(tasks.values(), this.#find, { atv, machine: place });
+    const chosen = watchLinks(this.#carried, this.#find, { atv, machine: place });
     drawLinks(brush, chosen.primary, "primary", true);
     drawLinks(brush, chosen.secondary, "secondary", true);
-    const aged = (guards: readonly Guard[]) =>
-      guards.flatMap((guard) => {
-        const view = this.fleet.get(guard.guarded)?.view;
-        if (!view) return [];
-        const age = format.age(nowS - view.seen_at_s);
-        return [{ ...guard, age, overdue: isOverdue(view, nowS, speed) }];
-      });
     // Whoever is not heard in time is looked for, whatever is chosen.
-    const overdue = aged(watchLinks(tasks.values(), this.#find, null).secondary).filter((each) => each.overdue);
+    const late = this.#carried.filter((task) => this.#isOverdue(task.primary, nowS));
+    const overdue = watchLinks(late, this.#find, null).secondary;
     drawLinks(brush, overdue, "overdue", true);
-    drawAges(brush, [...aged(chosen.secondary).filter((each) => !each.overdue), ...overdue]);
+    const heard = chosen.secondary.filter(({ guarded }) => !this.#isOverdue(guarded, nowS));
+    drawAges(brush, [...this.#aged(heard, nowS, false), ...this.#aged(overdue, nowS, true)]);
+  }
+
+  #isOverdue(atv: string, nowS: number): boolean {
+    const view = this.fleet.get(atv)?.view;
+    return view !== undefined && isOverdue(view, nowS, this.#world?.factory.speed ?? 1);
+  }
+
+  #aged(guards: readonly Guard[], nowS: number, overdue: boolean) {
+    return guards.flatMap((guard) => {
+      const view = this.fleet.get(guard.guarded)?.view;
+      return view ? [{ ...guard, overdue, age: format.age(nowS - view.seen_at_s) }] : [];
+    });
   }
 
   #drawVehicles(brush: Brush, vehicles: readonly ShownVehicle[], nowS: number): void {
+    const { atv, layers } = this.#shown;
     const speed = this.#world?.factory.speed ?? 1;
-    const looks = vehicles.map((vehicle) => {
-      const chosen = vehicle.view.id === this.#shown.atv;
-      const look = lookOf(vehicle.view, chosen, isLost(vehicle.view, nowS, speed));
-      const { id, seen_at_s: seenAtS } = vehicle.view;
-      const label = look === "lost" ? t("map.silent", { id, age: format.age(nowS - seenAtS) }) : id;
-      return { vehicle, look, chosen, label };
-    });
-    // Whoever matters is drawn last, and so on top; and named first.
-    looks.sort((a, b) => URGENCY[b.look] - URGENCY[a.look]);
-    if (brush.detail.vehicleParts) {
-      for (const { vehicle, look, chosen } of looks) drawVehicle(brush, vehicle, look, chosen);
-    } else {
-      for (const look of ["lost", "charging", "idle", "normal", "alarm"] as const) {
-        drawDots(brush, looks.filter((each) => each.look === look).map(({ vehicle }) => vehicle), look);
-      }
-      const chosen = looks.find((each) => each.chosen);
-      if (chosen) drawVehicle(brush, chosen.vehicle, chosen.look, true);
+    const groups = groupsOf(vehicles, ({ view }) => lookOf(view, view.id === atv, isLost(view, nowS, speed)));
+    for (const look of URGENT_LAST) {
+      if (!brush.detail.vehicleParts && look !== "chosen") drawDots(brush, groups[look], look);
+      else for (const vehicle of groups[look]) drawVehicle(brush, vehicle, look, vehicle.view.id === atv);
     }
-    const named = brush.detail.vehicleLabels && this.#shown.layers.labels;
-    const walls = this.#walls.map((box) => boxOnScreen(brush.view, box));
-    drawVehicleLabels(brush, looks.toReversed().filter((each) => named || each.chosen), walls);
+    const named = brush.detail.vehicleLabels && layers.labels;
+    const labels = URGENT_LAST.toReversed().flatMap((look) =>
+      groups[look].flatMap((vehicle) => {
+        const { id, seen_at_s: seenAtS } = vehicle.view;
+        const chosen = id === atv;
+        if (!named && !chosen) return [];
+        const label = look === "lost" ? t("map.silent", { id, age: format.age(nowS - seenAtS) }) : id;
+        return [{ vehicle, look, chosen, label }];
+      }),
+    );
+    if (labels.length === 0) return;
+    const walls = this.#walls.filter((box) => isInSight(brush, box)).map((box) => boxOnScreen(brush.view, box));
+    drawVehicleLabels(brush, labels, walls);
   }
 
   #inSight(): ShownVehicle[] {
@@ -311,12 +318,3 @@ export class PlantRenderer {
   /** Where somebody is drawn: a vehicle as it moves, a machine in the middle of its box. */
   readonly #find = (id: string): Place | undefined => this.fleet.get(id) ?? this.#machineAt.get(id);
 }
-
-const URGENCY: Readonly<Record<Look, number>> = {
-  chosen: 0,
-  alarm: 1,
-  lost: 2,
-  normal: 3,
-  idle: 4,
-  charging: 5,
-};

@@ -1,13 +1,22 @@
 /** What every drawing function gets: where to draw, how, and how much. */
 import type { Detail } from "../detail";
-import type { View } from "../geometry";
+import type { Box } from "../../api/types";
+import { boxOnScreen, overlaps, type Size, type View } from "../geometry";
 import type { Palette } from "../palette";
 
 export interface Brush {
   readonly ctx: CanvasRenderingContext2D;
+  readonly size: Size;
   readonly view: View;
   readonly palette: Palette;
   readonly detail: Detail;
+}
+
+/** Whether any of it would be seen: with room for a frame around it. */
+export function isInSight({ size, view }: Brush, box: Box): boolean {
+  const slack = 8;
+  const screen = { left: -slack, top: -slack, right: size.width + slack, bottom: size.height + slack };
+  return overlaps(boxOnScreen(view, box), screen);
 }
 
 /** A name that grows with the zoom between two readable bounds. */

@@ -2,7 +2,7 @@
 import type { Box, Lane, PlantFile } from "../../api/types";
 import type { Place, Roads } from "../../motion/roads";
 import { boxOnScreen, toScreenX, toScreenY } from "../geometry";
-import { type Brush, setFont, textPx } from "./brush";
+import { type Brush, isInSight, setFont, textPx } from "./brush";
 
 export interface FloorPlan {
   readonly plant: PlantFile;
@@ -18,6 +18,7 @@ const LANE_M = 1.5;
 /** Slower lanes are spurs to docks, and drawn as such. */
 const SPUR_MPS = 1;
 const SPUR_M = 1;
+const PARKING_M = 2.1;
 
 export function drawFloor(brush: Brush, plan: FloorPlan): void {
   drawGround(brush, plan.plant);
@@ -141,12 +142,12 @@ function traceArrow({ ctx, view }: Brush, a: Place, b: Place): void {
 
 function drawParkings(brush: Brush, plan: FloorPlan): void {
   const { ctx, view, palette, detail } = brush;
-  const half = 1.05 * view.scale;
+  const half = (PARKING_M / 2) * view.scale;
   ctx.lineWidth = 1.25;
   ctx.strokeStyle = palette["lane-mark"];
   for (const parking of plan.plant.parkings) {
     const at = plan.roads.places.get(parking.node);
-    if (!at) continue;
+    if (!at || !isInSight(brush, { x_m: at.x, y_m: at.y, width_m: PARKING_M, depth_m: PARKING_M })) continue;
     const x = toScreenX(view, at.x);
     const y = toScreenY(view, at.y);
     ctx.beginPath();
@@ -162,6 +163,7 @@ function drawParkings(brush: Brush, plan: FloorPlan): void {
 function drawChargers(brush: Brush, plant: PlantFile): void {
   const { ctx, view, palette } = brush;
   for (const charger of plant.chargers) {
+    if (!isInSight(brush, charger.box)) continue;
     const x = toScreenX(view, charger.box.x_m);
     const y = toScreenY(view, charger.box.y_m);
     const r = (charger.box.width_m * view.scale) / 2;
@@ -208,6 +210,7 @@ function drawBox(
   name: string,
   textM: number,
 ): void {
+  if (!isInSight(brush, box)) return;
   const { ctx, view, palette, detail } = brush;
   const { left, top, right, bottom } = boxOnScreen(view, box);
   ctx.beginPath();
