@@ -1,4 +1,5 @@
 /** Requests to the gateway, with its problems (RFC 9457) as values. */
+import { tellLoggedOut } from "./session";
 import type { PlantFile } from "./types";
 
 export interface FieldError {
@@ -117,6 +118,7 @@ async function request(
     throw new Problem(0, "");
   });
   const answer: unknown = await response.json().catch(() => null);
+  if (response.status === 401) tellLoggedOut();
   if (!response.ok) throw problemOf(response.status, answer);
   return answer;
 }

@@ -9,7 +9,8 @@ import "../styles/cards.css";
 import "../styles/alerts.css";
 import { effect } from "@preact/signals";
 import { render } from "preact";
-import { fetchPlant, Problem } from "../api/client";
+import { fetchPlant } from "../api/client";
+import { onLoggedOut, toLogin } from "../api/session";
 import { start } from "../stream/stream";
 import { t, tables } from "../text/manager";
 import { beginToSpeak } from "../text/speech";
@@ -28,10 +29,6 @@ async function loadPlant(): Promise<void> {
     plant.value = await fetchPlant();
     plantFailed.value = null;
   } catch (error) {
-    if (error instanceof Problem && error.status === 401) {
-      location.assign(`/login?next=${encodeURIComponent(location.pathname)}`);
-      return;
-    }
     plantFailed.value = problemText(error);
     setTimeout(() => void loadPlant(), RETRY_MS);
   }
@@ -41,6 +38,7 @@ await beginToSpeak(tables);
 effect(() => {
   document.title = t("app.title");
 });
+onLoggedOut(toLogin);
 followTheme();
 followAddress();
 chooseAtFirst();

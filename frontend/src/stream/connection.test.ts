@@ -1,13 +1,13 @@
 import { beforeEach, describe, expect, test } from "vitest";
 import { waitBeforeS } from "./backoff";
-import { Connection, type Socket } from "./connection";
+import { Connection, LOGGED_OUT, type Socket } from "./connection";
 import { freshnessOf, isPast } from "./freshness";
 import { ServerClock } from "./server-clock";
 
 class FakeSocket implements Socket {
   onopen: (() => void) | null = null;
   onmessage: ((event: { data: unknown }) => void) | null = null;
-  onclose: (() => void) | null = null;
+  onclose: ((event: { code: number }) => void) | null = null;
   closed = false;
   close(): void {
     this.closed = true;
@@ -25,6 +25,7 @@ let sockets: FakeSocket[];
 let timers: { seconds: number; call: () => void; off: boolean }[];
 let numbers: number[];
 let states: boolean[];
+let loggedOut: number;
 let connection: Connection;
 
 const socket = (): FakeSocket => {
@@ -46,6 +47,7 @@ function passTime(): number {
 
 beforeEach(() => {
   [sockets, timers, numbers, states] = [[], [], [], []];
+  loggedOut = 0;
   connection = new Connection(
     {
       open: () => {
@@ -64,6 +66,7 @@ beforeEach(() => {
     {
       frame: (frame) => numbers.push(frame.number),
       connected: (yes) => states.push(yes),
+      loggedOut: () => (loggedOut += 1),
     },
   );
   connection.connect();
@@ -99,17 +102,17 @@ describe("a connection", () => {
 
   test("waits longer after each failed try, and starts over once frames come", () => {
     socket().say(snapshot(1));
-    socket().onclose?.();
+    socket().onclose?.({ code: 1006 });
     const waits = [0, 1, 2].map(() => {
       const wait = passTime();
-      socket().onclose?.();
+      socket().onclose?.({ code: 1006 });
       return wait;
     });
     expect(waits).toEqual([0.5, 1, 2]);
     passTime();
     socket().onopen?.();
     socket().say(snapshot(2));
-    socket().onclose?.();
+    socket().onclose?.({ code: 1006 });
     expect(passTime()).toBe(0.5);
   });
 
@@ -129,6 +132,14 @@ describe("a connection", () => {
     connection.close();
     expect(timers.every(({ off }) => off)).toBe(true);
     expect(socket().closed).toBe(true);
+  });
+
+  test("whose session has ended says so, and does not try again by itself", () => {
+    socket().say(snapshot(4));
+    socket().onclose?.({ code: LOGGED_OUT });
+    expect([loggedOut, states.at(-1), timers.every(({ off }) => off)]).toEqual([1, false, true]);
+    connection.connect();
+    expect(sockets).toHaveLength(2);
   });
 });
 

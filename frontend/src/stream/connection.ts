@@ -9,7 +9,7 @@ import { advance, type Frame, type World } from "./world";
 export interface Socket {
   onopen: (() => void) | null;
   onmessage: ((event: { data: unknown }) => void) | null;
-  onclose: (() => void) | null;
+  onclose: ((event: { code: number }) => void) | null;
   close(): void;
 }
 
@@ -24,7 +24,12 @@ export interface Listener {
   /** A frame was taken in; `world` is what it led to. */
   frame: (frame: Frame, world: World) => void;
   connected: (yes: boolean) => void;
+  /** The session has ended, or there is none: nothing comes before somebody has logged in. */
+  loggedOut: () => void;
 }
+
+/** With this code the gateway closes the stream of a session that has ended. */
+export const LOGGED_OUT = 4401;
 
 /** How long a socket may take to open before it is given up. */
 const OPEN_WITHIN_S = 6;
@@ -55,8 +60,9 @@ export class Connection {
     socket.onmessage = (event) => {
       this.#take(event.data);
     };
-    socket.onclose = () => {
-      this.#lost();
+    socket.onclose = ({ code }) => {
+      if (code === LOGGED_OUT) this.#end();
+      else this.#lost();
     };
     this.#cancelTimer = this.#around.later(OPEN_WITHIN_S, () => {
       this.#lost();
@@ -82,6 +88,14 @@ export class Connection {
     this.#world = world;
     this.#failures = 0;
     this.#listener.frame(frame, world);
+  }
+
+  /** Trying again would only be refused again; `connect` may be called after a login. */
+  #end(): void {
+    this.#drop();
+    this.#world = null;
+    this.#listener.connected(false);
+    this.#listener.loggedOut();
   }
 
   #lost(): void {

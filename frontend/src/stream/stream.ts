@@ -5,6 +5,7 @@
  * pace; the map's motion listens to every frame instead.
  */
 import { computed, signal } from "@preact/signals";
+import { tellLoggedOut } from "../api/session";
 import { Connection, type Socket } from "./connection";
 import { freshnessOf } from "./freshness";
 import { ServerClock } from "./server-clock";
@@ -66,6 +67,7 @@ const connection = new Connection(
       connected.value = yes;
     },
     frame: take,
+    loggedOut: tellLoggedOut,
   },
 );
 
