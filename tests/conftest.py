@@ -6,6 +6,7 @@ line that names it. Under CI (`CI=true`) nothing may be skipped: what would be, 
 
 from __future__ import annotations
 
+import json
 import os
 import queue
 import re
@@ -14,9 +15,11 @@ import subprocess
 import sys
 import threading
 import time
+import urllib.request
 from collections.abc import Callable, Generator, Iterator
+from http.cookiejar import CookieJar
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import pytest
 
@@ -115,31 +118,69 @@ STOP_S = 20.0
 """Longest wait for a clean stop: connections get 3 s, the simulation one instant."""
 
 
+ANSWER_S = 10.0
+"""Longest wait for one answer."""
+
+SESSION = "dray_session"
+"""The cookie of a login."""
+
+
+class _StayHere(urllib.request.HTTPRedirectHandler):
+    """Asks for nothing more where an answer leads elsewhere."""
+
+    def http_error_303(self, req: Any, fp: Any, code: int, msg: str, headers: Any) -> Any:
+        return fp
+
+
 class DrayProcess:
     """`dray up` in a process of its own.
 
     Attributes:
         url: where the panel is, without a slash at the end.
+        token: the administrator's.
+        links: per person without a secret, the address by which it logs in once.
         lines: what it has printed so far, stdout and stderr together.
     """
 
     def __init__(self, python: Path | str, *options: str, cwd: Path) -> None:
         command = [str(python), "-m", "dray", "up", *options]
-        env = {**os.environ, "PYTHONUNBUFFERED": "1", "COLUMNS": "200", "NO_COLOR": "1"}
+        inherited = {name: value for name, value in os.environ.items() if name != "DRAY_ADMIN_TOKEN"}
+        env = {**inherited, "PYTHONUNBUFFERED": "1", "COLUMNS": "200", "NO_COLOR": "1"}
         self.process = subprocess.Popen(
             command, cwd=cwd, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
         )
         self.lines: list[str] = []
+        self._sessions: dict[str, str] = {}
         self._arrived: queue.Queue[str | None] = queue.Queue()
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
         try:
-            self.url = self._await_url()
+            greeting = self._await_greeting()
         except BaseException:
             self.process.kill()
             self.process.wait()
             self._close()
             raise
+        self.url = _found(r"Management panel\s+(\S+?)/?$", greeting)
+        self.token = _found(r"Admin token\s+(\S+)$", greeting)
+        self.links = dict(re.findall(r"^ +(\S+)\s+(http://\S+/login/\S+)$", greeting, re.MULTILINE))
+
+    def ask(self, path: str, body: Any = None, **headers: str) -> Any:
+        """Ask the API as the administrator: a GET, or a POST of a body."""
+        data = None if body is None else json.dumps(body).encode()
+        usual = {"Authorization": f"Bearer {self.token}", "Content-Type": "application/json"}
+        request = urllib.request.Request(self.url + path, data, {**usual, **headers})
+        with urllib.request.urlopen(request, timeout=ANSWER_S) as answer:
+            return json.load(answer)
+
+    def session(self, person: str = "manager") -> str:
+        """The cookie of somebody who has logged in by the link that was printed, once for all who ask."""
+        if person not in self._sessions:
+            jar = CookieJar()
+            opener = urllib.request.build_opener(urllib.request.HTTPCookieProcessor(jar), _StayHere)
+            opener.open(urllib.request.Request(self.links[person], b""), timeout=ANSWER_S).close()
+            self._sessions[person] = next(cookie.value or "" for cookie in jar if cookie.name == SESSION)
+        return self._sessions[person]
 
     def stop(self, by: signal.Signals = signal.SIGTERM) -> int:
         """Ask it to stop, as a terminal or a service manager does; its exit code."""
@@ -171,17 +212,19 @@ class DrayProcess:
             self._arrived.put(line)
         self._arrived.put(None)
 
-    def _await_url(self) -> str:
+    def _await_greeting(self) -> str:
+        """All that it says until it answers."""
         ends_s = time.monotonic() + READY_S
-        while True:
+        said = ""
+        while "Ctrl-C" not in said:
             try:
                 line = self._arrived.get(timeout=max(0.0, ends_s - time.monotonic()))
             except queue.Empty:
                 pytest.fail(f"dray up was not ready within {READY_S} s:\n{self.output()}")
             if line is None:
                 pytest.fail(f"dray up ended with {self.process.wait()}:\n{self.output()}")
-            if found := re.search(r"panel\s+(http://\S+?)/?\s*$", line, re.IGNORECASE):
-                return found[1]
+            said += line
+        return said
 
     def _close(self) -> None:
         self._reader.join(STOP_S)
@@ -189,21 +232,34 @@ class DrayProcess:
             self.process.stdout.close()
 
 
+def _found(pattern: str, text: str) -> str:
+    found = re.search(pattern, text, re.MULTILINE)
+    assert found is not None, text
+    return found[1]
+
+
 StartDray = Callable[..., DrayProcess]
 
 
 @pytest.fixture(scope="session")
-def start_dray(tmp_path_factory: pytest.TempPathFactory) -> Iterator[StartDray]:
+def running() -> dict[str, DrayProcess]:
+    """Every `dray up` that was started so far, by its address."""
+    return {}
+
+
+@pytest.fixture(scope="session")
+def start_dray(
+    tmp_path_factory: pytest.TempPathFactory, running: dict[str, DrayProcess]
+) -> Iterator[StartDray]:
     """Start `dray up` on a free port, by default with a database of its own; whatever still runs is stopped."""
-    started: list[DrayProcess] = []
 
     def start(*options: str, python: Path | str = sys.executable, url: str = "") -> DrayProcess:
         home = tmp_path_factory.mktemp("dray")
         url = url or f"sqlite:///{home / 'dray.db'}"
         dray = DrayProcess(python, "--port", "0", "--db", url, *options, cwd=home)
-        started.append(dray)
+        running[dray.url] = dray
         return dray
 
     yield start
-    for dray in started:
+    for dray in running.values():
         dray.stop()

@@ -75,7 +75,7 @@ def test_an_installed_wheel_runs_dray_up_with_panels_and_database(python: Path, 
     )
     assert str(ROOT) not in where
     dray = start_dray("--no-demand", python=python)
-    page = urllib.request.urlopen(f"{dray.url}/", timeout=10).read().decode()
+    page = urllib.request.urlopen(f"{dray.url}/login", timeout=10).read().decode()
     assert "/static/" in page
     ready = urllib.request.urlopen(f"{dray.url}/readyz", timeout=10)
     assert ready.status == 200

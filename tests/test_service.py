@@ -6,13 +6,12 @@ import json
 import signal
 import sqlite3
 import time
-import urllib.request
 from contextlib import closing
 from pathlib import Path
 from typing import Any
 
 import pytest
-from websockets.sync.client import connect
+from websockets.sync.client import ClientConnection, connect
 
 SPEED = ("--speed", "50", "--no-demand")
 
@@ -20,26 +19,25 @@ DELIVERED_S = 60.0
 """Within a minute of real time at this speed, an order of a few pieces is delivered."""
 
 
-def call(url: str, body: dict[str, Any] | None = None, **headers: str) -> Any:
-    data = None if body is None else json.dumps(body).encode()
-    request = urllib.request.Request(url, data, {"Content-Type": "application/json", **headers})
-    with urllib.request.urlopen(request, timeout=10) as answer:
-        return json.load(answer)
-
-
-def order(url: str, quantity: int, key: str) -> dict[str, Any]:
+def order(dray: Any, quantity: int, key: str) -> dict[str, Any]:
     """Order the plant's first product."""
-    product = call(f"{url}/api/products")["items"][0]["id"]
+    product = dray.ask("/api/products")["items"][0]["id"]
     body = {"customer": "Hall 3", "items": [{"product": product, "quantity": quantity}]}
-    return call(f"{url}/api/orders", body, **{"Idempotency-Key": key})
+    return dict(dray.ask("/api/orders", body, **{"Idempotency-Key": key}))
 
 
-def watch(url: str, order_id: str, status: str) -> dict[str, Any]:
+def stream(dray: Any) -> ClientConnection:
+    """The websocket of the panels, as the administrator."""
+    headers = {"Authorization": f"Bearer {dray.token}"}
+    return connect(f"{dray.url.replace('http', 'ws')}/api/stream", additional_headers=headers, max_size=None)
+
+
+def watch(dray: Any, order_id: str, status: str) -> dict[str, Any]:
     """Listen to the stream until the order has this status; the order as the stream told it."""
     ends_s = time.monotonic() + DELIVERED_S
-    with connect(f"{url.replace('http', 'ws')}/api/stream", max_size=None) as stream:
+    with stream(dray) as frames:
         while True:
-            frame = json.loads(stream.recv(timeout=ends_s - time.monotonic()))
+            frame = json.loads(frames.recv(timeout=ends_s - time.monotonic()))
             for view in frame.get("orders", ()):
                 if view["id"] == order_id and view["status"] == status:
                     return view
@@ -48,8 +46,8 @@ def watch(url: str, order_id: str, status: str) -> dict[str, Any]:
 @pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_stops_it_cleanly_while_a_browser_watches(start_dray, by) -> None:
     dray = start_dray("--speed", "20")
-    with connect(f"{dray.url.replace('http', 'ws')}/api/stream", max_size=None) as stream:
-        stream.recv(timeout=10)
+    with stream(dray) as frames:
+        frames.recv(timeout=10)
         assert dray.stop(by) == 0, dray.output()
     assert "Traceback" not in dray.output()
 
@@ -59,9 +57,9 @@ def test_an_order_over_rest_is_delivered_and_its_events_tell_every_auction(
 ) -> None:
     database = tmp_path / "dray.db"
     dray = start_dray(*SPEED, url=f"sqlite:///{database}")
-    placed = order(dray.url, 4, "k-1")
+    placed = order(dray, 4, "k-1")
     assert placed["status"] == "released"
-    view = watch(dray.url, placed["id"], "delivered")
+    view = watch(dray, placed["id"], "delivered")
     assert view["items"][0]["delivered"] == 4
     assert dray.stop() == 0, dray.output()  # what has been heard is written by now
 
@@ -85,16 +83,16 @@ def test_an_order_over_rest_is_delivered_and_its_events_tell_every_auction(
 
 def test_an_accepted_order_survives_a_kill_and_is_delivered_once(start_dray, url: str) -> None:
     dray = start_dray(*SPEED, url=url)
-    placed = order(dray.url, 6, "k-2")
-    watch(dray.url, placed["id"], "in_production")
+    placed = order(dray, 6, "k-2")
+    watch(dray, placed["id"], "in_production")
     dray.kill()
 
     dray = start_dray(*SPEED, url=url)
-    again = order(dray.url, 6, "k-2")
+    again = order(dray, 6, "k-2")
     assert again["id"] == placed["id"], "the key is remembered: no second order"
-    view = watch(dray.url, placed["id"], "delivered")
+    view = watch(dray, placed["id"], "delivered")
     assert [item["delivered"] for item in view["items"]] == [6]
-    assert len(call(f"{dray.url}/api/orders")["items"]) == 1
+    assert len(dray.ask("/api/orders")["items"]) == 1
     assert dray.stop() == 0, dray.output()
 
 
@@ -103,5 +101,5 @@ def test_a_second_one_on_the_same_port_is_told_so_and_the_first_goes_on(start_dr
     port = dray.url.rpartition(":")[2]
     with pytest.raises(pytest.fail.Exception, match=rf"port {port} on 127\.0\.0\.1.*in use.*--port"):
         start_dray("--port", port)
-    assert call(f"{dray.url}/readyz")["status"] == "ready"
+    assert dray.ask("/readyz")["status"] == "ready"
     assert dray.stop() == 0, dray.output()

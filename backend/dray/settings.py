@@ -46,7 +46,7 @@ class Settings(BaseSettings):
     """A file in the working folder: an embedded start needs no server."""
 
     host: Annotated[str, Field(min_length=1)] = "127.0.0.1"
-    """This machine only: there is no login yet, so nobody else may reach the panels."""
+    """This machine only, until somebody decides who else may reach the panels."""
 
     port: Annotated[int, Field(ge=0, le=65_535)] = 8000
     """TCP port; 0 lets the system choose one."""
@@ -55,7 +55,17 @@ class Settings(BaseSettings):
     """What a person who starts it by hand wants to read."""
 
     admin_token: SecretStr | None = None
-    """The first bearer token; one is generated when absent. Nothing asks for it before there is a login."""
+    """The administrator's bearer token, which may do everything; `dray up` makes one when it is absent."""
+
+    trusted_proxies: str = ""
+    """Addresses, with commas between them, of proxies whose X-Forwarded-For and X-Forwarded-Proto are true.
+    None: anybody could write these headers."""
+
+    key_rate_hz: Annotated[float, Field(gt=0, le=10_000)] = 20.0
+    """Requests per second that one API key may make for long: more than an ERP system places orders."""
+
+    key_burst: Annotated[int, Field(ge=1, le=100_000)] = 200
+    """Requests that one API key may make at once: a day's orders in one go."""
 
     body_limit_bytes: Annotated[int, Field(ge=1024, le=64 * 2**20)] = 2**20
     """1 MiB: the longest honest body, an order of 50 items, has some 10 kB."""
@@ -80,6 +90,9 @@ class Settings(BaseSettings):
 
     samples_kept: Annotated[int, Field(ge=1000)] = 200_000
     """Rows of sampled heartbeats kept, some 50 MB: about three days of the default plant in real time."""
+
+    audit_kept: Annotated[int, Field(ge=1000)] = 1_000_000
+    """Lines of the audit log kept, some 300 MB: years of what people do."""
 
     @classmethod
     def load(cls, **options: object) -> Self:

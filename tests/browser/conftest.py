@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import shutil
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
@@ -67,12 +68,21 @@ def complaints() -> Complaints:
 
 
 @pytest.fixture
-def open_page(browser: Browser, complaints: Complaints) -> Iterator[Callable[..., Page]]:
-    """Open an address in a fresh profile; complaints are looked at when the test is over."""
+def open_page(
+    browser: Browser, complaints: Complaints, running: Mapping[str, Any]
+) -> Iterator[Callable[..., Page]]:
+    """Open an address in a fresh profile; complaints are looked at when the test is over.
+
+    `who` is logged in at the `dray up` of that address, or at the one that is visited later.
+    """
     pages: list[Page] = []
 
-    def open_at(url: str, **options: object) -> Page:
+    def open_at(url: str, *, who: str | None = "manager", visits: str = "", **options: object) -> Page:
         context = browser.new_context(**{"viewport": VIEWPORT, "locale": "en-GB", **options})
+        dray = next((each for home, each in running.items() if (visits or url).startswith(home)), None)
+        if dray is not None and who is not None:
+            cookie = {"name": "dray_session", "value": dray.session(who), "url": dray.url}
+            context.add_cookies([cookie | {"httpOnly": True, "sameSite": "Strict"}])
         page = context.new_page()
         pages.append(page)
         page.set_default_timeout(TIMEOUT_MS)

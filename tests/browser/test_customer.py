@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import re
-import urllib.request
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -32,21 +30,17 @@ PHONE = {"width": 360, "height": 740}
 
 
 @pytest.fixture(scope="module")
-def factory(start_dray) -> Iterator[str]:
+def factory(start_dray) -> Iterator[Any]:
     """A factory in which nobody orders but the test."""
     dray = start_dray("--speed", "50", "--no-demand")
-    yield dray.url
+    yield dray
     assert dray.stop() == 0, dray.output()
 
 
-def order(factory: str, quantity: int, **fields: Any) -> str:
+def order(factory: Any, quantity: int, **fields: Any) -> str:
     """Place an order; the address of its customer's page."""
     body = {"customer": "Hall 3", "items": [{"product": "gear-unit-g1", "quantity": quantity}], **fields}
-    request = urllib.request.Request(
-        f"{factory}/api/orders", json.dumps(body).encode(), {"Content-Type": "application/json"}
-    )
-    with urllib.request.urlopen(request) as answer:
-        return str(json.load(answer)["tracking_url"])
+    return str(factory.ask("/api/orders", body)["tracking_url"])
 
 
 def stage(page: Page, name: str) -> Any:
@@ -54,7 +48,7 @@ def stage(page: Page, name: str) -> Any:
 
 
 def test_a_customer_follows_an_order_to_its_delivery_without_touching_the_page(
-    factory: str, open_page: OpenPage, screenshot: Screenshot
+    factory: Any, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
     asked: list[str] = []
     page = open_page("about:blank")
@@ -76,9 +70,9 @@ def test_a_customer_follows_an_order_to_its_delivery_without_touching_the_page(
     ("locale", "words"), [("en-GB", "As of"), ("de-DE", "Stand"), ("es-ES", "Actualizado")]
 )
 def test_every_language_and_theme_fits_a_small_telephone(
-    factory: str, open_page: OpenPage, screenshot: Screenshot, theme: str, locale: str, words: str
+    factory: Any, open_page: OpenPage, screenshot: Screenshot, theme: str, locale: str, words: str
 ) -> None:
-    page = open_page(order(factory, 9000), viewport=PHONE, color_scheme=theme, locale=locale)
+    page = open_page(order(factory, 9000), who=None, viewport=PHONE, color_scheme=theme, locale=locale)
     expect(page.locator("#as-of")).to_contain_text(words)
     assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
     for link in page.get_by_role("navigation").get_by_role("link").all():
@@ -88,9 +82,9 @@ def test_every_language_and_theme_fits_a_small_telephone(
     screenshot(page, f"customer-{locale[:2]}-{theme}")
 
 
-def test_a_language_is_chosen_by_keyboard_and_remembered(factory: str, open_page: OpenPage) -> None:
+def test_a_language_is_chosen_by_keyboard_and_remembered(factory: Any, open_page: OpenPage) -> None:
     url = order(factory, 9000)
-    page = open_page(url)
+    page = open_page(url, who=None)
     page.keyboard.press("Tab")
     expect(page.get_by_role("link", name="Skip to the order")).to_be_focused()
     for _ in range(2):
@@ -103,9 +97,9 @@ def test_a_language_is_chosen_by_keyboard_and_remembered(factory: str, open_page
 
 
 def test_a_page_without_a_script_tells_everything_and_how_to_ask_again(
-    factory: str, open_page: OpenPage, screenshot: Screenshot
+    factory: Any, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
-    page = open_page(order(factory, 9000), java_script_enabled=False)
+    page = open_page(order(factory, 9000), who=None, java_script_enabled=False)
     expect(page.get_by_role("heading", level=1)).to_have_text(re.compile("9,000 . Gear unit G1"))
     expect(page.get_by_role("list").nth(1).get_by_role("listitem")).to_have_count(5)
     expect(page.get_by_text("keeps itself up to date")).to_be_hidden()
@@ -114,13 +108,13 @@ def test_a_page_without_a_script_tells_everything_and_how_to_ask_again(
     screenshot(page, "customer-without-script")
 
 
-def test_times_are_those_of_the_reader(factory: str, open_page: OpenPage) -> None:
-    page = open_page(order(factory, 9000), timezone_id="Asia/Tokyo")
+def test_times_are_those_of_the_reader(factory: Any, open_page: OpenPage) -> None:
+    page = open_page(order(factory, 9000), who=None, timezone_id="Asia/Tokyo")
     expect(page.locator("#zone")).to_have_text("Times are in Asia/Tokyo")
     expect(page.locator("main")).to_have_attribute("data-zone", "Asia/Tokyo")
 
 
-def test_a_lost_connection_is_said_and_its_return_too(factory: str, open_page: OpenPage) -> None:
+def test_a_lost_connection_is_said_and_its_return_too(factory: Any, open_page: OpenPage) -> None:
     page = open_page("about:blank")
     page.clock.install()
     page.goto(order(factory, 9000))
@@ -136,9 +130,9 @@ def test_a_lost_connection_is_said_and_its_return_too(factory: str, open_page: O
 
 
 def test_paper_is_black_on_white_whatever_the_theme(
-    factory: str, open_page: OpenPage, screenshot: Screenshot
+    factory: Any, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
-    page = open_page(order(factory, 9000), color_scheme="dark")
+    page = open_page(order(factory, 9000), who=None, color_scheme="dark")
     page.emulate_media(media="print")
     body = "getComputedStyle(document.body)"
     assert page.evaluate(f"[{body}.color, {body}.backgroundColor]") == ["rgb(0, 0, 0)", "rgb(255, 255, 255)"]

@@ -6,7 +6,6 @@ import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
-from urllib.request import Request, urlopen
 
 import pytest
 from playwright.sync_api import Page, expect
@@ -28,10 +27,10 @@ DELIVERED_MS = 90_000
 
 
 @pytest.fixture(scope="module")
-def factory(start_dray: Callable[..., Any]) -> Iterator[str]:
+def factory(start_dray: Callable[..., Any]) -> Iterator[Any]:
     """A factory with one order, so that whoever watches has nothing better to do, and time to act."""
     dray = start_dray("--speed", str(SPEED), "--seed", "3", "--no-demand")
-    yield dray.url
+    yield dray
     assert dray.stop() == 0, dray.output()
 
 
@@ -56,20 +55,14 @@ def choose(page: Page, name: str) -> None:
     finder.press("Enter")
 
 
-def ask(url: str, path: str, body: Any = None) -> Any:
-    data = None if body is None else json.dumps(body).encode()
-    with urlopen(Request(url + path, data, {"Content-Type": "application/json"}), timeout=10) as answer:
-        return json.load(answer)
-
-
 def test_a_vehicle_that_is_switched_off_is_taken_over_from_and_its_load_delivered(
-    factory: str, open_page: OpenPage, screenshot: Screenshot
+    factory: Any, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
-    page, watched = open_page("about:blank"), Watched()
+    page, watched = open_page("about:blank", visits=factory.url), Watched()
     with page.expect_websocket() as stream:
-        page.goto(factory)
-    product = ask(factory, "/api/products")["items"][0]["id"]
-    ask(factory, "/api/orders", {"customer": "Hall 3", "items": [{"product": product, "quantity": 20}]})
+        page.goto(factory.url)
+    product = factory.ask("/api/products")["items"][0]["id"]
+    factory.ask("/api/orders", {"customer": "Hall 3", "items": [{"product": product, "quantity": 20}]})
     stream.value.wait_for_event("framereceived", predicate=watched, timeout=WATCHED_MS)
     task, primary = watched.task["id"], watched.task["primary"]
 
@@ -91,20 +84,20 @@ def test_a_vehicle_that_is_switched_off_is_taken_over_from_and_its_load_delivere
     expect(page.locator(".auction .why")).to_contain_text(f"because nothing had been heard of {primary}")
 
     expect(page.locator(".auction .card-aside")).to_contain_text("delivered", timeout=DELIVERED_MS)
-    told = ask(factory, f"/api/tasks/{task}")
+    told = factory.ask(f"/api/tasks/{task}")
     assert told["state"] == "delivered"
     assert told["primary"] == told["carriers"][-1]["carrier"] != primary
 
     choose(page, primary)
     page.get_by_role("button", name="Bring back: switched off").click()
     expect(card).not_to_contain_text("silent", timeout=TAKEN_OVER_MS)
-    assert ask(factory, "/api/faults")["items"] == []
+    assert factory.ask("/api/faults")["items"] == []
 
 
 def test_a_vehicle_without_wlan_is_seen_over_its_neighbours(
-    factory: str, open_page: OpenPage, screenshot: Screenshot
+    factory: Any, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
-    page = open_page(factory)
+    page = open_page(factory.url)
     choose(page, "ATV2")
     card = page.locator(".card.atv")
     card.get_by_role("button", name="Trials").click()
@@ -116,8 +109,8 @@ def test_a_vehicle_without_wlan_is_seen_over_its_neighbours(
     expect(card).not_to_contain_text("mesh", timeout=TAKEN_OVER_MS)
 
 
-def test_trials_are_reached_and_left_by_keyboard(factory: str, open_page: OpenPage) -> None:
-    page = open_page(factory)
+def test_trials_are_reached_and_left_by_keyboard(factory: Any, open_page: OpenPage) -> None:
+    page = open_page(factory.url)
     choose(page, "ATV2")
     trials = page.locator(".card.atv").get_by_role("button", name="Trials")
     trials.focus()

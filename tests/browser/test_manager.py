@@ -77,7 +77,7 @@ def test_the_panel_opens_and_shows_the_whole_plant(quiet_factory: str, open_page
 
 
 def test_vehicles_move_on_the_map(busy_factory: str, open_page: OpenPage, screenshot: Screenshot) -> None:
-    page = open_page("about:blank")
+    page = open_page("about:blank", visits=busy_factory)
     with page.expect_websocket() as stream:
         page.goto(busy_factory)
     expect(page.locator("canvas").first).to_be_visible()
@@ -183,7 +183,7 @@ def test_the_panel_speaks_the_language_that_is_chosen_and_remembers_it(
 def test_a_busy_plant_is_shown_without_complaints_in_both_themes(
     busy_factory: str, open_page: OpenPage, screenshot: Screenshot, theme: str
 ) -> None:
-    page = open_page("about:blank", color_scheme=theme)
+    page = open_page("about:blank", visits=busy_factory, color_scheme=theme)
     with page.expect_websocket() as stream:
         page.goto(busy_factory)
     stream.value.wait_for_event("framereceived", predicate=is_busy, timeout=BUSY_MS)

@@ -189,12 +189,13 @@ def test_a_vehicle_of_a_running_factory_is_switched_off_and_on(
     run: Run, start_dray: Callable[..., Any]
 ) -> None:
     dray = start_dray("--speed", "20", "--no-demand")
-    code, out, err = run("begin", "powered-off", "ATV3", "--url", dray.url)
+    asked = ("--url", dray.url, "--token", dray.token)
+    code, out, err = run("begin", "powered-off", "ATV3", *asked)
     assert (code, err) == (0, "")
-    assert out.strip() in run("list", "--url", dray.url)[1]
-    code, _, err = run("begin", "load-shifted", "ATV1", "--url", dray.url)
+    assert out.strip() in run("list", *asked)[1]
+    code, _, err = run("begin", "load-shifted", "ATV1", *asked)
     assert code == 2
     assert "ATV1 has no load" in err
-    assert run("end", out.strip(), "--url", dray.url)[0] == 0
-    assert "nothing is wrong" in run("list", "--url", dray.url)[1]
+    assert run("end", out.strip(), *asked)[0] == 0
+    assert "nothing is wrong" in run("list", *asked)[1]
     assert dray.stop() == 0, dray.output()

@@ -13,9 +13,11 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar, cast
 
 import httpx
+from argon2 import PasswordHasher
 from fastapi import FastAPI
 
 from dray.errors import UnavailableError
+from dray.gateway.access.hasher import Hasher
 from dray.gateway.app import create_app
 from dray.gateway.faultdesk import FaultDesk, FaultKind, FaultRefused
 from dray.gateway.panels import Panels
@@ -54,6 +56,9 @@ PROBLEM = "application/problem+json"
 ADMIN_TOKEN = "admin-token-of-these-tests"
 
 BEARER = {"Authorization": f"Bearer {ADMIN_TOKEN}"}
+
+QUICK = Hasher(PasswordHasher(time_cost=1, memory_cost=8, parallelism=1))
+"""As cheap as Argon2 can be."""
 
 M = TypeVar("M", bound=Message)
 
@@ -328,6 +333,7 @@ async def gateway(
             panels=panels,
             faults=faults,
             wall_s=wall,
+            hasher=QUICK,
         )
         change(app)
         transport = httpx.ASGITransport(app=app, raise_app_exceptions=False)

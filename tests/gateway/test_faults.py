@@ -13,6 +13,9 @@ from dray.gateway.routes import faults as route
 
 pytestmark = pytest.mark.anyio
 
+NEVER_HZ = 1e-6
+"""The hub takes no changes that the test wants to see."""
+
 OFF = {"kind": "powered_off", "agent": "ATV3"}
 
 
@@ -23,7 +26,7 @@ def desk() -> FakeDesk:
 
 @pytest.fixture
 async def simulated(url: str, desk: FakeDesk) -> AsyncIterator[House]:
-    async with gateway(url, faults=desk) as house:
+    async with gateway(url, faults=desk, stream_rate_hz=NEVER_HZ) as house:
         yield house
 
 

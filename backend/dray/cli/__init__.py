@@ -4,6 +4,8 @@
     dray sim ...        named scenarios in virtual time
     dray fault ...      let something go wrong in a running `dray up`
     dray bench          benchmarks
+    dray user ...       who may log in, and by what
+    dray key ...        keys by which other systems use the API
     dray link ...       customers' links to their orders
     dray plant ...      plant files
     dray certs ...      certificates for agents on many computers
@@ -24,7 +26,7 @@ from typing import Annotated
 import typer
 
 from dray import __version__
-from dray.cli import bench, certs, db, fault, link, plant, sim, up, wire
+from dray.cli import bench, certs, db, fault, key, link, plant, sim, up, user, wire
 from dray.errors import DrayError, InputError
 
 app = typer.Typer(
@@ -38,6 +40,8 @@ app.command("up")(up.up)
 app.command("bench")(bench.bench)
 app.add_typer(sim.app, name="sim")
 app.add_typer(fault.app, name="fault")
+app.add_typer(user.app, name="user")
+app.add_typer(key.app, name="key")
 app.add_typer(link.app, name="link")
 app.add_typer(plant.app, name="plant")
 app.add_typer(certs.app, name="certs")

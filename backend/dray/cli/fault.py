@@ -16,6 +16,11 @@ Url = Annotated[
     typer.Option(help="Where the panel is; else DRAY_HOST and DRAY_PORT, else http://127.0.0.1:8000."),
 ]
 
+Token = Annotated[
+    str | None,
+    typer.Option(help="The token that `dray up` prints, or a key with faults:write; else DRAY_ADMIN_TOKEN."),
+]
+
 SUBJECTS = ("agent", "atv", "machine")
 """Fields that say whom a fault is about; AGENT on the command line stands for the one that its kind has."""
 
@@ -26,12 +31,12 @@ def fault() -> None:
 
 
 @app.command("list")
-def list_faults(url: Url = None) -> None:
+def list_faults(url: Url = None, token: Token = None) -> None:
     """What is wrong by hand, and what could be."""
     from dray.cli.gateway import Gateway
     from dray.cli.output import table
 
-    faults = Gateway(url).faults()
+    faults = Gateway(url, token).faults()
     if faults.items:
         rows = [
             (fault.id, fault.kind, ", ".join(fault.agents), _fields(fault.fault)) for fault in faults.items
@@ -54,11 +59,12 @@ def begin(
         list[str] | None, typer.Option("--set", help="Another field, as latency_s=2; may be repeated.")
     ] = None,
     url: Url = None,
+    token: Token = None,
 ) -> None:
     """Let something go wrong, until it is ended; prints the fault's id."""
     from dray.cli.gateway import Gateway
 
-    gateway = Gateway(url)
+    gateway = Gateway(url, token)
     known = _kind(kind, gateway.faults().kinds)
     fault = {"kind": known.kind, **_subject(known, agent), **dict(map(_pair, given or ()))}
     typer.echo(gateway.begin_fault(fault).id)
@@ -68,11 +74,12 @@ def begin(
 def end(
     fault: Annotated[str, typer.Argument(help="The id that `dray fault begin` has printed.")],
     url: Url = None,
+    token: Token = None,
 ) -> None:
     """Put it right again."""
     from dray.cli.gateway import Gateway
 
-    Gateway(url).end_fault(fault)
+    Gateway(url, token).end_fault(fault)
 
 
 def _kind(name: str, kinds: tuple[Kind, ...]) -> Kind:

@@ -66,13 +66,15 @@ class Gateway:
 
     Args:
         url: where its panel is; None for the address that `dray up` has by default.
+        token: who asks; None for the administrator's of the environment.
 
     Raises:
         SettingsError: it is no address of the web.
     """
 
-    def __init__(self, url: str | None) -> None:
-        settings = load_settings()
+    def __init__(self, url: str | None, token: str | None) -> None:
+        settings = load_settings(admin_token=token)
+        self._token = "" if settings.admin_token is None else settings.admin_token.get_secret_value()
         self._url = (url or f"http://{settings.host}:{settings.port}").rstrip("/")
         try:
             parts = urlsplit(self._url)
@@ -104,9 +106,11 @@ class Gateway:
             UnavailableError: nobody answers there, or not as Dray does.
         """
         data = None if body is None else msgspec.json.encode(body)
-        headers = {"Accept": "application/json"} | (
-            {} if data is None else {"Content-Type": "application/json"}
-        )
+        headers = {"Accept": "application/json"}
+        if data is not None:
+            headers["Content-Type"] = "application/json"
+        if self._token:
+            headers["Authorization"] = f"Bearer {self._token}"
         request = Request(self._url + path, data, headers, method=method)  # noqa: S310 - http or https, see above
         try:
             with self._opener.open(request, timeout=PATIENCE_S) as answer:
@@ -129,6 +133,10 @@ class Gateway:
                 self._url, f"answers with HTTP {status}, not as Dray does", REMEDY
             ) from None
         said = "; ".join(f"{each.field}: {each.reason}" for each in problem.errors) or problem.detail
+        if status in {HTTPStatus.UNAUTHORIZED, HTTPStatus.FORBIDDEN}:
+            raise SettingsError(
+                "--token", f"{said}; `dray up` prints one that may, and DRAY_ADMIN_TOKEN sets it"
+            )
         if status in {HTTPStatus.NOT_FOUND, HTTPStatus.UNPROCESSABLE_ENTITY}:
             raise InputError(said)
         raise UnavailableError(self._url, said, "see `dray fault list`")

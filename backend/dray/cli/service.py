@@ -11,17 +11,20 @@ import contextlib
 import logging
 import socket
 import time
-from collections.abc import Callable, Coroutine
-from dataclasses import dataclass
+from collections.abc import Callable, Coroutine, Mapping
+from dataclasses import dataclass, replace
 
 import typer
 from fastapi import FastAPI
+from pydantic import SecretStr
 from sqlalchemy import make_url
 
 from dray import __version__
 from dray.cli.customers import place_demand
+from dray.cli.newcomers import welcome
 from dray.cli.serving import Server, address_of, listen, stopped_by_signals
 from dray.cli.trials import SimFaultDesk
+from dray.gateway.access.tokens import new_token
 from dray.gateway.app import create_app
 from dray.gateway.desk import STRATEGIST
 from dray.gateway.timescale import TimeScale
@@ -45,9 +48,19 @@ first minutes of a plant in real time would show none that moves."""
 GREETING = """\
 Dray {version}: {plant}, {machines} machines and {vehicles} vehicles, {speed:g} x real time
   Management panel  {url}/
+  Operator panel    {url}/operator
   API               {url}/api/docs
   Database          {database}
-Ctrl-C stops it.
+"""
+
+FOR_ADMIN = """\
+  Admin token       {token}
+"""
+
+LINKS = """\
+Each of these links logs in once, within a day:
+{links}
+Whoever has a secret needs no link: dray user password manager, dray user pin NAME.
 """
 
 
@@ -95,6 +108,7 @@ async def run_service(service: Service) -> None:
         UnavailableError: the port or the database is not to be had.
         whatever ended the factory.
     """
+    service, token = _with_admin_token(service)
     settings = service.settings
     _prepare_logs(settings)
     with contextlib.closing(listen(settings.host, settings.port)) as listener:
@@ -105,11 +119,24 @@ async def run_service(service: Service) -> None:
             try:
                 inside = await asyncio.to_thread(factory.start, BUILDING_S)
                 app = _app(service, store, factory, inside, incarnation)
-                await _serve(service, app, factory, listener)
+                url = address_of(listener, settings.host)
+                greeting = _greeting(
+                    service, url, token, await welcome(store, service.plant.file, time.time())
+                )
+                await _serve(service, app, factory, listener, greeting)
             finally:
                 await asyncio.to_thread(factory.stop)
         finally:
             await store.close()
+
+
+def _with_admin_token(service: Service) -> tuple[Service, str]:
+    """The service with a token for its administrator; and the token when it was made here."""
+    if service.settings.admin_token is not None:
+        return service, ""
+    token = new_token()
+    settings = service.settings.model_copy(update={"admin_token": SecretStr(token)})
+    return replace(service, settings=settings), token
 
 
 def _prepare_logs(settings: Settings) -> None:
@@ -167,36 +194,54 @@ def _app(service: Service, store: Store, factory: Factory, inside: Inside, incar
     )
 
 
-async def _serve(service: Service, app: FastAPI, factory: Factory, listener: socket.socket) -> None:
+async def _serve(
+    service: Service, app: FastAPI, factory: Factory, listener: socket.socket, greeting: str
+) -> None:
     """Answer until a signal, or until the factory ends, which it only does by a fault."""
     ready = asyncio.Event()
-    server = Server(app, service.settings.log_level, ready.set)
+    server = Server(app, service.settings, ready.set)
     _quieten(service.settings)  # uvicorn has just set its own level
     with stopped_by_signals(server.stop):
         async with asyncio.TaskGroup() as group:
             watch = group.create_task(_stop_with(factory, server))
-            greeting = group.create_task(_greet(service, listener, ready))
+            greeter = group.create_task(_greet(greeting, ready))
             customers = group.create_task(_order(service, app, ready))
             await server.serve(sockets=[listener])
-            for task in (watch, greeting, customers):
+            for task in (watch, greeter, customers):
                 task.cancel()
 
 
-async def _greet(service: Service, listener: socket.socket, ready: asyncio.Event) -> None:
+async def _greet(greeting: str, ready: asyncio.Event) -> None:
     await ready.wait()
-    plant, settings = service.plant, service.settings
-    typer.echo(
-        GREETING.format(
-            version=__version__,
-            plant=plant.name,
-            machines=len(plant.machines),
-            vehicles=len(plant.fleet),
-            speed=service.speed,
-            url=address_of(listener, settings.host),
-            database=make_url(settings.database_url).render_as_string(hide_password=True),
-        ),
-        nl=False,
+    typer.echo(greeting, nl=False)
+
+
+def _greeting(service: Service, url: str, token: str, links: Mapping[str, str]) -> str:
+    """What to say when requests are answered.
+
+    Args:
+        service: what runs.
+        url: where.
+        token: the administrator's, if it was made for this run.
+        links: per person without a secret, the token of a login link.
+    """
+    plant = service.plant
+    lines = GREETING.format(
+        version=__version__,
+        plant=plant.name,
+        machines=len(plant.machines),
+        vehicles=len(plant.fleet),
+        speed=service.speed,
+        url=url,
+        database=make_url(service.settings.database_url).render_as_string(hide_password=True),
     )
+    if token:
+        lines += FOR_ADMIN.format(token=token)
+    if links:
+        lines += LINKS.format(
+            links="\n".join(f"  {person:<16}  {url}/login/{link}" for person, link in links.items())
+        )
+    return lines + "Ctrl-C stops it.\n"
 
 
 async def _order(service: Service, app: FastAPI, ready: asyncio.Event) -> None:

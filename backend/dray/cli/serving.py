@@ -13,6 +13,7 @@ from typing import Any
 import uvicorn
 
 from dray.errors import UnavailableError
+from dray.settings import Settings
 
 BACKLOG = 128
 """Connections that may wait to be accepted: more than a plant has browsers."""
@@ -71,17 +72,20 @@ class Server(uvicorn.Server):
 
     Args:
         app: an ASGI application.
-        log_level: as in `Settings`.
+        settings: how much is logged, and which proxies are trusted.
         on_ready: called once, when requests are answered.
     """
 
-    def __init__(self, app: Any, log_level: str, on_ready: Callable[[], None]) -> None:
+    def __init__(self, app: Any, settings: Settings, on_ready: Callable[[], None]) -> None:
         config = uvicorn.Config(
             app,
-            log_level=log_level,
+            log_level=settings.log_level,
             # Ours: see `dray.cli.service`.
             log_config=None,
-            access_log=log_level == "debug",
+            access_log=settings.log_level == "debug",
+            # Else uvicorn would believe every program on this machine what address it speaks for.
+            proxy_headers=bool(settings.trusted_proxies),
+            forwarded_allow_ips=settings.trusted_proxies,
             server_header=False,
             ws_max_size=INCOMING_BYTES,
             # Compressing would be done anew for every client, and frames are encoded once for all.

@@ -12,8 +12,10 @@ from starlette.middleware.errors import ServerErrorMiddleware
 
 from dray import __version__
 from dray.gateway import openapi, problems
+from dray.gateway.access.access import open_access
 from dray.gateway.access.caller import admitted
 from dray.gateway.access.gate import Gate
+from dray.gateway.access.hasher import Hasher
 from dray.gateway.alertdesk import AlertDesk
 from dray.gateway.commands import Commands
 from dray.gateway.desk import CANCELLED_AGAIN_S, Desk
@@ -53,6 +55,7 @@ def create_app(
     panels: Panels | None = None,
     faults: FaultDesk | None = None,
     wall_s: Callable[[], float] = clock.time,
+    hasher: Hasher | None = None,
 ) -> FastAPI:
     """Put a gateway together. It joins the bus when the server starts, and leaves it when it ends.
 
@@ -67,6 +70,7 @@ def create_app(
         panels: templates and built files, when not the ones that came with this package.
         faults: lets things go wrong, where the factory is simulated.
         wall_s: the wall clock.
+        hasher: of secrets, when not the usual one.
     """
 
     @asynccontextmanager
@@ -81,6 +85,7 @@ def create_app(
             store=store,
             historian=historian,
             wall_s=wall_s,
+            access=open_access(settings, store, wall_s, hasher),
             projection=projection,
             desk=desk,
             revocations=Revocations(store, desk, projection),
@@ -112,7 +117,14 @@ def create_app(
             tasks = await stack.enter_async_context(asyncio.TaskGroup())
             running = [
                 tasks.create_task(each.run())
-                for each in (parts.desk, parts.revocations, parts.alerts, parts.hub, sampler)
+                for each in (
+                    parts.desk,
+                    parts.revocations,
+                    parts.alerts,
+                    parts.hub,
+                    parts.access.watch,
+                    sampler,
+                )
             ]
             async with store.read() as work:
                 dropped = await work.orders.cancelled(wall_s() - CANCELLED_AGAIN_S)
@@ -142,8 +154,8 @@ def create_app(
     openapi.install(app)
     # The last one added is the outermost.
     app.add_middleware(BodyLimit, limit_bytes=settings.body_limit_bytes)
-    app.add_middleware(SameOrigin)
     app.add_middleware(Gate)
+    app.add_middleware(SameOrigin)
     # FastAPI's own handler of bugs stands outside of all shields: its answers would lack the headers.
     app.add_middleware(ServerErrorMiddleware, handler=problems.on_bug)
     app.add_middleware(SecurityHeaders)

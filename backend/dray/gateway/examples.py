@@ -30,6 +30,7 @@ from dray.gateway.views import (
     UseView,
 )
 from dray.plant import default_plant
+from dray.store.audit import AuditRow
 
 NOW_S = ORDER.created_at_s + 60.0
 """A minute after the order of the example was placed."""
@@ -206,6 +207,18 @@ _STRUCTS = (
             "bidder": "ATV2",
             "answer": "accepted",
         },
+    ),
+    AuditRow(
+        position=311,
+        at_s=NOW_S,
+        who="operator-area1",
+        who_kind="person",
+        from_ip="192.0.2.7",
+        session="1f0c5e2a9b7d",
+        action="vehicle.command",
+        target="ATV2",
+        result="done",
+        detail={"kind": "stop"},
     ),
     FactoryView(
         orders_open=1,

@@ -9,6 +9,8 @@ from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
 from dray import __version__
+from dray.gateway.access.gate import COOKIE
+from dray.gateway.access.rules import RULES, Rule
 from dray.gateway.examples import examples
 from dray.gateway.kpis import KpiHistory
 from dray.gateway.ledger import PromiseLedger
@@ -16,15 +18,18 @@ from dray.gateway.problems import ProblemDetails
 from dray.gateway.routes.atvs import CommandAnswer
 from dray.gateway.routes.events import EventAnswer
 from dray.gateway.routes.faults import FaultsAnswer
+from dray.gateway.routes.me import MeAnswer
 from dray.gateway.routes.orders import OrderAnswer
 from dray.gateway.routes.products import ProductAnswer
 from dray.gateway.tracking.answer import TrackAnswer
 from dray.gateway.views import AlertView, AtvView, FactoryView, FaultView, MachineView, TaskView
 from dray.plant.model import PlantFile
+from dray.store.audit import AuditRow
 
 SHAPES = (
     AlertView,
     AtvView,
+    AuditRow,
     CommandAnswer,
     EventAnswer,
     FactoryView,
@@ -32,6 +37,7 @@ SHAPES = (
     FaultView,
     KpiHistory,
     MachineView,
+    MeAnswer,
     OrderAnswer,
     PlantFile,
     ProblemDetails,
@@ -49,8 +55,15 @@ Orders for a factory without a dispatcher, and everything that can be seen of it
 * Errors are `application/problem+json` (RFC 9457): `title`, `detail`, and `errors` per field.
 * Times that end in `_at_s` are seconds since 1970 on the wall clock; `created_at`, `due_at` and
   `delivered_at` are the same in ISO 8601.
-* `/api/stream` is a websocket: one snapshot, then numbered deltas.
+* `/api/stream` is a websocket: one snapshot, then numbered deltas. It is closed with 4401 when the session ends.
+* Programs send `Authorization: Bearer TOKEN`, with a key of `dray key create`; browsers have the cookie of
+  `/login`. Each operation names the scope that it asks for.
 """
+
+SECURITY = {
+    "key": {"type": "http", "scheme": "bearer"},
+    "session": {"type": "apiKey", "in": "cookie", "name": COOKIE},
+}
 
 PROBLEM = {"application/problem+json": {"schema": {"$ref": "#/components/schemas/ProblemDetails"}}}
 
@@ -73,9 +86,12 @@ def _document(app: FastAPI) -> dict[str, Any]:
     for replaced in ("HTTPValidationError", "ValidationError"):
         schemas.pop(replaced, None)
     schemas.update(shapes)
-    for path in document["paths"].values():
+    document["components"]["securitySchemes"] = SECURITY
+    for template, path in document["paths"].items():
         for method, operation in path.items():
             _tell_problems(method, operation)
+            if rule := RULES.get((method.upper(), template)):
+                _tell_rule(rule, operation)
             _tell_shapes(operation)
     return document
 
@@ -94,6 +110,26 @@ def _tell_problems(method: str, operation: dict[str, Any]) -> None:
     operation["responses"].pop("422", None)
     for status, description in refusals.items():
         operation["responses"][status] = {"description": description, "content": PROBLEM}
+
+
+def _tell_rule(rule: Rule, operation: dict[str, Any]) -> None:
+    """Who may, and what everybody else is told."""
+    if rule.public:
+        operation["security"] = []
+        return
+    scopes = [] if rule.scope is None else [rule.scope.value]
+    operation["security"] = [{name: scopes} for name in SECURITY]
+    if scopes:
+        operation["description"] += f"\n\nScope: `{scopes[0]}`."
+    answers = operation["responses"]
+    forbidden = [answers["403"]["description"]] if "403" in answers else []
+    refusals = {
+        "401": "Nobody is logged in, or not any more",
+        "403": "; ".join((*forbidden, "The caller may not do this")),
+        "429": "Too many requests",
+    }
+    for status, description in refusals.items():
+        answers[status] = {"description": description, "content": PROBLEM}
 
 
 def _tell_shapes(operation: dict[str, Any]) -> None:

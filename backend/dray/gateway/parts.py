@@ -9,6 +9,7 @@ from typing import Annotated, cast
 from fastapi import Depends
 from starlette.requests import HTTPConnection
 
+from dray.gateway.access.access import Access
 from dray.gateway.alertdesk import AlertDesk
 from dray.gateway.commands import Commands
 from dray.gateway.desk import Desk
@@ -34,6 +35,7 @@ class Parts:
     historian: Historian | None
     """None where it runs elsewhere."""
     wall_s: Callable[[], float]
+    access: Access
     projection: Projection
     desk: Desk
     revocations: Revocations

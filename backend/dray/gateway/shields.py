@@ -39,6 +39,9 @@ HEADERS = {
     "Permissions-Policy": "camera=(), geolocation=(), microphone=()",
 }
 
+_OURS = frozenset({"same-origin", "none"})
+"""`none`: a person has asked, by the address bar say."""
+
 _SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
 
 
@@ -102,8 +105,9 @@ class BodyLimit:
 class SameOrigin:
     """Refuses what a page of another site lets its visitor's browser do.
 
-    Browsers name the page that asks in `Origin`; programs do not send it. Reading is left to the
-    browser's own rules, except for the stream, to which these do not apply.
+    Browsers name the page that asks in `Origin`, and tell in `Sec-Fetch-Site` whether it is ours; programs
+    send neither. Reading is left to the browser's own rules, except for the stream, to which these do not
+    apply.
     """
 
     def __init__(self, app: ASGIApp) -> None:
@@ -129,6 +133,8 @@ def _is_ours(scope: Scope) -> bool:
     if scope["type"] == "http" and scope["method"] in _SAFE:
         return True
     headers = Headers(scope=scope)
+    if headers.get("sec-fetch-site", "same-origin") not in _OURS:
+        return False
     origin = headers.get("origin")
     return origin is None or urlsplit(origin).netloc == headers.get("host")
 

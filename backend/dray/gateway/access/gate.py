@@ -1,18 +1,39 @@
-"""The gate: every request passes it before a router, or its body, is looked at."""
+"""The gate: every request passes it before a router, or its body, is looked at.
+
+It looks up what the rules ask, recognises who asks, and refuses what is not allowed.
+"""
 
 from __future__ import annotations
 
-import hmac
 from http import HTTPStatus
+from urllib.parse import quote
 
+from sqlalchemy.exc import SQLAlchemyError
+from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import HTTPConnection
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.responses import RedirectResponse
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from dray.gateway.access.caller import admit
-from dray.gateway.access.principal import ADMIN, Principal
+from dray.gateway.access.principal import Principal
+from dray.gateway.access.principal import Scope as Right
+from dray.gateway.access.recorder import Recorder, address_of
 from dray.gateway.access.rules import Found, find
+from dray.gateway.access.trail import NOTE, Note
 from dray.gateway.parts import parts_of
 from dray.gateway.problems import Problem
+
+COOKIE = "dray_session"
+
+LOGIN = "/login"
+
+CLOSE_CODES = {HTTPStatus.UNAUTHORIZED: 4401, HTTPStatus.FORBIDDEN: 4403}
+"""How a stream is refused: browsers hide the status of a handshake, and tell the code of a close."""
+
+RUN_OUT = "the session has run out of time"
+
+TRY_LATER = 1013
+"""RFC 6455's registry: the server cannot, at the moment."""
 
 
 class Gate:
@@ -22,54 +43,88 @@ class Gate:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] != "lifespan":
-            try:
-                self._judge(scope)
-            except Problem as problem:
-                await problem.response(scope["path"])(scope, receive, send)
-                return
+        found = None if scope["type"] == "lifespan" else _row(scope)
+        if found is None:
+            # There is no such route, or `caller.admitted` refuses it.
+            await self._app(scope, receive, send)
+            return
+        note = scope[NOTE] = Note(target=next(iter(found.parameters.values()), ""))
+        if not found.rule.public:
+            send = _kept_private(send)
+        if not found.rule.action:
+            await self._pass(scope, receive, send, found, note)
+            return
+        recorder = Recorder(scope, receive, send, found.rule.action, note)
+        try:
+            await self._pass(scope, receive, recorder.send, found, note)
+        except Exception:
+            await recorder.failed()
+            raise
+
+    async def _pass(self, scope: Scope, receive: Receive, send: Send, found: Found, note: Note) -> None:
+        try:
+            if not found.rule.public:
+                note.who = await recognise(HTTPConnection(scope))
+                allow(note.who, found)
+        except Problem as problem:
+            await _refuse(problem, scope, receive, send)
+            return
+        admit(scope, found, note.who)
         await self._app(scope, receive, send)
 
-    def _judge(self, scope: Scope) -> None:
-        found = find(scope.get("method", "GET"), scope["path"])
-        if found is None:
-            return
-        principal = None if found.rule.public else recognise(HTTPConnection(scope))
-        if principal is not None:
-            allow(principal, found)
-        admit(scope, found, principal)
 
-
-def recognise(connection: HTTPConnection) -> Principal:
-    """Who asks.
+async def recognise(connection: HTTPConnection) -> Principal:
+    """Who asks. A token in the address is none: addresses are written into logs and histories.
 
     Raises:
-        Problem: 401, it cannot be said.
+        Problem: 401, it cannot be said; 429, too many tokens that nobody knows; 503, the database is away.
     """
-    kind, _, token = connection.headers.get("authorization", "").partition(" ")
-    if not kind:
-        return ADMIN
-    wanted = parts_of(connection).settings.admin_token
-    if kind.lower() == "bearer" and wanted is not None:
-        if hmac.compare_digest(token.strip().encode(), wanted.get_secret_value().encode()):
-            return ADMIN
-    raise unknown("the bearer token is not valid")
+    access = parts_of(connection).access
+    credentials = connection.headers.get("authorization", "")
+    try:
+        if credentials:
+            kind, _, token = credentials.partition(" ")
+            if kind.lower() != "bearer":
+                raise unknown(f"the credentials are {kind[:32]!r}, not Bearer")
+            principal = await access.by_bearer(token.strip(), address_of(connection.scope))
+        elif cookie := connection.cookies.get(COOKIE):
+            principal = await access.sessions.recognise(cookie)
+        else:
+            raise unknown("nobody is logged in")
+    except SQLAlchemyError as error:
+        raise Problem(
+            HTTPStatus.SERVICE_UNAVAILABLE,
+            "not-ready",
+            "Not ready",
+            "the database does not answer, so nobody can be recognised; try again",
+            headers={"Retry-After": "5"},
+        ) from error
+    if principal is None:
+        raise unknown("these credentials are not valid, or not any more")
+    return principal
 
 
 def allow(principal: Principal, found: Found) -> None:
     """Let pass whom the rule allows.
 
     Raises:
-        Problem: 403, says what is missing.
+        Problem: as `missing` tells; 403 when it is about more than the caller's areas.
     """
     rule = found.rule
-    if rule.scope is not None and not principal.may(rule.scope):
-        detail = f"{principal.name} lacks the scope {rule.scope.value}"
-    elif principal.areas is not None and not rule.by_area:
-        detail = "this is about the whole plant, and you are limited to areas"
-    else:
-        return
-    raise forbidden(detail)
+    if rule.scope is None:
+        if principal.over:
+            raise unknown(RUN_OUT)
+    elif not principal.may(rule.scope):
+        raise missing(principal, rule.scope)
+    if principal.areas is not None and not rule.by_area:
+        raise forbidden("it is about the whole plant, and you are limited to areas")
+
+
+def missing(principal: Principal, scope: Right) -> Problem:
+    """The caller lacks a scope: 403, or 401 when it has it again after a login."""
+    if principal.over:
+        return unknown(RUN_OUT)
+    return forbidden(f"{principal.name} lacks the scope {scope.value}")
 
 
 def unknown(detail: str) -> Problem:
@@ -86,3 +141,43 @@ def unknown(detail: str) -> Problem:
 def forbidden(detail: str) -> Problem:
     """Whoever asks may not do this."""
     return Problem(HTTPStatus.FORBIDDEN, "not-allowed", "You may not do this", detail)
+
+
+def _row(scope: Scope) -> Found | None:
+    return find(scope.get("method", "GET"), scope["path"])
+
+
+def _kept_private(send: Send) -> Send:
+    """Answers to somebody are for nobody else: no cache keeps them."""
+
+    async def private(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            MutableHeaders(scope=message).setdefault("Cache-Control", "no-store")
+        await send(message)
+
+    return private
+
+
+async def _refuse(problem: Problem, scope: Scope, receive: Receive, send: Send) -> None:
+    if scope["type"] == "websocket":
+        await receive()
+        await send({"type": "websocket.accept"})
+        code = CLOSE_CODES.get(HTTPStatus(problem.status), TRY_LATER)
+        await send({"type": "websocket.close", "code": code, "reason": problem.title})
+    elif problem.status == HTTPStatus.UNAUTHORIZED and wants_page(scope):
+        await RedirectResponse(_login_for(scope), HTTPStatus.SEE_OTHER)(scope, receive, send)
+    else:
+        await problem.response(scope["path"])(scope, receive, send)
+
+
+def wants_page(scope: Scope) -> bool:
+    """Whether a person asks with a browser, and not a program."""
+    return not scope["path"].startswith("/api/") and "text/html" in Headers(scope=scope).get("accept", "")
+
+
+def _login_for(scope: Scope) -> str:
+    """Where to log in, and go on from there."""
+    if scope["method"] != "GET":
+        return LOGIN
+    query = scope["query_string"].decode("latin-1")
+    return f"{LOGIN}?next={quote(scope['path'] + ('?' + query if query else ''), safe='')}"

@@ -21,6 +21,8 @@ class Scope(StrEnum):
     ORDERS_READ = "orders:read"
     ORDERS_WRITE = "orders:write"
     VEHICLES_COMMAND = "vehicles:command"
+    VEHICLES_STOP = "vehicles:stop"
+    """Stop, and nothing else; whoever may command vehicles may stop them."""
     ALERTS_ACKNOWLEDGE = "alerts:acknowledge"
     AUDIT_READ = "audit:read"
     PEOPLE_WRITE = "people:write"
@@ -31,7 +33,9 @@ EVERYTHING = frozenset(Scope)
 
 SCOPES: dict[Role, frozenset[Scope]] = {
     Role.MANAGER: EVERYTHING,
-    Role.OPERATOR: frozenset({Scope.FACTORY_READ, Scope.VEHICLES_COMMAND, Scope.ALERTS_ACKNOWLEDGE}),
+    Role.OPERATOR: frozenset(
+        {Scope.FACTORY_READ, Scope.VEHICLES_COMMAND, Scope.VEHICLES_STOP, Scope.ALERTS_ACKNOWLEDGE}
+    ),
 }
 """What each role may; an operator in the areas of its own only."""
 
@@ -50,6 +54,7 @@ class Principal:
         station: the machine at which an operator works; empty where that matters nothing.
         session: the session's id, which is no secret; empty where there is none.
         expires_at_s: when it will have to be recognised anew, in wall clock seconds; None for never.
+        over: its session has run out of time; what it may still do is left in `scopes`.
     """
 
     kind: Literal["person", "key", "admin"]
@@ -61,10 +66,13 @@ class Principal:
     station: str = ""
     session: str = ""
     expires_at_s: float | None = None
+    over: bool = False
 
     def may(self, scope: Scope) -> bool:
         """Whether it is allowed this, if only in some areas."""
-        return scope in self.scopes
+        return scope in self.scopes or (
+            scope is Scope.VEHICLES_STOP and Scope.VEHICLES_COMMAND in self.scopes
+        )
 
     def covers(self, area: str) -> bool:
         """Whether it may act in this area."""

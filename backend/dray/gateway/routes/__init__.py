@@ -5,13 +5,16 @@ from __future__ import annotations
 from dray.gateway.routes import (
     alerts,
     atvs,
+    audit,
     customer,
     docs,
     events,
     faults,
     health,
     kpis,
+    login,
     machines,
+    me,
     orders,
     pages,
     plant,
@@ -22,9 +25,24 @@ from dray.gateway.routes import (
     track,
 )
 
-API = (orders, track, products, machines, atvs, tasks, alerts, promises, events, kpis, plant, faults)
+API = (
+    orders,
+    track,
+    products,
+    machines,
+    atvs,
+    tasks,
+    alerts,
+    promises,
+    events,
+    kpis,
+    plant,
+    faults,
+    me,
+    audit,
+)
 """Those that OpenAPI tells of."""
 
-REST = (docs, stream, health, pages, customer)
+REST = (docs, stream, health, login, pages, customer)
 
 __all__ = ["API", "REST"]

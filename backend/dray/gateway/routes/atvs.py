@@ -9,6 +9,9 @@ from fastapi import APIRouter, Depends, Response
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from dray.gateway.access.caller import Caller
+from dray.gateway.access.gate import missing
+from dray.gateway.access.principal import Scope
+from dray.gateway.access.trail import Noted
 from dray.gateway.answers import PAGE, Cursor, Json, Limit, described, list_of, page, problems
 from dray.gateway.bodies import json_only
 from dray.gateway.parts import Gateway
@@ -111,11 +114,19 @@ async def get_atv(gateway: Gateway, atv: str) -> Json:
     },
     response_class=Json,
 )
-async def command_atv(gateway: Gateway, caller: Caller, atv: str, command: CommandRequest) -> Json:
+async def command_atv(
+    gateway: Gateway, caller: Caller, note: Noted, atv: str, command: CommandRequest
+) -> Json:
     """Stop a vehicle, acknowledge, let it go on, limit its speed, or promise help; waits for its word."""
+    note.detail |= command.model_dump(mode="json", exclude_none=True)
+    if command.kind is not CommandKind.STOP and not caller.may(Scope.VEHICLES_COMMAND):
+        raise missing(caller, Scope.VEHICLES_COMMAND)
     if atv not in gateway.projection.atvs:
         raise not_found("atv", atv, "GET /api/atvs")
     answer = await gateway.commands.order(
         atv, command.kind, speed_frac=command.speed_frac, wait_s=command.wait_s, issued_by=caller.name
     )
+    note.detail["command"] = answer.command
+    if not answer.done:
+        note.result, note.detail["reason"] = "refused", answer.reason
     return Json(CommandAnswer(answer.command, answer.done, answer.reason))

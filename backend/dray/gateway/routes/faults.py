@@ -11,6 +11,7 @@ from fastapi import APIRouter, Depends
 from pydantic import BaseModel, ConfigDict, Field
 
 from dray.errors import UnavailableError
+from dray.gateway.access.trail import Noted
 from dray.gateway.answers import Json, described, problems
 from dray.gateway.bodies import json_only
 from dray.gateway.faultdesk import FaultDesk, FaultKind, FaultRefused
@@ -89,8 +90,9 @@ async def list_faults(gateway: Gateway) -> Json:
     },
     response_class=Json,
 )
-async def begin_fault(gateway: Gateway, fault: FaultRequest) -> Json:
+async def begin_fault(gateway: Gateway, note: Noted, fault: FaultRequest) -> Json:
     """Let something go wrong, until it is ended."""
+    note.detail["kind"] = fault.kind
     desk = _desk(gateway)
     trials = gateway.projection.trials
     if len(trials.views()) >= MAX_FAULTS:
@@ -102,6 +104,7 @@ async def begin_fault(gateway: Gateway, fault: FaultRequest) -> Json:
         )
     begun = await _answered(desk.begin(fault.model_dump()))
     trials.put(begun)
+    note.target, note.detail["agents"] = begun.id, begun.agents
     return Json(begun, HTTPStatus.CREATED, headers={"Location": f"/api/faults/{begun.id}"})
 
 

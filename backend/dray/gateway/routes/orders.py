@@ -10,6 +10,7 @@ import msgspec
 from fastapi import APIRouter, Depends, Header, Query, Request, Response
 
 from dray.gateway import intake
+from dray.gateway.access.trail import Noted
 from dray.gateway.answers import (
     PAGE,
     Cursor,
@@ -120,15 +121,19 @@ DRAFTS = {
     openapi_extra={"requestBody": {"content": {"application/json": {"examples": DRAFTS}}}},
     response_class=Json,
 )
-async def place_order(gateway: Gateway, request: Request, draft: OrderDraft, key: Key = None) -> Json:
+async def place_order(
+    gateway: Gateway, request: Request, note: Noted, draft: OrderDraft, key: Key = None
+) -> Json:
     """Place an order."""
     base = str(request.base_url)
     if key is None:
         placed = await intake.place(gateway, draft)
+        note.target = placed.id
         return _created(placed.id, msgspec.json.encode(order_answer(placed, base)))
     kept, replayed = await intake.place_once(
         gateway, draft, key, lambda order: msgspec.json.encode(order_answer(order, base))
     )
+    note.target = kept.order_id
     return _created(kept.order_id, kept.answer.encode(), {"Idempotency-Replayed": "true"} if replayed else {})
 
 

@@ -5,8 +5,11 @@ from __future__ import annotations
 from http import HTTPStatus
 
 from fastapi import APIRouter, Request
-from fastapi.responses import HTMLResponse, PlainTextResponse, Response
+from fastapi.responses import HTMLResponse, PlainTextResponse, RedirectResponse, Response
 
+from dray.gateway.access.caller import Caller
+from dray.gateway.access.onward import HOMES
+from dray.gateway.access.principal import Role
 from dray.gateway.language import language_of
 from dray.gateway.panels import NotBuilt
 from dray.gateway.parts import Gateway
@@ -22,8 +25,10 @@ To build the panels, run `make panels` in the checkout and load this page again.
 
 
 @router.get("/")
-async def manager(gateway: Gateway, request: Request) -> Response:
-    """The management panel."""
+async def manager(gateway: Gateway, request: Request, caller: Caller) -> Response:
+    """The management panel; whoever is limited to areas has another one."""
+    if caller.areas is not None:
+        return RedirectResponse(HOMES[Role.OPERATOR], HTTPStatus.SEE_OTHER)
     try:
         page = gateway.panels.render("manager.html", language=language_of(request))
     except NotBuilt:

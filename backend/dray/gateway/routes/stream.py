@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
+from http import HTTPStatus
 
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 
+from dray.gateway.access.caller import Caller
+from dray.gateway.access.gate import CLOSE_CODES
 from dray.gateway.parts import Gateway
 from dray.gateway.stream import Client
 
@@ -23,31 +26,36 @@ INCOMING_MESSAGES = 16
 
 
 @router.websocket("/stream")
-async def stream(socket: WebSocket, gateway: Gateway) -> None:
-    """First a snapshot, then numbered deltas, as text."""
+async def stream(socket: WebSocket, gateway: Gateway, caller: Caller) -> None:
+    """First a snapshot, then numbered deltas, as text, as long as its caller may see them."""
     client = gateway.hub.join()
     if client is None:
         await socket.close(TRY_LATER, "too many panels are open")
         return
     try:
         await socket.accept()
-        await _serve(socket, client)
+        with gateway.access.watch.over(caller) as ended:
+            await _serve(socket, client, ended)
     finally:
         gateway.hub.leave(client)
 
 
-async def _serve(socket: WebSocket, client: Client) -> None:
-    """Send frames until the client goes, or talks too much."""
+async def _serve(socket: WebSocket, client: Client, ended: asyncio.Event) -> None:
+    """Send frames until the client goes, talks too much, or has lost its right."""
     sending = asyncio.create_task(_send_all(socket, client))
     listening = asyncio.create_task(_listen(socket))
+    ending = asyncio.create_task(ended.wait())
+    tasks = (sending, listening, ending)
     try:
-        await asyncio.wait({sending, listening}, return_when=asyncio.FIRST_COMPLETED)
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     finally:
-        for task in (sending, listening):
+        for task in tasks:
             task.cancel()
-        talked = (await asyncio.gather(sending, listening, return_exceptions=True))[1]
-    if talked is True:
-        with suppress(RuntimeError, WebSocketDisconnect):
+        _, talked, over = await asyncio.gather(*tasks, return_exceptions=True)
+    with suppress(RuntimeError, WebSocketDisconnect):
+        if over is True:
+            await socket.close(CLOSE_CODES[HTTPStatus.UNAUTHORIZED], "the session has ended")
+        elif talked is True:
             await socket.close(POLICY, "this socket only speaks")
 
 

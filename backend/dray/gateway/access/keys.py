@@ -1,0 +1,62 @@
+"""Keys: how other systems are recognised."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from dray.gateway.access.limits import Limit
+from dray.gateway.access.principal import Principal, Scope
+from dray.store import Store
+from dray.store.apikeys import ApiKey
+
+USED_AGAIN_S = 60.0
+"""The use of a key is noted this often."""
+
+
+class Keys:
+    """Recognises other systems by their keys.
+
+    Args:
+        store: where the keys are kept.
+        wall_s: the wall clock.
+        rate_hz: requests per second that one key may make for long.
+        tries: requests that one key may make at once.
+    """
+
+    def __init__(self, store: Store, wall_s: Callable[[], float], *, rate_hz: float, tries: int) -> None:
+        self._store, self._wall_s = store, wall_s
+        self._limit = Limit(wall_s, tries=tries, rate_hz=rate_hz)
+
+    async def recognise(self, token: str) -> Principal | None:
+        """Whose key this is; None when it is nobody's, or not any more.
+
+        Raises:
+            Problem: 429, it is used too often.
+        """
+        now_s = self._wall_s()
+        async with self._store.read() as work:
+            key = await work.api_keys.find(token)
+        if key is None or not usable(key, now_s):
+            return None
+        self._limit.take(key.id)
+        if key.used_at_s is None or now_s - key.used_at_s >= USED_AGAIN_S:
+            async with self._store.write() as work:
+                await work.api_keys.use(key.id, now_s)
+        return principal_of(key)
+
+
+def usable(key: ApiKey, now_s: float) -> bool:
+    """Whether a key has neither been taken back nor run out of time."""
+    return key.revoked_at_s is None and (key.expires_at_s is None or now_s < key.expires_at_s)
+
+
+def principal_of(key: ApiKey) -> Principal:
+    """Who has this key; scopes of another Dray mean nothing."""
+    known = {scope.value: scope for scope in Scope}
+    return Principal(
+        kind="key",
+        id=key.id,
+        name=key.name,
+        scopes=frozenset(known[name] for name in key.scopes.split() if name in known),
+        expires_at_s=key.expires_at_s,
+    )

@@ -1,0 +1,91 @@
+"""The recorder: a line of the audit log for every request that changes something, before its answer leaves.
+
+When the line cannot be written the answer says so, although what was asked may have been done: a vehicle
+that was told to stop must not wait for a disk.
+"""
+
+from __future__ import annotations
+
+import logging
+from http import HTTPStatus
+
+from sqlalchemy.exc import SQLAlchemyError
+from starlette.requests import HTTPConnection
+from starlette.types import Message, Receive, Scope, Send
+
+from dray.gateway.access.trail import Note, Result, result_of
+from dray.gateway.parts import parts_of
+from dray.gateway.problems import Problem
+
+_log = logging.getLogger(__name__)
+
+
+class Recorder:
+    """Stands between one request and its answer.
+
+    Args:
+        scope: the request's.
+        receive: the request's.
+        send: where its answer goes.
+        action: what the audit log calls it.
+        note: what the router tells of it; nothing is kept while it names neither anybody nor a result.
+    """
+
+    def __init__(self, scope: Scope, receive: Receive, send: Send, action: str, note: Note) -> None:
+        self._scope, self._receive, self._send = scope, receive, send
+        self._action, self._note = action, note
+        self._lost = False
+        """The line could not be written, and the one who asked was told so."""
+
+    async def send(self, message: Message) -> None:
+        """Pass an answer on, once its line is on disk."""
+        if message["type"] == "http.response.start":
+            await self._record(message["status"])
+        if not self._lost:
+            await self._send(message)
+
+    async def failed(self) -> None:
+        """There is no answer: a bug of ours."""
+        try:
+            await self._write("failed", HTTPStatus.INTERNAL_SERVER_ERROR)
+        except SQLAlchemyError:
+            self._tell_the_log()
+
+    async def _record(self, status: int) -> None:
+        try:
+            await self._write(self._note.result or result_of(status), status)
+        except SQLAlchemyError:
+            self._lost = True
+            self._tell_the_log()
+            problem = Problem(
+                HTTPStatus.SERVICE_UNAVAILABLE,
+                "not-recorded",
+                "It could not be written down",
+                "it may have been done, but the database does not take the line that says so; look, and try again",
+                headers={"Retry-After": "5"},
+            )
+            await problem.response(self._scope["path"])(self._scope, self._receive, self._send)
+
+    async def _write(self, result: Result, status: int) -> None:
+        note = self._note
+        if note.who is None and note.result is None:
+            return
+        detail = note.detail if status < HTTPStatus.BAD_REQUEST else note.detail | {"status": status}
+        await parts_of(HTTPConnection(self._scope)).access.trail.write(
+            who=note.who,
+            address=address_of(self._scope),
+            action=self._action,
+            target=note.target,
+            result=result,
+            detail=detail,
+        )
+
+    def _tell_the_log(self) -> None:
+        who = "nobody" if self._note.who is None else self._note.who.id
+        _log.exception("not in the audit log: %s by %s, about %s", self._action, who, self._note.target)
+
+
+def address_of(scope: Scope) -> str:
+    """Where a request comes from; empty where the server does not know."""
+    client = scope.get("client")
+    return str(client[0]) if client else ""

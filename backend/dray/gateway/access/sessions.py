@@ -1,0 +1,159 @@
+"""Sessions: from a login to its end, and what a browser's cookie is worth meanwhile.
+
+A session ends when it is logged out or taken back, when nothing has used it for `IDLE_S`, and at the latest
+when its person's working day is over. An open stream uses it: a panel that is watched is not idle.
+
+Stop is never behind a login prompt. An operator's session that has only run out of time may for `GRACE_S`
+more stop vehicles in its areas, and nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from enum import Enum
+
+from dray.gateway.access.principal import SCOPES, Principal, Role, Scope
+from dray.gateway.access.tokens import new_id, new_token
+from dray.store import Store
+from dray.store.people import Person
+from dray.store.sessions import Session
+
+HOUR_S = 3600.0
+
+LIFE_S = {Role.MANAGER: 12 * HOUR_S, Role.OPERATOR: 10 * HOUR_S}
+"""A long working day, and a shift with the hour in which it is handed over."""
+
+IDLE_S = 2 * HOUR_S
+"""A break with a meeting behind it; a browser that was closed and forgotten for longer is logged out."""
+
+GRACE_S = 12 * HOUR_S
+"""Until the operator of the next shift has long logged in."""
+
+USED_AGAIN_S = 60.0
+"""The use of a session is noted this often: a write to disk for each request would cost more than it tells."""
+
+KEPT_S = 30 * 24 * HOUR_S
+"""Sessions stay readable this long after their end, for whoever looks into the audit log."""
+
+STOP_ONLY = frozenset({Scope.VEHICLES_STOP})
+
+
+class Standing(Enum):
+    """What a session is worth."""
+
+    LIVE = "live"
+    OVER = "over"
+    """It has only run out of time."""
+    ENDED = "ended"
+
+
+def standing(session: Session, person: Person, now_s: float) -> Standing:
+    """What a session is worth now."""
+    if session.ended_at_s is not None or person.disabled_at_s is not None:
+        return Standing.ENDED
+    return Standing.LIVE if now_s < ends_at_s(session) else Standing.OVER
+
+
+def ends_at_s(session: Session) -> float:
+    """When a session will have run out of time if nobody uses it again."""
+    return min(session.expires_at_s, session.used_at_s + IDLE_S)
+
+
+class Sessions:
+    """Begins sessions, recognises people by them, and ends them.
+
+    Args:
+        store: where they are kept.
+        wall_s: the wall clock.
+    """
+
+    def __init__(self, store: Store, wall_s: Callable[[], float]) -> None:
+        self._store, self._wall_s = store, wall_s
+
+    async def begin(self, person: Person, *, before: str = "", station: str = "") -> tuple[str, Session]:
+        """Log somebody in; returns the cookie's token, which is always a new one.
+
+        An operator works at one station at a time: all other sessions of an operator end.
+
+        Args:
+            person: who.
+            before: the cookie that the browser has brought; its session ends.
+            station: the machine at which an operator works.
+        """
+        now_s, token = self._wall_s(), new_token()
+        session = Session(
+            id=new_id(),
+            person_id=person.id,
+            station=station,
+            created_at_s=now_s,
+            used_at_s=now_s,
+            expires_at_s=now_s + LIFE_S[Role(person.role)],
+        )
+        async with self._store.write() as work:
+            await work.sessions.forget_before(now_s - KEPT_S)
+            if person.role == Role.OPERATOR:
+                await work.sessions.end_all(person.id, now_s)
+            if before and (old := await work.sessions.find(before)):
+                await work.sessions.end(old.id, now_s)
+            await work.sessions.add(token, session)
+        return token, session
+
+    async def recognise(self, token: str) -> Principal | None:
+        """Whose cookie this is; None when it is nobody's any more."""
+        now_s = self._wall_s()
+        async with self._store.read() as work:
+            session = await work.sessions.find(token)
+            person = None if session is None else await work.people.get(session.person_id)
+        if session is None or person is None:
+            return None
+        match standing(session, person, now_s):
+            case Standing.LIVE:
+                if now_s - session.used_at_s >= USED_AGAIN_S:
+                    async with self._store.write() as work:
+                        await work.sessions.use([session.id], now_s)
+                return principal_of(person, session)
+            case Standing.OVER if may_still_stop(person, session, now_s):
+                return principal_of(person, session, over=True)
+        return None
+
+    async def place(self, session_id: str, station: str) -> None:
+        """Note at which machine an operator works."""
+        async with self._store.write() as work:
+            await work.sessions.station(session_id, station)
+
+    async def end(self, token: str) -> tuple[Person, Session] | None:
+        """Log out; returns whose session ended by this, None when none did."""
+        async with self._store.write() as work:
+            session = await work.sessions.find(token)
+            if session is None or not await work.sessions.end(session.id, self._wall_s()):
+                return None
+            person = await work.people.get(session.person_id)
+        return None if person is None else (person, session)
+
+
+def may_still_stop(person: Person, session: Session, now_s: float) -> bool:
+    """Whether somebody whose session has run out of time may still stop vehicles."""
+    return person.role == Role.OPERATOR and now_s < ends_at_s(session) + GRACE_S
+
+
+def principal_of(person: Person, session: Session, *, over: bool = False) -> Principal:
+    """Who has this session.
+
+    Args:
+        person: whose it is.
+        session: the session.
+        over: it has run out of time.
+    """
+    role = Role(person.role)
+    return Principal(
+        kind="person",
+        id=person.id,
+        name=person.name,
+        role=role,
+        scopes=STOP_ONLY if over else SCOPES[role],
+        areas=frozenset(person.areas) if role is Role.OPERATOR else None,
+        station=session.station,
+        session=session.id,
+        expires_at_s=session.expires_at_s,
+        over=over,
+    )

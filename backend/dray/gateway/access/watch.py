@@ -1,0 +1,100 @@
+"""The watch over open streams: whose session or key has ended sees no more."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from sqlalchemy.exc import SQLAlchemyError
+
+from dray.gateway.access import keys, sessions
+from dray.gateway.access.principal import ADMIN, Principal
+from dray.gateway.access.sessions import USED_AGAIN_S, Standing, standing
+from dray.store import Store
+from dray.store.work import Work
+
+CHECK_S = 5.0
+"""Wall seconds until a stream ends whose session was ended by another process, or ran out of time."""
+
+_log = logging.getLogger(__name__)
+
+
+class Watch:
+    """Knows which streams are open, and ends those of callers who have lost their right.
+
+    Args:
+        store: where sessions and keys are kept.
+        wall_s: the wall clock.
+    """
+
+    def __init__(self, store: Store, wall_s: Callable[[], float]) -> None:
+        self._store, self._wall_s = store, wall_s
+        self._open: dict[asyncio.Event, Principal] = {}
+
+    @contextmanager
+    def over(self, principal: Principal) -> Iterator[asyncio.Event]:
+        """Watch over somebody's stream; the event is set when it must end."""
+        ended = asyncio.Event()
+        self._open[ended] = principal
+        try:
+            yield ended
+        finally:
+            del self._open[ended]
+
+    async def check(self) -> None:
+        """Look whether everybody may still see what they see; whoever may has used the session by this."""
+        watched = dict(self._open)
+        if not watched:
+            return
+        now_s = self._wall_s()
+        async with self._store.read() as work:
+            live = await _live(work, watched.values(), now_s)
+        idle = [
+            session_id for session_id, used_at_s in live.used.items() if now_s - used_at_s >= USED_AGAIN_S
+        ]
+        if idle:
+            async with self._store.write() as work:
+                await work.sessions.use(idle, now_s)
+        for ended, principal in watched.items():
+            if principal not in live.principals:
+                ended.set()
+
+    async def run(self) -> None:
+        """Check until cancelled."""
+        while True:
+            await asyncio.sleep(CHECK_S)
+            try:
+                await self.check()
+            except SQLAlchemyError:
+                # What people see meanwhile, they had a right to see a moment ago.
+                _log.warning("the sessions of open streams could not be checked", exc_info=True)
+
+
+@dataclass(frozen=True, slots=True)
+class _Live:
+    """Those whose right goes on.
+
+    Attributes:
+        principals: as they are now; whoever has been given other areas is somebody else.
+        used: per session, when it was last used.
+    """
+
+    principals: set[Principal]
+    used: dict[str, float]
+
+
+async def _live(work: Work, watched: Iterable[Principal], now_s: float) -> _Live:
+    live = _Live({ADMIN}, {})
+    for session in await work.sessions.some({each.session for each in watched if each.session}):
+        person = await work.people.get(session.person_id)
+        if person is not None and standing(session, person, now_s) is Standing.LIVE:
+            live.principals.add(sessions.principal_of(person, session))
+            live.used[session.id] = session.used_at_s
+    for key_id in {each.id for each in watched if each.kind == "key"}:
+        key = await work.api_keys.get(key_id)
+        if key is not None and keys.usable(key, now_s):
+            live.principals.add(keys.principal_of(key))
+    return live

@@ -1,0 +1,21 @@
+/** The login without a script is whole; this makes it quicker where somebody has logged in before. */
+import "@fontsource-variable/inter/wght.css";
+import "../styles/tokens.css";
+import "./page.css";
+
+/** Who is known needs no name; somebody else does. */
+function followChoice(): void {
+  const name = document.querySelector<HTMLInputElement>("#name");
+  const choices = document.querySelectorAll<HTMLInputElement>('input[name="known"]');
+  if (!name || choices.length === 0) return;
+  const follow = (): void => {
+    const other = document.querySelector<HTMLInputElement>('input[name="known"]:checked')?.value === "";
+    name.closest<HTMLElement>(".who")?.toggleAttribute("hidden", !other);
+    name.required = other;
+    if (!other) name.value = "";
+  };
+  for (const each of choices) each.addEventListener("change", follow);
+  follow();
+}
+
+followChoice();
