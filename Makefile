@@ -70,8 +70,8 @@ imports: $(STAMPS)/installed ## Who may import whom
 	$(call stage,import-linter)
 	$(BIN)/lint-imports
 
-frontend: setup ## Types, style and unit tests of the panels
-	$(call stage,tsc)
+frontend: setup ## Types, sizes, style and unit tests of the panels
+	$(call stage,tsc and sizes)
 	@$(NPM) run --silent check
 	$(call stage,TypeScript linter)
 	@$(NPM) run --silent lint

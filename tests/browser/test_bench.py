@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from dray_sim.bench import plantmap
+from dray_sim.bench import paint, plantmap
 
 
 def test_the_map_is_measured_far_and_near_beside_its_baselines(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -17,4 +17,13 @@ def test_the_map_is_measured_far_and_near_beside_its_baselines(monkeypatch: pyte
         "script per picture, near",
         "from picture to picture, p95, near",
     ]
+    assert all(row.figure > 0.0 and row.baseline > 0.0 and row.less for row in rows)
+
+
+def test_the_first_paint_of_each_page_is_measured_beside_the_plainest_page(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(paint, "QUICK_TIMES", 1)
+    rows = paint.measure(quick=True)
+    assert [row.name for row in rows] == ["paint: management panel", "paint: customer page"]
     assert all(row.figure > 0.0 and row.baseline > 0.0 and row.less for row in rows)

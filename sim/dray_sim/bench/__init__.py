@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
-from dray_sim.bench import bus, plantmap, projection, sim
+from dray_sim.bench import bus, paint, plantmap, projection, sim
 from dray_sim.bench.row import Row, rates
 
 __all__ = ["BENCHES", "Bench", "Row", "as_json", "rates"]
@@ -27,6 +27,7 @@ BENCHES: dict[str, Bench] = {
     "projection": projection.measure,
     "sim": sim.measure,
     "map": plantmap.measure,
+    "paint": paint.measure,
 }
 """Name -> benchmark, in the order in which they run."""
 

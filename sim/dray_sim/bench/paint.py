@@ -1,0 +1,87 @@
+"""Benchmark `paint`: how long a page is blank, for somebody who opens it for the first time.
+
+From the request to the first text or picture (First Contentful Paint), with an empty cache, from a server
+on the same machine, in a headless Chromium. The baseline is the plainest page there is: one line of text.
+"""
+
+from __future__ import annotations
+
+import json
+import urllib.request
+from statistics import median
+from typing import TYPE_CHECKING
+
+from dray_sim.bench.browser import SCREEN, chromium
+from dray_sim.bench.crowd import Crowd
+from dray_sim.bench.panel import serving
+from dray_sim.bench.row import Row
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+VEHICLES = 8
+"""The default plant's."""
+
+TIMES, QUICK_TIMES = 9, 3
+"""A page is opened so often; the middle one counts."""
+
+TARGET_MS = 1_000.0
+"""Up to here people wait without thinking of something else."""
+
+PLAINEST = "/healthz"
+
+PAINTED = """() => new Promise((painted) => {
+    const told = (entries) => {
+        const first = entries.find(({ name }) => name === "first-contentful-paint");
+        if (first) painted(first.startTime);
+    };
+    new PerformanceObserver((list) => told(list.getEntries())).observe({ type: "paint", buffered: true });
+})"""
+
+
+def measure(quick: bool) -> list[Row]:
+    """Measure the pages.
+
+    Args:
+        quick: a third of the work.
+    """
+    times = QUICK_TIMES if quick else TIMES
+    with chromium() as browser, serving(Crowd(VEHICLES)) as url:
+        pages = {"management panel": "/", "customer page": _order(url)}
+        plainest_ms = _painted_ms(browser, url + PLAINEST, times)
+        return [
+            Row(
+                f"paint: {name}",
+                _painted_ms(browser, url + path, times),
+                "ms",
+                plainest_ms,
+                "a page of one line",
+                TARGET_MS,
+                "first contentful paint, empty cache",
+                less=True,
+            )
+            for name, path in pages.items()
+        ]
+
+
+def _painted_ms(browser: Browser, url: str, times: int) -> float:
+    return median(_once_ms(browser, url) for _ in range(times))
+
+
+def _once_ms(browser: Browser, url: str) -> float:
+    # A context of its own has a cache of its own.
+    with browser.new_context(viewport=SCREEN) as context:
+        page = context.new_page()
+        page.goto(url)
+        return float(page.evaluate(PAINTED))
+
+
+def _order(url: str) -> str:
+    """Place an order; the path of its customer's page."""
+    body = {"customer": "Bench", "items": [{"product": "gear-unit-g1", "quantity": 40}]}
+    request = urllib.request.Request(  # noqa: S310 (our own server)
+        f"{url}/api/orders", json.dumps(body).encode(), {"Content-Type": "application/json"}
+    )
+    with urllib.request.urlopen(request) as answer:  # noqa: S310
+        tracking: str = json.load(answer)["tracking_url"]
+    return tracking.removeprefix(url)
