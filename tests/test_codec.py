@@ -102,6 +102,8 @@ def _bounded(hint: Any, meta: msgspec.Meta) -> st.SearchStrategy[Any]:
         return st.text(_ID_CHARACTERS, min_size=1 if "{1," in meta.pattern else 0, max_size=12)
     if hint is str:
         return st.text(st.characters(exclude_categories=["Cs"]), max_size=30)
+    if hint is bytes:
+        return st.binary(min_size=meta.min_length or 0, max_size=meta.max_length)
     return st.lists(of_type(typing.get_args(hint)[0]), min_size=meta.min_length or 0, max_size=3).map(tuple)
 
 

@@ -227,9 +227,13 @@ class Worker:
             if event is _WOKEN:
                 self._woken = False
                 event = Woke(self._sense())
-            elif type(event) is Heard and type(event.message) is messages.EventsAsked:
-                self._tell_again(event.sender, event.message, session)
-                continue
+            elif type(event) is Heard:
+                kind = type(event.message)
+                if kind is messages.EventsAsked:
+                    self._tell_again(event.sender, cast(messages.EventsAsked, event.message), session)
+                    continue
+                if kind is messages.VehicleCommand:
+                    event = Heard(event.sender, event.message, self._sense())
             self._handle(event, session)
             if self._stopping:
                 return

@@ -11,16 +11,19 @@ import asyncio
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from hashlib import sha256
 from random import Random
 from typing import Protocol
 
 from dray import __version__
+from dray.adapters.signing import SigningKey, TrustedKeys
 from dray.messages import Message
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.plant.model import VehicleSpec
 from dray.ports import Body, Bus
 from dray.protocol.atv import Atv
+from dray.protocol.authority import Trusts
 from dray.protocol.events import Agent
 from dray.protocol.machine import Machine
 from dray.protocol.strategist import STRATEGIST, Strategist
@@ -93,8 +96,11 @@ class SimFactory:
         codec: pass every message through the wire format.
         ear: hears everything that is said.
         meet: where the agents meet, when that is not the simulated network.
+        trusts: whose grants vehicles believe; by default those of `authority`.
 
     Attributes:
+        authority: grants the commands of simulated people.
+        trusts: whose grants vehicles believe.
         bus: the simulated network; join it to take part.
         vehicles, workcells, storages: the bodies and places by id.
         workers: by agent id; of a crashed agent, that of its last life.
@@ -115,10 +121,13 @@ class SimFactory:
         codec: bool = False,
         ear: Ear | None = None,
         meet: Bus | None = None,
+        trusts: Trusts | None = None,
     ) -> None:
         self.plant = plant
         self.clock = clock
         self.keys = Keys(plant.id)
+        self.authority = SigningKey(sha256(f"{seed} authority".encode()).digest())
+        self.trusts = trusts or TrustedKeys(self.authority.public)
         # One generator per concern, so that a change to one does not shift the chances of another.
         self.bus = SimNetwork(
             clock,
@@ -262,7 +271,12 @@ class SimFactory:
 
     def _atv(self, spec: VehicleSpec) -> MakeAgent:
         return lambda life, software: Atv(
-            spec.id, self.plant, vehicle_type=spec.type, incarnation=life, software=software
+            spec.id,
+            self.plant,
+            vehicle_type=spec.type,
+            incarnation=life,
+            software=software,
+            trusts=self.trusts,
         )
 
     def _strategist(self, life: int, _software: str) -> Agent:

@@ -14,6 +14,7 @@ from dray.body import VehicleState
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
+    CommandKind,
     Event,
     HandoverAccepted,
     MachineHeartbeat,
@@ -28,11 +29,11 @@ from dray.messages.fact import (
     TaskClosed,
     TaskOpened,
 )
-from dray.messages.order import CommandKind
 from dray_sim.broken import InvariantBroken
 from dray_sim.company import ReplacedInTime, SpeaksOn
 from dray_sim.delivered import DeliveredExactly
 from dray_sim.factory import Ear, SimFactory
+from dray_sim.granted import GrantedOnly
 
 BRAKING_S = 10.0
 """By then a stopped vehicle stands, whatever its speed and load were."""
@@ -233,6 +234,7 @@ class Invariants:
             StoppedStands(factory),
             SpeaksOn(factory),
             ReplacedInTime(factory),
+            GrantedOnly(factory),
             self._conservation,
             *more,
         )

@@ -10,7 +10,8 @@ are is chance, from a generator of each operator's own.
     silence    react -> walk -> carry the load away -> push it to a charger -> switch it on
 
 Who was interrupted, by a vehicle that went silent in the middle say, remembers which stops are own ones
-and ends them when the vehicle is heard again.
+and ends them when the vehicle is heard again. A vehicle obeys an operator in the operator's own area only:
+what somebody began and the vehicle has carried into another area is left to the colleague there.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from enum import IntEnum
 from random import Random
 from typing import TYPE_CHECKING
 
+from dray.adapters.signing import SigningKey
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
@@ -47,6 +49,9 @@ ANSWER_S = 2.0
 
 TRIES = 15
 """Half a minute of saying it again; then the vehicle does not hear."""
+
+GRANT_S = 60.0
+"""How long a command is good for: as long as it is repeated, and as it may then be under way."""
 
 EVERYWHERE = "plant"
 """The area of the only operator of a plant that has no areas."""
@@ -102,6 +107,10 @@ class Duty(IntEnum):
     """A vehicle has driven slowly for long enough."""
 
 
+OWN = frozenset({Duty.RELEASE, Duty.SPEED_UP})
+"""What is left of something that the operator has begun, wherever the vehicle is by now."""
+
+
 @dataclass(frozen=True, slots=True)
 class _Sight:
     """A vehicle as the tablet shows it."""
@@ -115,13 +124,15 @@ class Operator:
     """One person, who is responsible for one area and joins the bus as `operator-<area>`.
 
     Invariants: a command is said when the one before it was answered; every stop of an operator is
-    followed by an acknowledge and a resume of the same operator, as soon as the vehicle hears it.
+    followed by an acknowledge and a resume, of the same operator or of the one in whose area the vehicle
+    has come to stand, as soon as the vehicle hears it.
 
     Args:
         area: for which vehicles, by where they are; `EVERYWHERE` for all of them.
         plant: where areas are.
         bus: joined while `run` runs.
         clock: the plant's clock.
+        authority: grants this person's commands.
         hands: to do something with.
         random: all chance in this person's life.
         habits: how this person works.
@@ -129,6 +140,7 @@ class Operator:
     Attributes:
         name: on the bus.
         done: how often which duty was done.
+        colleagues: all operators of the plant, by area, this one too.
     """
 
     def __init__(
@@ -138,28 +150,39 @@ class Operator:
         plant: Plant,
         bus: Bus,
         clock: Clock,
+        authority: SigningKey,
         hands: Hands,
         random: Random,
         habits: Habits,
     ) -> None:
         self.name = f"operator-{area}"
         self.done = dict.fromkeys(Duty, 0)
+        self.colleagues: Mapping[str, Operator] = {area: self}
         self._area = area
         self._plant = plant
         self._bus = bus
         self._clock = clock
+        self._authority = authority
         self._hands = hands
         self._random = random
         self._habits = habits
         self._sights: dict[str, _Sight] = {}
         """The last heartbeat of every vehicle, wherever it is."""
         self._stops: dict[str, float] = {}
-        """Vehicles that an own stop may hold, and since when."""
+        """Vehicles that a stop may hold which is this person's to end, and since when."""
         self._slowed: dict[str, float] = {}
-        """Vehicles that an own limit holds back, and until when."""
+        """Vehicles that a limit holds back which is this person's to end, and until when."""
         self._commands = 0
         self._answers: dict[str, asyncio.Future[CommandAnswered]] = {}
         """At most one: the command that waits for its answer."""
+
+    def look_after_stop(self, atv: str, since_s: float) -> None:
+        """Release a vehicle that one's own or a colleague's stop may hold since then."""
+        self._stops[atv] = since_s
+
+    def look_after_limit(self, atv: str, until_s: float) -> None:
+        """Let a vehicle that is slow by one's own or a colleague's word drive on as before, after then."""
+        self._slowed[atv] = until_s
 
     async def run(self) -> None:
         """Work until cancelled."""
@@ -195,7 +218,7 @@ class Operator:
         alarms: list[tuple[Duty, float, str]] = []
         for atv, sight in self._sights.items():
             alarm = self._alarm(atv, sight, now_s)
-            if alarm is not None and (atv in self._stops or atv in self._slowed or self._is_here(sight)):
+            if alarm is not None and (alarm[0] in OWN or self._is_here(sight)):
                 alarms.append((*alarm, atv))
         if not alarms:
             return None
@@ -218,8 +241,12 @@ class Operator:
         return None
 
     def _is_here(self, sight: _Sight) -> bool:
+        return self._whose(sight) == self._area
+
+    def _whose(self, sight: _Sight) -> str:
+        """The area that the vehicle is in."""
         pose = sight.heartbeat.pose
-        return area_at(self._plant, pose.x_m, pose.y_m) == self._area
+        return area_at(self._plant, pose.x_m, pose.y_m)
 
     # --- doing -----------------------------------------------------------------------------------
 
@@ -256,7 +283,11 @@ class Operator:
         """Put a shifted load right: nobody reaches into a vehicle that could drive on by itself."""
         # From here on it may be stopped, answered or not.
         self._stops[atv] = self._clock.now_s()
-        if await self._say(session, atv, CommandKind.STOP) is None:
+        answer = await self._say(session, atv, CommandKind.STOP)
+        if answer is not None and not answer.done:
+            # It has driven on meanwhile, and slipped once more: out there it is a colleague's.
+            del self._stops[atv]
+        if answer is None or not answer.done:
             return
         await asyncio.sleep(mend_s)
         self._hands.mend(atv)
@@ -271,7 +302,9 @@ class Operator:
             answer = await self._say(session, atv, kind)
             if answer is None or not answer.done:
                 break
-        self._stops[atv] = self._clock.now_s()
+        # It may have come to its stand beyond the border.
+        del self._stops[atv]
+        self._colleague(atv).look_after_stop(atv, self._clock.now_s())
 
     async def _recover(self, atv: str) -> None:
         """Look for a silent vehicle, clear up after it and bring it back to life."""
@@ -292,10 +325,17 @@ class Operator:
             del self._sights[atv]
 
     async def _speed_up(self, session: Session, atv: str) -> None:
-        """Take an own limit back."""
+        """Take an own limit back, or leave that to whoever's area the vehicle has come to."""
         answer = await self._say(session, atv, CommandKind.SET_SPEED, speed_frac=1.0)
-        if answer is not None:
-            del self._slowed[atv]
+        if answer is None:
+            return
+        until_s = self._slowed.pop(atv)
+        if not answer.done:
+            self._colleague(atv).look_after_limit(atv, until_s)
+
+    def _colleague(self, atv: str) -> Operator:
+        """The operator of the area where a vehicle is now."""
+        return self.colleagues.get(self._whose(self._sights[atv]), self)
 
     async def _say(
         self,
@@ -315,11 +355,18 @@ class Operator:
             wait_s=wait_s,
             issued_by=self.name,
         )
+        granted = self._authority.grant(
+            atv,
+            command,
+            person=self.name,
+            areas=None if self._area == EVERYWHERE else (self._area,),
+            valid_until_s=self._clock.now_s() + GRANT_S,
+        )
         answer: asyncio.Future[CommandAnswered] = asyncio.get_running_loop().create_future()
         self._answers[command.command] = answer
         try:
             for _ in range(TRIES):
-                session.send(atv, command)
+                session.send(atv, granted)
                 await asyncio.wait((answer,), timeout=ANSWER_S)
                 if answer.done():
                     return answer.result()
@@ -370,15 +417,19 @@ def hire(
     of_all = habits or Habits()
     special = areas or {}
     hands = Hands(factory)
-    return tuple(
-        Operator(
+    crew = {
+        area: Operator(
             area,
             plant=factory.plant,
             bus=factory.bus,
             clock=factory.clock,
+            authority=factory.authority,
             hands=hands,
             random=Random(f"{seed} operator {area}"),
             habits=special.get(area, of_all),
         )
         for area in factory.plant.areas or (EVERYWHERE,)
-    )
+    }
+    for operator in crew.values():
+        operator.colleagues = crew
+    return tuple(crew.values())

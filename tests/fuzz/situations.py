@@ -12,6 +12,7 @@ from typing import TypeVar
 from actors import Actor
 from bodies import PlainGate, PlainVehicle, PlainWorkcell
 from kit import PLANT, accepted, announcement, award, bid, goal_bid, mhb, production, rhb, transport
+from seals import granted, trusts_seals
 
 from dray.body import Pick
 from dray.messages import (
@@ -110,7 +111,9 @@ class Played(Actor):
 def idle_vehicle(battery_frac: float = 0.9) -> Played:
     body = PlainVehicle("ATV1", PLANT, "p3", lambda *_: "")
     body.battery_frac = battery_frac
-    return Played(lambda life: Atv("ATV1", PLANT, vehicle_type="light", incarnation=life), body)
+    return Played(
+        lambda life: Atv("ATV1", PLANT, vehicle_type="light", incarnation=life, trusts=trusts_seals), body
+    )
 
 
 def _vehicle(actor: Played) -> PlainVehicle:
@@ -183,7 +186,7 @@ def watching_vehicle() -> Played:
 
 
 def _stop(actor: Played) -> Played:
-    return actor.told("operator", VehicleCommand(command="c1", kind=CommandKind.STOP))
+    return actor.told("operator", granted("ATV1", VehicleCommand(command="c1", kind=CommandKind.STOP)))
 
 
 def stopped_vehicle() -> Played:
@@ -196,7 +199,7 @@ def stopped_vehicle_with_a_load() -> Played:
 
 def acknowledged_vehicle() -> Played:
     acknowledge = VehicleCommand(command="c2", kind=CommandKind.ACKNOWLEDGE)
-    return stopped_vehicle_with_a_load().told("operator", acknowledge)
+    return stopped_vehicle_with_a_load().told("operator", granted("ATV1", acknowledge))
 
 
 def vehicle_with_a_problem() -> Played:

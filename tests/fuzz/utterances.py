@@ -91,6 +91,8 @@ class Utterances:
             return self._id(name, optional="{0," in meta.pattern)
         if hint is str:
             return st.text(st.characters(exclude_categories=["Cs"]), max_size=8)
+        if hint is bytes:
+            return st.binary(min_size=meta.min_length or 0, max_size=meta.max_length)
         items = self._value(typing.get_args(hint)[0], name)
         return st.lists(items, min_size=meta.min_length or 0, max_size=3).map(tuple)
 

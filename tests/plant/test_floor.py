@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dray.plant import Point
-from dray.plant.geometry import area_m2, crossed_edges, inside
+from dray.plant.geometry import area_m2, crossed_edges, distance_m, inside
 from dray.plant.grid import Grid
 
 SIDE_M = st.floats(1.0, 200.0)
@@ -115,6 +115,17 @@ def test_the_border_belongs_to_the_polygon(along_m: float, side_m: float) -> Non
 @given(st.floats(-5, 15), st.floats(-5, 15))
 def test_a_square_holds_what_lies_between_its_sides(x_m: float, y_m: float) -> None:
     assert inside(Point(x_m, y_m), SQUARE) is (0 <= x_m <= 10 and 0 <= y_m <= 10)
+
+
+@pytest.mark.parametrize(
+    ("x_m", "y_m", "away_m"),
+    [(1, 8, 0), (9, 5, 0), (11, 5, 2), (4.5, 5, 1.5), (4.5, -2, 2), (12, -4, 5), (4.5, 12, hypot(1.5, 3))],
+)
+def test_the_distance_to_a_polygon_is_that_to_its_nearest_point(
+    x_m: float, y_m: float, away_m: float
+) -> None:
+    assert distance_m(Point(x_m, y_m), HORSESHOE) == pytest.approx(away_m)
+    assert distance_m(Point(x_m, y_m), HORSESHOE[::-1]) == pytest.approx(away_m)
 
 
 @pytest.mark.parametrize("turn", range(8))

@@ -23,6 +23,7 @@ from random import Random
 from actors import Actor
 from bodies import PlainGate, PlainVehicle, PlainWorkcell
 from kit import PLANT
+from seals import granted, trusts_seals
 
 from dray.body import Drop, LinkNoticed, Pick, Unhold
 from dray.messages import (
@@ -127,7 +128,7 @@ class World:
     def command(self, atv: str, kind: CommandKind) -> None:
         """A person tells a vehicle something; the way to it is as good as the network."""
         command = f"c{next(self._numbers)}"
-        self.say("operator", atv, VehicleCommand(command=command, kind=kind))
+        self.say("operator", atv, granted(atv, VehicleCommand(command=command, kind=kind)))
 
     def say(self, sender: str, to: str, message: Message) -> None:
         """Somebody says something to an agent."""
@@ -272,7 +273,7 @@ class World:
 
 
 def _vehicle(atv: str, life: int) -> Atv:
-    return Atv(atv, PLANT, vehicle_type="heavy", incarnation=life)
+    return Atv(atv, PLANT, vehicle_type="heavy", incarnation=life, trusts=trusts_seals)
 
 
 class Checks:

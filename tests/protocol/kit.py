@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import Any, TypeVar
 
 import msgspec
+from seals import trusts_seals
 
 from dray.body import (
     ActionDone,
@@ -308,7 +309,7 @@ class VehicleRig(Rig):
     def __init__(
         self, atv: str = "ATV1", *, kind: str = "light", node: str = "p3", battery_frac: float = 0.9
     ) -> None:
-        super().__init__(Atv(atv, PLANT, vehicle_type=kind))
+        super().__init__(Atv(atv, PLANT, vehicle_type=kind, trusts=trusts_seals))
         self.node = node
         self.battery_frac = battery_frac
         self.load = ("", 0)

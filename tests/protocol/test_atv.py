@@ -23,6 +23,7 @@ from kit import (
     sent,
     transport,
 )
+from seals import granted
 
 from dray.body import (
     Charge,
@@ -123,7 +124,7 @@ def command(
     """Give a command; a new one unless it is given the name of one before."""
     name = name or f"C{len(facts(rig.all, CommandObeyed)) + 1}"
     message = VehicleCommand(command=name, kind=kind, speed_frac=speed_frac, issued_by="shift lead")
-    [answer] = sent(rig.hear("gateway", message), CommandAnswered, to="gateway")
+    [answer] = sent(rig.hear("gateway", granted("ATV1", message)), CommandAnswered, to="gateway")
     return answer
 
 
@@ -567,7 +568,8 @@ def test_a_resume_whose_answer_was_lost_is_answered_as_before() -> None:
 def test_commands_of_two_people_are_told_apart_by_who_gave_them() -> None:
     rig = contracted()
     command(rig, CommandKind.STOP)
-    rig.hear("operator-north", VehicleCommand(command="C1", kind=CommandKind.ACKNOWLEDGE))
+    acknowledge = VehicleCommand(command="C1", kind=CommandKind.ACKNOWLEDGE)
+    rig.hear("gateway", granted("ATV1", acknowledge, person="operator-north"))
     assert command(rig, CommandKind.RESUME).done
 
 

@@ -6,6 +6,7 @@ import msgspec
 import pytest
 from kit import PLANT, VehicleRig, award, facts, instructed, rhb, sent, transport
 from office import Office, contracted, watched
+from seals import granted
 
 from dray.body import Drive, Drop, LinkNoticed, Pick, ProblemCleared, ProblemRaised
 from dray.memory import AtvMemory
@@ -227,7 +228,7 @@ def promise(rig: VehicleRig, wait_s: float | None) -> CommandAnswered:
     command = VehicleCommand(
         command="C1", kind=CommandKind.PROMISE, wait_s=wait_s, issued_by="operator north"
     )
-    [answer] = sent(rig.hear("operator-north", command), CommandAnswered)
+    [answer] = sent(rig.hear("operator-north", granted("ATV1", command)), CommandAnswered)
     return answer
 
 
@@ -260,7 +261,7 @@ def test_a_stop_lets_the_task_wait_too_and_a_resume_ends_that() -> None:
         (CommandKind.ACKNOWLEDGE, True),
         (CommandKind.RESUME, False),
     ):
-        rig.hear("operator", VehicleCommand(command=kind.value, kind=kind))
+        rig.hear("operator", granted("ATV1", VehicleCommand(command=kind.value, kind=kind)))
         assert (newest(rig).help is not None) is wanted
 
 
@@ -543,13 +544,13 @@ def test_a_vehicle_whose_load_was_taken_off_meanwhile_fetches_another_one() -> N
 
 def test_a_stopped_vehicle_is_stopped_after_a_restart() -> None:
     rig = carrying()
-    rig.hear("operator", VehicleCommand(command="C1", kind=CommandKind.STOP))
-    rig.hear("operator", VehicleCommand(command="C2", kind=CommandKind.ACKNOWLEDGE))
+    rig.hear("operator", granted("ATV1", VehicleCommand(command="C1", kind=CommandKind.STOP)))
+    rig.hear("operator", granted("ATV1", VehicleCommand(command="C2", kind=CommandKind.ACKNOWLEDGE)))
     rig.held = True
     again = reborn(rig)
     assert newest(again).status is AtvStatus.STOPPED
     resume = VehicleCommand(command="C3", kind=CommandKind.RESUME)
-    [answer] = sent(again.hear("operator", resume), CommandAnswered)
+    [answer] = sent(again.hear("operator", granted("ATV1", resume)), CommandAnswered)
     assert answer.done, "it was acknowledged before"
 
 

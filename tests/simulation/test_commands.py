@@ -21,13 +21,19 @@ class Tablet:
     """Somebody who does as the test says."""
 
     def __init__(self, factory: SimFactory) -> None:
+        self._factory = factory
         self._session = factory.bus.join("tablet", self._hear)
         self._answers: dict[str, asyncio.Future[CommandAnswered]] = {}
 
     async def order(self, atv: str, kind: CommandKind, speed_frac: float | None = None) -> CommandAnswered:
         name = f"c{len(self._answers)}"
         self._answers[name] = asyncio.get_running_loop().create_future()
-        self._session.send(atv, VehicleCommand(command=name, kind=kind, speed_frac=speed_frac))
+        command = VehicleCommand(command=name, kind=kind, speed_frac=speed_frac)
+        until_s = self._factory.clock.now_s() + ANSWER_S
+        granted = self._factory.authority.grant(
+            atv, command, person="tablet", areas=None, valid_until_s=until_s
+        )
+        self._session.send(atv, granted)
         return await asyncio.wait_for(self._answers[name], ANSWER_S)
 
     def _hear(self, _sender: str, message: Message) -> None:

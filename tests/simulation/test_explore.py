@@ -13,6 +13,7 @@ from random import Random
 import msgspec
 import pytest
 
+from dray.adapters.signing import SigningKey, TrustedKeys
 from dray.body import Hold, Unhold
 from dray.errors import UnavailableError
 from dray.messages import (
@@ -38,6 +39,7 @@ from dray.messages import (
     TaskAnnounced,
     Transport,
     VehicleCommand,
+    signed_words,
 )
 from dray.messages.fact import (
     AtvStatusChanged,
@@ -551,6 +553,16 @@ def test_the_dead_are_bound_by_nothing() -> None:
 
 def test_a_passerby_presses_all_buttons_and_puts_everything_right() -> None:
     said: list[VehicleCommand] = []
+    key = SigningKey(bytes(32))
+    trusted = TrustedKeys(key.public)
+
+    def grant_of(command: VehicleCommand) -> str:
+        grant = command.grant
+        if grant is None:
+            return "none"
+        if not trusted(signed_words("ATV1", command, grant), grant.signature):
+            return "forged"
+        return "everywhere" if grant.everywhere else "an area"
 
     async def pass_by() -> None:
         network = SimNetwork(clock(), Random(1))
@@ -563,15 +575,25 @@ def test_a_passerby_presses_all_buttons_and_puts_everything_right() -> None:
                 atv.send(sender, CommandAnswered(command=message.command, done=True))
 
         atv = network.join("ATV1", answer)
-        passerby = Passerby(network, ("ATV1",), Random(1))
+        passerby = Passerby(
+            network,
+            clock(),
+            key,
+            fleet=("ATV1",),
+            areas=("AREA1", "AREA2"),
+            random=Random(1),
+            grants=Random(1),
+        )
         with suppress(TimeoutError):
             await asyncio.wait_for(passerby.meddle(), 3600.0)
         assert {command.kind for command in said} == set(CommandKind)
         assert len({command.command for command in said}) == len(said)
+        assert {grant_of(command) for command in said} == {"none", "forged", "everywhere", "an area"}
         said.clear()
         await passerby.put_right()
 
     run(pass_by(), JUMP)
+    assert {grant_of(command) for command in said} == {"everywhere"}
     once = list(dict.fromkeys((command.command, command.kind, command.speed_frac) for command in said))
     assert [kind for _, kind, _ in once] == [
         CommandKind.SET_SPEED,

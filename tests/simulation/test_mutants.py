@@ -12,8 +12,9 @@ from collections.abc import Callable
 import pytest
 
 from dray.body import OpenDock
-from dray.messages import CommandKind, Docked, DockOpened, Handover, Transport, VehicleCommand
+from dray.messages import CommandKind, Docked, DockOpened, Grant, Handover, Transport, VehicleCommand
 from dray.protocol.auction import Auction
+from dray.protocol.authority import Authority
 from dray.protocol.coordinator import OpenTask
 from dray.protocol.docking import Dock
 from dray.protocol.events import Instruct, Send
@@ -84,10 +85,10 @@ def that_resumes_unacknowledged(patch: pytest.MonkeyPatch) -> None:
     """A vehicle drives on at the word, whether or not anybody has seen to it before."""
     try_command = Obedience._try
 
-    def obey(self: Obedience, command: VehicleCommand) -> str:
+    def obey(self: Obedience, command: VehicleCommand, grant: Grant, now_s: float) -> str:
         if command.kind is CommandKind.RESUME:
             self.acknowledged = True
-        return try_command(self, command)
+        return try_command(self, command, grant, now_s)
 
     patch.setattr(Obedience, "_try", obey)
 
@@ -105,12 +106,24 @@ def that_gives_orders_back_with_an_open_gate(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Strategist, "_shut", give_back)
 
 
+def that_obeys_everywhere(patch: pytest.MonkeyPatch) -> None:
+    """A vehicle does not ask for which areas a grant is."""
+    patch.setattr(Authority, "covers", lambda *_: True)
+
+
+def that_believes_every_signature(patch: pytest.MonkeyPatch) -> None:
+    """A vehicle does not ask who has signed a grant."""
+    patch.setattr(Authority, "doubts", lambda *_: "")
+
+
 MUTANTS = [
     pytest.param(without_the_fence, "links", 0, "invariant 2", id="no-fence"),
     pytest.param(with_handovers_that_count_twice, "answers", 0, "ended twice", id="handover-twice"),
     pytest.param(without_release_after_silence, "answers", 17, "invariant 3|still works", id="no-release"),
     pytest.param(that_resumes_unacknowledged, "hands", 0, "invariant 5", id="no-acknowledge"),
     pytest.param(that_gives_orders_back_with_an_open_gate, "revisions", 0, "invariant 4", id="open-gate"),
+    pytest.param(that_obeys_everywhere, "hands", 0, "invariant 9", id="no-areas"),
+    pytest.param(that_believes_every_signature, "hands", 0, "invariant 9", id="no-signature"),
 ]
 """A mutant, from where trials are drawn, the seed to begin with, and what will be seen."""
 

@@ -10,6 +10,7 @@ from random import Random
 
 import pytest
 
+from dray.adapters.signing import SigningKey
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
@@ -36,6 +37,7 @@ from dray_sim.people import ANSWER_S, LOOK_S, TRIES, Duty, Habits, Operator, are
 from dray_sim.vehicle import BATTERY_EMPTY, LOAD_SHIFTED
 
 PLANT = default_plant()
+AUTHORITY = SigningKey(bytes(32))
 QUICK = Habits(
     react_s=(1.0, 1.0),
     walk_s=(10.0, 10.0),
@@ -167,6 +169,7 @@ class Floor:
             plant=PLANT,
             bus=bus,
             clock=clock(),
+            authority=AUTHORITY,
             hands=self.hands,
             random=Random(seed),
             habits=habits,
@@ -542,4 +545,4 @@ def test_no_stop_outlives_its_operator_though_words_are_lost_doubled_and_overtak
     bad = LinkTrouble(latency_s=0.1, jitter_s=1.0, loss_frac=0.2, duplicate_frac=0.3, reorder_frac=0.5)
     factory, _, done = run(_misfortunes(3, 6, bad))
     assert_all_is_well(factory)
-    assert done[Duty.SPEED_UP] == 2
+    assert done[Duty.SPEED_UP] >= 2, "more often when the vehicle has driven on into another area"

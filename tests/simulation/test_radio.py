@@ -14,6 +14,7 @@ from random import Random
 import msgspec
 import pytest
 
+from dray.adapters.signing import SigningKey
 from dray.codec import encode
 from dray.messages import (
     Accepted,
@@ -24,6 +25,7 @@ from dray.messages import (
     Bid,
     Brief,
     CommandAnswered,
+    CommandKind,
     Confirmed,
     Declined,
     Docked,
@@ -46,7 +48,6 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.contract import TransportCost
-from dray.messages.order import CommandKind
 from dray_sim.coverage import AccessPoint, Coverage
 from dray_sim.faults import (
     AccessPointDown,
@@ -82,7 +83,13 @@ SAID = [
     Withdrawn("T", 1, "not needed"),
     TakenOver("T", 2, "V1"),
     Confirmed("T", 2),
-    VehicleCommand("C1", CommandKind.STOP),
+    SigningKey(bytes(32)).grant(
+        "V0",
+        VehicleCommand("gateway.12-345", CommandKind.SET_SPEED, speed_frac=0.5, issued_by="a name" * 5),
+        person="4f0c2a1e-7b0d-4c55-9c1e-0c9d5c1f2b77",
+        areas=[f"AREA{number}" for number in range(1, 9)],
+        valid_until_s=123456.789,
+    ),
     CommandAnswered("C1", done=True),
     Declined("T", 1, Role.PRIMARY, Refusal.NOT_FIT),
 ]

@@ -1,7 +1,7 @@
 """Everything agents say to one another: frozen structs, one per utterance.
 
-`heartbeat` is what everybody may hear at any time, `contract` the negotiation, `order` what comes
-from people, `berth` how vehicles share places to stand, `fact` what each writes into its history.
+`heartbeat` is what everybody may hear at any time, `contract` the negotiation, `order` and `command` what
+comes from people, `berth` how vehicles share places to stand, `fact` what each writes into its history.
 How messages become bytes is `dray.codec`; when they are said is `dray.protocol`.
 """
 
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dray.messages.base import WIRE_VERSION, Message, Part
 from dray.messages.berth import BerthClaimed
+from dray.messages.command import CommandAnswered, CommandKind, Grant, VehicleCommand, signed_words
 from dray.messages.contract import (
     Accepted,
     Award,
@@ -53,15 +54,12 @@ from dray.messages.heartbeat import (
 )
 from dray.messages.order import (
     CancellationTaken,
-    CommandAnswered,
-    CommandKind,
     OrderCancelled,
     OrderItem,
     OrderReleased,
     OrderRevoked,
     OrderTaken,
     RevocationTaken,
-    VehicleCommand,
 )
 
 Heartbeat = AtvHeartbeat | MachineHeartbeat
@@ -127,6 +125,7 @@ __all__ = [
     "Fact",
     "GoalBrief",
     "GoalClosed",
+    "Grant",
     "Handover",
     "HandoverAccepted",
     "Heartbeat",
@@ -159,4 +158,5 @@ __all__ = [
     "VehicleCommand",
     "Withdrawn",
     "Work",
+    "signed_words",
 ]

@@ -1,10 +1,8 @@
-"""Orders and people's commands, on their way from the gateway to the agents."""
+"""Orders, on their way from the gateway to the strategist."""
 
 from __future__ import annotations
 
-from enum import StrEnum
-
-from dray.messages.base import Count, Fraction, Id, Message, Part, Seconds, Text
+from dray.messages.base import Count, Id, Message, Part, Seconds
 
 
 class OrderItem(Part, frozen=True):
@@ -67,37 +65,3 @@ class RevocationTaken(Message, frozen=True):
     outstanding: tuple[Count, ...]
     """Per item, what had not arrived when the gate was shut: what another release has to order. Empty when
     the strategist did not work at this release: it has ended, or never came."""
-
-
-class CommandKind(StrEnum):
-    """What a person may ask of a vehicle (paper, case 5)."""
-
-    STOP = "stop"
-    ACKNOWLEDGE = "acknowledge"
-    """The fault is gone."""
-    RESUME = "resume"
-    """Go on: only after an acknowledge."""
-    SET_SPEED = "set_speed"
-    PROMISE = "promise"
-    """Help is on the way: keep the task for as long as was promised (paper, case 4)."""
-
-
-class VehicleCommand(Message, frozen=True):
-    """A person's command to one vehicle."""
-
-    command: Id
-    """Names this command, so that its answer can be told from others."""
-    kind: CommandKind
-    speed_frac: Fraction | None = None
-    """For SET_SPEED: 0 to 1 of the vehicle's own top speed."""
-    wait_s: Seconds | None = None
-    """For PROMISE: how long from now the help will take."""
-    issued_by: Text = ""
-
-
-class CommandAnswered(Message, frozen=True):
-    """The vehicle's word on a command: done, or refused with a reason."""
-
-    command: Id
-    done: bool
-    reason: Text = ""

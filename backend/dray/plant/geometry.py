@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import hypot
 
 from dray.plant.model import Point
 
@@ -38,6 +39,23 @@ def inside(point: Point, polygon: Sequence[Point]) -> bool:
             left = cross(start, end, point) > 0.0
             odd ^= left == (end.y_m > start.y_m)
     return odd
+
+
+def distance_m(point: Point, polygon: Sequence[Point]) -> float:
+    """How far a point lies outside of a polygon; 0 for one inside or on its border."""
+    if inside(point, polygon):
+        return 0.0
+    return min(_distance_to_edge_m(point, start, end) for start, end in edges(polygon))
+
+
+def _distance_to_edge_m(point: Point, start: Point, end: Point) -> float:
+    along_x_m, along_y_m = end.x_m - start.x_m, end.y_m - start.y_m
+    to_x_m, to_y_m = point.x_m - start.x_m, point.y_m - start.y_m
+    length_m2 = along_x_m**2 + along_y_m**2
+    # The foot of the perpendicular, as a part of the edge; one beyond its ends is the end itself.
+    foot = (to_x_m * along_x_m + to_y_m * along_y_m) / length_m2 if length_m2 else 0.0
+    foot = min(max(foot, 0.0), 1.0)
+    return hypot(to_x_m - foot * along_x_m, to_y_m - foot * along_y_m)
 
 
 def crossing(first: tuple[Point, Point], second: tuple[Point, Point]) -> bool:

@@ -11,7 +11,7 @@ from math import hypot
 from types import MappingProxyType
 from typing import Protocol, TypeVar
 
-from dray.plant.geometry import inside
+from dray.plant.geometry import distance_m, inside
 from dray.plant.grid import Grid
 from dray.plant.model import (
     Area,
@@ -153,6 +153,11 @@ class Plant:
         """The operators' areas that a point lies in; on a common border, all of its areas."""
         point = Point(x_m, y_m)
         return tuple(area.id for area in self.areas.values() if inside(point, area.polygon))
+
+    def areas_near(self, x_m: float, y_m: float, within_m: float) -> tuple[str, ...]:
+        """The operators' areas that a point lies in, or lies at most so far outside of."""
+        point = Point(x_m, y_m)
+        return tuple(area.id for area in self.areas.values() if distance_m(point, area.polygon) <= within_m)
 
     def closest(self, node: str, places: Iterable[str], count: int) -> tuple[str, ...]:
         """The `count` places whose docks are closest to a node as the crow flies, closest first.

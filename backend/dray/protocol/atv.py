@@ -56,6 +56,7 @@ from dray.messages import (
 from dray.messages.fact import AtvStatusChanged, ContractEnded, ContractTaken, LinkChanged, TookOver
 from dray.messages.keys import Keys
 from dray.plant import Plant
+from dray.protocol.authority import Authority, Trusts, trusts_nobody
 from dray.protocol.bidding import Bidder, Standing
 from dray.protocol.carriage import ASK, CLAIM_TASK, Carriage
 from dray.protocol.core import Core
@@ -91,6 +92,7 @@ class Atv(Core):
         vehicle_type: id of its type; by default that of the fleet's entry.
         incarnation: how often it has been started.
         software: the version it runs, for its heartbeat.
+        trusts: whose grants count when people command it.
     """
 
     def __init__(
@@ -101,6 +103,7 @@ class Atv(Core):
         vehicle_type: str = "",
         incarnation: int = 1,
         software: str = "",
+        trusts: Trusts = trusts_nobody,
     ) -> None:
         super().__init__(atv, incarnation)
         self._plant = plant
@@ -114,7 +117,7 @@ class Atv(Core):
         self._bidder = Bidder(atv, plant, self._type, self._out)
         self._rest = Rest(atv, plant, self._type, self._keys, self._driver, self._timers, self._out)
         self._trouble = Trouble(self._out)
-        self._obedience = Obedience(self._trouble, self._out)
+        self._obedience = Obedience(Authority(atv, plant, trusts), self._trouble, self._out)
         self._carriage: Carriage | None = None
         self._link = Link.WLAN
         self._status = AtvStatus.IDLE
@@ -518,10 +521,7 @@ class Atv(Core):
         self._rest.hear_claim(message, now_s)
 
     def _hear_command(self, sender: str, command: VehicleCommand, now_s: float) -> None:
-        if command.kind is CommandKind.PROMISE:
-            refused = self._trouble.promise(command.issued_by or sender, command.wait_s, now_s)
-            self._obedience.answer(sender, command, refused)
-        elif self._obedience.hear(sender, command):
+        if self._obedience.hear(sender, command, self._driver.position_m, now_s):
             self._commit()
             if command.kind is CommandKind.STOP:
                 self._ask_for_help("stopped by an operator", now_s)

@@ -60,7 +60,10 @@ class Core:
         """Take one step; see `dray.protocol.events.Agent`."""
         kind = type(event)
         if kind is Heard:
-            self._hear(cast(Heard, event), now_s)
+            heard = cast(Heard, event)
+            if heard.body is not None:
+                self._sense(heard.body, now_s)
+            self._hear(heard, now_s)
         elif kind is Woke:
             self._sense(cast(Woke, event).body, now_s)
             self._sound_alarms(now_s)

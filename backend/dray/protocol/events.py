@@ -43,6 +43,9 @@ class Heard(Value, frozen=True):
 
     sender: str
     message: Message
+    body: BodyState | None = None
+    """What the agent's body senses at this moment, with a person's command: whether a vehicle may obey one
+    depends on where it is now. None with everything else."""
 
 
 class Woke(Value, frozen=True):

@@ -1,16 +1,18 @@
-"""People's commands to a vehicle: stop, acknowledge, resume, slow down (paper, case 5).
+"""People's commands to a vehicle: stop, acknowledge, resume, slow down, promise help (paper, cases 4 and 5).
 
 A stop holds against everything else until the fault was acknowledged and then a resume was given, as
 two deliberate acts (invariant 5). To acknowledge says that the fault is gone: a vehicle whose own
-sensors still report it refuses, and one that comes later takes the acknowledge back.
+sensors still report it refuses, and one that comes later takes the acknowledge back. Nothing is obeyed
+without a grant for the place where the vehicle is (invariant 9).
 """
 
 from __future__ import annotations
 
 from dray.body import Hold, LimitSpeed, Unhold
-from dray.messages import CommandAnswered, CommandKind, VehicleCommand
+from dray.messages import CommandAnswered, CommandKind, Grant, VehicleCommand
 from dray.messages.fact import CommandObeyed
-from dray.protocol.events import Effect, Instruct, Record, Send
+from dray.protocol.authority import NOT_GRANTED, NOT_HERE, Authority
+from dray.protocol.events import Effect, Ignore, Instruct, Record, Send
 from dray.protocol.trouble import Trouble
 
 COMMANDS_KEPT = 32
@@ -25,40 +27,58 @@ class Obedience:
     """What people have told one vehicle.
 
     Args:
-        trouble: what its sensors report.
+        authority: whom it obeys.
+        trouble: what its sensors report, and what people promise to help with.
         out: where effects go.
     """
 
-    def __init__(self, trouble: Trouble, out: list[Effect]) -> None:
+    def __init__(self, authority: Authority, trouble: Trouble, out: list[Effect]) -> None:
+        self._authority = authority
         self._trouble = trouble
         self._out = out
         self._refusals: dict[tuple[str, str], str] = {}
-        """What became of the last commands, by who gave them and their names; the oldest first."""
+        """What became of the last commands, by who gave them and their names; the oldest first. Only of
+        those with a grant, so that no stranger can make the vehicle forget one."""
         self.acknowledged = False
         """The present stop was acknowledged, and not resumed yet."""
         self.stopped = False
         self.speed_frac = 1.0
         """The limit, as a part of the vehicle's own top speed."""
 
-    def hear(self, sender: str, command: VehicleCommand) -> bool:
+    def hear(self, sender: str, command: VehicleCommand, place_m: tuple[float, float], now_s: float) -> bool:
         """Carry a command out or refuse it, and answer.
 
         One that was heard before is answered as before, and nothing else: a stop that the network
         delivers again after the resume must not stop the vehicle when nobody looks after it any more.
 
+        Args:
+            sender: whom to answer; what counts is the grant.
+            command: what is asked.
+            place_m: where the vehicle is (x, y).
+            now_s: the present time.
+
         Returns:
             Whether it was carried out now.
         """
-        name = sender, command.command
+        grant = command.grant
+        doubts = NOT_GRANTED if grant is None else self._authority.doubts(command, grant, now_s)
+        if grant is None or doubts:
+            self._refuse(sender, command, doubts)
+            return False
+        name = grant.person, command.command
         before = self._refusals.get(name)
         if before is not None:
             self._out.append(Send(sender, _answer(command, before)))
             return False
-        refused = self._try(command)
+        if self._authority.covers(command, grant, *place_m):
+            refused = self._try(command, grant, now_s)
+            self._tell(sender, command, refused)
+        else:
+            refused = NOT_HERE
+            self._refuse(sender, command, refused)
         if len(self._refusals) >= COMMANDS_KEPT:
             del self._refusals[next(iter(self._refusals))]
         self._refusals[name] = refused
-        self.answer(sender, command, refused)
         return not refused
 
     def recall(self, acknowledged: bool, speed_frac: float) -> None:
@@ -75,7 +95,12 @@ class Obedience:
         taken, self.acknowledged = self.acknowledged, False
         return taken
 
-    def answer(self, sender: str, command: VehicleCommand, refused: str) -> None:
+    def _refuse(self, sender: str, command: VehicleCommand, why: str) -> None:
+        """Somebody asks who may not: that is told as any refusal, and counted."""
+        self._tell(sender, command, why)
+        self._out.append(Ignore(f"a command that may not be given: {why}"))
+
+    def _tell(self, sender: str, command: VehicleCommand, refused: str) -> None:
         """Say what became of a command; `refused` tells why not."""
         fact = CommandObeyed(
             command=command.command,
@@ -86,7 +111,7 @@ class Obedience:
         )
         self._out += (Send(sender, _answer(command, refused)), Record(fact))
 
-    def _try(self, command: VehicleCommand) -> str:
+    def _try(self, command: VehicleCommand, grant: Grant, now_s: float) -> str:
         """Why not, or nothing."""
         if command.kind is CommandKind.STOP:
             self.stopped, self.acknowledged = True, False
@@ -94,6 +119,8 @@ class Obedience:
             return ""
         if command.kind is CommandKind.SET_SPEED:
             return self._limit_speed(command.speed_frac)
+        if command.kind is CommandKind.PROMISE:
+            return self._trouble.promise(command.issued_by or grant.person, command.wait_s, now_s)
         if not self.stopped:
             return NOT_STOPPED
         if command.kind is CommandKind.ACKNOWLEDGE:

@@ -171,7 +171,15 @@ class _Game:
 
     async def _pass_by(self, factory: SimFactory) -> None:
         trial = self._trial
-        passerby = Passerby(factory.bus, tuple(trial.plant.fleet), Random(f"{trial.seed} passerby"))
+        passerby = Passerby(
+            factory.bus,
+            factory.clock,
+            factory.authority,
+            fleet=tuple(trial.plant.fleet),
+            areas=tuple(trial.plant.areas),
+            random=Random(f"{trial.seed} passerby"),
+            grants=Random(f"{trial.seed} passerby's grants"),
+        )
         try:
             await asyncio.wait_for(passerby.meddle(), trial.faults_until_s)
         except TimeoutError:

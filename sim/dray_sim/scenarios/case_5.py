@@ -45,17 +45,21 @@ class Walk:
 
 
 class Passer:
-    """Somebody who walks by and tells the stopped vehicle that all is well and to go on, before it is."""
+    """Somebody who walks by, may command everywhere, and says too early that all is well and to go on."""
 
     def __init__(self, stage: Stage) -> None:
         self.answers: list[CommandAnswered] = []
+        self._factory = stage.factory
         self._session = stage.factory.bus.join("passer", self._hear)
 
     def say_go_on(self, atv: str) -> None:
+        until_s = self._factory.clock.now_s() + ANSWER_S
         for kind in (CommandKind.ACKNOWLEDGE, CommandKind.RESUME):
-            self._session.send(
-                atv, VehicleCommand(command=f"passer-{kind.value}", kind=kind, issued_by="passer")
+            command = VehicleCommand(command=f"passer-{kind.value}", kind=kind, issued_by="passer")
+            granted = self._factory.authority.grant(
+                atv, command, person="passer", areas=None, valid_until_s=until_s
             )
+            self._session.send(atv, granted)
 
     def _hear(self, _sender: str, message: Message) -> None:
         if isinstance(message, CommandAnswered):

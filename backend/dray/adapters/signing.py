@@ -1,0 +1,90 @@
+"""Signing: grants are signed with Ed25519 (RFC 8032), and believed by whoever knows the public key."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from cryptography.exceptions import InvalidSignature
+from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey, Ed25519PublicKey
+from msgspec.structs import replace
+
+from dray.messages import Grant, VehicleCommand, signed_words
+
+UNSIGNED = b""
+
+
+class SigningKey:
+    """A private key, which grants commands.
+
+    Args:
+        private: its 32 bytes.
+
+    Attributes:
+        public: the 32 bytes of the public key that belongs to it.
+
+    Raises:
+        ValueError: that is no key.
+    """
+
+    def __init__(self, private: bytes) -> None:
+        self._key = Ed25519PrivateKey.from_private_bytes(private)
+        self.public = self._key.public_key().public_bytes_raw()
+
+    @staticmethod
+    def generate() -> bytes:
+        """The 32 bytes of a new private key."""
+        return Ed25519PrivateKey.generate().private_bytes_raw()
+
+    def grant(
+        self,
+        atv: str,
+        command: VehicleCommand,
+        *,
+        person: str,
+        areas: Iterable[str] | None,
+        valid_until_s: float,
+    ) -> VehicleCommand:
+        """The same command to one vehicle, with a grant.
+
+        Args:
+            atv: the vehicle.
+            command: what is asked.
+            person: on whose behalf.
+            areas: where that person may command; None for everywhere.
+            valid_until_s: on the plant's clock.
+        """
+        grant = Grant(
+            person=person,
+            valid_until_s=valid_until_s,
+            signature=UNSIGNED,
+            areas=() if areas is None else tuple(areas),
+            everywhere=areas is None,
+        )
+        signature = self._key.sign(signed_words(atv, command, grant))
+        return replace(command, grant=replace(grant, signature=signature))
+
+
+class TrustedKeys:
+    """The public keys of those whose grants count.
+
+    Args:
+        public: 32 bytes each; without any, nobody is trusted.
+
+    Raises:
+        ValueError: one is no key.
+    """
+
+    def __init__(self, *public: bytes) -> None:
+        self._keys = tuple(Ed25519PublicKey.from_public_bytes(each) for each in public)
+
+    def __call__(self, words: bytes, signature: bytes) -> bool:
+        """Whether one of them has signed exactly these words."""
+        return any(_signed_by(key, words, signature) for key in self._keys)
+
+
+def _signed_by(key: Ed25519PublicKey, words: bytes, signature: bytes) -> bool:
+    try:
+        key.verify(signature, words)
+    except InvalidSignature:
+        return False
+    return True

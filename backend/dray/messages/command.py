@@ -1,0 +1,116 @@
+"""People's commands to vehicles, and the grants that they come with.
+
+A vehicle obeys nobody's bare word. Every command carries a *grant*: on whose behalf it is given, in which
+areas that person may command, and until when. The signature binds the grant to one command for one
+vehicle, so that it says nothing about any other.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta
+
+from dray.messages.base import Fraction, Id, Message, Part, Seconds, Text
+
+MAX_AREAS = 64
+"""Areas that one grant can name. Who answers for more is granted everything: a frame of the radio is short."""
+
+STOP_MARGIN_M = 2.0
+"""How far outside of an area a vehicle may still be stopped by who answers for that area.
+
+A person stops what the tablet shows. Its picture of a working vehicle is up to a second old, and the command
+is under way for a moment; meanwhile a vehicle at 1.5 m/s drives 2 m, and a stop must not be lost to that.
+"""
+
+
+class CommandKind(StrEnum):
+    """What a person may ask of a vehicle (paper, case 5)."""
+
+    STOP = "stop"
+    ACKNOWLEDGE = "acknowledge"
+    """The fault is gone."""
+    RESUME = "resume"
+    """Go on: only after an acknowledge."""
+    SET_SPEED = "set_speed"
+    PROMISE = "promise"
+    """Help is on the way: keep the task for as long as was promised (paper, case 4)."""
+
+    @property
+    def margin_m(self) -> float:
+        """How far outside of an area it still reaches from within."""
+        return STOP_MARGIN_M if self is CommandKind.STOP else 0.0
+
+
+class Grant(Part, frozen=True):
+    """Who asks, where that person may, and until when. Good for the command that it comes with only."""
+
+    person: Id
+    """On whose behalf the command is given."""
+    valid_until_s: Seconds
+    """Later than this (plant clock) nobody obeys it."""
+    signature: Annotated[bytes, Meta(min_length=64, max_length=64)]
+    """Ed25519, over `signed_words`."""
+    areas: Annotated[tuple[Id, ...], Meta(max_length=MAX_AREAS)] = ()
+    """The areas of the plant in which that person may command."""
+    everywhere: bool = False
+    """In all of the plant, whatever areas there are."""
+
+
+class VehicleCommand(Message, frozen=True):
+    """A person's command to one vehicle."""
+
+    command: Id
+    """Names this command, so that its answer can be told from others."""
+    kind: CommandKind
+    speed_frac: Fraction | None = None
+    """For SET_SPEED: 0 to 1 of the vehicle's own top speed."""
+    wait_s: Seconds | None = None
+    """For PROMISE: how long from now the help will take."""
+    issued_by: Text = ""
+    """Whom the vehicle names when it tells of the command; what counts is the grant."""
+    grant: Grant | None = None
+    """Without one it is refused."""
+
+
+class CommandAnswered(Message, frozen=True):
+    """The vehicle's word on a command: done, or refused with a reason."""
+
+    command: Id
+    done: bool
+    reason: Text = ""
+
+
+def signed_words(atv: str, command: VehicleCommand, grant: Grant) -> bytes:
+    """What the signature of a grant covers: a JSON array without white space, the same for the same command.
+
+    Args:
+        atv: the vehicle that is to obey.
+        command: what is asked; its own `grant` is not looked at.
+        grant: its `signature` is not looked at.
+    """
+    return _encoder.encode(
+        (
+            "dray command 1",
+            atv,
+            command.command,
+            command.kind.value,
+            _number(command.speed_frac),
+            _number(command.wait_s),
+            command.issued_by,
+            grant.person,
+            grant.areas,
+            grant.everywhere,
+            _number(grant.valid_until_s),
+        )
+    )
+
+
+_encoder = msgspec.json.Encoder()
+
+
+def _number(value: float | None) -> float | None:
+    """A whole number is written as it comes back from the wire: with its point."""
+    return None if value is None else float(value)

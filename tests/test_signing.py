@@ -1,0 +1,69 @@
+"""Signing keys: what one has granted is believed by whoever knows its public half, and by nobody else."""
+
+from __future__ import annotations
+
+import pytest
+
+from dray.adapters.signing import SigningKey, TrustedKeys
+from dray.codec import decode, encode
+from dray.messages import CommandKind, VehicleCommand, signed_words
+
+COMMAND = VehicleCommand(command="C1", kind=CommandKind.SET_SPEED, speed_frac=1, issued_by="Überwacher")
+OURS, THEIRS = SigningKey(bytes(32)), SigningKey(bytes(31) + b"1")
+
+
+def granted(key: SigningKey) -> VehicleCommand:
+    """Over the wire and back."""
+    command = key.grant("ATV1", COMMAND, person="p1", areas=["AREA1"], valid_until_s=60)
+    _, message = decode(encode("gateway", command))
+    assert isinstance(message, VehicleCommand)
+    return message
+
+
+def believes(trusted: TrustedKeys, command: VehicleCommand, atv: str = "ATV1") -> bool:
+    assert command.grant is not None
+    return trusted(signed_words(atv, command, command.grant), command.grant.signature)
+
+
+def test_a_grant_is_believed_after_its_way_over_the_wire() -> None:
+    assert believes(TrustedKeys(OURS.public), granted(OURS))
+
+
+def test_any_of_several_keys_counts() -> None:
+    both = TrustedKeys(OURS.public, THEIRS.public)
+    assert believes(both, granted(OURS))
+    assert believes(both, granted(THEIRS))
+
+
+def test_a_strangers_grant_is_not_believed() -> None:
+    assert not believes(TrustedKeys(OURS.public), granted(THEIRS))
+    assert not believes(TrustedKeys(), granted(OURS))
+
+
+def test_a_grant_is_not_believed_by_another_vehicle() -> None:
+    assert not believes(TrustedKeys(OURS.public), granted(OURS), atv="ATV2")
+
+
+def test_a_grant_says_where() -> None:
+    grant = OURS.grant("ATV1", COMMAND, person="p1", areas=["AREA1", "AREA2"], valid_until_s=60.0).grant
+    assert grant is not None
+    assert (grant.areas, grant.everywhere) == (("AREA1", "AREA2"), False)
+    grant = OURS.grant("ATV1", COMMAND, person="p1", areas=None, valid_until_s=60.0).grant
+    assert grant is not None
+    assert (grant.areas, grant.everywhere) == ((), True)
+
+
+def test_the_same_command_gets_the_same_signature() -> None:
+    assert granted(OURS) == granted(OURS)
+
+
+def test_new_keys_differ() -> None:
+    assert SigningKey.generate() != SigningKey.generate()
+    assert SigningKey(SigningKey.generate()).public != OURS.public
+
+
+def test_what_is_no_key_is_refused() -> None:
+    with pytest.raises(ValueError, match="32"):
+        SigningKey(b"short")
+    with pytest.raises(ValueError, match="32"):
+        TrustedKeys(b"short")
