@@ -16,6 +16,7 @@ import httpx
 from argon2 import PasswordHasher
 from fastapi import FastAPI
 
+from dray.adapters.signing import SigningKey
 from dray.errors import UnavailableError
 from dray.gateway.access.hasher import Hasher
 from dray.gateway.app import create_app
@@ -52,6 +53,9 @@ NOW_S = 1_900_000_000.0
 """The wall clock at the start: 17 March 2030."""
 
 PROBLEM = "application/problem+json"
+
+AUTHORITY = SigningKey(bytes(32))
+"""Grants commands in every gateway of these tests."""
 
 ADMIN_TOKEN = "admin-token-of-these-tests"
 
@@ -328,6 +332,7 @@ async def gateway(
             bus=bus,
             store=store,
             time=time,
+            authority=AUTHORITY,
             incarnation=incarnation,
             historian=historian,
             panels=panels,

@@ -7,9 +7,11 @@ from typing import Any
 
 import httpx
 import pytest
-from gateway_kit import House, atv_heartbeat, gateway, problem
+from gateway_kit import AUTHORITY, House, atv_heartbeat, gateway, problem
 
-from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand
+from dray.adapters.signing import TrustedKeys
+from dray.gateway.commands import CLOCKS_S, STOP_VALID_S
+from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand, signed_words
 
 pytestmark = pytest.mark.anyio
 
@@ -52,7 +54,33 @@ async def test_a_command_is_answered_with_the_vehicles_word(house: House, body: 
     assert answer.json() == {"command": command.command, "done": True, "reason": ""}
     assert command.kind is CommandKind(body["kind"])
     assert (command.speed_frac, command.wait_s) == (body.get("speed_frac"), body.get("wait_s"))
-    assert command.issued_by
+    assert command.issued_by == "Administrator"
+
+
+async def test_a_command_is_granted_to_whoever_gave_it(house: House) -> None:
+    (command,) = await heard_of(house, STOP)
+    grant = command.grant
+    assert grant is not None
+    assert (grant.person, grant.areas, grant.everywhere) == ("admin:admin", (), True)
+    assert TrustedKeys(AUTHORITY.public)(signed_words("ATV1", command, grant), grant.signature)
+
+
+async def test_a_grant_ends_soon_after_its_answer_was_waited_for_and_that_of_a_stop_later(url: str) -> None:
+    async with gateway(url, speed=20.0, command_timeout_s=2.0) as house:
+        house.wall.now_s += 5.0
+        until_s = []
+        for body in ({"kind": "resume"}, STOP):
+            (command,) = await heard_of(house, body)
+            assert command.grant is not None
+            until_s.append(command.grant.valid_until_s)
+        assert until_s == [5.0 * 20 + (2.0 + CLOCKS_S) * 20, 5.0 * 20 + STOP_VALID_S * 20]
+
+
+async def heard_of(house: House, body: dict[str, Any]) -> list[VehicleCommand]:
+    """What a vehicle hears of one request."""
+    heard = vehicle(house)
+    assert (await ask(house, body)).status_code == 200
+    return heard
 
 
 async def test_a_refused_command_is_answered_with_the_vehicles_reason(house: House) -> None:

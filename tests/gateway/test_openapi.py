@@ -16,6 +16,7 @@ import requests
 import schemathesis
 from anyio.from_thread import BlockingPortal, start_blocking_portal
 from gateway_kit import (
+    AUTHORITY,
     BEARER,
     PLANT,
     PRODUCT,
@@ -47,7 +48,14 @@ from dray.store import Store
 NO_STORE = cast(Store, None)
 """A document is written before anything is opened."""
 
-APP = create_app(settings=Settings(), plant=PLANT, bus=FakeBus(), store=NO_STORE, time=TimeScale(0.0, 0.0))
+APP = create_app(
+    settings=Settings(),
+    plant=PLANT,
+    bus=FakeBus(),
+    store=NO_STORE,
+    time=TimeScale(0.0, 0.0),
+    authority=AUTHORITY,
+)
 
 DOCUMENT: dict[str, Any] = json.loads(json.dumps(APP.openapi()))
 

@@ -8,7 +8,7 @@ from typing import cast
 import pytest
 from fastapi import FastAPI
 from fastapi.routing import iter_route_contexts
-from gateway_kit import PLANT, FakeBus, House, gateway, problem
+from gateway_kit import AUTHORITY, PLANT, FakeBus, House, gateway, problem
 from starlette.routing import Mount
 
 from dray.gateway.access.rules import RULES, find
@@ -27,7 +27,12 @@ NO_STORE = cast(Store, None)
 def routes() -> set[tuple[str, str]]:
     """Method and path template of all that the gateway answers."""
     app = create_app(
-        settings=Settings(), plant=PLANT, bus=FakeBus(), store=NO_STORE, time=TimeScale(0.0, 0.0)
+        settings=Settings(),
+        plant=PLANT,
+        bus=FakeBus(),
+        store=NO_STORE,
+        time=TimeScale(0.0, 0.0),
+        authority=AUTHORITY,
     )
     found = set()
     for context in iter_route_contexts(app.routes):

@@ -20,6 +20,8 @@ from pydantic import SecretStr
 from sqlalchemy import make_url
 
 from dray import __version__
+from dray.adapters.signing import SigningKey, TrustedKeys
+from dray.cli.authority import authority_of
 from dray.cli.customers import place_demand
 from dray.cli.newcomers import welcome
 from dray.cli.serving import Server, address_of, listen, stopped_by_signals
@@ -115,10 +117,11 @@ async def run_service(service: Service) -> None:
         store = await open_store(settings.database_url)
         try:
             incarnation = await store.next_incarnation(service.plant.id)
-            factory = SimThread(_life(service, incarnation), paced(service.speed))
+            authority = await authority_of(store)
+            factory = SimThread(_life(service, incarnation, authority.public), paced(service.speed))
             try:
                 inside = await asyncio.to_thread(factory.start, BUILDING_S)
-                app = _app(service, store, factory, inside, incarnation)
+                app = _app(service, store, authority, factory, inside, incarnation)
                 url = address_of(listener, settings.host)
                 greeting = _greeting(
                     service, url, token, await welcome(store, service.plant.file, time.time())
@@ -153,14 +156,19 @@ def _quieten(settings: Settings) -> None:
 
 
 def _life(
-    service: Service, incarnation: int
+    service: Service, incarnation: int, trusted: bytes
 ) -> Callable[[Callable[[Inside], None]], Coroutine[None, None, None]]:
     """What the factory's thread runs."""
 
     async def live(ready: Callable[[Inside], None]) -> None:
         now = clock()
         factory = SimFactory(
-            service.plant, now, seed=service.seed, incarnation=incarnation, stock_frac=FIRST_STOCK_FRAC
+            service.plant,
+            now,
+            seed=service.seed,
+            incarnation=incarnation,
+            stock_frac=FIRST_STOCK_FRAC,
+            trusts=TrustedKeys(trusted),
         )
         scale = TimeScale(now.now_s(), time.time(), service.speed)
         ready(Inside(factory.bus, Faults(factory), scale))
@@ -169,7 +177,14 @@ def _life(
     return live
 
 
-def _app(service: Service, store: Store, factory: Factory, inside: Inside, incarnation: int) -> FastAPI:
+def _app(
+    service: Service,
+    store: Store,
+    authority: SigningKey,
+    factory: Factory,
+    inside: Inside,
+    incarnation: int,
+) -> FastAPI:
     settings, plant = service.settings, service.plant
     bus = BridgedBus(inside.bus, factory.loop, asyncio.get_running_loop())
     historian = Historian(
@@ -188,6 +203,7 @@ def _app(service: Service, store: Store, factory: Factory, inside: Inside, incar
         bus=bus,
         store=store,
         time=inside.time,
+        authority=authority,
         incarnation=incarnation,
         historian=historian,
         faults=SimFaultDesk(inside.faults, factory.loop, time.time),

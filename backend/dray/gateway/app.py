@@ -11,6 +11,7 @@ from fastapi import Depends, FastAPI
 from starlette.middleware.errors import ServerErrorMiddleware
 
 from dray import __version__
+from dray.adapters.signing import SigningKey
 from dray.gateway import openapi, problems
 from dray.gateway.access.access import open_access
 from dray.gateway.access.caller import admitted
@@ -50,6 +51,7 @@ def create_app(
     bus: Bus,
     store: Store,
     time: TimeScale,
+    authority: SigningKey,
     incarnation: int = 1,
     historian: Historian | None = None,
     panels: Panels | None = None,
@@ -65,6 +67,7 @@ def create_app(
         bus: where the agents meet; it must call us on the server's event loop.
         store: open and up to date; whoever opened it closes it.
         time: the two clocks.
+        authority: grants people's commands to vehicles that trust it.
         incarnation: how often this plant's agents have been started (`Store.next_incarnation`).
         historian: runs as long as the application does, when given.
         panels: templates and built files, when not the ones that came with this package.
@@ -89,7 +92,14 @@ def create_app(
             projection=projection,
             desk=desk,
             revocations=Revocations(store, desk, projection),
-            commands=Commands(peer.send, f"gateway.{incarnation}", settings.command_timeout_s),
+            commands=Commands(
+                peer.send,
+                authority=authority,
+                plant_s=lambda: time.to_plant_s(wall_s()),
+                speed=time.speed,
+                name=f"gateway.{incarnation}",
+                timeout_s=settings.command_timeout_s,
+            ),
             alerts=AlertDesk(projection, store, wall_s),
             ledger=Ledger(store),
             hub=Hub(

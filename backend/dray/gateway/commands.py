@@ -9,8 +9,17 @@ import asyncio
 from collections.abc import Callable
 from http import HTTPStatus
 
+from dray.adapters.signing import SigningKey
+from dray.gateway.access.principal import Principal
 from dray.gateway.problems import Problem
 from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand
+
+STOP_VALID_S = 30.0
+"""A stop that comes late, over a bad link, is still better than none."""
+
+CLOCKS_S = 1.0
+"""Everything else is good for as long as its answer is waited for, and so much longer, as clocks differ: who
+was told that it is not confirmed must not see it obeyed later."""
 
 PENDING = 1_000
 """Commands that wait for an answer at once: some per vehicle of the largest plant."""
@@ -21,12 +30,26 @@ class Commands:
 
     Args:
         send: says something to one agent.
+        authority: grants what is sent.
+        plant_s: the plant's clock.
+        speed: plant seconds per wall second.
         name: begins the names of commands; differs in every life of the gateway.
         timeout_s: wall seconds to wait for the vehicle's word.
     """
 
-    def __init__(self, send: Callable[[str, Message], None], name: str, timeout_s: float) -> None:
-        self._send, self._name, self._timeout_s = send, name, timeout_s
+    def __init__(
+        self,
+        send: Callable[[str, Message], None],
+        *,
+        authority: SigningKey,
+        plant_s: Callable[[], float],
+        speed: float,
+        name: str,
+        timeout_s: float,
+    ) -> None:
+        self._send, self._authority = send, authority
+        self._plant_s, self._speed = plant_s, speed
+        self._name, self._timeout_s = name, timeout_s
         self._pending: dict[str, tuple[str, asyncio.Future[CommandAnswered]]] = {}
         self._count = 0
 
@@ -35,11 +58,11 @@ class Commands:
         atv: str,
         kind: CommandKind,
         *,
+        by: Principal,
         speed_frac: float | None = None,
         wait_s: float | None = None,
-        issued_by: str = "",
     ) -> CommandAnswered:
-        """Send a command and wait for the vehicle's word.
+        """Send a command with a grant, and wait for the vehicle's word.
 
         Raises:
             Problem: 504 when the vehicle does not answer in time, 503 when too many are waiting.
@@ -54,15 +77,13 @@ class Commands:
             )
         self._count += 1
         command = f"{self._name}-{self._count}"
+        said = VehicleCommand(
+            command=command, kind=kind, speed_frac=speed_frac, wait_s=wait_s, issued_by=by.name
+        )
         answer: asyncio.Future[CommandAnswered] = asyncio.get_running_loop().create_future()
         self._pending[command] = (atv, answer)
         try:
-            self._send(
-                atv,
-                VehicleCommand(
-                    command=command, kind=kind, speed_frac=speed_frac, wait_s=wait_s, issued_by=issued_by
-                ),
-            )
+            self._send(atv, self._granted(atv, said, by))
             async with asyncio.timeout(self._timeout_s):
                 return await answer
         except TimeoutError:
@@ -74,6 +95,16 @@ class Commands:
             ) from None
         finally:
             del self._pending[command]
+
+    def _granted(self, atv: str, command: VehicleCommand, by: Principal) -> VehicleCommand:
+        valid_s = STOP_VALID_S if command.kind is CommandKind.STOP else self._timeout_s + CLOCKS_S
+        return self._authority.grant(
+            atv,
+            command,
+            person=f"{by.kind}:{by.id}",
+            areas=None if by.areas is None else sorted(by.areas),
+            valid_until_s=self._plant_s() + valid_s * self._speed,
+        )
 
     def answered(self, sender: str, answer: CommandAnswered) -> bool:
         """A vehicle has answered; returns whether somebody was waiting for it."""

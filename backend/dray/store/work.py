@@ -28,6 +28,7 @@ from dray.store.products import Products
 from dray.store.samples import Samples
 from dray.store.secrets import Secrets
 from dray.store.sessions import Sessions
+from dray.store.signing import SigningKeys
 
 
 class Work:
@@ -53,6 +54,7 @@ class Work:
         self.lockouts = Lockouts(connection)
         self.audit = Audit(connection)
         self.secrets = Secrets(connection)
+        self.signing_keys = SigningKeys(connection)
 
     async def ping(self) -> None:
         """Do nothing, in the database."""

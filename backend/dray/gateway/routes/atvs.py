@@ -124,7 +124,7 @@ async def command_atv(
     if atv not in gateway.projection.atvs:
         raise not_found("atv", atv, "GET /api/atvs")
     answer = await gateway.commands.order(
-        atv, command.kind, speed_frac=command.speed_frac, wait_s=command.wait_s, issued_by=caller.name
+        atv, command.kind, speed_frac=command.speed_frac, wait_s=command.wait_s, by=caller
     )
     note.detail["command"] = answer.command
     if not answer.done:

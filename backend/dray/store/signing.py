@@ -1,0 +1,32 @@
+"""Signing keys in SQL: by them the gateway grants people's commands to vehicles.
+
+Whoever can read this table can command every vehicle that trusts the key: keep the database from others.
+"""
+
+from __future__ import annotations
+
+from sqlalchemy import select
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from dray.store.dialect import insert_new
+from dray.store.tables import signing_keys
+
+
+class SigningKeys:
+    """The keys, inside one transaction."""
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def get(self, name: str, *, private: bytes, public: bytes, now_s: float) -> bytes:
+        """The private key of this name; the one that is given, when there was none. Needs a write."""
+        row = {
+            "id": name,
+            "private_key": private.hex(),
+            "public_key": public.hex(),
+            "created_at_s": now_s,
+            "retired_at_s": None,
+        }
+        await self._connection.execute(insert_new(self._connection, signing_keys), [row])
+        query = select(signing_keys.c.private_key).where(signing_keys.c.id == name)
+        return bytes.fromhex((await self._connection.execute(query)).scalar_one())
