@@ -109,12 +109,16 @@ class Puppet:
         if self.deaf > 0:
             self.deaf -= 1
             return
-        done = message.kind not in self.refuses
+        done = message.kind not in self.refuses and self._is_covered(message)
         if done and message.kind is CommandKind.STOP:
             self.status = AtvStatus.STOPPED
         elif done and message.kind is CommandKind.RESUME:
             self.status = AtvStatus.WORKING
         self._session.send(sender, CommandAnswered(command=message.command, done=done))
+
+    def _is_covered(self, command: VehicleCommand) -> bool:
+        near = PLANT.areas_near(self.pose.x_m, self.pose.y_m, command.kind.margin_m)
+        return command.grant is not None and not set(near).isdisjoint(command.grant.areas)
 
 
 class FakeHands:

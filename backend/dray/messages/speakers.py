@@ -11,6 +11,7 @@ from enum import StrEnum
 
 from dray.messages.base import Message
 from dray.messages.berth import BerthClaimed
+from dray.messages.command import CommandAnswered, VehicleCommand
 from dray.messages.contract import (
     Accepted,
     Award,
@@ -34,13 +35,11 @@ from dray.messages.fact import Event, EventsAsked, EventsKept
 from dray.messages.heartbeat import AtvHeartbeat, MachineHeartbeat
 from dray.messages.order import (
     CancellationTaken,
-    CommandAnswered,
     OrderCancelled,
     OrderReleased,
     OrderRevoked,
     OrderTaken,
     RevocationTaken,
-    VehicleCommand,
 )
 
 

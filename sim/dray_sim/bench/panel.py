@@ -17,6 +17,7 @@ from tempfile import TemporaryDirectory
 
 import uvicorn
 
+from dray.adapters.signing import SigningKey
 from dray.gateway.app import create_app
 from dray.gateway.parts import Parts
 from dray.gateway.timescale import TimeScale
@@ -93,6 +94,7 @@ async def _serve(crowd: Crowd, folder: Path, opened: Future[tuple[str, uvicorn.S
             bus=_Nobody(),
             store=store,
             time=TimeScale(0.0, time.time(), 1.0),
+            authority=SigningKey(SigningKey.generate()),
         )
         with create_server(("127.0.0.1", 0)) as listener:
             async with app.router.lifespan_context(app):
