@@ -14,7 +14,7 @@ from dray.gateway.projection import Projection
 from dray.gateway.timescale import TimeScale
 from dray.messages import AtvHeartbeat
 from dray_sim import bench
-from dray_sim.bench import Row, bus, projection, rates
+from dray_sim.bench import Row, bus, projection, rates, zenoh
 from dray_sim.bench.crowd import GROUP, Crowd
 
 
@@ -42,6 +42,24 @@ def test_a_row_says_its_ratio_and_whether_its_target_was_met() -> None:
         (3.0, True, None),
         (3.0, False, 31.0),
     ]
+
+
+def test_the_adapter_is_measured_beside_bare_zenoh_between_two_processes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(zenoh, "ROUND_TRIPS", 20 * zenoh.QUICK)
+    monkeypatch.setattr(zenoh, "MESSAGES", 1_000 * zenoh.QUICK)
+    monkeypatch.setattr(zenoh, "rates", functools.partial(rates, repeats=1))
+    rows = zenoh.measure(quick=True)
+    assert [(row.name.removeprefix("zenoh: "), row.baseline_name) for row in rows] == [
+        ("round trips", "bare Zenoh"),
+        ("messages one way", "bare Zenoh"),
+        ("round trips", "bare Zenoh and the codec"),
+        ("messages one way", "bare Zenoh and the codec"),
+        ("round trips, TLS and signed", "bare Zenoh"),
+        ("messages one way, TLS and signed", "bare Zenoh"),
+    ]
+    assert all(row.figure > 0.0 and row.baseline > 0.0 for row in rows)
 
 
 def test_the_bus_is_measured_at_every_floor(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -30,15 +30,6 @@ CALLS_PER_TURN = 500
 """Calls made before the loop may look at its sockets again: some 5 ms of a gateway's work."""
 
 
-class _Call:
-    """A call that waits; the lock of its queue guards it."""
-
-    __slots__ = ("args", "call", "slot")
-
-    def __init__(self, call: Callable[..., object], args: tuple[Any, ...], slot: Slot | None) -> None:
-        self.call, self.args, self.slot = call, args, slot
-
-
 class Crossing:
     """A bounded queue of calls to be made on another thread's loop, in the order given.
 
@@ -58,43 +49,46 @@ class Crossing:
         self.dropped_heartbeats = 0
         self.dropped_messages = 0
         self._loop = loop
+        self._calls: deque[tuple[Callable[..., object], tuple[Any, ...]]] = deque()
+        self._beats: dict[Slot, tuple[Any, ...]] = {}
+        """The newest of the heartbeats that wait beyond `HEARTBEAT_ROOM`, by all that they do not replace."""
         self._lock = threading.Lock()
-        self._calls: deque[_Call] = deque()
-        self._beats: dict[Slot, _Call] = {}
-        """Heartbeats that wait beyond `HEARTBEAT_ROOM`, by all that they do not replace."""
+        """Held where `_beats` is looked at and changed; what else is shared needs one step of the interpreter."""
         self._awake = False
 
     def say(self, message: Message, call: Callable[..., object], *args: Any) -> None:
         """Cross with something that is said, the last of `args`: dropped when there is no room."""
-        beats = isinstance(message, Heartbeat)
-        with self._lock:
-            waiting = len(self._calls)
-            slot: Slot | None = None
-            if beats and waiting >= HEARTBEAT_ROOM:
-                slot = (call, args[:-1])
-                if older := self._beats.get(slot):
-                    older.args = args
-                    self.dropped_heartbeats += 1
-                    return
-            if waiting < QUEUE:
-                self._append(call, args, slot)
-            elif beats:
-                self.dropped_heartbeats += 1
-            else:
-                self.dropped_messages += 1
+        waiting = len(self._calls)
+        if waiting < HEARTBEAT_ROOM:
+            self.order(call, *args)
+        elif isinstance(message, Heartbeat):
+            self._say_beat((call, args[:-1]), args)
+        elif waiting < QUEUE:
+            self.order(call, *args)
+        else:
+            self.dropped_messages += 1
 
     def order(self, call: Callable[..., object], *args: Any) -> None:
         """Cross with something that must arrive."""
-        with self._lock:
-            self._append(call, args, None)
-
-    def _append(self, call: Callable[..., object], args: tuple[Any, ...], slot: Slot | None) -> None:
-        waiting = _Call(call, args, slot)
-        self._calls.append(waiting)
-        if slot is not None:
-            self._beats[slot] = waiting
+        self._calls.append((call, args))
         if not self._awake:
             self._wake()
+
+    def _say_beat(self, slot: Slot, args: tuple[Any, ...]) -> None:
+        with self._lock:
+            if slot in self._beats:
+                self._beats[slot] = args
+                self.dropped_heartbeats += 1
+            elif len(self._calls) < QUEUE:
+                self._beats[slot] = args
+                self.order(self._take_beat, slot)
+            else:
+                self.dropped_heartbeats += 1
+
+    def _take_beat(self, slot: Slot) -> None:
+        with self._lock:
+            args = self._beats.pop(slot)
+        slot[0](*args)
 
     def _wake(self) -> None:
         self._awake = True
@@ -107,22 +101,12 @@ class Crossing:
             self._awake = False
 
     def _take(self) -> None:
-        with self._lock:
-            # First this: whoever appends from now on wakes us again, so that no call is left behind.
-            self._awake = False
-            turn = min(CALLS_PER_TURN, len(self._calls))
+        # First this: whoever appends from now on wakes us again, so that no call is left behind.
+        self._awake = False
         try:
-            for _ in range(turn):
-                call, args = self._pop()
+            for _ in range(min(CALLS_PER_TURN, len(self._calls))):
+                call, args = self._calls.popleft()
                 call(*args)
         finally:
-            with self._lock:
-                if self._calls and not self._awake:
-                    self._wake()
-
-    def _pop(self) -> tuple[Callable[..., object], tuple[Any, ...]]:
-        with self._lock:
-            waiting = self._calls.popleft()
-            if waiting.slot is not None:
-                del self._beats[waiting.slot]
-            return waiting.call, waiting.args
+            if self._calls and not self._awake:
+                self._wake()

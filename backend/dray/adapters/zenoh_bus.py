@@ -22,6 +22,7 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
 import zenoh
@@ -66,13 +67,15 @@ class ZenohSession:
         self._said: Counter[str] = Counter()
         """How many messages on each key; keys are few: agents, cells, products, berths."""
         self._heard = Tally()
+        self._patterns: dict[str, zenoh.KeyExpr] = {}
+        self._subscribers: dict[str, zenoh.Subscriber[None]] = {}
         self._owners: dict[str, str] = {}
         """By which of its patterns a key is heard, so that two that match do not make it heard twice."""
         # Never twice the same, and never less: a restart is later than the life before it.
         self._life = time.time_ns()
         keys, inner = bus.keys, bus.inner
-        self._patterns: dict[str, tuple[zenoh.KeyExpr, zenoh.Subscriber[None]]] = {}
-        self._own = inner.declare_subscriber(keys.addressed(agent), _on_zenohs_thread(self._hear))
+        own = keys.addressed(agent)
+        self._own = inner.declare_subscriber(own, _on_zenohs_thread(partial(self._hear, own)))
         self._others = inner.liveliness().declare_subscriber(
             keys.alive(agent, "*"), _on_zenohs_thread(self._see_other)
         )
@@ -91,15 +94,16 @@ class ZenohSession:
     def subscribe(self, key: str) -> None:
         """Hear what is published on `key` from now on."""
         if not self._left and key not in self._patterns:
-            heard = _on_zenohs_thread(lambda sample: self._hear_on(key, sample))
-            self._patterns[key] = (zenoh.KeyExpr(key), self._bus.inner.declare_subscriber(key, heard))
+            self._patterns[key] = zenoh.KeyExpr(key)
             self._owners = {}
+            heard = _on_zenohs_thread(partial(self._hear_on, key))
+            self._subscribers[key] = self._bus.inner.declare_subscriber(key, heard)
 
     def unsubscribe(self, key: str) -> None:
         """Hear it no longer."""
         if key in self._patterns:
-            _, subscriber = self._patterns.pop(key)
-            subscriber.undeclare()
+            self._subscribers.pop(key).undeclare()
+            del self._patterns[key]
             self._owners = {}
             self._heard.forget()
 
@@ -148,17 +152,18 @@ class ZenohSession:
                 owners.clear()
             owner = owners[key] = self._owner(key)
         if owner == pattern:
-            self._hear(sample)
+            self._hear(key, sample)
 
     def _owner(self, key: str) -> str:
         """The first of all patterns that match; none any more for what was under way."""
         patterns = tuple(self._patterns.items())
-        return next((pattern for pattern, (matching, _) in patterns if matching.includes(key)), "")
+        return next((name for name, pattern in patterns if pattern.includes(key)), "")
 
-    def _hear(self, sample: zenoh.Sample) -> None:
-        bus, key = self._bus, str(sample.key_expr)
+    def _hear(self, key: str, sample: zenoh.Sample) -> None:
+        bus = self._bus
         try:
-            stamp = read_stamp(b"" if sample.attachment is None else sample.attachment.to_bytes())
+            attachment = sample.attachment
+            stamp = read_stamp(b"" if attachment is None else attachment.to_bytes())
             data = sample.payload.to_bytes()
             sender, message = decode(data)
             speaks = bus.may_say(sender, message, key, stamp, data)

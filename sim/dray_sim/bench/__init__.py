@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
-from dray_sim.bench import bus, paint, plantmap, projection, sim
+from dray_sim.bench import bus, paint, plantmap, projection, sim, zenoh
 from dray_sim.bench.row import Row, rates
 
 __all__ = ["BENCHES", "Bench", "Row", "as_json", "rates"]
@@ -28,6 +28,7 @@ BENCHES: dict[str, Bench] = {
     "sim": sim.measure,
     "map": plantmap.measure,
     "paint": paint.measure,
+    "zenoh": zenoh.measure,
 }
 """Name -> benchmark, in the order in which they run."""
 
