@@ -5,11 +5,14 @@ A new journal is one more `Case`: how to begin an agent's first life with it, an
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Iterator
+from contextlib import ExitStack, closing
+from pathlib import Path
+from typing import Protocol
 
 import pytest
 
+from dray.adapters.sqlite_journal import SqliteJournal
 from dray.memory import (
     AtvMemory,
     Contract,
@@ -30,28 +33,43 @@ KEPT = 10
 """Events that the journals of these tests hold."""
 
 
-@dataclass(frozen=True)
-class Case:
+class Case(Protocol):
     """One implementation of the port."""
 
-    first_life: Callable[[], Journal]
-    next_life: Callable[[Journal], Journal]
-    """The journal as the agent finds it after a restart."""
+    def first_life(self) -> Journal: ...
+
+    def next_life(self, journal: Journal) -> Journal:
+        """The journal as the agent finds it after a restart."""
+        ...
 
 
-def held_again(journal: Journal) -> Journal:
-    assert isinstance(journal, HeldJournal)
-    journal.begin_life()
-    return journal
+class Held:
+    def first_life(self) -> Journal:
+        return HeldJournal(events_kept=KEPT)
+
+    def next_life(self, journal: Journal) -> Journal:
+        assert isinstance(journal, HeldJournal)
+        journal.begin_life()
+        return journal
 
 
-CASES = {"held": Case(lambda: HeldJournal(events_kept=KEPT), held_again)}
+class OnDisk:
+    """In one file; a life ends as a killed process does, without closing anything."""
+
+    def __init__(self, file: Path, stack: ExitStack) -> None:
+        self._file, self._stack = file, stack
+
+    def first_life(self) -> Journal:
+        return self._stack.enter_context(closing(SqliteJournal(self._file, events_kept=KEPT)))
+
+    def next_life(self, journal: Journal) -> Journal:
+        return self.first_life()
 
 
-@pytest.fixture(params=list(CASES.values()), ids=list(CASES))
-def case(request: pytest.FixtureRequest) -> Case:
-    made: Case = request.param
-    return made
+@pytest.fixture(params=["held", "SQLite"])
+def case(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Case]:
+    with ExitStack() as stack:
+        yield Held() if request.param == "held" else OnDisk(tmp_path / "journal.db", stack)
 
 
 def event(life: int, number: int) -> Event:

@@ -1,0 +1,71 @@
+"""What only a journal on a disk has to bear: a process that is killed, and a file that is not what it should be."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from dray.adapters.sqlite_journal import SqliteJournal
+from dray.errors import UnavailableError
+from dray.memory import AtvMemory
+from dray.messages import Event
+from dray.messages.fact import OrderFulfilled
+
+KILLED = """
+import sys
+from pathlib import Path
+from dray.adapters.sqlite_journal import SqliteJournal
+from dray.memory import AtvMemory
+from dray.messages import Event
+from dray.messages.fact import OrderFulfilled
+
+journal = SqliteJournal(Path(sys.argv[1]), events_kept=1000)
+number = 0
+while True:
+    number += 1
+    journal.write([Event("A", 1, number, 0.0, OrderFulfilled("O"))], AtvMemory(speed_frac=number / 1e6))
+    print(number, flush=True)
+"""
+
+
+def test_what_a_killed_process_has_written_is_there_and_each_write_wholly(tmp_path: Path) -> None:
+    file = tmp_path / "journal.db"
+    with subprocess.Popen(
+        [sys.executable, "-c", KILLED, str(file)], stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        told = [int(process.stdout.readline()) for _ in range(30)]
+        process.send_signal(signal.SIGKILL)
+        told += [int(line) for line in process.stdout]
+    with closing(SqliteJournal(file, events_kept=1000)) as journal:
+        first, last = journal.kept(1)
+        assert journal.incarnation == 2
+        assert (first, last) in {(1, told[-1]), (1, told[-1] + 1)}
+        assert journal.memory == AtvMemory(speed_frac=last / 1e6)
+
+
+@pytest.mark.parametrize("content", [b"no database at all" * 100, b""], ids=["nonsense", "a folder"])
+def test_a_file_that_is_no_journal_is_named(tmp_path: Path, content: bytes) -> None:
+    file = tmp_path / "journal.db"
+    if content:
+        file.write_bytes(content)
+    else:
+        file.mkdir()
+    with pytest.raises(UnavailableError, match=rf"the journal {file}: .*move the file away"):
+        SqliteJournal(file, events_kept=10)
+
+
+def test_a_write_that_fails_leaves_what_was_there(tmp_path: Path) -> None:
+    with closing(SqliteJournal(tmp_path / "journal.db", events_kept=10)) as journal:
+        event = Event("A", 1, 1, 0.0, OrderFulfilled("O"))
+        journal.write([event], AtvMemory(speed_frac=0.5))
+        # A number is given once; a second event of the same number is our own bug.
+        with pytest.raises(UnavailableError):
+            journal.write([event], AtvMemory(speed_frac=0.75))
+        assert journal.memory == AtvMemory(speed_frac=0.5)
+        assert journal.events(1, 1, 9) == [event]
