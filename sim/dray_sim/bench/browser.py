@@ -11,9 +11,11 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from dray.errors import UnavailableError
+from dray.gateway.access.gate import COOKIE
+from dray_sim.bench.panel import House
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, ViewportSize
+    from playwright.sync_api import Browser, BrowserContext, ViewportSize
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 
@@ -53,3 +55,10 @@ def chromium() -> Iterator[Browser]:
             yield browser
         finally:
             browser.close()
+
+
+def profile(browser: Browser, house: House) -> BrowserContext:
+    """A fresh profile, with an empty cache, in which the manager of this house is logged in."""
+    context = browser.new_context(viewport=SCREEN)
+    context.add_cookies([{"name": COOKIE, "value": house.session, "url": house.url}])
+    return context

@@ -11,9 +11,9 @@ import urllib.request
 from statistics import median
 from typing import TYPE_CHECKING
 
-from dray_sim.bench.browser import SCREEN, chromium
+from dray_sim.bench.browser import chromium, profile
 from dray_sim.bench.crowd import Crowd
-from dray_sim.bench.panel import serving
+from dray_sim.bench.panel import House, serving
 from dray_sim.bench.row import Row
 
 if TYPE_CHECKING:
@@ -46,13 +46,13 @@ def measure(quick: bool) -> list[Row]:
         quick: a third of the work.
     """
     times = QUICK_TIMES if quick else TIMES
-    with chromium() as browser, serving(Crowd(VEHICLES)) as url:
-        pages = {"management panel": "/", "customer page": _order(url)}
-        plainest_ms = _painted_ms(browser, url + PLAINEST, times)
+    with chromium() as browser, serving(Crowd(VEHICLES)) as house:
+        pages = {"management panel": "/", "customer page": _order(house)}
+        plainest_ms = _painted_ms(browser, house, PLAINEST, times)
         return [
             Row(
                 f"paint: {name}",
-                _painted_ms(browser, url + path, times),
+                _painted_ms(browser, house, path, times),
                 "ms",
                 plainest_ms,
                 "a page of one line",
@@ -64,24 +64,25 @@ def measure(quick: bool) -> list[Row]:
         ]
 
 
-def _painted_ms(browser: Browser, url: str, times: int) -> float:
-    return median(_once_ms(browser, url) for _ in range(times))
+def _painted_ms(browser: Browser, house: House, path: str, times: int) -> float:
+    return median(_once_ms(browser, house, path) for _ in range(times))
 
 
-def _once_ms(browser: Browser, url: str) -> float:
-    # A context of its own has a cache of its own.
-    with browser.new_context(viewport=SCREEN) as context:
+def _once_ms(browser: Browser, house: House, path: str) -> float:
+    with profile(browser, house) as context:
         page = context.new_page()
-        page.goto(url)
+        page.goto(house.url + path)
         return float(page.evaluate(PAINTED))
 
 
-def _order(url: str) -> str:
+def _order(house: House) -> str:
     """Place an order; the path of its customer's page."""
     body = {"customer": "Bench", "items": [{"product": "gear-unit-g1", "quantity": 40}]}
     request = urllib.request.Request(  # noqa: S310 (our own server)
-        f"{url}/api/orders", json.dumps(body).encode(), {"Content-Type": "application/json"}
+        f"{house.url}/api/orders",
+        json.dumps(body).encode(),
+        {"Authorization": f"Bearer {house.admin_token}", "Content-Type": "application/json"},
     )
     with urllib.request.urlopen(request) as answer:  # noqa: S310
         tracking: str = json.load(answer)["tracking_url"]
-    return tracking.removeprefix(url)
+    return tracking.removeprefix(house.url)

@@ -11,6 +11,7 @@ import time
 from collections.abc import Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from socket import create_server
 from tempfile import TemporaryDirectory
@@ -18,6 +19,8 @@ from tempfile import TemporaryDirectory
 import uvicorn
 
 from dray.adapters.signing import SigningKey
+from dray.gateway.access.principal import Role
+from dray.gateway.access.tokens import new_token
 from dray.gateway.app import create_app
 from dray.gateway.parts import Parts
 from dray.gateway.timescale import TimeScale
@@ -25,6 +28,7 @@ from dray.messages import Message
 from dray.ports import Receive, Session
 from dray.settings import Settings
 from dray.store import open_store
+from dray.store.people import Person
 from dray_sim.bench.crowd import Crowd
 
 TICK_S = 0.05
@@ -32,6 +36,21 @@ TICK_S = 0.05
 
 OPEN_S, CLOSE_S = 60.0, 20.0
 """Longest wait: ten times what a slow machine takes."""
+
+
+@dataclass(frozen=True, slots=True)
+class House:
+    """A gateway that is open.
+
+    Attributes:
+        url: its address, without a slash at the end.
+        admin_token: opens the whole API.
+        session: of a manager who is logged in.
+    """
+
+    url: str
+    admin_token: str
+    session: str
 
 
 class _Nobody:
@@ -57,13 +76,13 @@ class _Nobody:
 
 
 @contextmanager
-def serving(crowd: Crowd) -> Iterator[str]:
-    """A gateway that shows this crowd, and its address.
+def serving(crowd: Crowd) -> Iterator[House]:
+    """A gateway that shows this crowd.
 
     Args:
         crowd: which drives from now on.
     """
-    opened: Future[tuple[str, uvicorn.Server]] = Future()
+    opened: Future[tuple[House, uvicorn.Server]] = Future()
 
     def run() -> None:
         try:
@@ -76,16 +95,17 @@ def serving(crowd: Crowd) -> Iterator[str]:
 
     thread = threading.Thread(target=run, name="panel", daemon=True)
     thread.start()
-    url, server = opened.result(OPEN_S)
+    house, server = opened.result(OPEN_S)
     try:
-        yield url
+        yield house
     finally:
         server.should_exit = True
         thread.join(CLOSE_S)
 
 
-async def _serve(crowd: Crowd, folder: Path, opened: Future[tuple[str, uvicorn.Server]]) -> None:
-    settings = Settings.load(database_url=f"sqlite:///{folder / 'bench.db'}")
+async def _serve(crowd: Crowd, folder: Path, opened: Future[tuple[House, uvicorn.Server]]) -> None:
+    admin_token = new_token()
+    settings = Settings.load(database_url=f"sqlite:///{folder / 'bench.db'}", admin_token=admin_token)
     store = await open_store(settings.database_url)
     try:
         app = create_app(
@@ -100,12 +120,23 @@ async def _serve(crowd: Crowd, folder: Path, opened: Future[tuple[str, uvicorn.S
             async with app.router.lifespan_context(app):
                 server = uvicorn.Server(uvicorn.Config(app, lifespan="off", log_level="error"))
                 url = f"http://127.0.0.1:{listener.getsockname()[1]}"
-                driving = asyncio.create_task(_drive(crowd, app.state.parts))
-                opened.set_result((url, server))
+                parts: Parts = app.state.parts
+                house = House(url, admin_token, await _logged_in(parts))
+                driving = asyncio.create_task(_drive(crowd, parts))
+                opened.set_result((house, server))
                 await server.serve(sockets=[listener])
                 driving.cancel()
     finally:
         await store.close()
+
+
+async def _logged_in(parts: Parts) -> str:
+    """A manager's session."""
+    person = Person(id="manager", name="Manager", role=Role.MANAGER, created_at_s=parts.wall_s())
+    async with parts.store.write() as work:
+        await work.people.add(person)
+    token, _ = await parts.access.sessions.begin(person)
+    return token
 
 
 async def _drive(crowd: Crowd, parts: Parts) -> None:

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from dray_sim.bench.browser import SCREEN, chromium
+from dray_sim.bench.browser import chromium, profile
 from dray_sim.bench.crowd import Crowd
-from dray_sim.bench.panel import serving
+from dray_sim.bench.panel import House, serving
 from dray_sim.bench.row import Row
 
 if TYPE_CHECKING:
@@ -86,11 +86,11 @@ def measure(quick: bool) -> list[Row]:
     """
     span_s = QUICK_SPAN_S if quick else SPAN_S
     with chromium() as browser:
-        with serving(Crowd(FEW)) as url:
-            few = {near: _panel(browser, url, span_s, near) for near in (False, True)}
-        with serving(Crowd(VEHICLES)) as url:
-            empty = _empty(browser, url, span_s)
-            many = {near: _panel(browser, url, span_s, near) for near in (False, True)}
+        with serving(Crowd(FEW)) as house:
+            few = {near: _panel(browser, house, span_s, near) for near in (False, True)}
+        with serving(Crowd(VEHICLES)) as house:
+            empty = _empty(browser, house, span_s)
+            many = {near: _panel(browser, house, span_s, near) for near in (False, True)}
     rows: list[Row] = []
     for near, name in ((False, "whole plant"), (True, "near")):
         rows += _rows(name, many[near], few[near], empty)
@@ -123,11 +123,11 @@ def _rows(view: str, many: Pictures, few: Pictures, empty: Pictures) -> list[Row
     ]
 
 
-def _panel(browser: Browser, url: str, span_s: float, near: bool) -> Pictures:
+def _panel(browser: Browser, house: House, span_s: float, near: bool) -> Pictures:
     """The management panel, at first sight or near."""
-    page = browser.new_page(viewport=SCREEN)
+    page = profile(browser, house).new_page()
     page.add_init_script(f"({WATCH})()")
-    page.goto(url)
+    page.goto(house.url)
     plant = page.locator("#plant-map")
     plant.wait_for()
     if near:
@@ -136,9 +136,9 @@ def _panel(browser: Browser, url: str, span_s: float, near: bool) -> Pictures:
     return _watched(page, span_s)
 
 
-def _empty(browser: Browser, url: str, span_s: float) -> Pictures:
-    page = browser.new_page(viewport=SCREEN)
-    page.goto(f"{url}/healthz")
+def _empty(browser: Browser, house: House, span_s: float) -> Pictures:
+    page = profile(browser, house).new_page()
+    page.goto(f"{house.url}/healthz")
     page.evaluate(WATCH)
     page.evaluate(EMPTY)
     return _watched(page, span_s)
@@ -154,7 +154,7 @@ def _watched(page: Page, span_s: float) -> Pictures:
     page.wait_for_timeout(span_s * 1000)
     pictures: list[tuple[float, float]] = page.evaluate("pictures.slice()")
     script_s = _script_s(metrics.send("Performance.getMetrics")) - before_s
-    page.close()
+    page.context.close()
     return Pictures(
         tuple(sorted(drawn for _, drawn in pictures)),
         tuple(sorted(later - earlier for (earlier, _), (later, _) in pairwise(pictures))),
