@@ -10,9 +10,7 @@ from fastapi import FastAPI
 from gateway_kit import House, draft, gateway, problem
 
 from dray.gateway.access.rules import PUBLIC, RULES, Rule
-from dray.gateway.problems import FieldError, Problem, unusable
 from dray.store.orders import Orders
-from dray.store.work import Work
 
 pytestmark = pytest.mark.anyio
 
@@ -72,37 +70,3 @@ async def test_an_order_is_stored_wholly_or_not_at_all(house: House, monkeypatch
     assert (await house.get("/api/kpis"))["orders_open"] == 0
     again = await house.client.post("/api/orders", json=draft(), headers=key)
     assert again.status_code == 201
-
-
-async def test_it_is_ready_while_orders_can_be_taken(house: House) -> None:
-    assert await house.get("/healthz") == {"status": "ok"}
-    assert (await house.get("/readyz"))["status"] == "ready"
-
-
-async def test_it_is_not_ready_while_orders_cannot_be_taken(
-    house: House, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async def fail(_work: Work) -> None:
-        raise OSError("disk I/O error")
-
-    monkeypatch.setattr(Work, "ping", fail)
-    house.historian.failing = True
-    house.parts.peer.leave()
-    answer = await house.client.get("/readyz")
-    told = problem(answer, 503, "not-ready")
-    assert told["detail"].split("; ") == [
-        "the database does not answer",
-        "the historian cannot write to the database",
-        "the gateway is not on the bus",
-    ]
-    assert int(answer.headers["retry-after"]) > 0
-    assert (await house.client.get("/healthz")).status_code == 200
-
-
-def test_a_problem_says_all_of_itself_in_a_log_line() -> None:
-    assert str(Problem(409, "kind", "What", "where; what to do")) == "What: where; what to do"
-
-
-def test_the_first_fault_stands_for_the_others() -> None:
-    told = unusable(FieldError("a", "it is missing"), FieldError("b", "it is past"))
-    assert told.detail == "a: it is missing (and 1 more)"

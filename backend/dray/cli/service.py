@@ -23,6 +23,7 @@ from dray import __version__
 from dray.adapters.signing import SigningKey, TrustedKeys
 from dray.cli.authority import authority_of
 from dray.cli.customers import place_demand
+from dray.cli.meters import FactoryMeter
 from dray.cli.newcomers import welcome
 from dray.cli.serving import Server, address_of, listen, stopped_by_signals
 from dray.cli.trials import SimFaultDesk
@@ -32,7 +33,6 @@ from dray.gateway.desk import STRATEGIST
 from dray.gateway.timescale import TimeScale
 from dray.messages.keys import Keys
 from dray.plant import Plant
-from dray.ports import Bus
 from dray.settings import Settings
 from dray.store import Historian, Store, open_store
 from dray_sim.bridge import BridgedBus, SimThread
@@ -90,12 +90,12 @@ class Inside:
     """What the outside needs of a factory that has been built.
 
     Attributes:
-        bus: to be used in the factory's thread only.
-        faults: the same.
+        factory: to be used in its own thread only, except for reading what it counts.
+        faults: to be used in the factory's thread only.
         time: the factory's clock and ours.
     """
 
-    bus: Bus
+    factory: SimFactory
     faults: Faults
     time: TimeScale
 
@@ -171,7 +171,7 @@ def _life(
             trusts=TrustedKeys(trusted),
         )
         scale = TimeScale(now.now_s(), time.time(), service.speed)
-        ready(Inside(factory.bus, Faults(factory), scale))
+        ready(Inside(factory, Faults(factory), scale))
         await factory.run()
 
     return live
@@ -186,7 +186,7 @@ def _app(
     incarnation: int,
 ) -> FastAPI:
     settings, plant = service.settings, service.plant
-    bus = BridgedBus(inside.bus, factory.loop, asyncio.get_running_loop())
+    bus = BridgedBus(inside.factory.bus, factory.loop, asyncio.get_running_loop())
     historian = Historian(
         store=store,
         bus=bus,
@@ -206,6 +206,7 @@ def _app(
         authority=authority,
         incarnation=incarnation,
         historian=historian,
+        collectors=(FactoryMeter(inside.factory, bus),),
         faults=SimFaultDesk(inside.faults, factory.loop, time.time),
     )
 

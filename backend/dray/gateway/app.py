@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import time as clock
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Iterable
 from contextlib import AsyncExitStack, asynccontextmanager
 
 from fastapi import Depends, FastAPI
+from prometheus_client.registry import Collector
 from starlette.middleware.errors import ServerErrorMiddleware
 
 from dray import __version__
@@ -19,12 +20,16 @@ from dray.gateway.access.gate import Gate
 from dray.gateway.access.hasher import Hasher
 from dray.gateway.alertdesk import AlertDesk
 from dray.gateway.commands import Commands
-from dray.gateway.desk import CANCELLED_AGAIN_S, Desk
+from dray.gateway.desk import CANCELLED_AGAIN_S, STRATEGIST, Desk
 from dray.gateway.faultdesk import FaultDesk
+from dray.gateway.health import Health
 from dray.gateway.ledger import Ledger
+from dray.gateway.metrics import Metrics, Stopwatch
+from dray.gateway.metrics.state import State
 from dray.gateway.panels import PREFIX, STATIC, BuiltFiles, Panels
 from dray.gateway.parts import Parts
 from dray.gateway.peer import Peer
+from dray.gateway.presence import Presence
 from dray.gateway.projection import Projection
 from dray.gateway.projection.orders import ENDED_KEPT
 from dray.gateway.recall import recall_news
@@ -34,6 +39,7 @@ from dray.gateway.sampler import Sampler
 from dray.gateway.shields import BodyLimit, SameOrigin, SecurityHeaders
 from dray.gateway.stream import Hub
 from dray.gateway.timescale import TimeScale
+from dray.messages import Message
 from dray.messages.keys import Keys
 from dray.plant.model import PlantFile
 from dray.ports import Bus
@@ -56,6 +62,7 @@ def create_app(
     historian: Historian | None = None,
     panels: Panels | None = None,
     faults: FaultDesk | None = None,
+    collectors: Iterable[Collector] = (),
     wall_s: Callable[[], float] = clock.time,
     hasher: Hasher | None = None,
 ) -> FastAPI:
@@ -72,13 +79,22 @@ def create_app(
         historian: runs as long as the application does, when given.
         panels: templates and built files, when not the ones that came with this package.
         faults: lets things go wrong, where the factory is simulated.
+        collectors: of metrics that others in this process have.
         wall_s: the wall clock.
         hasher: of secrets, when not the usual one.
     """
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        peer = Peer(bus, Keys(plant.plant))
+        metrics = Metrics(collectors)
+
+        def overhear(sender: str, message: Message) -> None:
+            metrics.meter.hear(message)
+            if sender == STRATEGIST:
+                presence.heard()
+
+        peer = Peer(bus, Keys(plant.plant), overhear)
+        presence = Presence(peer.send)
         products = frozenset(product.id for product in plant.products)
         projection = Projection(plant, time, trials=faults is not None)
         desk = Desk(send=peer.send, time=time, wall_s=wall_s, products=products)
@@ -110,12 +126,16 @@ def create_app(
                 clients=settings.stream_clients,
             ),
             peer=peer,
+            presence=presence,
+            health=Health(store, peer, presence, historian),
+            metrics=metrics,
             panels=panels or Panels(),
             faults=faults,
             keys_at_work=set(),
         )
         await _remember(parts, time)
         await parts.alerts.begin()
+        metrics.add(State(parts))
         app.state.parts = parts
         sampler = Sampler(projection, store, wall_s)
         async with AsyncExitStack() as stack:
@@ -133,6 +153,7 @@ def create_app(
                     parts.alerts,
                     parts.hub,
                     parts.access.watch,
+                    presence,
                     sampler,
                 )
             ]
@@ -169,6 +190,7 @@ def create_app(
     # FastAPI's own handler of bugs stands outside of all shields: its answers would lack the headers.
     app.add_middleware(ServerErrorMiddleware, handler=problems.on_bug)
     app.add_middleware(SecurityHeaders)
+    app.add_middleware(Stopwatch)
     return app
 
 

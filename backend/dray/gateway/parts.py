@@ -14,9 +14,12 @@ from dray.gateway.alertdesk import AlertDesk
 from dray.gateway.commands import Commands
 from dray.gateway.desk import Desk
 from dray.gateway.faultdesk import FaultDesk
+from dray.gateway.health import Health
 from dray.gateway.ledger import Ledger
+from dray.gateway.metrics.metrics import Metrics
 from dray.gateway.panels import Panels
 from dray.gateway.peer import Peer
+from dray.gateway.presence import Presence
 from dray.gateway.projection import Projection
 from dray.gateway.revocations import Revocations
 from dray.gateway.stream import Hub
@@ -44,6 +47,9 @@ class Parts:
     ledger: Ledger
     hub: Hub
     peer: Peer
+    presence: Presence
+    health: Health
+    metrics: Metrics
     panels: Panels
     faults: FaultDesk | None
     """None where the factory is not simulated."""

@@ -8,7 +8,7 @@ from dray.gateway.projection import Projection
 from dray.gateway.revocations import Revocations
 from dray.messages import CancellationTaken, CommandAnswered, Message, OrderTaken, RevocationTaken
 from dray.messages.keys import Keys
-from dray.ports import Bus, Session
+from dray.ports import Bus, Receive, Session
 
 AGENT = "gateway"
 """Its name on the bus."""
@@ -20,10 +20,11 @@ class Peer:
     Args:
         bus: where agents meet.
         keys: the plant's.
+        ear: hears everything that is heard.
     """
 
-    def __init__(self, bus: Bus, keys: Keys) -> None:
-        self._bus, self._keys = bus, keys
+    def __init__(self, bus: Bus, keys: Keys, ear: Receive) -> None:
+        self._bus, self._keys, self._ear = bus, keys, ear
         self._session: Session | None = None
         self.ignored = 0
         """Messages that nobody here waits for. Normal."""
@@ -37,6 +38,7 @@ class Peer:
         """Take part, and hand on what is heard."""
 
         def receive(sender: str, message: Message) -> None:
+            self._ear(sender, message)
             match message:
                 case OrderTaken(order=order, release=release):
                     if sender == STRATEGIST:

@@ -93,6 +93,8 @@ class Hub:
         self._encoder = msgspec.json.Encoder()
         self._snapshot: str | None = None
         self._number = 0
+        self.snapshots = 0
+        """Snapshots handed out."""
         self._framed_s = self._figured_s = -1.0
         self._factory: FactoryView | None = None
 
@@ -104,12 +106,23 @@ class Hub:
         self._clients.add(client)
         return client
 
+    @property
+    def joined(self) -> int:
+        """How many clients there are."""
+        return len(self._clients)
+
+    @property
+    def frames(self) -> int:
+        """How many frames were made."""
+        return self._number
+
     def leave(self, client: Client) -> None:
         """The client is gone; harmless when done twice."""
         self._clients.discard(client)
 
     def snapshot(self) -> str:
         """Everything, as of the newest frame: the next delta fits behind it."""
+        self.snapshots += 1
         if self._snapshot is None:
             snapshot = self._projection.snapshot(self._number, self._wall_s())
             self._snapshot = self._encoder.encode(snapshot).decode()

@@ -92,6 +92,6 @@ SPEAKERS: Mapping[type[Message], frozenset[Kind]] = {
     RevocationTaken: _STRATEGISTS,
     Event: _TELLERS,
     EventsKept: _TELLERS,
-    EventsAsked: frozenset({Kind.HISTORIAN}),
+    EventsAsked: _GATEWAYS | {Kind.HISTORIAN},
 }
 """Every message, and the kinds of agents that may say it."""

@@ -12,7 +12,7 @@ import sqlite3
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, contextmanager
 
-from sqlalchemy import text
+from sqlalchemy import QueuePool, text
 from sqlalchemy.exc import ArgumentError, DBAPIError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine
@@ -73,6 +73,12 @@ class Database:
         url = self.engine.url
         sqlite = url.get_backend_name() == "sqlite"
         return str(url.database) if sqlite else url.render_as_string(hide_password=True)
+
+    @property
+    def connections_used(self) -> int:
+        """How many connections are in use."""
+        pool = self.engine.pool
+        return pool.checkedout() if isinstance(pool, QueuePool) else 0
 
     @asynccontextmanager
     async def read(self) -> AsyncIterator[AsyncConnection]:

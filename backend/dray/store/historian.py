@@ -90,7 +90,10 @@ class Historian:
         self._agents = agents
         self._events_kept, self._samples_kept = events_kept, samples_kept
         self._queue_events, self._retry_s = queue_events, retry_s
-        self._events: deque[Event] = deque()
+        self._events: deque[tuple[float, Event]] = deque()
+        """With the time at which each was heard."""
+        self._writing_since_s: float | None = None
+        """When the oldest event was heard of those that are being written."""
         self._samples: deque[Heartbeat] = deque(maxlen=QUEUE_SAMPLES)
         self._sampled_at_s: dict[str, float] = {}
         self._gaps = Gaps()
@@ -98,6 +101,8 @@ class Historian:
         self._arrived, self._written, self._closing = asyncio.Event(), asyncio.Event(), asyncio.Event()
         self._written.set()
         self._unpruned = 0
+        self.kept = 0
+        """Events that were written, or had been before."""
         self.lost = 0
         """Events that found the queue full and are asked for again, or that the database refused."""
         self.failing = False
@@ -112,6 +117,19 @@ class Historian:
     def gone(self) -> int:
         """Numbers in agents' histories that will never arrive: the holes since it has started."""
         return self._gaps.gone
+
+    @property
+    def waiting(self) -> int:
+        """Events that have been heard and wait for their turn to be written."""
+        return len(self._events)
+
+    @property
+    def behind_s(self) -> float:
+        """How long the oldest event has waited that was heard and is not written yet; 0 for none."""
+        since_s = self._writing_since_s
+        if since_s is None and self._events:
+            since_s = self._events[0][0]
+        return 0.0 if since_s is None else self._now_s() - since_s
 
     @asynccontextmanager
     async def running(self, recovered: Callable[[Event], object] | None = None) -> AsyncIterator[None]:
@@ -166,7 +184,7 @@ class Historian:
         was_missed = self._gaps.note(event.agent, event.incarnation, event.number, self._now_s())
         if was_missed and self._recovered is not None:
             self._recovered(event)
-        self._events.append(event)
+        self._events.append((self._now_s(), event))
         self._wake()
 
     def _take_heartbeat(self, agent: str, heartbeat: Heartbeat) -> None:
@@ -198,6 +216,7 @@ class Historian:
             await self._linger()
             events, samples = self._take_batch()
             await self._write_or_retry(events, samples)
+            self._writing_since_s = None
             if not self._events and not self._samples:
                 self._written.set()
                 if not self._closing.is_set():
@@ -217,7 +236,8 @@ class Historian:
 
     def _take_batch(self) -> tuple[list[Event], list[Heartbeat]]:
         count = min(len(self._events), BATCH_EVENTS)
-        events = [self._events.popleft() for _ in range(count)]
+        self._writing_since_s = self._events[0][0] if count else None
+        events = [self._events.popleft()[1] for _ in range(count)]
         samples = list(self._samples)
         self._samples.clear()
         return events, samples
@@ -241,6 +261,7 @@ class Historian:
                 return
             else:
                 self.failing = False
+                self.kept += len(events)
                 return
 
     async def _write_one_by_one(self, events: list[Event], error: DBAPIError) -> None:

@@ -8,12 +8,12 @@ from __future__ import annotations
 from http import HTTPStatus
 from urllib.parse import quote
 
-from sqlalchemy.exc import SQLAlchemyError
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import HTTPConnection
 from starlette.responses import RedirectResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from dray.errors import UnavailableError
 from dray.gateway.access.caller import admit
 from dray.gateway.access.principal import Principal
 from dray.gateway.access.principal import Scope as Right
@@ -91,7 +91,7 @@ async def recognise(connection: HTTPConnection) -> Principal:
             principal = await access.sessions.recognise(cookie)
         else:
             raise unknown("nobody is logged in")
-    except SQLAlchemyError as error:
+    except UnavailableError as error:
         raise Problem(
             HTTPStatus.SERVICE_UNAVAILABLE,
             "not-ready",

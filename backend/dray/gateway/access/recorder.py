@@ -9,10 +9,10 @@ from __future__ import annotations
 import logging
 from http import HTTPStatus
 
-from sqlalchemy.exc import SQLAlchemyError
 from starlette.requests import HTTPConnection
 from starlette.types import Message, Receive, Scope, Send
 
+from dray.errors import UnavailableError
 from dray.gateway.access.trail import Note, Result, result_of
 from dray.gateway.parts import parts_of
 from dray.gateway.problems import Problem
@@ -48,15 +48,17 @@ class Recorder:
         """There is no answer: a bug of ours."""
         try:
             await self._write("failed", HTTPStatus.INTERNAL_SERVER_ERROR)
-        except SQLAlchemyError:
+        except UnavailableError:
             self._tell_the_log()
 
     async def _record(self, status: int) -> None:
         try:
             await self._write(self._note.result or result_of(status), status)
-        except SQLAlchemyError:
-            self._lost = True
+        except UnavailableError:
             self._tell_the_log()
+            if status >= HTTPStatus.INTERNAL_SERVER_ERROR:
+                return  # Nothing was done, and the answer says why.
+            self._lost = True
             problem = Problem(
                 HTTPStatus.SERVICE_UNAVAILABLE,
                 "not-recorded",

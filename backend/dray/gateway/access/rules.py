@@ -42,6 +42,7 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("GET", "/api/docs"): PUBLIC,
     ("GET", "/healthz"): PUBLIC,
     ("GET", "/readyz"): PUBLIC,
+    ("GET", "/metrics"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/track/{token}"): PUBLIC,
     ("GET", "/track/{token}"): PUBLIC,
     ("GET", "/login"): PUBLIC,

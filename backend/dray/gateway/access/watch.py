@@ -8,8 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from sqlalchemy.exc import SQLAlchemyError
-
+from dray.errors import UnavailableError
 from dray.gateway.access import keys, sessions
 from dray.gateway.access.principal import ADMIN, Principal
 from dray.gateway.access.sessions import USED_AGAIN_S, Standing, standing
@@ -68,7 +67,7 @@ class Watch:
             await asyncio.sleep(CHECK_S)
             try:
                 await self.check()
-            except SQLAlchemyError:
+            except UnavailableError:
                 # What people see meanwhile, they had a right to see a moment ago.
                 _log.warning("the sessions of open streams could not be checked", exc_info=True)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator
 
 from dray.gateway.projection.changes import Changes
@@ -52,6 +53,11 @@ class Orders:
     def open(self) -> int:
         """How many have not ended."""
         return len(self._orders) - len(self._ended)
+
+    @property
+    def by_status(self) -> Counter[OrderStatus]:
+        """How many of those that are kept here have which status."""
+        return Counter(order.status for order in self._orders.values())
 
     def begin(self, orders: Iterable[tuple[Order, Iterable[Goal]]], totals: OrderTotals) -> None:
         """Start from what SQL knows."""

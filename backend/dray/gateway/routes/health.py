@@ -1,15 +1,16 @@
-"""Health: for whoever watches over the process. True, not hopeful."""
+"""Health and metrics: for whoever watches over the process."""
 
 from __future__ import annotations
 
 from http import HTTPStatus
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Response
+from prometheus_client import CONTENT_TYPE_LATEST
 
-from dray.errors import UnavailableError
 from dray.gateway.answers import Json
+from dray.gateway.health import NEEDED, Part
 from dray.gateway.parts import Gateway
-from dray.gateway.problems import Problem
+from dray.gateway.problems import AGAIN_S, FieldError, Problem
 
 router = APIRouter(include_in_schema=False)
 
@@ -22,24 +23,27 @@ async def healthz() -> Json:
 
 @router.get("/readyz")
 async def readyz(gateway: Gateway) -> Json:
-    """Orders can be taken: the database answers and can be written, and we are on the bus."""
-    faults = []
-    try:
-        async with gateway.store.read() as work:
-            await work.ping()
-    except UnavailableError:
-        faults.append("the database does not answer")
-    if gateway.historian is not None and gateway.historian.failing:
-        faults.append("the historian cannot write to the database")
-    if not gateway.peer.joined:
-        faults.append("the gateway is not on the bus")
+    """Orders can be taken; and how every part is, those that are not needed for it too."""
+    parts = await gateway.health.examine()
+    faults = [FieldError(name, part.reason) for name, part in parts.items() if _hinders(name, part)]
     if faults:
         raise Problem(
             HTTPStatus.SERVICE_UNAVAILABLE,
             "not-ready",
             "Not ready",
-            "; ".join(faults),
-            headers={"Retry-After": "5"},
+            "; ".join(f"{fault.field}: {fault.reason}" for fault in faults),
+            errors=faults,
+            headers={"Retry-After": str(AGAIN_S)},
         )
-    projection = gateway.projection
-    return Json({"status": "ready", "heard": projection.heard, "ignored": projection.ignored})
+    return Json({"status": "ready", "parts": parts})
+
+
+@router.get("/metrics")
+async def metrics(gateway: Gateway) -> Response:
+    """In Prometheus' text format."""
+    await gateway.health.examine()
+    return Response(gateway.metrics.text(), headers={"Content-Type": CONTENT_TYPE_LATEST})
+
+
+def _hinders(name: str, part: Part) -> bool:
+    return not part.ok and name in NEEDED

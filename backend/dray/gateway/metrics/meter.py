@@ -1,0 +1,96 @@
+"""The meter: counts what is heard on the bus.
+
+Facts are numbered by who tells them; one that comes twice, or late, is counted once or not at all. What is
+fetched again after it was lost is for the history, not for rates of now.
+"""
+
+from __future__ import annotations
+
+from prometheus_client import CollectorRegistry, Counter
+
+from dray.gateway.metrics.auctions import Auctions
+from dray.messages import AtvHeartbeat, Event, Link, MachineHeartbeat, Message
+from dray.messages.fact import (
+    AnyFact,
+    BidRefused,
+    CarrierChanged,
+    GoalLost,
+    GoodsDelivered,
+    OrderAccepted,
+    OrderFulfilled,
+    PieceMade,
+    PrimarySuspected,
+    TookOver,
+)
+
+AGENTS = 10_000
+"""Agents whose numbers are remembered: ten times those of the largest plant. A peer that invents ids ends
+here."""
+
+
+class Meter:
+    """Counts.
+
+    Args:
+        registry: where the metrics are told.
+    """
+
+    def __init__(self, registry: CollectorRegistry) -> None:
+        self._last: dict[str, tuple[int, int]] = {}
+        """By agent, the life and the number of its newest fact that was counted."""
+        self._auctions = Auctions(registry)
+
+        def counter(name: str, what: str, *labels: str) -> Counter:
+            return Counter(f"dray_{name}", what, labels, registry=registry)
+
+        self._messages = counter("bus_messages_heard", "Messages heard on the bus.", "kind")
+        self._heartbeats = counter("heartbeats_heard", "Heartbeats heard.", "agent_kind", "link")
+        self._facts = counter("facts_heard", "Facts heard for the first time.", "kind")
+        self._refused = counter("bids_refused", "Announcements for which somebody did not bid.", "reason")
+        self._changed = counter("carriers_changed", "Tasks that got another carrier.", "to")
+        self._goods = counter("pieces_delivered", "Pieces that reached a delivery warehouse.")
+        self._plain = {
+            TookOver: counter("takeovers", "Secondaries that have taken a task over."),
+            PrimarySuspected: counter("primaries_suspected", "Carriers that were silent for too long."),
+            GoalLost: counter("goals_lost", "Goals with which a machine has failed."),
+            PieceMade: counter("pieces_made", "Pieces that machines have made."),
+            OrderAccepted: counter("orders_accepted", "Orders that the strategist has taken."),
+            OrderFulfilled: counter("orders_fulfilled", "Orders of which everything is delivered."),
+        }
+
+    def hear(self, message: Message) -> None:
+        """Count a message."""
+        self._messages.labels(type(message).__name__).inc()
+        match message:
+            case AtvHeartbeat(link=link):
+                self._heartbeats.labels("atv", link.value).inc()
+            case MachineHeartbeat():
+                self._heartbeats.labels("machine", Link.WLAN.value).inc()
+            case Event() if self._is_new(message):
+                self._facts.labels(type(message.fact).__name__).inc()
+                self._count(message.fact)
+                self._auctions.hear(message)
+            case _:
+                pass
+
+    def _is_new(self, event: Event) -> bool:
+        number = (event.incarnation, event.number)
+        if number <= self._last.get(event.agent, (0, 0)):
+            return False
+        if event.agent not in self._last and len(self._last) >= AGENTS:
+            return False
+        self._last[event.agent] = number
+        return True
+
+    def _count(self, fact: AnyFact) -> None:
+        match fact:
+            case BidRefused(reason=reason):
+                self._refused.labels(reason.value).inc()
+            case CarrierChanged(carrier=carrier):
+                self._changed.labels("secondary" if carrier else "auction").inc()
+            case GoodsDelivered(quantity=quantity):
+                self._goods.inc(quantity)
+            case _ if (plain := self._plain.get(type(fact))) is not None:
+                plain.inc()
+            case _:
+                pass
