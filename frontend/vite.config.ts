@@ -16,7 +16,13 @@ export default defineConfig({
     // Fonts and icons stay files: a data: URL would need an exception in the content policy.
     assetsInlineLimit: 0,
     rolldownOptions: {
-      input: ["src/theme/init.ts", "src/manager/main.tsx", "src/customer/main.ts", "src/login/main.ts"],
+      input: [
+        "src/theme/init.ts",
+        "src/manager/main.tsx",
+        "src/operator/main.tsx",
+        "src/customer/main.ts",
+        "src/login/main.ts",
+      ],
     },
   },
   test: { include: ["src/**/*.test.ts"], setupFiles: "src/text/in-english.ts" },

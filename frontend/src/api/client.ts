@@ -78,11 +78,38 @@ export async function cancelOrder(id: string): Promise<void> {
   await request("POST", `/api/orders/${encodeURIComponent(id)}/cancel`);
 }
 
-/** @returns why the vehicle refuses; empty when it waits for the help now */
-export async function promiseHelp(atv: string, wait_s: number): Promise<string> {
-  const path = `/api/atvs/${encodeURIComponent(atv)}/commands`;
-  const answer = (await request("POST", path, { kind: "promise", wait_s })) as { done: boolean; reason: string };
-  return answer.done ? "" : answer.reason;
+/** What a person asks of a vehicle. */
+export interface CommandRequest {
+  readonly kind: "stop" | "acknowledge" | "resume" | "set_speed" | "promise";
+  /** Of `set_speed`: a part of the vehicle's own top speed. */
+  readonly speed_frac?: number;
+  /** Of `promise`: until help is there, in factory seconds. */
+  readonly wait_s?: number;
+}
+
+/** The vehicle's word on it. */
+export interface CommandAnswer {
+  readonly done: boolean;
+  /** Why it was refused; empty when it was done. */
+  readonly reason: string;
+}
+
+export async function commandAtv(atv: string, command: CommandRequest): Promise<CommandAnswer> {
+  return (await request("POST", `/api/atvs/${encodeURIComponent(atv)}/commands`, command)) as CommandAnswer;
+}
+
+/** Who is logged in here. */
+export interface Me {
+  readonly name: string;
+  /** Ids; null for the whole plant. */
+  readonly areas: readonly string[] | null;
+  /** The machine at which an operator works; empty where that matters nothing. */
+  readonly station: string;
+  readonly expires_at_s: number | null;
+}
+
+export async function fetchMe(): Promise<Me> {
+  return (await request("GET", "/api/me")) as Me;
 }
 
 /** Says by one's own name that an alert is in good hands. */

@@ -53,6 +53,7 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("POST", "/login/{token}"): Rule(public=True, action="login"),
     ("POST", "/logout"): Rule(public=True, action="logout"),
     ("GET", "/"): KNOWN,
+    ("GET", "/operator"): KNOWN,
     ("GET", "/api/me"): KNOWN,
     ("GET", "/api/audit"): Rule(Scope.AUDIT_READ),
     ("GET", "/api/stream"): Rule(Scope.FACTORY_READ),

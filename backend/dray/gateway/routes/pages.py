@@ -12,7 +12,7 @@ from dray.gateway.access.onward import HOMES
 from dray.gateway.access.principal import Role
 from dray.gateway.language import language_of
 from dray.gateway.panels import NotBuilt
-from dray.gateway.parts import Gateway
+from dray.gateway.parts import Gateway, Parts
 
 router = APIRouter(include_in_schema=False)
 
@@ -29,8 +29,18 @@ async def manager(gateway: Gateway, request: Request, caller: Caller) -> Respons
     """The management panel; whoever is limited to areas has another one."""
     if caller.areas is not None:
         return RedirectResponse(HOMES[Role.OPERATOR], HTTPStatus.SEE_OTHER)
+    return _panel(gateway, request, "manager.html")
+
+
+@router.get("/operator")
+async def operator(gateway: Gateway, request: Request) -> Response:
+    """The operator panel. The page is the same for everybody: what it shows comes by the stream."""
+    return _panel(gateway, request, "operator.html")
+
+
+def _panel(gateway: Parts, request: Request, template: str) -> Response:
     try:
-        page = gateway.panels.render("manager.html", language=language_of(request))
+        page = gateway.panels.render(template, language=language_of(request))
     except NotBuilt:
         return PlainTextResponse(NOT_BUILT, HTTPStatus.SERVICE_UNAVAILABLE)
     # The page names the built scripts: an old page would ask for scripts that are gone.

@@ -1,5 +1,5 @@
 import { useSignal } from "@preact/signals";
-import { promiseHelp } from "../../api/client";
+import { commandAtv } from "../../api/client";
 import type { HelpView } from "../../api/types";
 import { nowS } from "../../stream/stream";
 import { format, t } from "../../text/manager";
@@ -17,8 +17,8 @@ export function HelpWanted({ atv, help, speed }: { atv: string; help: HelpView; 
     busy.value = true;
     failed.value = "";
     try {
-      const refused = await promiseHelp(atv, PROMISE_S);
-      if (refused !== "") failed.value = t("atv.promiseFailed", { reason: refused });
+      const { done, reason } = await commandAtv(atv, { kind: "promise", wait_s: PROMISE_S });
+      if (!done) failed.value = t("atv.promiseFailed", { reason });
     } catch (error) {
       failed.value = t("atv.promiseFailed", { reason: problemText(error) });
     } finally {

@@ -1,0 +1,63 @@
+import type { AtvView, HelpView } from "../../api/types";
+import { format, t } from "../../text/operator";
+import { give } from "../commands/given";
+import { hindranceOf } from "../commands/hindrance";
+import { faultText } from "../problem-text";
+import { circumstancesOf, moment } from "../state";
+import { patienceS } from "./need";
+
+/** How long it takes to walk over and put something right; a vehicle waits for 15 min at most. */
+const MINUTES = [1, 3, 5, 10];
+
+/** What has happened to a vehicle, how long its task waits, and the promise to come. */
+export function HelpAsk({ atv }: { atv: AtvView }) {
+  const leftS = patienceS(atv, moment.value);
+  return (
+    <div class="help">
+      {atv.problem !== "" && <p class="help-what">{t("help.what", { problem: faultText(atv.problem) })}</p>}
+      {atv.help === null || leftS === null ? (
+        <p>{t("help.noTask")}</p>
+      ) : leftS <= 0 ? (
+        <p>{t("help.over")}</p>
+      ) : (
+        <>
+          <Patience help={atv.help} leftS={leftS} />
+          <Promises atv={atv} />
+        </>
+      )}
+    </div>
+  );
+}
+
+function Patience({ help, leftS }: { help: HelpView; leftS: number }) {
+  const by = help.promised_by;
+  return (
+    <p class="patience" role="timer">
+      <b class="countdown">{format.duration(leftS)}</b>
+      <span>{by === "" ? t("help.waits") : t("help.coming", { by })}</span>
+    </p>
+  );
+}
+
+function Promises({ atv }: { atv: AtvView }) {
+  const disabled = hindranceOf("promise", atv, circumstancesOf(atv)) !== null;
+  const promised = atv.help?.promised_by !== "";
+  const title = t(promised ? "help.later" : "help.onMyWay");
+  return (
+    <div class="promises" role="group" aria-label={title}>
+      <span aria-hidden="true">{title}</span>
+      {MINUTES.map((minutes) => (
+        <button
+          key={minutes}
+          type="button"
+          class={`button ${promised ? "" : "primary"}`}
+          aria-label={t("help.inLabel", { atv: atv.id, minutes })}
+          disabled={disabled}
+          onClick={() => void give(atv.id, { kind: "promise", wait_s: minutes * 60 })}
+        >
+          {t("help.in", { minutes })}
+        </button>
+      ))}
+    </div>
+  );
+}

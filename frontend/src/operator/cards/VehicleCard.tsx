@@ -1,0 +1,94 @@
+import type { AtvView } from "../../api/types";
+import { Link } from "../../parts/Link";
+import { Meter } from "../../parts/Meter";
+import { Tag } from "../../parts/Tag";
+import { selection } from "../../selection/selection";
+import { world } from "../../stream/stream";
+import { format, t, word } from "../../text/operator";
+import { areaAt, distanceM } from "../area/region";
+import { CommandLine } from "../commands/CommandLine";
+import { moment, names, plant, station } from "../state";
+import { HelpAsk } from "./HelpAsk";
+import { type Need, needOf } from "./need";
+import { Release } from "./Release";
+import { SpeedSteps } from "./SpeedSteps";
+import { StopButton } from "./StopButton";
+
+const TONES = {
+  help: "warn", coming: "warn", problem: "alarm", lost: "alarm", stopped: "warn", working: "normal", resting: "normal",
+} as const;
+
+/** Below this a vehicle may not come back from where it is sent. */
+const LOW_FRAC = 0.2;
+
+/** One vehicle near: what it does or needs, and what a person may ask of it. Stop is always at its right. */
+export function VehicleCard({ atv }: { atv: AtvView }) {
+  const need = needOf(atv, moment.value);
+  const chosen = selection.value.atv === atv.id;
+  return (
+    <li class={`vehicle card need-${need} ${chosen ? "chosen" : ""}`} id={`vehicle-${atv.id}`}>
+      <div class="vehicle-body">
+        <header>
+          <h2>
+            <Link kind="atv" id={atv.id} />
+          </h2>
+          <Tag tone={TONES[need]}>{needText(atv, need)}</Tag>
+          {atv.status === "stopped" && need !== "stopped" && <Tag tone="warn">{t("need.stopped")}</Tag>}
+          <Where atv={atv} />
+        </header>
+        <div class="vehicle-now">
+          <p class="doing">{need === "lost" ? lostText(atv) : taskText(atv)}</p>
+          {(atv.help !== null || atv.problem !== "") && need !== "lost" && <HelpAsk atv={atv} />}
+        </div>
+        <div class="vehicle-acts">
+          {atv.status === "stopped" && <Release atv={atv} />}
+          {atv.status !== "stopped" && atv.problem !== "" && <p class="advice">{t("release.stopFirst")}</p>}
+          <SpeedSteps atv={atv} />
+        </div>
+        <CommandLine atv={atv.id} stopped={atv.status === "stopped"} />
+      </div>
+      <StopButton atv={atv.id} />
+    </li>
+  );
+}
+
+function needText(atv: AtvView, need: Need): string {
+  if (need === "working") return word("phase", atv.task?.phase ?? "working");
+  return need === "resting" ? word("atv", atv.status) : t(`need.${need}`);
+}
+
+function lostText(atv: AtvView): string {
+  return t("card.lost", { age: format.age(moment.value.nowS - atv.seen_at_s) });
+}
+
+/** Where it is, and how its battery is. */
+function Where({ atv }: { atv: AtvView }) {
+  const from = station.value;
+  const areas = plant.value?.areas ?? [];
+  const area = areas.length > 1 ? areaAt(areas, atv.x_m, atv.y_m) : undefined;
+  const percent = format.percent(atv.battery_frac);
+  return (
+    <span class="where">
+      {area && <span>{t("card.in", { area: area.name })}</span>}
+      {from && <span class="num">{t("card.away", { metres: format.count(distanceM(from, atv)) })}</span>}
+      {atv.link === "mesh" && <span class="tone-warn">{t("card.mesh")}</span>}
+      <span class="battery">
+        <Meter frac={atv.battery_frac} label={t("card.battery", { percent })} tone={atv.battery_frac < LOW_FRAC ? "warn" : "normal"} />
+        <span class="num" aria-hidden="true">{percent}</span>
+      </span>
+    </span>
+  );
+}
+
+function taskText(atv: AtvView): string {
+  const { load, load_quantity: loaded, task } = atv;
+  const pieces = (item: string, count: number) => ({ quantity: format.count(count), item: names.value(item) });
+  if (!task) return load === "" ? t("card.noTask") : t("card.loaded", pieces(load, loaded));
+  const told = world.value?.tasks.get(task.task)?.destination ?? "";
+  const destination = told === "" ? task.coordinator : told;
+  const what = pieces(task.item, task.quantity);
+  if (task.phase === "returning") return t("card.bringing", what);
+  const there = task.due_at_s === null ? "" : ` · ${t("card.there", { at: format.due(task.due_at_s, moment.value.nowS) })}`;
+  const going = load === "" ? "card.fetching" : "card.going";
+  return t(going, { ...what, destination }) + there;
+}

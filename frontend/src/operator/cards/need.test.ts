@@ -1,0 +1,63 @@
+import { describe, expect, test } from "vitest";
+import type { AtvView, BriefView, HelpView } from "../../api/types";
+import { groupsOf, needOf, patienceS, shownGroups } from "./need";
+
+const NOW = { nowS: 1000, speed: 1 };
+const atv = (id: string, more: Partial<AtvView> = {}): AtvView =>
+  ({ id, status: "idle", problem: "", help: null, task: null, seen_at_s: 999, ...more }) as AtvView;
+const waiting = (until_at_s: number, promised_by = ""): Partial<AtvView> => ({
+  problem: "the load has shifted", status: "error", help: { until_at_s, promised_by } satisfies HelpView,
+});
+const task = { task: "M8-1" } as BriefView;
+
+describe("what a vehicle needs", () => {
+  test.each<[string, Partial<AtvView>, string]>([
+    ["asks for help", waiting(1200), "help"],
+    ["has been promised some", waiting(1200, "North"), "coming"],
+    ["is stopped and its task waits", { status: "stopped", help: { until_at_s: 1100, promised_by: "" } }, "help"],
+    ["has a problem and no task", { status: "error", problem: "battery empty" }, "problem"],
+    ["is held by a person", { status: "stopped" }, "stopped"],
+    ["carries something", { status: "working", task }, "working"],
+    ["has nothing to do", {}, "resting"],
+    ["is not heard, whatever it was doing", { ...waiting(1200), seen_at_s: 900 }, "lost"],
+  ])("one that %s", (_, more, need) => {
+    expect(needOf(atv("ATV1", more), NOW)).toBe(need);
+  });
+});
+
+describe("the order of cards", () => {
+  test("is that of need; among those who wait, of how long they will", () => {
+    const all = [
+      atv("ATV10"), atv("ATV2"), atv("ATV3", { status: "working", task }), atv("ATV4", { status: "stopped" }),
+      atv("ATV5", waiting(1100, "North")), atv("ATV6", waiting(1300)), atv("ATV7", waiting(1200)),
+      atv("ATV8", { seen_at_s: 0 }), atv("ATV9", { problem: "battery empty" }),
+    ];
+    expect(groupsOf(all, NOW)).toEqual({
+      needing: ["ATV7", "ATV6", "ATV5", "ATV9", "ATV8", "ATV4"],
+      well: ["ATV3", "ATV2", "ATV10"],
+    });
+  });
+
+  test("changes at once while nobody touches it", () => {
+    const wanted = { needing: ["ATV2"], well: ["ATV1"] };
+    expect(shownGroups({ needing: [], well: ["ATV1", "ATV2"] }, wanted, false)).toBe(wanted);
+  });
+
+  test("stays under a finger: who has gone is gone, who comes is last", () => {
+    const before = { needing: ["ATV5"], well: ["ATV1", "ATV2", "ATV3"] };
+    const wanted = { needing: ["ATV4", "ATV3"], well: ["ATV5", "ATV1"] };
+    expect(shownGroups(before, wanted, true)).toEqual({ needing: ["ATV5"], well: ["ATV1", "ATV3", "ATV4"] });
+  });
+
+  test("is the very same one where nothing has changed", () => {
+    const before = { needing: [], well: ["ATV1", "ATV2"] };
+    expect(shownGroups(before, { needing: [], well: ["ATV1", "ATV2"] }, false)).toBe(before);
+    expect(shownGroups(before, { needing: ["ATV2"], well: ["ATV1"] }, true)).toBe(before);
+  });
+});
+
+test("patience is counted on the factory's clock, and goes on after its end", () => {
+  expect(patienceS({ help: { until_at_s: 1010, promised_by: "" } }, { nowS: 1000, speed: 20 })).toBe(200);
+  expect(patienceS({ help: { until_at_s: 990, promised_by: "" } }, NOW)).toBe(-10);
+  expect(patienceS({ help: null }, NOW)).toBeNull();
+});

@@ -1,0 +1,88 @@
+/** What a vehicle needs of a person, and in which order people should look. Pure. */
+import type { AtvView } from "../../api/types";
+import { byId } from "../../plant/places";
+import { isLost } from "../../plant/silence";
+
+/** The most urgent first. */
+export const NEEDS = [
+  /** It has asked for help, and nobody has promised any. */
+  "help",
+  /** Somebody is on the way to it. */
+  "coming",
+  /** It has a problem, and no task that waits. */
+  "problem",
+  /** Nothing is heard of it. */
+  "lost",
+  /** A person has stopped it, and has to let it go on. */
+  "stopped",
+  "working",
+  "resting",
+] as const;
+export type Need = (typeof NEEDS)[number];
+
+/** From here on a vehicle gets along without a person. */
+const FIRST_WELL = NEEDS.indexOf("working");
+
+/** Names of vehicles, in the order in which they are shown. */
+export interface Groups {
+  /** Those that a person has to do something about. */
+  readonly needing: readonly string[];
+  readonly well: readonly string[];
+}
+
+export interface Moment {
+  readonly nowS: number;
+  /** Factory seconds per real second. */
+  readonly speed: number;
+}
+
+export function needOf(atv: AtvView, { nowS, speed }: Moment): Need {
+  if (isLost(atv, nowS, speed)) return "lost";
+  if (atv.help) return atv.help.promised_by === "" ? "help" : "coming";
+  if (atv.problem !== "") return "problem";
+  if (atv.status === "stopped") return "stopped";
+  return atv.task ? "working" : "resting";
+}
+
+/** Who needs somebody most is first; those who wait, by when their patience ends. */
+export function groupsOf(atvs: Iterable<AtvView>, moment: Moment): Groups {
+  const sorted = [...atvs]
+    .map((atv) => ({ atv, rank: NEEDS.indexOf(needOf(atv, moment)) }))
+    .sort((a, b) => a.rank - b.rank || untilS(a.atv) - untilS(b.atv) || byId(a.atv, b.atv));
+  const ids = (of: typeof sorted): string[] => of.map(({ atv }) => atv.id);
+  return {
+    needing: ids(sorted.filter(({ rank }) => rank < FIRST_WELL)),
+    well: ids(sorted.filter(({ rank }) => rank >= FIRST_WELL)),
+  };
+}
+
+function untilS({ help }: AtvView): number {
+  return help?.until_at_s ?? 0;
+}
+
+/**
+ * The groups as they are shown. While a finger rests on a card none moves away from under it: who has
+ * gone is gone, who comes is put at the end.
+ */
+export function shownGroups(before: Groups, wanted: Groups, held: boolean): Groups {
+  const shown = held ? kept(before, wanted) : wanted;
+  return same(shown.needing, before.needing) && same(shown.well, before.well) ? before : shown;
+}
+
+function kept(before: Groups, wanted: Groups): Groups {
+  const present = new Set([...wanted.needing, ...wanted.well]);
+  const known = new Set([...before.needing, ...before.well]);
+  return {
+    needing: before.needing.filter((id) => present.has(id)),
+    well: [...before.well.filter((id) => present.has(id)), ...[...present].filter((id) => !known.has(id))],
+  };
+}
+
+function same(a: readonly string[], b: readonly string[]): boolean {
+  return a.length === b.length && a.every((id, i) => id === b[i]);
+}
+
+/** Factory seconds until its patience ends; negative when it is over, null where nothing waits. */
+export function patienceS(atv: Pick<AtvView, "help">, { nowS, speed }: Moment): number | null {
+  return atv.help ? (atv.help.until_at_s - nowS) * speed : null;
+}

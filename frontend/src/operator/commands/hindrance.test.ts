@@ -1,0 +1,38 @@
+import { describe, expect, test } from "vitest";
+import { type Circumstances, hindranceOf } from "./hindrance";
+import type { Kind } from "./life";
+
+const well: Circumstances = { connected: true, ended: false, lost: false };
+const free = { status: "working", problem: "", acknowledged: false, help: null } as const;
+const stopped = { ...free, status: "stopped" } as const;
+const KINDS: readonly Kind[] = ["stop", "acknowledge", "resume", "set_speed", "promise"];
+
+describe("what keeps a command from being given", () => {
+  test.each<[string, Partial<Circumstances>]>([
+    ["offline", { connected: false }], ["ended", { ended: true }], ["lost", { lost: true }],
+  ])("%s: all of them, but never a stop", (hindrance, more) => {
+    const ready = { ...stopped, acknowledged: true, help: { until_at_s: 0, promised_by: "" } };
+    expect(KINDS.map((kind) => hindranceOf(kind, ready, { ...well, ...more }))).toEqual([null, ...Array<string>(4).fill(hindrance)]);
+  });
+
+  test("who is not stopped is neither acknowledged nor resumed", () => {
+    expect(hindranceOf("acknowledge", free, well)).toBe("not_stopped");
+    expect(hindranceOf("resume", free, well)).toBe("not_stopped");
+  });
+
+  test("a fault that is still there cannot be acknowledged, and what is not acknowledged not resumed", () => {
+    expect(hindranceOf("acknowledge", { ...stopped, problem: "the load has shifted" }, well)).toBe("faulty");
+    expect(hindranceOf("resume", stopped, well)).toBe("not_acknowledged");
+  });
+
+  test("first one act, then the other, never both at once", () => {
+    const acknowledged = { ...stopped, acknowledged: true };
+    expect([stopped, acknowledged].map((atv) => hindranceOf("acknowledge", atv, well))).toEqual([null, "acknowledged"]);
+    expect([stopped, acknowledged].map((atv) => hindranceOf("resume", atv, well))).toEqual(["not_acknowledged", null]);
+  });
+
+  test("nobody promises to come where nothing waits", () => {
+    expect(hindranceOf("promise", free, well)).toBe("no_help_wanted");
+    expect(hindranceOf("promise", { ...free, help: { until_at_s: 5, promised_by: "" } }, well)).toBeNull();
+  });
+});

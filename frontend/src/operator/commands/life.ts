@@ -1,0 +1,67 @@
+/**
+ * The life of a command, as a person follows it: sent, accepted by the plant, confirmed by the vehicle.
+ * Pure; the table says all there is.
+ */
+
+export type Stage =
+  /** On its way to the plant. */
+  | "sent"
+  /** The plant has passed it on to the vehicle. */
+  | "accepted"
+  /** The vehicle has done it. */
+  | "confirmed"
+  /** The vehicle, or the plant, has said no. */
+  | "refused"
+  /** Nobody has said anything in time: it may or may not have been heard. */
+  | "not_confirmed";
+
+export type Word = "passed_on" | "done" | "declined" | "silence";
+
+/** What a word leads to. A word that has no entry changes nothing: it is late, or said twice. */
+const NEXT: Readonly<Record<Stage, Readonly<Partial<Record<Word, Stage>>>>> = {
+  sent: { passed_on: "accepted", done: "confirmed", declined: "refused", silence: "not_confirmed" },
+  accepted: { done: "confirmed", declined: "refused", silence: "not_confirmed" },
+  // A late word is still the vehicle's.
+  not_confirmed: { done: "confirmed", declined: "refused" },
+  confirmed: {},
+  refused: {},
+};
+
+export interface Command {
+  readonly id: string;
+  readonly atv: string;
+  readonly kind: Kind;
+  /** Of `set_speed`. */
+  readonly speedFrac: number | null;
+  readonly by: string;
+  readonly stage: Stage;
+  /** Why it was refused, or why nobody knows; empty otherwise. */
+  readonly reason: string;
+  /** When the stage was reached, on the server's clock. */
+  readonly atS: number;
+}
+
+export type Kind = "stop" | "acknowledge" | "resume" | "set_speed" | "promise";
+
+/** The command after a word about it; the same one where the word is no news. */
+export function hear(command: Command, word: Word, atS: number, reason = ""): Command {
+  const stage = NEXT[command.stage][word];
+  return stage === undefined ? command : { ...command, stage, reason, atS };
+}
+
+/** Whether somebody still waits for a word on it. */
+export function isUnderway({ stage }: Pick<Command, "stage">): boolean {
+  return stage === "sent" || stage === "accepted";
+}
+
+/** The stages as they are shown in a row, those that were passed and the one that it has come to. */
+export function stagesOf({ stage }: Pick<Command, "stage">): readonly Stage[] {
+  switch (stage) {
+    case "sent":
+      return ["sent"];
+    case "accepted":
+      return ["sent", "accepted"];
+    default:
+      return ["sent", "accepted", stage];
+  }
+}

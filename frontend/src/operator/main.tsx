@@ -1,0 +1,46 @@
+/** The operator panel's page. */
+import "@fontsource-variable/inter/wght.css";
+import "../styles/tokens.css";
+import "../styles/base.css";
+import "../styles/parts.css";
+import "../styles/plant.css";
+import "./operator.css";
+import { effect } from "@preact/signals";
+import { render } from "preact";
+import { fetchPlant, Problem } from "../api/client";
+import { start } from "../stream/stream";
+import { t, tables } from "../text/operator";
+import { beginToSpeak } from "../text/speech";
+import { followTheme } from "../theme/theme";
+import { App } from "./App";
+import { problemText } from "./problem-text";
+import { endSession, learnWho } from "./session/session";
+import { keepAwake } from "./shell/wake-lock";
+import { plant, plantFailed } from "./state";
+
+/** The gateway may come up after the page. */
+const RETRY_MS = 3000;
+
+async function loadPlant(): Promise<void> {
+  try {
+    plant.value = await fetchPlant();
+    plantFailed.value = null;
+  } catch (error) {
+    if (error instanceof Problem && error.status === 401) endSession();
+    plantFailed.value = problemText(error);
+    setTimeout(() => void loadPlant(), RETRY_MS);
+  }
+}
+
+await beginToSpeak(tables);
+effect(() => {
+  document.title = t("app.title");
+});
+followTheme();
+keepAwake();
+start();
+void learnWho();
+void loadPlant();
+
+const root = document.getElementById("app");
+if (root) render(<App />, root);

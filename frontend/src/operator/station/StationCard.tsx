@@ -1,0 +1,89 @@
+import { computed } from "@preact/signals";
+import type { BufferView, MachineSpec, MachineView } from "../../api/types";
+import { Meter } from "../../parts/Meter";
+import { Tag, toneOfMachine } from "../../parts/Tag";
+import { isLost } from "../../plant/silence";
+import { filledFrac, isLow } from "../../plant/stock";
+import { selection } from "../../selection/selection";
+import { world } from "../../stream/stream";
+import { format, t, word } from "../../text/operator";
+import { moment, names, plant, station } from "../state";
+
+/** The machine that was touched on the map, else the one at which this person works. */
+const shown = computed(() => {
+  const touched = selection.value.place;
+  return plant.value?.machines.find(({ id }) => id === touched?.id) ?? station.value;
+});
+
+/** What the station has of its material, and who brings more. */
+export function StationCard() {
+  const spec = shown.value;
+  return (
+    <section class="station card" aria-label={t("station.title")}>
+      {spec ? <Station spec={spec} machine={world.value?.machines.get(spec.id)} /> : <p class="empty">{t("station.none")}</p>}
+    </section>
+  );
+}
+
+function Station({ machine, spec }: { machine: MachineView | undefined; spec: MachineSpec }) {
+  const lost = machine !== undefined && isLost(machine, moment.value.nowS, moment.value.speed);
+  return (
+    <>
+      <header>
+        <h2>
+          {spec.id} <span class="title-more">{spec.name}</span>
+        </h2>
+        {machine && (
+          <Tag tone={lost ? "alarm" : toneOfMachine(machine.status)}>
+            {lost ? t("machine.lost") : word("machine", machine.status)}
+          </Tag>
+        )}
+      </header>
+      {machine ? (
+        <>
+          {machine.problem !== "" && <p class="problem">{machine.problem}</p>}
+          <ul class={`stock ${lost ? "past" : ""}`}>
+            {[...machine.buffers, ...machine.goods].map((buffer) => (
+              <StockRow key={buffer.item} buffer={buffer} machine={machine} />
+            ))}
+          </ul>
+        </>
+      ) : (
+        <p class="empty">{t("station.unheard")}</p>
+      )}
+    </>
+  );
+}
+
+function StockRow({ buffer, machine }: { buffer: BufferView; machine: MachineView }) {
+  const { capacity, item, level, on_order: order, reorder_point: reorder } = buffer;
+  // Only material has a reorder point; finished goods wait to be fetched.
+  const low = reorder > 0 && isLow(buffer);
+  const name = names.value(item);
+  const label = t("machine.levelLabel", { item: name, level, capacity, reorder, order });
+  return (
+    <li>
+      <span class="clip">{name}</span>
+      <Meter
+        frac={filledFrac(buffer)}
+        behind={filledFrac({ level: level + order, capacity })}
+        mark={reorder > 0 ? reorder / capacity : undefined}
+        tone={low ? "warn" : "normal"}
+        label={label}
+      />
+      <span class={`num ${low ? "tone-warn" : ""}`}>
+        {t("machine.level", { level: format.count(level), capacity: format.count(capacity) })}
+      </span>
+      {order > 0 && <small>{comingText(machine, item, order)}</small>}
+    </li>
+  );
+}
+
+function comingText(machine: MachineView, item: string, order: number): string {
+  const task = machine.tasks.find((each) => each.item === item);
+  const quantity = format.count(order);
+  if (!task || task.primary === "") return t("station.ordered", { quantity });
+  const at = world.value?.atvs.get(task.primary)?.task?.due_at_s;
+  const by = { quantity, atv: task.primary };
+  return at ? t("station.coming", { ...by, at: format.due(at, moment.value.nowS) }) : t("station.comingBy", by);
+}
