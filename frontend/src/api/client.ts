@@ -1,6 +1,6 @@
 /** Requests to the gateway, with its problems (RFC 9457) as values. */
 import { tellLoggedOut } from "./session";
-import type { PlantFile } from "./types";
+import type { KpiHistory, PlantFile } from "./types";
 
 export interface FieldError {
   readonly field: string;
@@ -63,6 +63,12 @@ export interface PromiseLedger {
 
 export async function fetchPromises(): Promise<PromiseLedger> {
   return (await request("GET", "/api/promises")) as PromiseLedger;
+}
+
+/** @param stepS one of the lengths that the gateway offers */
+export async function fetchKpiHistory(sinceS: number, stepS: number): Promise<KpiHistory> {
+  const since = new Date(sinceS * 1000).toISOString();
+  return (await request("GET", `/api/kpis/history?since=${since}&step=${stepS}`)) as KpiHistory;
 }
 
 /** @param key the same for every try at the same order: however often it is sent, it is placed once */

@@ -417,6 +417,40 @@ export interface RefusedView {
   reason: string;
 }
 /**
+ * The factory's figures over time.
+ */
+export interface KpiHistory {
+  items: KpiPoint[];
+  since_at_s: number;
+  step_s: number;
+  until_at_s: number;
+}
+/**
+ * One step. Figures that nothing tells of are null; times are factory seconds but for `at_s`.
+ */
+export interface KpiPoint {
+  at_s: number;
+  atv_available_frac: number | null;
+  blocked_frac: number | null;
+  charging_frac: number | null;
+  commands: number;
+  empty_frac: number | null;
+  helps: number;
+  idle_frac: number | null;
+  machine_available_frac: number | null;
+  moving_frac: number | null;
+  on_time_frac: number | null;
+  orders_delivered: number;
+  silent_frac: number | null;
+  span_s: number;
+  starved_frac: number | null;
+  transport_p50_s: number | null;
+  transport_p95_s: number | null;
+  transports: number;
+  transports_per_hour: number | null;
+  waiting_frac: number | null;
+}
+/**
  * A directed road from one node to another, straight, wide enough for one vehicle.
  */
 export interface Lane {

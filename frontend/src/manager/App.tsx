@@ -1,6 +1,7 @@
 import { t } from "../text/manager";
 import { AlertsView } from "./alerts/AlertsView";
 import { FleetView } from "./fleet/FleetView";
+import { KpiView } from "./kpis/KpiView";
 import { OrdersView } from "./orders/OrdersView";
 import { PlantView } from "./plantview/PlantView";
 import { PromisesView } from "./promises/PromisesView";
@@ -18,6 +19,7 @@ const SHOWN = {
   tasks: TasksView,
   watch: WatchView,
   promises: PromisesView,
+  kpis: KpiView,
 };
 
 /** The address names the view; what is skipped to must not change it. */

@@ -13,6 +13,12 @@ export interface Formats {
   age: (seconds: number) => string;
   /** 10:39:20 */
   clock: (atS: number) => string;
+  /** 10:39 */
+  hour: (atS: number) => string;
+  /** Fri 3 */
+  day: (atS: number) => string;
+  /** Fri 10:39 */
+  moment: (atS: number) => string;
   /** 10:39 today, Fri 14:00 this week, 3 Dec 14:00 after it */
   due: (atS: number, nowS: number) => string;
   list: (items: readonly string[]) => string;
@@ -32,6 +38,7 @@ export function formatsFor(locale: string, timeZone?: string): Formats {
   const hour = timeFormat(locale, { ...zone, hour: "2-digit", minute: "2-digit" });
   const weekday = timeFormat(locale, { ...zone, weekday: "short", hour: "2-digit", minute: "2-digit" });
   const date = timeFormat(locale, { ...zone, day: "numeric", month: "short", hour: "2-digit", minute: "2-digit" });
+  const dayOfMonth = timeFormat(locale, { ...zone, weekday: "short", day: "numeric" });
   const day = new Intl.DateTimeFormat("en-CA", { ...zone, dateStyle: "short" });
   const list = new Intl.ListFormat(locale, { type: "unit", style: "short" });
   const number = (value: number, digits: number): string =>
@@ -58,6 +65,9 @@ export function formatsFor(locale: string, timeZone?: string): Formats {
     age: (seconds) =>
       seconds < 10 ? `${tenths.format(Math.max(0, seconds))}${NARROW_SPACE}s` : duration(seconds),
     clock: (atS) => clock.format(atS * 1000),
+    hour: (atS) => hour.format(atS * 1000),
+    day: (atS) => dayOfMonth.format(atS * 1000),
+    moment: (atS) => weekday.format(atS * 1000),
     due: (atS, nowS) => {
       if (day.format(atS * 1000) === day.format(nowS * 1000)) return hour.format(atS * 1000);
       return (Math.abs(atS - nowS) < 6 * DAY_S ? weekday : date).format(atS * 1000);

@@ -61,6 +61,9 @@ export const format: Formats = {
   price: (seconds) => speech.value.formats.price(seconds),
   age: (seconds) => speech.value.formats.age(seconds),
   clock: (atS) => speech.value.formats.clock(atS),
+  hour: (atS) => speech.value.formats.hour(atS),
+  day: (atS) => speech.value.formats.day(atS),
+  moment: (atS) => speech.value.formats.moment(atS),
   due: (atS, nowS) => speech.value.formats.due(atS, nowS),
   list: (items) => speech.value.formats.list(items),
 };
