@@ -8,7 +8,6 @@ body and its journal stay, and the next life starts from them. Without power the
 from __future__ import annotations
 
 import asyncio
-from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from hashlib import sha256
@@ -28,18 +27,13 @@ from dray.protocol.events import Agent
 from dray.protocol.machine import Machine
 from dray.protocol.strategist import STRATEGIST, Strategist
 from dray.worker import Worker
-from dray_sim.chargers import Chargers
 from dray_sim.coverage import Coverage
-from dray_sim.gate import Gate
+from dray_sim.floor import FIRST_STOCK_FRAC, Floor
 from dray_sim.journal import HeldJournal
 from dray_sim.loop import VirtualClock
 from dray_sim.network import WLAN, Latency, SimNetwork
-from dray_sim.stores import DeliveryWarehouse, Place, SourceWarehouse, Storage
 from dray_sim.vehicle import SimVehicle
 from dray_sim.workcell import SimWorkcell
-
-FIRST_STOCK_FRAC = (0.4, 1.0)
-"""Buffers at the start of a run: a shift begins where the one before it ended."""
 
 
 class Ear(Protocol):
@@ -102,7 +96,8 @@ class SimFactory:
         authority: grants the commands of simulated people.
         trusts: whose grants vehicles believe.
         bus: the simulated network; join it to take part.
-        vehicles, workcells, storages: the bodies and places by id.
+        floor: all bodies and places.
+        vehicles, workcells, storages, delivery, source: those of the floor.
         workers: by agent id; of a crashed agent, that of its last life.
         journals: by agent id.
         gate: of all delivery warehouses; the strategist's body.
@@ -139,24 +134,10 @@ class SimFactory:
             coverage=Coverage.of_plant(plant),
         )
         self._meet: Bus = self.bus if meet is None else meet
-        self.source = SourceWarehouse(plant.source_warehouses[0], plant.materials)
-        self.gate = Gate(clock)
-        self.delivery: Mapping[str, DeliveryWarehouse] = {
-            warehouse: DeliveryWarehouse(warehouse, plant.products, self.gate)
-            for warehouse in plant.delivery_warehouses
-        }
-        self.storages: Mapping[str, Storage] = {
-            spec.id: Storage(spec, clock, self.source) for spec in plant.storages.values()
-        }
-        stock = Random(f"{seed} stock")
-        self.workcells: Mapping[str, SimWorkcell] = {
-            spec.id: SimWorkcell(spec, plant, clock, stock=_first_stock(plant, spec.id, stock_frac, stock))
-            for spec in plant.machines.values()
-        }
-        self.in_hands: Counter[str] = Counter()
-        self._places: dict[str, Place] = {**self.storages, **self.workcells, **self.delivery}
-        self._chargers = Chargers()
-        self.vehicles: dict[str, SimVehicle] = {}
+        self.floor = floor = Floor(plant, clock, seed=seed, stock_frac=stock_frac)
+        self.source, self.gate, self.delivery = floor.source, floor.gate, floor.delivery
+        self.storages, self.workcells, self.vehicles = floor.storages, floor.workcells, floor.vehicles
+        self.in_hands = floor.in_hands
         self.workers: dict[str, Worker] = {}
         self._posts: dict[str, Post] = {}
         self._incarnation = incarnation
@@ -164,7 +145,7 @@ class SimFactory:
         for machine, workcell in self.workcells.items():
             self._employ(machine, self._machine(machine), workcell)
         for spec in plant.fleet.values():
-            self.add_vehicle(spec)
+            self._man(spec)
         self._employ(STRATEGIST, self._strategist, self.gate)
 
     @property
@@ -253,15 +234,18 @@ class SimFactory:
         """
         if spec.id in self._posts:
             raise ValueError(f"{spec.id} is there already; give the new vehicle another id")
-        vehicle_type = self.plant.vehicle_types[spec.type]
-        vehicle = SimVehicle(spec, vehicle_type, self.plant, self.clock, self._places, self._chargers)
-        self.vehicles[spec.id] = vehicle
-        self.bus.equip(spec.id, lambda: vehicle.sense().pose, vehicle.notice_link)
-        self._employ(spec.id, self._atv(spec), vehicle)
+        vehicle = self.floor.add_vehicle(spec)
+        self._man(spec)
         self._start(spec.id)
         return vehicle
 
     # --- how it is done --------------------------------------------------------------------------
+
+    def _man(self, spec: VehicleSpec) -> None:
+        """Give a vehicle that is on the floor its modem and its agent."""
+        vehicle = self.vehicles[spec.id]
+        self.bus.equip(spec.id, lambda: vehicle.sense().pose, vehicle.notice_link)
+        self._employ(spec.id, self._atv(spec), vehicle)
 
     def _powered(self, agent: str) -> SimVehicle | SimWorkcell:
         return self.vehicles[agent] if agent in self.vehicles else self.workcells[agent]
@@ -303,10 +287,3 @@ class SimFactory:
         """Let an agent's worker run, in a factory that does."""
         if self._group is not None:
             self._group.create_task(self.workers[agent].run(), name=agent)
-
-
-def _first_stock(plant: Plant, machine: str, frac: tuple[float, float], random: Random) -> dict[str, int]:
-    return {
-        material: round(plant.materials[material].buffer * random.uniform(*frac))
-        for material in plant.materials_of(machine)
-    }

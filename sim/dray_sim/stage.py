@@ -18,8 +18,9 @@ from dray.plant import Plant
 from dray_sim import demand
 from dray_sim.desk import Desk
 from dray_sim.evidence import HELD
-from dray_sim.factory import FIRST_STOCK_FRAC, Ears, SimFactory
+from dray_sim.factory import Ears, SimFactory
 from dray_sim.faults import Faults
+from dray_sim.floor import FIRST_STOCK_FRAC
 from dray_sim.invariants import Invariants
 from dray_sim.loop import JUMP, clock, run
 from dray_sim.network import WLAN, Latency

@@ -1,0 +1,89 @@
+"""The floor of a plant: bodies and places, with no agent in it.
+
+Vehicles, workcells, storages and the gate of the delivery warehouses act on one another here, as things
+do: a load that a vehicle puts down is there. Who tells them what to do is none of this module's business.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from random import Random
+
+from dray.plant import Plant
+from dray.plant.model import VehicleSpec
+from dray.ports import Body, Clock
+from dray.protocol.strategist import STRATEGIST
+from dray_sim.chargers import Chargers
+from dray_sim.gate import Gate
+from dray_sim.stores import DeliveryWarehouse, Place, SourceWarehouse, Storage
+from dray_sim.vehicle import SimVehicle
+from dray_sim.workcell import SimWorkcell
+
+FIRST_STOCK_FRAC = (0.4, 1.0)
+"""Buffers at the start of a run: a shift begins where the one before it ended."""
+
+
+class Floor:
+    """What stands and drives in a plant.
+
+    Args:
+        plant: what stands where.
+        clock: the plant's clock.
+        seed: what is left to chance follows from it: how full buffers are.
+        stock_frac: how full buffers are at the start, from and to, of what they hold.
+
+    Attributes:
+        vehicles, workcells, storages, delivery: the bodies and places by id.
+        source: where material comes from.
+        gate: of all delivery warehouses; the strategist's body.
+        in_hands: pieces that people carry, by item.
+    """
+
+    def __init__(
+        self, plant: Plant, clock: Clock, *, seed: int, stock_frac: tuple[float, float] = FIRST_STOCK_FRAC
+    ) -> None:
+        self._plant, self._clock = plant, clock
+        self.source = SourceWarehouse(plant.source_warehouses[0], plant.materials)
+        self.gate = Gate(clock)
+        self.delivery: Mapping[str, DeliveryWarehouse] = {
+            warehouse: DeliveryWarehouse(warehouse, plant.products, self.gate)
+            for warehouse in plant.delivery_warehouses
+        }
+        self.storages: Mapping[str, Storage] = {
+            spec.id: Storage(spec, clock, self.source) for spec in plant.storages.values()
+        }
+        stock = Random(f"{seed} stock")
+        self.workcells: Mapping[str, SimWorkcell] = {
+            spec.id: SimWorkcell(spec, plant, clock, stock=_first_stock(plant, spec.id, stock_frac, stock))
+            for spec in plant.machines.values()
+        }
+        self.in_hands: Counter[str] = Counter()
+        self.vehicles: dict[str, SimVehicle] = {}
+        self._places: dict[str, Place] = {**self.storages, **self.workcells, **self.delivery}
+        self._chargers = Chargers()
+        for spec in plant.fleet.values():
+            self.add_vehicle(spec)
+
+    def add_vehicle(self, spec: VehicleSpec) -> SimVehicle:
+        """Put one more vehicle down.
+
+        Args:
+            spec: its id, its type in the plant, and where it stands.
+        """
+        vehicle_type = self._plant.vehicle_types[spec.type]
+        vehicle = SimVehicle(spec, vehicle_type, self._plant, self._clock, self._places, self._chargers)
+        self.vehicles[spec.id] = vehicle
+        return vehicle
+
+    @property
+    def bodies(self) -> dict[str, Body]:
+        """By the agent that acts with it."""
+        return {**self.workcells, **self.vehicles, STRATEGIST: self.gate}
+
+
+def _first_stock(plant: Plant, machine: str, frac: tuple[float, float], random: Random) -> dict[str, int]:
+    return {
+        material: round(plant.materials[material].buffer * random.uniform(*frac))
+        for material in plant.materials_of(machine)
+    }
