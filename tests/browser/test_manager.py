@@ -113,6 +113,18 @@ def test_a_quantity_that_is_no_number_is_refused_beside_its_field(
     expect(page.locator("#publish-quantity-wrong")).not_to_be_empty()
 
 
+def test_the_traffic_of_the_last_hour_is_a_layer_with_a_legend(
+    busy_factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = open_page(busy_factory)
+    expect(page.get_by_text("Passes in the last hour")).to_have_count(0)
+    page.get_by_role("button", name="Traffic").click()
+    expect(page.get_by_text("Passes in the last hour")).to_be_visible(timeout=MOVING_MS)
+    expect(page.get_by_text("from 1", exact=True)).to_be_visible()
+    page.get_by_role("button", name="Areas").click()
+    screenshot(page, "traffic")
+
+
 def test_the_watch_shows_who_guards_whom_and_can_be_filtered(
     busy_factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:

@@ -21,6 +21,7 @@ from dray.gateway.routes.faults import FaultsAnswer
 from dray.gateway.routes.me import MeAnswer
 from dray.gateway.routes.orders import OrderAnswer
 from dray.gateway.routes.products import ProductAnswer
+from dray.gateway.routes.traffic import TrafficAnswer
 from dray.gateway.tracking.answer import TrackAnswer
 from dray.gateway.views import AlertView, AtvView, FactoryView, FaultView, MachineView, TaskView
 from dray.plant.model import PlantFile
@@ -45,6 +46,7 @@ SHAPES = (
     PromiseLedger,
     TaskView,
     TrackAnswer,
+    TrafficAnswer,
 )
 """Structs that routers answer with."""
 

@@ -39,6 +39,12 @@ export async function fetchPlant(): Promise<PlantFile> {
   return (await request("GET", "/api/plant")) as PlantFile;
 }
 
+/** How often each lane was passed within the last hour of factory time, once per direction. */
+export async function fetchTraffic(): Promise<{ start: string; end: string; passes: number }[]> {
+  const answer = (await request("GET", "/api/traffic")) as { items: { start: string; end: string; passes: number }[] };
+  return answer.items;
+}
+
 /** How a vehicle keeps its promises; in factory seconds, below 0 for earlier than promised. */
 export interface PromiseLine {
   /** Empty for the whole fleet. */

@@ -1,5 +1,5 @@
 import type { ComponentChildren } from "preact";
-import { useMemo, useRef } from "preact/hooks";
+import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { PlantFile } from "../api/types";
 import { t } from "../text";
 import { Finder } from "./Finder";
@@ -8,12 +8,14 @@ import { LayerSwitches } from "./LayerSwitches";
 import { layers } from "./layers";
 import { type Findable, pickablesOf } from "./places";
 import { PlantSurface, type Surface } from "./PlantSurface";
+import { followTraffic, heat } from "./traffic";
 
 /** The whole plant. Everything on it can also be chosen in the field Find and in the lists. */
 export function PlantMap({ over, plant }: { over?: ComponentChildren; plant: PlantFile }) {
   const surface = useRef<Surface | null>(null);
   const home = useMemo(() => wholeOf(plant), [plant]);
   const onSurface = useMemo(() => (now: Surface | null) => (surface.current = now), []);
+  useEffect(followTraffic, []);
   const goTo = (found: Findable): void => {
     const { renderer, navigation } = surface.current ?? {};
     const vehicle = renderer?.fleet.get(found.id);
@@ -31,6 +33,7 @@ export function PlantMap({ over, plant }: { over?: ComponentChildren; plant: Pla
         plant={plant}
         home={home}
         layers={layers}
+        heat={heat}
         label={t("map.label", { name: plant.name })}
         over={over}
         onSurface={onSurface}

@@ -9,6 +9,8 @@ import { isPast } from "../stream/freshness";
 import { format, t } from "../text";
 import { colours } from "../theme/theme";
 import type { Region } from "./geometry";
+import type { Heat } from "./heat";
+import { HeatLegend } from "./HeatLegend";
 import type { Layers } from "./layers";
 import { type Navigation, navigate } from "./navigation";
 import { type Palette, readPalette } from "./palette";
@@ -29,12 +31,14 @@ interface Props {
   readonly home: Region;
   readonly layers: ReadonlySignal<Layers>;
   readonly label: string;
+  /** The traffic on the lanes, where it is to be seen. */
+  readonly heat?: ReadonlySignal<Heat | null>;
   readonly over?: ComponentChildren;
   /** Is told the surface when it is there, and null when it is gone. */
   readonly onSurface?: (surface: Surface | null) => void;
 }
 
-export function PlantSurface({ home, label, layers, onSurface, over, plant }: Props) {
+export function PlantSurface({ heat, home, label, layers, onSurface, over, plant }: Props) {
   const element = useRef<HTMLDivElement>(null);
   const canvases = [useRef<HTMLCanvasElement>(null), useRef<HTMLCanvasElement>(null), useRef<HTMLCanvasElement>(null)];
   const surface = useSignal<Surface | null>(null);
@@ -45,7 +49,7 @@ export function PlantSurface({ home, label, layers, onSurface, over, plant }: Pr
     const on = element.current;
     if (!on || !floor?.current || !machines?.current || !moving?.current) return undefined;
     const layered = { floor: floor.current, machines: machines.current, moving: moving.current };
-    const shown = shownNow(readPalette(on), layers.peek());
+    const shown = shownNow(readPalette(on), layers.peek(), heat?.peek() ?? null);
     const renderer = new PlantRenderer({ plant, home }, layered, shown, serverNowS);
     const navigation = navigate(on, renderer);
     const stop = follow(on, renderer, navigation, (px) => (scale.value = px));
@@ -56,10 +60,10 @@ export function PlantSurface({ home, label, layers, onSurface, over, plant }: Pr
       surface.value = null;
       onSurface?.(null);
     };
-  }, [plant, home, layers, onSurface, floor, machines, moving, surface, scale]);
+  }, [plant, home, layers, heat, onSurface, floor, machines, moving, surface, scale]);
 
   useSignalEffect(() => {
-    const shown = shownNow(paletteOf(element.current, colours.value), layers.value);
+    const shown = shownNow(paletteOf(element.current, colours.value), layers.value, heat?.value ?? null);
     surface.value?.renderer.show(shown);
   });
 
@@ -81,6 +85,7 @@ export function PlantSurface({ home, label, layers, onSurface, over, plant }: Pr
       </div>
       {past && ageS.value !== null && <p class="map-age">{t("map.past", { age: format.age(ageS.value) })}</p>}
       {over}
+      {heat?.value && <HeatLegend heat={heat.value} />}
       <ScaleBar scale={scale.value} />
       <ZoomButtons
         zoomBy={(steps) => surface.value?.navigation.zoomBy(steps)}
@@ -100,9 +105,9 @@ function paletteOf(element: Element | null, version: number): Palette {
   return painted.palette;
 }
 
-function shownNow(palette: Palette, layers: Layers) {
+function shownNow(palette: Palette, layers: Layers, heat: Heat | null) {
   const { atv, place } = selection.value;
-  return { palette, layers, atv, place: place?.id ?? null };
+  return { palette, layers, heat, atv, place: place?.id ?? null };
 }
 
 /** Ties the renderer to the page: frames, size, fonts, pointer and the wish for less motion. */

@@ -2,12 +2,13 @@
 import { effect, signal } from "@preact/signals";
 import { recall, remember } from "../memory";
 
-export const LAYERS = ["ways", "watch", "mesh", "areas", "labels"] as const;
+export const LAYERS = ["ways", "primary", "watch", "mesh", "areas", "heat", "labels"] as const;
 export type Layer = (typeof LAYERS)[number];
 export type Layers = Readonly<Record<Layer, boolean>>;
 
-const KEY = "dray.layers";
-const FIRST: Layers = { ways: true, watch: true, mesh: true, areas: false, labels: true };
+/** With a number: who chose when there were fewer has not chosen against the new ones. */
+const KEY = "dray.layers.2";
+const FIRST: Layers = { ways: true, primary: true, watch: true, mesh: true, areas: false, heat: false, labels: true };
 
 export const layers = signal<Layers>(layersFrom(recall(KEY)));
 

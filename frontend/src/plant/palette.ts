@@ -1,7 +1,7 @@
 /** The colours of the map, read from the design tokens, so that the canvas follows the theme. */
 
 const TOKENS = [
-  "floor", "line", "ink", "ink-2", "ink-3", "lane", "lane-mark", "wall", "steel", "steel-ink",
+  "floor", "line", "ink", "ink-2", "ink-3", "lane", "lane-mark", "heat", "wall", "steel", "steel-ink",
   "panel", "raised", "chosen", "chosen-soft", "on-chosen", "warn", "warn-soft", "alarm", "alarm-soft",
 ] as const;
 

@@ -17,6 +17,7 @@ import { drawMark } from "./draw/marks";
 import { drawDots, drawVehicle, drawVehicleLabels, lookOf } from "./draw/vehicles";
 import { boxOnScreen, fitView, type Region, type Size, toScreenX, toScreenY, type View, type Zoom, zoomed } from "./geometry";
 import { groupsOf, URGENT_LAST } from "./groups";
+import type { Heat } from "./heat";
 import type { Layers } from "./layers";
 import { type Guard, isCarried, meshLinks, watchLinks } from "./links";
 import { lookAlike, machineLooks, type MachineLooks } from "./machine-looks";
@@ -45,6 +46,7 @@ export interface Shown {
   readonly palette: Palette;
   readonly atv: string | null;
   readonly place: string | null;
+  readonly heat: Heat | null;
 }
 
 export class PlantRenderer {
@@ -127,8 +129,9 @@ export class PlantRenderer {
   }
 
   show(shown: Shown): void {
-    const { palette, layers, place } = this.#shown;
-    if (shown.palette !== palette || shown.layers !== layers || shown.place !== place) {
+    const { heat, layers, palette, place } = this.#shown;
+    const same = shown.palette === palette && shown.layers === layers && shown.place === place && shown.heat === heat;
+    if (!same) {
       this.#stale = { floor: true, machines: true };
     }
     this.#shown = shown;
@@ -208,6 +211,7 @@ export class PlantRenderer {
       roads: this.#roads,
       showAreas: areas,
       showLabels: labels,
+      heat: this.#shown.heat,
       chosen: this.#shown.place,
     });
   }
@@ -240,12 +244,23 @@ export class PlantRenderer {
       const others = vehicles.filter((vehicle) => vehicle.view.id !== atv && onItsWay(vehicle));
       drawWays(brush, others.map(({ view }) => this.fleet.ahead(view.id)));
     }
+    if (layers.primary) this.#drawPrimary(brush, vehicles);
     if (layers.watch) this.#drawWatch(brush, vehicles, nowS);
     if (layers.mesh) drawLinks(brush, meshLinks(vehicles, this.#find), "mesh", true);
     const chosen = atv === null ? undefined : this.fleet.get(atv);
     if (layers.ways && chosen && onItsWay(chosen)) drawChosenWay(brush, this.fleet.ahead(chosen.view.id));
     for (const { from, look, to } of marks) drawMark(brush, this.#find(from), this.#find(to), look);
     this.#drawVehicles(brush, vehicles, nowS);
+  }
+
+  #drawPrimary(brush: Brush, inSight: readonly ShownVehicle[]): void {
+    const { atv, place } = this.#shown;
+    if (brush.detail.everybody) {
+      const seen = new Map(inSight.map((vehicle) => [vehicle.view.id, vehicle]));
+      const find = (id: string): Place | undefined => seen.get(id) ?? this.#machineAt.get(id);
+      drawLinks(brush, watchLinks(this.#carried, find, null).primary, "primary", false);
+    }
+    drawLinks(brush, watchLinks(this.#carried, this.#find, { atv, machine: place }).primary, "primary", true);
   }
 
   #drawWatch(brush: Brush, inSight: readonly ShownVehicle[], nowS: number): void {
@@ -256,7 +271,6 @@ export class PlantRenderer {
       drawLinks(brush, watchLinks(this.#carried, (id) => seen.get(id), null).secondary, "secondary", false);
     }
     const chosen = watchLinks(this.#carried, this.#find, { atv, machine: place });
-    drawLinks(brush, chosen.primary, "primary", true);
     drawLinks(brush, chosen.secondary, "secondary", true);
     // Whoever is not heard in time is looked for, whatever is chosen.
     const late = this.#carried.filter((task) => this.#isOverdue(task.primary, nowS));

@@ -39,6 +39,7 @@ const PARTS: [string, string[]][] = [
   ["steel", ["panel", "floor"]],
   ["edge", ["panel", "raised"]],
   ["warn", ["lane"]],
+  ["heat", ["lane"]],
 ];
 
 describe.each([["light", light], ["dark", dark]] as const)("the %s theme", (_name, block) => {

@@ -68,6 +68,7 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("GET", "/api/tasks/{task}"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/alerts"): Rule(Scope.FACTORY_READ),
     ("POST", "/api/alerts/{alert}/acknowledge"): Rule(Scope.ALERTS_ACKNOWLEDGE, action="alert.acknowledge"),
+    ("GET", "/api/traffic"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/promises"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/events"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/kpis"): Rule(Scope.FACTORY_READ),

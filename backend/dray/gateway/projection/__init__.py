@@ -5,7 +5,7 @@ become views when a frame is made, so a vehicle that speaks ten times between tw
 What has changed since the last frame is remembered by id.
 
 `atvs`, `machines`, `tasks`, `orders`, `news`, `alerts` and `trials` each keep one kind of entity, `factory`
-the figures. Alerts alone are not folded: `troubles` says what is wrong whenever somebody looks.
+the figures, and `traffic` the passages per lane. Alerts alone are not folded: `troubles` says what is wrong whenever somebody looks.
 """
 
 from __future__ import annotations

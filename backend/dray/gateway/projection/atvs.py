@@ -58,6 +58,10 @@ class Atvs:
         self.changes.mark(heartbeat.atv)
         return True
 
+    def last(self, atv: str) -> AtvHeartbeat | None:
+        """The last heartbeat of one vehicle."""
+        return self._last.get(atv)
+
     def heartbeats(self) -> Iterable[AtvHeartbeat]:
         """The last one of each vehicle."""
         return self._last.values()

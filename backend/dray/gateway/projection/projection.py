@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from dray.gateway.projection import troubles
 from dray.gateway.projection.alerts import Alerts
 from dray.gateway.projection.atvs import Atvs
@@ -12,6 +14,7 @@ from dray.gateway.projection.news import News
 from dray.gateway.projection.orders import Orders
 from dray.gateway.projection.tasks import Tasks
 from dray.gateway.projection.timeuse import SILENT
+from dray.gateway.projection.traffic import LaneTraffic, Traffic
 from dray.gateway.projection.trials import Trials
 from dray.gateway.timescale import TimeScale
 from dray.gateway.views import Delta, FactoryView, Snapshot, UseView
@@ -37,6 +40,7 @@ class Projection:
         self.orders = Orders(time.to_wall_s)
         self.news = News(time.to_wall_s)
         self.alerts = Alerts()
+        self.traffic = Traffic(plant.lanes)
         self.trials = Trials(possible=trials)
         self.interventions = Interventions()
         kinds = (
@@ -68,7 +72,10 @@ class Projection:
         """Take one message in; never raises for what a peer may say."""
         match message:
             case AtvHeartbeat():
+                before = self.atvs.last(message.atv)
                 told = self.atvs.fold(message)
+                if told:
+                    self.traffic.follow(before, message)
             case MachineHeartbeat():
                 told = self.machines.fold(message)
                 if told:
@@ -103,6 +110,10 @@ class Projection:
             *troubles.of_orders(self.orders.under_way(), now),
         )
         return self.alerts.look(wrong, wall_s)
+
+    def traffic_at(self, wall_s: float) -> Iterator[LaneTraffic]:
+        """The lanes that were passed within the hour before this moment."""
+        return self.traffic.lanes(self._time.to_plant_s(wall_s))
 
     def factory(self, wall_s: float) -> FactoryView:
         """The factory's figures at this moment."""

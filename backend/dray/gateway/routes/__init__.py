@@ -23,6 +23,7 @@ from dray.gateway.routes import (
     stream,
     tasks,
     track,
+    traffic,
 )
 
 API = (
@@ -37,6 +38,7 @@ API = (
     events,
     kpis,
     plant,
+    traffic,
     faults,
     me,
     audit,

@@ -1,6 +1,7 @@
 /** What never moves: floor, areas, lanes and the places that only stand there. */
 import type { Box, Lane, PlantFile } from "../../api/types";
 import type { Place, Roads } from "../../motion/roads";
+import { type Heat, stepOf } from "../heat";
 import { boxOnScreen, toScreenX, toScreenY } from "../geometry";
 import { type Brush, isInSight, setFont, textPx } from "./brush";
 
@@ -9,6 +10,7 @@ export interface FloorPlan {
   readonly roads: Roads;
   readonly showAreas: boolean;
   readonly showLabels: boolean;
+  readonly heat: Heat | null;
   /** Id of the chosen place. */
   readonly chosen: string | null;
 }
@@ -18,12 +20,14 @@ const LANE_M = 1.5;
 /** Slower lanes are spurs to docks, and drawn as such. */
 const SPUR_MPS = 1;
 const SPUR_M = 1;
+const HEAT_M = 0.6;
 const PARKING_M = 2.1;
 
 export function drawFloor(brush: Brush, plan: FloorPlan): void {
   drawGround(brush, plan.plant);
   if (plan.showAreas) drawAreas(brush, plan.plant);
   drawLanes(brush, plan);
+  if (plan.heat) drawHeat(brush, plan, plan.heat);
   drawParkings(brush, plan);
   drawChargers(brush, plan.plant);
   for (const warehouse of plan.plant.warehouses) {
@@ -32,6 +36,7 @@ export function drawFloor(brush: Brush, plan: FloorPlan): void {
   for (const storage of plan.plant.storages) {
     drawBox(brush, storage.box, "panel", plan.showLabels ? storage.id : "", 0.95);
   }
+  if (plan.showAreas) nameAreas(brush, plan.plant);
   const { warehouses, storages, chargers } = plan.plant;
   const chosen = [...warehouses, ...storages, ...chargers].find(({ id }) => id === plan.chosen);
   if (chosen) drawFrame(brush, chosen.box);
@@ -57,7 +62,6 @@ function drawGround(brush: Brush, plant: PlantFile): void {
 
 function drawAreas(brush: Brush, plant: PlantFile): void {
   const { ctx, view, palette } = brush;
-  const px = textPx(view.scale, 0.9, 11, 16);
   plant.areas.forEach((area, i) => {
     ctx.beginPath();
     for (const point of area.polygon) {
@@ -74,14 +78,25 @@ function drawAreas(brush: Brush, plant: PlantFile): void {
     ctx.strokeStyle = palette.steel;
     ctx.stroke();
     ctx.setLineDash([]);
-    const left = Math.min(...area.polygon.map((point) => point.x_m));
-    const top = Math.max(...area.polygon.map((point) => point.y_m));
-    setFont(brush, px, 550);
-    ctx.fillStyle = palette["ink-2"];
-    ctx.textAlign = "left";
-    ctx.textBaseline = "top";
-    ctx.fillText(area.name, toScreenX(view, left) + 8, toScreenY(view, top) + 7);
   });
+}
+
+/** In the lower left corner of each area, above what stands there. */
+function nameAreas(brush: Brush, plant: PlantFile): void {
+  const { ctx, view, palette } = brush;
+  setFont(brush, textPx(view.scale, 0.9, 11, 16), 550);
+  ctx.textAlign = "left";
+  ctx.textBaseline = "bottom";
+  ctx.lineWidth = 4;
+  ctx.lineJoin = "round";
+  ctx.strokeStyle = palette.floor;
+  ctx.fillStyle = palette["ink-2"];
+  for (const { name, polygon } of plant.areas) {
+    const x = toScreenX(view, Math.min(...polygon.map((point) => point.x_m))) + 8;
+    const y = toScreenY(view, Math.min(...polygon.map((point) => point.y_m))) - 4;
+    ctx.strokeText(name, x, y);
+    ctx.fillText(name, x, y);
+  }
 }
 
 function drawLanes(brush: Brush, plan: FloorPlan): void {
@@ -98,6 +113,22 @@ function drawLanes(brush: Brush, plan: FloorPlan): void {
   }
   ctx.lineCap = "butt";
   if (brush.detail.laneMarks) drawLaneMarks(brush, plan);
+}
+
+/** Calm shades of one colour along the middle of the lanes: the busier, the stronger. */
+function drawHeat(brush: Brush, plan: FloorPlan, heat: Heat): void {
+  const { ctx, view, palette } = brush;
+  ctx.strokeStyle = palette.heat;
+  ctx.lineWidth = Math.max(2, HEAT_M * view.scale);
+  for (let step = 1; step <= heat.steps.length; step += 1) {
+    ctx.beginPath();
+    for (const lane of plan.plant.lanes) {
+      if (stepOf(heat.of(lane), heat.steps) === step) traceLane(brush, plan.roads, lane);
+    }
+    ctx.globalAlpha = step / heat.steps.length;
+    ctx.stroke();
+  }
+  ctx.globalAlpha = 1;
 }
 
 function traceLane({ ctx, view }: Brush, roads: Roads, lane: Lane): void {
