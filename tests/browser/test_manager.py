@@ -173,7 +173,7 @@ def test_an_alert_says_what_to_do_and_is_taken_on_by_name(
     page.keyboard.press("Enter")
     expect(inbox).to_be_hidden()
     page.get_by_role("link", name="No alarms").click()
-    expect(page.get_by_role("row").filter(has_text="M5")).to_contain_text("Administrator")
+    expect(page.get_by_role("row").filter(has_text="M5")).to_contain_text("Management")
     page.request.delete(f"{quiet_factory}/api/faults/{fault.json()['id']}")
     expect(page.get_by_text("Nothing needs an answer.")).to_be_visible()
 
