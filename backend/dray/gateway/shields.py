@@ -18,16 +18,13 @@ from dray.gateway.problems import Problem
 CONTENT_POLICY = "; ".join(
     (
         "default-src 'self'",
-        # Older browsers do not count the stream of the same host as 'self'.
-        "connect-src 'self' ws: wss:",
-        "img-src 'self' data:",
         "object-src 'none'",
         "base-uri 'none'",
         "form-action 'self'",
         "frame-ancestors 'none'",
     )
 )
-"""No script, style or picture but our own, and none written into a page."""
+"""No script, style, picture or stream but our own, and none written into a page."""
 
 HEADERS = {
     "Content-Security-Policy": CONTENT_POLICY,
