@@ -62,7 +62,7 @@ def test_a_customer_follows_an_order_to_its_delivery_without_touching_the_page(
     expect(stage(page, "Delivered").first).to_have_class("done")
     expect(page.locator("#said")).to_contain_text("Today")
     screenshot(page, "customer-delivered")
-    assert {url.split("/")[2] for url in asked if url != "about:blank"} == {factory.split("/")[2]}
+    assert {url.split("/")[2] for url in asked if url != "about:blank"} == {factory.url.split("/")[2]}
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])

@@ -6,6 +6,7 @@ import sys
 from collections.abc import AsyncIterator
 from pathlib import Path
 
+import httpx
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -23,3 +24,10 @@ async def house(url: str) -> AsyncIterator[House]:
     """A running gateway, with nobody else on the bus."""
     async with gateway(url) as house:
         yield house
+
+
+@pytest.fixture
+async def visitor(house: House) -> AsyncIterator[httpx.AsyncClient]:
+    """The browser of somebody who has not logged in."""
+    async with house.visitor() as client:
+        yield client

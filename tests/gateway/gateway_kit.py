@@ -19,6 +19,8 @@ from fastapi import FastAPI
 from dray.adapters.signing import SigningKey
 from dray.errors import UnavailableError
 from dray.gateway.access.hasher import Hasher
+from dray.gateway.access.principal import Role, Scope
+from dray.gateway.access.tokens import new_id, new_key
 from dray.gateway.app import create_app
 from dray.gateway.faultdesk import FaultDesk, FaultKind, FaultRefused
 from dray.gateway.panels import Panels
@@ -43,6 +45,9 @@ from dray.plant import PlantFile, default_plant
 from dray.ports import Receive
 from dray.settings import Settings
 from dray.store import Historian, Store, open_store
+from dray.store.apikeys import ApiKey
+from dray.store.audit import AuditFilter, AuditRow
+from dray.store.people import Person
 
 PLANT = default_plant().file
 KEYS = Keys(PLANT.plant)
@@ -253,6 +258,15 @@ class Wall:
         return self.now_s
 
 
+PASSWORD, PIN = "four words are good", "402719"
+"""A manager's and an operator's."""
+
+
+SECRETS = {Role.MANAGER: PASSWORD, Role.OPERATOR: PIN}
+
+HOME = "http://dray.test"
+
+
 @dataclass
 class House:
     """One running gateway, and everything around it."""
@@ -279,6 +293,39 @@ class House:
         response = await self.client.post("/api/orders", json=draft(**fields))
         assert response.status_code == 201, response.text
         return cast(dict[str, Any], response.json())
+
+    async def know(self, who: str, role: Role = Role.MANAGER, *areas: str) -> Person:
+        """Somebody who may log in: a manager by `PASSWORD`, an operator by `PIN`."""
+        secret = {"password_hash" if role is Role.MANAGER else "pin_hash": QUICK.hash(SECRETS[role])}
+        person = Person(id=who, name=who.title(), role=role, created_at_s=NOW_S, areas=areas, **secret)
+        async with self.store.write() as work:
+            await work.people.add(person)
+        return person
+
+    def visitor(self, **headers: str) -> httpx.AsyncClient:
+        """A browser of somebody who has not logged in yet."""
+        return httpx.AsyncClient(transport=self.client._transport, base_url=HOME, headers=headers)
+
+    async def log_in(self, who: str, role: Role = Role.MANAGER, *areas: str) -> httpx.AsyncClient:
+        """The browser of somebody new who has logged in."""
+        person = await self.know(who, role, *areas)
+        browser = self.visitor()
+        answer = await browser.post("/login", data={"name": who, "secret": SECRETS[Role(person.role)]})
+        assert answer.status_code == 303, answer.text
+        return browser
+
+    async def key(self, *scopes: Scope, **fields: Any) -> tuple[ApiKey, dict[str, str]]:
+        """A new key of another system, and the header that shows it."""
+        token = new_key()
+        key = ApiKey(id=new_id(), name="ERP", scopes=" ".join(scopes), created_at_s=NOW_S, **fields)
+        async with self.store.write() as work:
+            await work.api_keys.add(token, key)
+        return key, {"Authorization": f"Bearer {token}"}
+
+    async def audit(self, **wanted: Any) -> list[AuditRow]:
+        """The lines of the audit log, newest first."""
+        async with self.store.read() as work:
+            return await work.audit.page(AuditFilter(**wanted), None, 100)
 
     async def orders_kept(self) -> int:
         """How many orders are on disk."""
@@ -347,7 +394,7 @@ async def gateway(
         transport = httpx.ASGITransport(app=app, raise_app_exceptions=False)
         async with (
             app.router.lifespan_context(app),
-            httpx.AsyncClient(transport=transport, base_url="http://dray.test", headers=BEARER) as client,
+            httpx.AsyncClient(transport=transport, base_url=HOME, headers=BEARER) as client,
         ):
             yield House(app, bus, client, store, historian, wall)
     finally:

@@ -85,7 +85,7 @@ async def recognise(connection: HTTPConnection) -> Principal:
         if credentials:
             kind, _, token = credentials.partition(" ")
             if kind.lower() != "bearer":
-                raise unknown(f"the credentials are {kind[:32]!r}, not Bearer")
+                raise unknown("the credentials are not called Bearer")
             principal = await access.by_bearer(token.strip(), address_of(connection.scope))
         elif cookie := connection.cookies.get(COOKIE):
             principal = await access.sessions.recognise(cookie)

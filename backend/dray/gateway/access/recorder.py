@@ -57,7 +57,7 @@ class Recorder:
         except UnavailableError:
             self._tell_the_log()
             if status >= HTTPStatus.INTERNAL_SERVER_ERROR:
-                return  # Nothing was done, and the answer says why.
+                return  # The answer says already that it went wrong, and why.
             self._lost = True
             problem = Problem(
                 HTTPStatus.SERVICE_UNAVAILABLE,

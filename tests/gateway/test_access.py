@@ -1,0 +1,566 @@
+"""Who may do what: every route for everybody, and what is said to whoever may not."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import Any
+
+import httpx
+import pytest
+from gateway_kit import (
+    ADMIN_TOKEN,
+    BEARER,
+    HOME,
+    NOW_S,
+    FakeDesk,
+    House,
+    atv_heartbeat,
+    draft,
+    gateway,
+    problem,
+)
+from login_kit import BROWSER, COOKIE
+from sqlalchemy.exc import OperationalError
+from test_commands import vehicle
+
+from dray.gateway.access.access import STRANGERS_TRIES
+from dray.gateway.access.principal import SCOPES, Role, Scope
+from dray.gateway.access.rules import RULES
+from dray.gateway.access.sessions import LIFE_S
+from dray.store.audit import Audit
+from dray.store.sessions import Sessions
+
+pytestmark = pytest.mark.anyio
+
+EVERYWHERE = [(method, path) for (method, path), rule in RULES.items() if not rule.public]
+
+PUBLIC = [(method, path) for (method, path), rule in RULES.items() if rule.public]
+
+STREAM = "/api/stream"
+
+
+def filled(path: str) -> str:
+    """An address of this template; nothing has this id."""
+    return path.replace("{", "no-").replace("}", "")
+
+
+async def ask(client: httpx.AsyncClient, method: str, path: str, **more: Any) -> httpx.Response:
+    return await client.request(method, filled(path), **more)
+
+
+# --- every route ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("method", "path"), EVERYWHERE)
+async def test_a_stranger_is_asked_who_it_is(visitor: httpx.AsyncClient, method: str, path: str) -> None:
+    answer = await ask(visitor, method, path)
+    problem(answer, 401, "not-logged-in")
+    assert answer.headers["www-authenticate"] == 'Bearer realm="Dray"'
+    assert answer.headers["x-content-type-options"] == "nosniff"
+
+
+@pytest.mark.parametrize(("method", "path"), [each for each in EVERYWHERE if not each[1].startswith("/api/")])
+async def test_a_stranger_with_a_browser_is_led_to_the_login(
+    visitor: httpx.AsyncClient, method: str, path: str
+) -> None:
+    answer = await ask(visitor, method, path, headers=BROWSER)
+    assert answer.status_code == 303
+    assert answer.headers["location"].startswith("/login")
+
+
+@pytest.mark.parametrize(("method", "path"), PUBLIC)
+async def test_what_is_public_asks_nobody(visitor: httpx.AsyncClient, method: str, path: str) -> None:
+    answer = await ask(visitor, method, path)
+    if answer.status_code == 401:
+        problem(answer, 401, "wrong-login")  # the login itself
+
+
+@pytest.mark.parametrize(("method", "path"), [each for each in EVERYWHERE if each[1] != STREAM])
+async def test_a_key_without_the_scope_is_refused_and_one_with_it_is_not(
+    url: str, method: str, path: str
+) -> None:
+    scope = RULES[method, path].scope
+    if scope is None:
+        return
+    async with gateway(url, faults=FakeDesk()) as house, house.visitor() as visitor:
+        others = set(Scope) - {scope, Scope.VEHICLES_COMMAND if scope is Scope.VEHICLES_STOP else scope}
+        _, without = await house.key(*others)
+        told = problem(await ask(visitor, method, path, headers=without), 403, "not-allowed")
+        assert scope.value in told["detail"]
+        _, wanted = await house.key(scope)
+        answer = await ask(visitor, method, path, headers=wanted)
+        assert answer.status_code not in {401, 403}, answer.text
+
+
+@pytest.mark.parametrize(("method", "path"), [each for each in EVERYWHERE if each[1] != STREAM])
+async def test_an_operator_comes_in_where_the_table_says_so_only(
+    house: House, method: str, path: str
+) -> None:
+    ana = await house.log_in("ana", Role.OPERATOR, "AREA1")
+    rule = RULES[method, path]
+    answer = await ask(ana, method, path)
+    if rule.by_area and (rule.scope is None or rule.scope in SCOPES[Role.OPERATOR]):
+        assert answer.status_code not in {401, 403}
+    else:
+        problem(answer, 403, "not-allowed")
+
+
+async def test_a_manager_may_do_everything(house: House) -> None:
+    boss = await house.log_in("boss")
+    for method, path in EVERYWHERE:
+        if path != STREAM:
+            answer = await ask(boss, method, path)
+            assert answer.status_code not in {401, 403}, (method, path)
+
+
+async def test_nobody_is_let_in_before_its_body_is_read(visitor: httpx.AsyncClient) -> None:
+    for content in (b"{", b"x" * 2_000_000):
+        answer = await visitor.post(
+            "/api/orders", content=content, headers={"Content-Type": "application/json"}
+        )
+        problem(answer, 401, "not-logged-in")
+
+
+# --- credentials ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "credentials",
+    [
+        "Bearer",
+        "Bearer ",
+        f"Bearer {ADMIN_TOKEN}x",
+        f"Bearer {ADMIN_TOKEN[:-1]}",
+        f"Basic {ADMIN_TOKEN}",
+        ADMIN_TOKEN,
+        "Bearer dray_guess",
+        "Bearer \xe4",
+        "Bearer " + "x" * 10_000,
+    ],
+)
+async def test_what_is_no_token_of_ours_is_refused(visitor: httpx.AsyncClient, credentials: str) -> None:
+    header = {"Authorization": credentials.encode("latin-1")}
+    answer = await visitor.get("/api/orders", headers=header)  # type: ignore[arg-type]
+    problem(answer, 401, "not-logged-in")
+    assert ADMIN_TOKEN not in answer.text
+
+
+async def test_a_token_in_the_address_is_none(visitor: httpx.AsyncClient) -> None:
+    for name in ("access_token", "token", "authorization", COOKIE):
+        problem(await visitor.get("/api/orders", params={name: ADMIN_TOKEN}), 401, "not-logged-in")
+
+
+async def test_without_an_administrators_token_there_is_no_administrator(url: str) -> None:
+    async with gateway(url, admin_token=None) as house, house.visitor() as visitor:
+        for token in ("", "None", "none"):
+            answer = await visitor.get("/api/orders", headers={"Authorization": f"Bearer {token}"})
+            problem(answer, 401, "not-logged-in")
+
+
+async def test_credentials_that_are_shown_count_and_not_the_cookie_beside_them(house: House) -> None:
+    boss = await house.log_in("boss")
+    problem(await boss.get("/api/me", headers={"Authorization": "Bearer guess"}), 401, "not-logged-in")
+    assert (await boss.get("/api/me", headers=BEARER)).json()["kind"] == "admin"
+
+
+async def test_a_session_is_no_bearer_token_and_a_key_is_no_cookie(house: House) -> None:
+    boss = await house.log_in("boss")
+    token = boss.cookies[COOKIE]
+    _, header = await house.key(Scope.ORDERS_READ)
+    async with house.visitor() as visitor:
+        answer = await visitor.get("/api/orders", headers={"Authorization": f"Bearer {token}"})
+        problem(answer, 401, "not-logged-in")
+        visitor.cookies.set(COOKIE, header["Authorization"].removeprefix("Bearer "))
+        problem(await visitor.get("/api/orders"), 401, "not-logged-in")
+
+
+async def test_strangers_with_tokens_are_slowed_down_and_others_at_that_address_are_not(
+    house: House, visitor: httpx.AsyncClient
+) -> None:
+    for n in range(STRANGERS_TRIES):
+        header = {"Authorization": f"Bearer guess-{n}"}
+        problem(await visitor.get("/api/orders", headers=header), 401, "not-logged-in")
+    answer = await visitor.get("/api/orders", headers={"Authorization": "Bearer guess"})
+    problem(answer, 429, "too-many-tries")
+    assert int(answer.headers["retry-after"]) >= 1
+    assert (await visitor.get("/api/orders", headers=BEARER)).status_code == 200
+
+
+# --- keys ----------------------------------------------------------------------------------------
+
+
+async def test_a_key_ends_with_its_time_or_when_it_is_taken_back(
+    house: House, visitor: httpx.AsyncClient
+) -> None:
+    _, short = await house.key(Scope.ORDERS_READ, expires_at_s=NOW_S + 60)
+    key, long = await house.key(Scope.ORDERS_READ)
+    for header in (short, long):
+        assert (await visitor.get("/api/orders", headers=header)).status_code == 200
+    house.wall.now_s += 60
+    problem(await visitor.get("/api/orders", headers=short), 401, "not-logged-in")
+    async with house.store.write() as work:
+        await work.api_keys.revoke(key.id, house.wall.now_s)
+    problem(await visitor.get("/api/orders", headers=long), 401, "not-logged-in")
+
+
+async def test_a_key_tells_what_it_is_and_when_it_was_used(house: House, visitor: httpx.AsyncClient) -> None:
+    key, header = await house.key(Scope.ORDERS_READ)
+    me = (await visitor.get("/api/me", headers=header)).json()
+    assert me == {
+        "kind": "key",
+        "id": key.id,
+        "name": "ERP",
+        "role": None,
+        "areas": None,
+        "station": "",
+        "scopes": ["orders:read"],
+        "expires_at_s": None,
+    }
+    house.wall.now_s += 30
+    await visitor.get("/api/me", headers=header)
+    async with house.store.read() as work:
+        kept = await work.api_keys.get(key.id)
+    assert kept is not None
+    assert kept.used_at_s == NOW_S, "not written for every request"
+
+
+async def test_a_scope_that_this_dray_does_not_know_allows_nothing(
+    house: House, visitor: httpx.AsyncClient
+) -> None:
+    key, header = await house.key()
+    async with house.store.database.write() as connection:
+        await connection.exec_driver_sql("UPDATE api_keys SET scopes = 'orders:read teleport'")
+    assert (await visitor.get("/api/me", headers=header)).json()["scopes"] == ["orders:read"]
+    assert key.scopes == ""
+
+
+async def test_one_key_asks_so_often_and_no_more(url: str) -> None:
+    async with gateway(url, key_burst=3, key_rate_hz=0.5) as house, house.visitor() as visitor:
+        _, busy = await house.key(Scope.ORDERS_READ)
+        _, other = await house.key(Scope.ORDERS_READ)
+        for _ in range(3):
+            assert (await visitor.get("/api/orders", headers=busy)).status_code == 200
+        answer = await visitor.get("/api/orders", headers=busy)
+        problem(answer, 429, "too-many-tries")
+        assert answer.headers["retry-after"] == "2"
+        assert (await visitor.get("/api/orders", headers=other)).status_code == 200
+        house.wall.now_s += 2
+        assert (await visitor.get("/api/orders", headers=busy)).status_code == 200
+
+
+# --- answers -------------------------------------------------------------------------------------
+
+
+async def test_no_cache_keeps_what_somebody_was_told(house: House) -> None:
+    boss = await house.log_in("boss")
+    for path in ("/api/orders", "/api/me", "/api/audit", "/api/plant", "/api/nothing-at-all"):
+        answer = await boss.get(path)
+        assert answer.status_code == 404 or answer.headers["cache-control"] == "no-store"
+
+
+async def test_a_database_that_is_away_is_said_and_not_taken_for_a_stranger(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    boss = await house.log_in("boss")
+
+    async def fail(_sessions: Sessions, _token: str) -> None:
+        raise OperationalError("SELECT", {}, Exception("disk I/O error"))
+
+    monkeypatch.setattr(Sessions, "find", fail)
+    answer = await boss.get("/api/me")
+    problem(answer, 503, "not-ready")
+    assert answer.headers["retry-after"]
+
+
+# --- the audit log -------------------------------------------------------------------------------
+
+
+async def test_who_did_what_is_written_down_with_what_came_of_it(house: House) -> None:
+    boss = await house.log_in("boss")
+    house.bus.say(atv_heartbeat("ATV1"))
+    vehicle(house, done=False, reason="acknowledge first")
+    placed = (await boss.post("/api/orders", json=draft())).json()
+    await boss.post(f"/api/orders/{placed['id']}/cancel")
+    await boss.post("/api/orders", json=draft(customer=""))
+    await boss.post("/api/atvs/ATV1/commands", json={"kind": "resume"})
+    await boss.post("/api/atvs/ATV99/commands", json={"kind": "stop"})
+    rows = [row for row in await house.audit(who="boss") if row.action != "login"][::-1]
+    assert [(row.action, row.target, row.result) for row in rows] == [
+        ("order.place", placed["id"], "done"),
+        ("order.cancel", placed["id"], "done"),
+        ("order.place", "", "refused"),
+        ("vehicle.command", "ATV1", "refused"),
+        ("vehicle.command", "ATV99", "refused"),
+    ]
+    assert len({row.session for row in rows}) == 1
+    told = (await boss.get("/api/audit", params={"target": "ATV1"})).json()["items"][0]
+    assert told["detail"]["kind"] == "resume"
+    assert told["detail"]["reason"] == "acknowledge first"
+    assert (told["who"], told["who_kind"], told["from_ip"]) == ("boss", "person", "127.0.0.1")
+
+
+async def test_what_the_rules_refuse_is_written_down_too(house: House, visitor: httpx.AsyncClient) -> None:
+    ana = await house.log_in("ana", Role.OPERATOR, "AREA1")
+    await ana.post("/api/orders", json=draft())
+    _, header = await house.key(Scope.ORDERS_READ)
+    await visitor.post("/api/orders", json=draft(), headers=header)
+    await visitor.post("/api/orders", json=draft())
+    rows = await house.audit(action="order.place")
+    assert [(row.who_kind, row.result) for row in rows] == [("key", "refused"), ("person", "refused")]
+
+
+async def test_reading_is_not_written_down(house: House) -> None:
+    for path in ("/api/orders", "/api/atvs", "/api/audit"):
+        await house.get(path)
+    assert await house.audit() == []
+
+
+async def test_a_line_is_on_disk_before_its_answer_leaves(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun, written = asyncio.Event(), asyncio.Event()
+    add = Audit.add
+
+    async def slowly(audit: Audit, row: Any) -> int:
+        begun.set()
+        await written.wait()
+        return await add(audit, row)
+
+    monkeypatch.setattr(Audit, "add", slowly)
+    asking = asyncio.create_task(house.client.post("/api/orders", json=draft()))
+    await begun.wait()
+    assert await house.orders_kept() == 1
+    assert not asking.done()
+    written.set()
+    assert (await asking).status_code == 201
+    assert len(await house.audit(action="order.place")) == 1
+
+
+async def test_an_action_that_cannot_be_written_down_is_done_and_said_so(
+    house: House, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    house.bus.say(atv_heartbeat("ATV1"))
+    heard = vehicle(house)
+
+    async def fail(_audit: Audit, _row: Any) -> int:
+        raise OperationalError("INSERT", {}, Exception("disk full"))
+
+    monkeypatch.setattr(Audit, "add", fail)
+    answer = await house.client.post("/api/atvs/ATV1/commands", json={"kind": "stop"})
+    problem(answer, 503, "not-recorded")
+    assert len(heard) == 1, "a vehicle does not wait for a disk to be stopped"
+    assert "not in the audit log: vehicle.command by admin, about ATV1" in caplog.text
+
+
+async def test_a_bug_is_written_down_as_failed(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_all: Any, **_more: Any) -> None:
+        raise RuntimeError
+
+    monkeypatch.setattr("dray.gateway.routes.orders.order_answer", broken)
+    problem(await house.client.post("/api/orders", json=draft()), 500, "bug")
+    (row,) = await house.audit()
+    assert (row.action, row.result) == ("order.place", "failed")
+
+
+async def test_the_log_is_read_in_pages_and_as_a_table_without_formulas(house: House) -> None:
+    for _ in range(5):
+        await house.client.post("/api/atvs/=HYPERLINK(1)/commands", json={"kind": "stop"})
+    first = await house.get("/api/audit", limit=3)
+    assert len(first["items"]) == 3
+    rest = await house.get("/api/audit", limit=3, cursor=first["next_cursor"])
+    assert (len(rest["items"]), rest["next_cursor"]) == (2, None)
+    assert await house.get("/api/audit", since=NOW_S + 1) == {"items": [], "next_cursor": None}
+    assert len((await house.get("/api/audit", until=NOW_S + 1, result="refused"))["items"]) == 5
+    table = await house.client.get("/api/audit", params={"format": "csv"})
+    assert table.headers["content-type"].startswith("text/csv")
+    lines = table.text.splitlines()
+    assert lines[0].startswith("position,at_s,who,who_kind,from_ip,session,action,target,result,detail")
+    assert len(lines) == 6
+    assert "'=HYPERLINK(1)" in lines[1]
+
+
+@pytest.mark.parametrize("query", ["since=-1", "since=x", "until=nan", "result=lost", "who=" + "x" * 129])
+async def test_a_question_to_the_log_that_cannot_be_answered_is_refused(house: House, query: str) -> None:
+    problem(await house.client.get(f"/api/audit?{query}"), 422, "unusable-fields")
+
+
+# --- stop ----------------------------------------------------------------------------------------
+
+
+async def test_a_key_that_may_stop_may_not_let_go_on(house: House, visitor: httpx.AsyncClient) -> None:
+    house.bus.say(atv_heartbeat("ATV1"))
+    heard = vehicle(house)
+    _, header = await house.key(Scope.VEHICLES_STOP)
+    commands = "/api/atvs/ATV1/commands"
+    for kind in ("acknowledge", "resume"):
+        told = problem(await visitor.post(commands, json={"kind": kind}, headers=header), 403, "not-allowed")
+        assert "vehicles:command" in told["detail"]
+    assert (await visitor.post(commands, json={"kind": "stop"}, headers=header)).status_code == 200
+    assert [command.kind.value for command in heard] == ["stop"]
+    assert heard[0].issued_by == "ERP"
+
+
+# --- the stream ----------------------------------------------------------------------------------
+
+
+class Browser:
+    """A browser's end of the stream, spoken to the application as a server does (ASGI)."""
+
+    def __init__(self, house: House, **headers: str) -> None:
+        self.to_app: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
+        self.heard: list[dict[str, Any]] = []
+        self.more = asyncio.Event()
+        scope = {
+            "type": "websocket",
+            "asgi": {"version": "3.0"},
+            "http_version": "1.1",
+            "scheme": "ws",
+            "path": STREAM,
+            "raw_path": STREAM.encode(),
+            "query_string": f"access_token={ADMIN_TOKEN}".encode(),
+            "root_path": "",
+            "headers": [
+                (name.encode(), value.encode()) for name, value in ({"host": "dray.test"} | headers).items()
+            ],
+            "client": ("127.0.0.1", 1234),
+            "server": ("dray.test", 80),
+            "subprotocols": [],
+            "state": {},
+        }
+        self.to_app.put_nowait({"type": "websocket.connect"})
+        self.served = asyncio.create_task(house.app(scope, self.to_app.get, self._send))
+
+    async def _send(self, message: Any) -> None:
+        self.heard.append(message)
+        self.more.set()
+
+    async def hears(self, kind: str) -> dict[str, Any]:
+        """The first message of this kind."""
+        while True:
+            found = [message for message in self.heard if message["type"] == f"websocket.{kind}"]
+            if found:
+                return found[0]
+            self.more.clear()
+            await self.more.wait()
+
+    async def leave(self) -> None:
+        self.to_app.put_nowait({"type": "websocket.disconnect", "code": 1001})
+        await self.served
+
+
+def cookie(client: httpx.AsyncClient) -> dict[str, str]:
+    return {"cookie": f"{COOKIE}={client.cookies[COOKIE]}", "origin": HOME}
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [{}, {"cookie": f"{COOKIE}=guess"}, {"authorization": "Bearer guess"}, {"authorization": "Basic x"}],
+    ids=["nothing", "a guessed cookie", "a guessed token", "no token"],
+)
+async def test_a_stranger_may_not_watch_and_is_told_by_the_code(
+    house: House, headers: dict[str, str]
+) -> None:
+    browser = Browser(house, **headers)
+    await browser.served
+    assert [message["type"] for message in browser.heard] == ["websocket.accept", "websocket.close"]
+    assert browser.heard[1]["code"] == 4401
+    assert not house.parts.hub._clients
+
+
+async def test_who_lacks_the_scope_may_not_watch(house: House) -> None:
+    _, header = await house.key(Scope.ORDERS_READ)
+    browser = Browser(house, authorization=header["Authorization"])
+    await browser.served
+    assert browser.heard[-1]["code"] == 4403
+
+
+async def test_a_page_of_another_site_may_not_watch_with_our_cookie(house: House) -> None:
+    boss = await house.log_in("boss")
+    for forged in ({"origin": "http://evil.test"}, {"sec-fetch-site": "cross-site"}):
+        browser = Browser(house, **cookie(boss) | forged)
+        await browser.served
+        assert [message["type"] for message in browser.heard] == ["websocket.close"]
+
+
+async def log_out(house: House, boss: httpx.AsyncClient) -> None:
+    await boss.post("/logout")
+
+
+async def disable(house: House, boss: httpx.AsyncClient) -> None:
+    async with house.store.write() as work:
+        await work.people.change("boss", disabled_at_s=NOW_S)
+    await house.parts.access.watch.check()
+
+
+async def revoke(house: House, boss: httpx.AsyncClient) -> None:
+    async with house.store.write() as work:
+        await work.sessions.end_all("boss", NOW_S)
+    await house.parts.access.watch.check()
+
+
+async def let_time_pass(house: House, boss: httpx.AsyncClient) -> None:
+    house.wall.now_s += LIFE_S[Role.MANAGER]
+    await house.parts.access.watch.check()
+
+
+@pytest.mark.parametrize("end", [log_out, disable, revoke, let_time_pass])
+async def test_a_stream_ends_with_its_session(house: House, end: Callable[..., Any]) -> None:
+    boss, other = await house.log_in("boss"), await house.log_in("other")
+    browser, bystander = Browser(house, **cookie(boss)), Browser(house, authorization=BEARER["Authorization"])
+    await browser.hears("send")
+    await bystander.hears("send")
+    await end(house, boss)
+    assert (await browser.hears("close"))["code"] == 4401
+    await browser.served
+    assert len(house.parts.hub._clients) == 1
+    await bystander.leave()
+    assert (await other.post("/logout")).status_code == 204
+
+
+async def test_a_stream_of_a_key_ends_with_the_key(house: House) -> None:
+    key, header = await house.key(Scope.FACTORY_READ)
+    browser = Browser(house, authorization=header["Authorization"])
+    await browser.hears("send")
+    await house.parts.access.watch.check()
+    assert browser.heard[-1]["type"] != "websocket.close"
+    async with house.store.write() as work:
+        await work.api_keys.revoke(key.id, NOW_S)
+    await house.parts.access.watch.check()
+    assert (await browser.hears("close"))["code"] == 4401
+
+
+async def test_a_panel_that_is_watched_is_not_idle(house: House) -> None:
+    boss = await house.log_in("boss")
+    browser = Browser(house, **cookie(boss))
+    await browser.hears("send")
+    for _ in range(5):
+        house.wall.now_s += 3600
+        await house.parts.access.watch.check()
+    assert (await boss.get("/api/me")).status_code == 200
+    await browser.leave()
+
+
+async def test_a_database_that_is_away_ends_no_stream(
+    house: House, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    asked = asyncio.Event()
+
+    async def fail(_sessions: Sessions, _ids: Any) -> None:
+        asked.set()
+        raise OperationalError("SELECT", {}, Exception("disk I/O error"))
+
+    boss = await house.log_in("boss")
+    browser = Browser(house, **cookie(boss))
+    await browser.hears("send")
+    monkeypatch.setattr(Sessions, "some", fail)
+    monkeypatch.setattr("dray.gateway.access.watch.CHECK_S", 0.0)
+    watching = asyncio.create_task(house.parts.access.watch.run())
+    for _ in range(2):
+        asked.clear()
+        await asked.wait()
+    assert "could not be checked" in caplog.text
+    assert not watching.done()
+    watching.cancel()
+    assert browser.heard[-1]["type"] != "websocket.close"
+    await browser.leave()
