@@ -9,6 +9,7 @@ import msgspec
 
 from dray.gateway.kpis import KpiHistory, KpiPoint
 from dray.gateway.ledger import ON_TIME_S, PromiseLedger, PromiseLine
+from dray.gateway.preview import MachineOffer, MaterialNeed, OrderPreview, StorageShare
 from dray.gateway.routes.alerts import EXAMPLE as ALERT
 from dray.gateway.routes.events import EventAnswer
 from dray.gateway.routes.orders import EXAMPLE as ORDER
@@ -157,6 +158,27 @@ _STRUCTS = (
         on_time_within_s=ON_TIME_S,
         fleet=PROMISES,
         items=(msgspec.structs.replace(PROMISES, atv="ATV2"),),
+    ),
+    OrderPreview(
+        materials=(
+            MaterialNeed(
+                material="shaft",
+                needed=40,
+                loads=2,
+                wanted=80,
+                at_machines=35,
+                storages=(StorageShare("S1", 400),),
+                refills=False,
+            ),
+        ),
+        machines=(
+            MachineOffer(machine="M1", status="producing", available=True, queue_s=540.0, pieces=20),
+            MachineOffer(machine="M2", status="idle", available=True, queue_s=0.0, pieces=20),
+        ),
+        cannot=(),
+        earliest_at_s=NOW_S + 1500.0,
+        latest_at_s=NOW_S + 2400.0,
+        late="maybe",
     ),
     KpiHistory(
         since_at_s=NOW_S - 660.0,

@@ -18,7 +18,10 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from dray.gateway.bodies import Line
 from dray.gateway.orderids import new_order_id, new_token
 from dray.gateway.parts import Parts
+from dray.gateway.preview import OrderPreview, Situation, Wanted, preview
 from dray.gateway.problems import FieldError, Problem, unusable
+from dray.gateway.tracking.eta import History
+from dray.gateway.tracking.facts import SILENCE_S
 from dray.store.keys import KeptAnswer
 from dray.store.links import Link
 from dray.store.orders import Item, Order
@@ -77,19 +80,48 @@ class ItemDraft(BaseModel):
     """Pieces."""
 
 
-class OrderDraft(BaseModel):
-    """A new order. One product may stand in several lines; they are delivered as they are written."""
+class WorkDraft(BaseModel):
+    """What is to be made. One product may stand in several lines; they are delivered as they are written."""
 
     model_config = ConfigDict(extra="forbid")
 
-    customer: Line
     items: Annotated[list[ItemDraft], Field(min_length=1, max_length=MAX_ITEMS)]
     due_at: Moment | None = None
     """When all of it should be in the delivery warehouse, with a time zone; not in the past."""
+
+
+class OrderDraft(WorkDraft):
+    """A new order."""
+
+    customer: Line
     reference: Line | None = None
     """The customer's own number."""
     release: Annotated[bool, Field(strict=True)] = True
     """False: only store it; `POST /api/orders/{id}/release` starts it."""
+
+
+async def look_ahead(gateway: Parts, draft: WorkDraft) -> OrderPreview:
+    """What it would need if it were published now; nothing is kept.
+
+    Raises:
+        Problem: what it names does not exist or is past.
+    """
+    now_s = gateway.wall_s()
+    _refuse_nonsense(gateway, draft, now_s)
+    projection = gateway.projection
+    async with gateway.store.read() as work:
+        missed_by_s = await work.milestones.promises_missed_by_s()
+    situation = Situation(
+        machines={view.id: view for view in projection.machines.views()},
+        orders=projection.orders.views(),
+        history=History(missed_by_s),
+        now_s=now_s,
+        heard_since_s=now_s - max(SILENCE_S[0], SILENCE_S[1] / projection.speed),
+        speed=projection.speed,
+    )
+    due_at_s = None if draft.due_at is None else draft.due_at.timestamp()
+    wanted = [Wanted(item.product, item.quantity) for item in draft.items]
+    return preview(gateway.plant, wanted, due_at_s, situation)
 
 
 async def place(gateway: Parts, draft: OrderDraft) -> Order:
@@ -286,7 +318,7 @@ async def _written(gateway: Parts, work: Work, draft: OrderDraft) -> Order:
     return order
 
 
-def _refuse_nonsense(gateway: Parts, draft: OrderDraft, now_s: float) -> None:
+def _refuse_nonsense(gateway: Parts, draft: WorkDraft, now_s: float) -> None:
     """Refuse what has the right shape and still means nothing here.
 
     Raises:

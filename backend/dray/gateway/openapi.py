@@ -14,6 +14,7 @@ from dray.gateway.access.rules import RULES, Rule
 from dray.gateway.examples import examples
 from dray.gateway.kpis import KpiHistory
 from dray.gateway.ledger import PromiseLedger
+from dray.gateway.preview import OrderPreview
 from dray.gateway.problems import ProblemDetails
 from dray.gateway.routes.atvs import CommandAnswer
 from dray.gateway.routes.events import EventAnswer
@@ -40,6 +41,7 @@ SHAPES = (
     MachineView,
     MeAnswer,
     OrderAnswer,
+    OrderPreview,
     PlantFile,
     ProblemDetails,
     ProductAnswer,

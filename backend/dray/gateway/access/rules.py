@@ -75,6 +75,7 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("GET", "/api/kpis/history"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/orders"): Rule(Scope.ORDERS_READ),
     ("POST", "/api/orders"): Rule(Scope.ORDERS_WRITE, action="order.place"),
+    ("POST", "/api/orders/preview"): Rule(Scope.ORDERS_READ),
     ("GET", "/api/orders/{order}"): Rule(Scope.ORDERS_READ),
     ("POST", "/api/orders/{order}/release"): Rule(Scope.ORDERS_WRITE, action="order.release"),
     ("POST", "/api/orders/{order}/revoke"): Rule(Scope.ORDERS_WRITE, action="order.revoke"),
@@ -84,6 +85,9 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("DELETE", "/api/faults/{fault}"): Rule(Scope.FAULTS_WRITE, action="fault.end"),
 }
 """By method and path template, as the routers name them. A websocket begins as a GET."""
+
+QUESTIONS = frozenset({("POST", "/api/orders/preview")})
+"""Rows that change nothing for all their method: the question is too long for an address."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,8 +25,9 @@ from dray.gateway.answers import (
     write_cursor,
 )
 from dray.gateway.bodies import json_only
-from dray.gateway.intake import OrderDraft
+from dray.gateway.intake import OrderDraft, WorkDraft
 from dray.gateway.parts import Gateway, Parts
+from dray.gateway.preview import OrderPreview
 from dray.gateway.problems import not_found
 from dray.gateway.projection.orders import order_view
 from dray.gateway.spreadsheet import Format, Row, table, with_csv
@@ -79,6 +80,10 @@ COLUMNS = (
     *("product", "quantity", "made", "delivered"),
     *("created_at", "due_at", "released_at", "revoked_at", "delivered_at", "cancelled_at"),
 )
+
+WORK = {
+    "soon": {"summary": "Five pieces", "value": {"items": [{"product": "P1", "quantity": 5}]}},
+}
 
 DRAFTS = {
     "soon": {
@@ -135,6 +140,22 @@ async def place_order(
     )
     note.target = kept.order_id
     return _created(kept.order_id, kept.answer.encode(), {"Idempotency-Replayed": "true"} if replayed else {})
+
+
+@router.post(
+    "/orders/preview",
+    dependencies=[Depends(json_only)],
+    responses={200: described(OrderPreview, "What it would need")},
+    openapi_extra={"requestBody": {"content": {"application/json": {"examples": WORK}}}},
+    response_class=Json,
+)
+async def preview_order(gateway: Gateway, draft: WorkDraft) -> Json:
+    """What an order would need if it were published now; nothing is kept.
+
+    Materials against what is there and what other orders want, the machines that can make it and how busy
+    they are, and an estimate of when it would be delivered.
+    """
+    return Json(await intake.look_ahead(gateway, draft))
 
 
 @router.get(
