@@ -20,6 +20,7 @@ export default defineConfig({
         "src/theme/init.ts",
         "src/manager/main.tsx",
         "src/operator/main.tsx",
+        "src/operator/shell/worker.ts",
         "src/customer/main.ts",
         "src/login/main.ts",
       ],

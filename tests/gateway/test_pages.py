@@ -20,6 +20,15 @@ MANIFEST = {
         "css": ["assets/main-1.css"],
         "imports": ["_shared.js"],
     },
+    "src/operator/main.tsx": {
+        "file": "assets/main-2.js",
+        "css": ["assets/main-2.css"],
+        "assets": ["assets/font-1.woff2"],
+        "imports": ["_shared.js"],
+        "dynamicImports": ["src/text/operator/en.ts"],
+    },
+    "src/text/operator/en.ts": {"file": "assets/en-1.js", "imports": ["_shared.js"]},
+    "src/operator/shell/worker.ts": {"file": "assets/worker-1.js"},
     "_shared.js": {"file": "assets/shared-1.js", "css": ["assets/shared-1.css"], "imports": ["_shared.js"]},
 }
 
@@ -32,6 +41,7 @@ def built(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (folder / ".vite" / "manifest.json").write_bytes(msgspec.json.encode(MANIFEST))
     (folder / "assets").mkdir()
     (folder / "assets" / "main-1.js").write_text("export {};")
+    (folder / "assets" / "worker-1.js").write_text("self.SHELL;")
     (folder / "icon.svg").write_text("<svg/>")
     monkeypatch.setattr("dray.gateway.app.STATIC", folder)
     return folder
@@ -50,6 +60,43 @@ async def test_the_panel_names_its_own_scripts_and_styles_and_no_others(url: str
     assert styles == ["/static/assets/shared-1.css", "/static/assets/main-1.css"]
     assert all(name.startswith("/static/") for name in named)
     assert not re.search(r"<script(?![^>]*\bsrc=)|<style|\son\w+=|\bstyle=", answer.text)
+
+
+async def test_the_operators_shell_is_kept_with_all_its_files_and_nobodys_data(url: str, built: Path) -> None:
+    async with gateway(url, panels=Panels(built)) as house:
+        house.client.headers.pop("Authorization", None)
+        worker = await house.client.get("/operator/worker.js")
+        shell = await house.client.get("/operator/shell")
+    assert worker.headers["content-type"].startswith("text/javascript")
+    assert worker.headers["service-worker-allowed"] == "/operator"
+    assert worker.headers["cache-control"] == "no-cache"
+    told, source = worker.text.split(";\n")
+    kept = msgspec.json.decode(told.removeprefix("self.SHELL = "))
+    assert source == "self.SHELL;"
+    assert kept["page"] == "/operator/shell"
+    assert sorted(kept["files"]) == [
+        "/static/assets/en-1.js",
+        "/static/assets/font-1.woff2",
+        "/static/assets/init-1.js",
+        "/static/assets/main-2.css",
+        "/static/assets/main-2.js",
+        "/static/assets/shared-1.css",
+        "/static/assets/shared-1.js",
+        "/static/icon.svg",
+    ]
+    needed = re.findall(r'(?:src|href)="(/static/assets/[^"]*)"', shell.text)
+    assert needed
+    assert set(needed) <= set(kept["files"])
+
+
+async def test_another_build_is_another_service_worker(url: str, built: Path) -> None:
+    async with gateway(url, panels=Panels(built)) as house:
+        before = await house.client.get("/operator/worker.js")
+    manifest = built / ".vite" / "manifest.json"
+    manifest.write_bytes(manifest.read_bytes().replace(b"main-2.js", b"main-3.js"))
+    async with gateway(url, panels=Panels(built)) as house:
+        after = await house.client.get("/operator/worker.js")
+    assert before.text != after.text
 
 
 async def test_the_panel_is_in_the_language_that_was_chosen_anywhere(url: str, built: Path) -> None:

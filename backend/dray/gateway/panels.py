@@ -28,12 +28,16 @@ FOR_EVER = "public, max-age=31536000, immutable"
 """A year, for a file whose name changes with its content."""
 
 
-class Chunk(msgspec.Struct, frozen=True):
+class Chunk(msgspec.Struct, frozen=True, rename="camel"):
     """One entry of Vite's manifest."""
 
     file: str
     css: tuple[str, ...] = ()
+    assets: tuple[str, ...] = ()
+    """What its style sheets load: fonts."""
     imports: tuple[str, ...] = ()
+    dynamic_imports: tuple[str, ...] = ()
+    """What it may load later: languages."""
 
 
 class NotBuilt(Exception):
@@ -103,6 +107,29 @@ class Panels:
 
         gather(entry)
         return [PREFIX + name for name in found]
+
+    def files(self, *entries: str) -> list[str]:
+        """The addresses of everything that these entries may ever load, themselves included.
+
+        Raises:
+            NotBuilt: there are no panels, or not one of these entries.
+        """
+        found: dict[str, None] = {}
+        left = list(entries)
+        while left:
+            chunk = self._chunk(left.pop())
+            if chunk.file not in found:
+                found.update(dict.fromkeys((chunk.file, *chunk.css, *chunk.assets)))
+                left += (*chunk.imports, *chunk.dynamic_imports)
+        return [PREFIX + name for name in found]
+
+    def source(self, entry: str) -> str:
+        """An entry's script itself.
+
+        Raises:
+            NotBuilt: there are no panels, or not this entry.
+        """
+        return (self._static / self._chunk(entry).file).read_text(encoding="utf-8")
 
     def _chunk(self, entry: str) -> Chunk:
         try:

@@ -13,6 +13,8 @@ export class Problem extends Error {
     readonly status: number,
     title: string,
     readonly errors: readonly FieldError[] = [],
+    /** Its short name, as `unknown-order`; empty where the answer has none. */
+    readonly kind = "",
   ) {
     super(title);
     this.name = "Problem";
@@ -167,7 +169,8 @@ export function problemOf(status: number, answer: unknown): Problem {
   const body = (typeof answer === "object" && answer !== null ? answer : {}) as Record<string, unknown>;
   const title = [body.detail, body.title].find((text) => typeof text === "string" && text !== "");
   const errors = Array.isArray(body.errors) ? body.errors.filter(isFieldError) : [];
-  return new Problem(status, typeof title === "string" ? title : `HTTP ${status}`, errors);
+  const kind = typeof body.type === "string" ? (body.type.split(":").at(-1) ?? "") : "";
+  return new Problem(status, typeof title === "string" ? title : `HTTP ${status}`, errors, kind);
 }
 
 function isFieldError(value: unknown): value is FieldError {

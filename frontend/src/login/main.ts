@@ -1,7 +1,8 @@
-/** The login without a script is whole; this makes it quicker where somebody has logged in before. */
+/** The login without a script is whole; this makes it quicker where somebody has logged in before, or wears gloves. */
 import "@fontsource-variable/inter/wght.css";
 import "../styles/tokens.css";
 import "./page.css";
+import { addPinPad } from "./pin-pad";
 
 /** Who is known needs no name; somebody else does. */
 function followChoice(): void {
@@ -19,3 +20,4 @@ function followChoice(): void {
 }
 
 followChoice();
+addPinPad();

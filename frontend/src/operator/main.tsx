@@ -7,14 +7,15 @@ import "../styles/plant.css";
 import "./operator.css";
 import { effect } from "@preact/signals";
 import { render } from "preact";
-import { fetchPlant, Problem } from "../api/client";
+import { fetchPlant } from "../api/client";
 import { start } from "../stream/stream";
 import { t, tables } from "../text/operator";
 import { beginToSpeak } from "../text/speech";
 import { followTheme } from "../theme/theme";
 import { App } from "./App";
 import { problemText } from "./problem-text";
-import { endSession, learnWho } from "./session/session";
+import { beginSession } from "./session/session";
+import { installShell } from "./shell/install";
 import { keepAwake } from "./shell/wake-lock";
 import { plant, plantFailed } from "./state";
 
@@ -26,7 +27,6 @@ async function loadPlant(): Promise<void> {
     plant.value = await fetchPlant();
     plantFailed.value = null;
   } catch (error) {
-    if (error instanceof Problem && error.status === 401) endSession();
     plantFailed.value = problemText(error);
     setTimeout(() => void loadPlant(), RETRY_MS);
   }
@@ -38,8 +38,9 @@ effect(() => {
 });
 followTheme();
 keepAwake();
+installShell();
+beginSession();
 start();
-void learnWho();
 void loadPlant();
 
 const root = document.getElementById("app");

@@ -30,7 +30,7 @@ LOGIN = "/login"
 CLOSE_CODES = {HTTPStatus.UNAUTHORIZED: 4401, HTTPStatus.FORBIDDEN: 4403}
 """How a stream is refused: browsers hide the status of a handshake, and tell the code of a close."""
 
-RUN_OUT = "the session has run out of time"
+CHALLENGE = {"WWW-Authenticate": 'Bearer realm="Dray"'}
 
 TRY_LATER = 1013
 """RFC 6455's registry: the server cannot, at the moment."""
@@ -113,7 +113,7 @@ def allow(principal: Principal, found: Found) -> None:
     rule = found.rule
     if rule.scope is None:
         if principal.over:
-            raise unknown(RUN_OUT)
+            raise run_out()
     elif not principal.may(rule.scope):
         raise missing(principal, rule.scope)
     if principal.areas is not None and not rule.by_area:
@@ -123,7 +123,7 @@ def allow(principal: Principal, found: Found) -> None:
 def missing(principal: Principal, scope: Right) -> Problem:
     """The caller lacks a scope: 403, or 401 when it has it again after a login."""
     if principal.over:
-        return unknown(RUN_OUT)
+        return run_out()
     return forbidden(f"{principal.name} lacks the scope {scope.value}")
 
 
@@ -134,7 +134,18 @@ def unknown(detail: str) -> Problem:
         "not-logged-in",
         "Who are you?",
         f"{detail}; log in at /login, or send Authorization: Bearer TOKEN",
-        headers={"WWW-Authenticate": 'Bearer realm="Dray"'},
+        headers=CHALLENGE,
+    )
+
+
+def run_out() -> Problem:
+    """The session has ended by time. A panel tells this from other ends: it goes on to offer a stop."""
+    return Problem(
+        HTTPStatus.UNAUTHORIZED,
+        "session-run-out",
+        "Your session has run out of time",
+        "a stop still passes; for everything else log in at /login",
+        headers=CHALLENGE,
     )
 
 

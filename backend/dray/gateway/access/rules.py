@@ -54,6 +54,8 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("POST", "/logout"): Rule(public=True, action="logout"),
     ("GET", "/"): KNOWN,
     ("GET", "/operator"): KNOWN,
+    ("GET", "/operator/shell"): PUBLIC,
+    ("GET", "/operator/worker.js"): PUBLIC,
     ("GET", "/api/me"): KNOWN,
     ("GET", "/api/audit"): Rule(Scope.AUDIT_READ),
     ("GET", "/api/stream"): Rule(Scope.FACTORY_READ),

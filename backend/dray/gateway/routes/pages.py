@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from hashlib import sha256
 from http import HTTPStatus
 
+import msgspec
 from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, PlainTextResponse, RedirectResponse, Response
 
@@ -36,6 +38,28 @@ async def manager(gateway: Gateway, request: Request, caller: Caller) -> Respons
 async def operator(gateway: Gateway, request: Request) -> Response:
     """The operator panel. The page is the same for everybody: what it shows comes by the stream."""
     return _panel(gateway, request, "operator.html")
+
+
+@router.get("/operator/shell")
+async def shell(gateway: Gateway, request: Request) -> Response:
+    """The same page for the service worker, to be shown where there is no network. It holds nobody's data."""
+    return _panel(gateway, request, "operator.html")
+
+
+@router.get("/operator/worker.js")
+async def worker(gateway: Gateway) -> Response:
+    """The service worker, with the files to keep: another build is another text, which browsers notice."""
+    panels = gateway.panels
+    try:
+        files = [*panels.files("src/theme/init.ts", "src/operator/main.tsx"), "/static/icon.svg"]
+        source = panels.source("src/operator/shell/worker.ts")
+    except NotBuilt:
+        return PlainTextResponse(NOT_BUILT, HTTPStatus.SERVICE_UNAVAILABLE)
+    version = sha256("\n".join(files).encode()).hexdigest()[:16]
+    told = msgspec.json.encode({"version": version, "page": "/operator/shell", "files": files}).decode()
+    # By itself it could look after what lies below its folder, and the panel's own address is no such place.
+    headers = {"Cache-Control": "no-cache", "Service-Worker-Allowed": "/operator"}
+    return Response(f"self.SHELL = {told};\n{source}", media_type="text/javascript", headers=headers)
 
 
 def _panel(gateway: Parts, request: Request, template: str) -> Response:

@@ -4,7 +4,7 @@ import { commandAtv, type CommandRequest, newKey, Problem } from "../../api/clie
 import { serverNowS } from "../../stream/stream";
 import { t } from "../../text/operator";
 import { problemText } from "../problem-text";
-import { endSession, me } from "../session/session";
+import { me } from "../session/session";
 import { type Command, hear, type Word } from "./life";
 
 /** A card shows the last one of its vehicle: more than vehicles in an area are of no use. */
@@ -35,7 +35,6 @@ export async function give(atv: string, request: CommandRequest): Promise<void> 
     const answer = await commandAtv(atv, request);
     tell(id, answer.done ? "done" : "declined", answer.reason);
   } catch (error) {
-    if (error instanceof Problem && error.status === 401) endSession();
     tell(id, ...wordOf(error));
   }
 }

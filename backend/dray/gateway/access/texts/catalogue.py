@@ -21,6 +21,7 @@ class Catalogue(msgspec.Struct, frozen=True, kw_only=True):
     password: str
     pin: str
     pin_hint: str
+    pin_delete: str
     badge: str
     badge_hint: str
     submit: str

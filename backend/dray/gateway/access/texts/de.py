@@ -17,6 +17,7 @@ DE = Catalogue(
     password="Passwort",  # noqa: S106 - a label
     pin="PIN",
     pin_hint="sechs Ziffern oder mehr",
+    pin_delete="Letzte Ziffer löschen",
     badge="Ausweis",
     badge_hint="Ausweis an den Leser halten",
     submit="Anmelden",

@@ -17,6 +17,7 @@ EN = Catalogue(
     password="Password",  # noqa: S106 - a label
     pin="PIN",
     pin_hint="six digits or more",
+    pin_delete="Delete the last digit",
     badge="Badge",
     badge_hint="Hold your badge to the reader",
     submit="Log in",

@@ -17,6 +17,7 @@ ES = Catalogue(
     password="Contraseña",  # noqa: S106 - a label
     pin="PIN",
     pin_hint="seis cifras o más",
+    pin_delete="Borrar la última cifra",
     badge="Tarjeta",
     badge_hint="Acerque la tarjeta al lector",
     submit="Entrar",
