@@ -1,8 +1,9 @@
 """Bytes <-> messages: the only validator of what comes from the wire.
 
 A message travels as UTF-8 JSON in an envelope: ``{"v": 1, "from": "ATV-07", "m": {"type": "Bid", ...}}``.
-`v` is the wire version, `from` the sender. Fields that we do not know are ignored, so a newer software
-may add some; a *newer version* is refused, for we could misunderstand it.
+`v` is the wire version, `from` the sender; what belongs to a trace carries its context as `t`. Fields that we
+do not know are ignored, so a newer software may add some; a *newer version* is refused, for we could
+misunderstand it.
 
 What the values may be is written on the fields in `dray.messages` and checked here; whether an utterance
 makes sense now is for the protocol.
@@ -10,7 +11,10 @@ makes sense now is for the protocol.
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import msgspec
+from msgspec import Meta
 
 from dray.errors import NewerVersion, WireError
 from dray.messages import WIRE_VERSION, AnyMessage, Message
@@ -21,12 +25,18 @@ MAX_BYTES = 64 * 1024
 has some 15 kB; what is longer would only fill our memory."""
 
 
+Context = Annotated[str, Meta(max_length=256, description="A trace, as W3C traceparent; empty for none.")]
+"""Longer than today's 55 characters: a later version of that standard may append something."""
+
+
 class Envelope(msgspec.Struct, frozen=True, gc=False):
     """What goes over the wire."""
 
     v: int
     sender: Id = msgspec.field(name="from")
     m: AnyMessage
+    t: Context = ""
+    """The trace to which it belongs. Whoever knows nothing of traces leaves it out."""
 
 
 class _Version(msgspec.Struct, gc=False):
@@ -43,24 +53,32 @@ _version_decoder = msgspec.json.Decoder(_Version)
 _FAULTS = (msgspec.MsgspecError, ValueError, RecursionError)
 
 
-def encode(sender: str, message: Message) -> bytes:
+def encode(sender: str, message: Message, context: str = "") -> bytes:
     """Write one message; the same message always gives the same bytes.
 
     Args:
         sender: the id of the agent that says it.
         message: one of `AnyMessage`.
+        context: the trace to which it belongs, if any.
 
     Returns:
         UTF-8 JSON. It may be longer than `MAX_BYTES`; then no peer reads it.
     """
-    return _encoder.encode({"v": WIRE_VERSION, "from": sender, "m": message})
+    envelope = {"v": WIRE_VERSION, "from": sender, "m": message}
+    return _encoder.encode(envelope | {"t": context} if context else envelope)
 
 
 def decode(data: bytes) -> tuple[str, Message]:
+    """Read one message; as `decode_with_context`, without the last."""
+    sender, message, _ = decode_with_context(data)
+    return sender, message
+
+
+def decode_with_context(data: bytes) -> tuple[str, Message, str]:
     """Read one message.
 
     Returns:
-        The sender's id and the message.
+        The sender's id, the message, and the trace to which it belongs; empty for none.
 
     Raises:
         NewerVersion: it is of a wire version that we do not know yet.
@@ -77,7 +95,7 @@ def decode(data: bytes) -> tuple[str, Message]:
     if envelope.v != WIRE_VERSION:
         _refuse_newer(data)
         raise WireError(f"wire version {envelope.v} was never spoken", data)
-    return envelope.sender, envelope.m
+    return envelope.sender, envelope.m, envelope.t
 
 
 def _refuse_newer(data: bytes) -> None:

@@ -43,7 +43,14 @@ class Session(Protocol):
     as long as the network has no fault; the protocol must not rely on it.
     Blocking: no method blocks. What cannot be sent is dropped and counted, never queued without bound.
     An agent hears its own publications when it subscribes to them.
+
+    Attributes:
+        context: the trace to which it belongs what is being said or heard (W3C traceparent); empty for none.
+            Set before something is said, to be read while something is received. Some ways, such as the
+            radio, have no room for it; it means nothing to the protocol.
     """
+
+    context: str
 
     def publish(self, key: str, message: Message) -> None:
         """Say it to all whose subscriptions match `key`. `key` holds no wildcard."""

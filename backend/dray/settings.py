@@ -54,6 +54,15 @@ class Settings(BaseSettings):
     log_level: Literal["debug", "info", "warning", "error"] = "info"
     """What a person who starts it by hand wants to read."""
 
+    log_format: Literal["text", "json"] = "text"
+    """`json`: one object in a line, with agents' facts by task and epoch; for programs, not for people."""
+
+    trace_url: Annotated[str, Field(pattern=r"^(https?://\S+)?$")] = ""
+    """Where traces go (OTLP over HTTP), as http://127.0.0.1:4318/v1/traces; empty: nobody traces anything."""
+
+    trace_share_frac: Annotated[float, Field(ge=0, le=1)] = 1.0
+    """This part of all tasks is traced, and each of them wholly; a plant of hundreds of vehicles wants less."""
+
     admin_token: SecretStr | None = None
     """The administrator's bearer token, which may do everything; `dray up` makes one when it is absent."""
 

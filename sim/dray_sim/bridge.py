@@ -39,6 +39,8 @@ class BridgedSession:
     def __init__(self, bridge: BridgedBus, agent: str, receive: Receive) -> None:
         self._in, self._out = bridge.inbound, bridge.outbound
         self._receive = receive
+        self.context = ""
+        """Crosses in neither direction: nobody out here is traced."""
         self._left = False
         self._inner: Session
         """Set by the first call that crosses, and used on the simulation's thread only."""

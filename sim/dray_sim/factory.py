@@ -89,7 +89,7 @@ class SimFactory:
         latency: of the network.
         codec: pass every message through the wire format.
         ear: hears everything that is said.
-        meet: where the agents meet, when that is not the simulated network.
+        meet: makes where the agents meet out of the simulated network.
         trusts: whose grants vehicles believe; by default those of `authority`.
 
     Attributes:
@@ -115,7 +115,7 @@ class SimFactory:
         latency: Latency = WLAN,
         codec: bool = False,
         ear: Ear | None = None,
-        meet: Bus | None = None,
+        meet: Callable[[Bus], Bus] = lambda network: network,
         trusts: Trusts | None = None,
     ) -> None:
         self.plant = plant
@@ -133,7 +133,7 @@ class SimFactory:
             chance=Random(f"{seed} network faults"),
             coverage=Coverage.of_plant(plant),
         )
-        self._meet: Bus = self.bus if meet is None else meet
+        self._meet = meet(self.bus)
         self.floor = floor = Floor(plant, clock, seed=seed, stock_frac=stock_frac)
         self.source, self.gate, self.delivery = floor.source, floor.gate, floor.delivery
         self.storages, self.workcells, self.vehicles = floor.storages, floor.workcells, floor.vehicles

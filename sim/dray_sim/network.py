@@ -72,13 +72,14 @@ NO_GATEWAY = "no way by radio"
 class SimSession:
     """One agent's place on the network (see `dray.ports.Session`)."""
 
-    __slots__ = ("_arrivals", "_network", "agent", "deliver", "joined", "number", "receive")
+    __slots__ = ("_network", "agent", "context", "deliver", "joined", "number", "receive")
 
     def __init__(self, network: SimNetwork, number: int, agent: str, receive: Receive) -> None:
         self._network = network
         self.number = number
         self.agent = agent
         self.receive = receive
+        self.context = ""
         self.joined = True
         self.deliver = self._deliver
         """Bound once: it goes into the clock's heap with every delivery."""
@@ -104,6 +105,12 @@ class SimSession:
         """Leave the network."""
         if self.joined:
             self._network.leave(self)
+
+    def deliver_with(self, context: str, sender: str, message: Message) -> None:
+        """Hear something that belongs to a trace."""
+        self.context = context
+        self.deliver(sender, message)
+        self.context = ""
 
     def _deliver(self, sender: str, message: Message) -> None:
         if self.joined:
@@ -297,7 +304,10 @@ class SimNetwork:
         if when_s < last_s:  # noqa: PLR1730 (a call of max costs more than all of this)
             when_s = last_s
         self._last_arrival_s[pair] = when_s
-        self._clock.call_at(when_s, receiver.deliver, sender.agent, message)
+        if sender.context:
+            self._clock.call_at(when_s, receiver.deliver_with, sender.context, sender.agent, message)
+        else:
+            self._clock.call_at(when_s, receiver.deliver, sender.agent, message)
 
     # --- the way of a message while something is wrong -------------------------------------------
 
@@ -313,7 +323,7 @@ class SimNetwork:
                 self._lose_unsaid(sender.agent)
             return
         for receiver in receivers:
-            self._carry_ill(sender.agent, sender.agent, receiver, message)
+            self._carry_ill(sender.agent, sender.agent, receiver, message, sender.context)
 
     def _send_ill(self, sender: SimSession, receiver: SimSession, message: Message) -> None:
         if receiver is sender:
@@ -321,14 +331,18 @@ class SimNetwork:
         elif not self._modems.talks_wlan(sender.agent):
             self._rise(Frame(sender.agent, message, to=receiver.agent))
         elif self._modems.has_wlan(receiver.agent):
-            self._carry_ill(sender.agent, sender.agent, receiver, message)
+            self._carry_ill(sender.agent, sender.agent, receiver, message, sender.context)
         else:
             self._hand_down(sender.agent, Frame(sender.agent, message, to=receiver.agent))
 
-    def _carry_ill(self, over: str, sender: str, receiver: SimSession, message: Message) -> None:
+    def _carry_ill(
+        self, over: str, sender: str, receiver: SimSession, message: Message, context: str = ""
+    ) -> None:
         """Decide the fate of one delivery on the WLAN, from `over`, who says it for `sender`."""
         if receiver.agent != over and not self._modems.has_wlan(receiver.agent):
             self.lost[NO_WLAN] += 1
+        elif context:
+            self._pass_link(over, receiver.agent, receiver.deliver_with, context, sender, message)
         else:
             self._pass_link(over, receiver.agent, receiver.deliver, sender, message)
 

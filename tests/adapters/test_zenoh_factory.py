@@ -120,7 +120,7 @@ def on_zenoh(story: Story) -> object:
         ears, row = Ears(), Row(SESSIONS, PLANT.id)
         bus = Spread(row, ears)
         try:
-            told = await tell(story, SimFactory(PLANT, clock(), seed=1, meet=bus), bus, ears)
+            told = await tell(story, SimFactory(PLANT, clock(), seed=1, meet=lambda _: bus), bus, ears)
             assert all(not zenoh.refused and not zenoh.missed for zenoh in row.buses)
             return told
         finally:

@@ -31,7 +31,7 @@ from zenoh.handlers import Callback
 from dray.adapters.crossing import Crossing
 from dray.adapters.seals import Seals
 from dray.adapters.zenoh_stamp import Stamp, Tally, read_stamp, write_stamp
-from dray.codec import decode, encode
+from dray.codec import decode_with_context, encode
 from dray.errors import NewerVersion, ProtocolViolation, SealError, SettingsError, WireError
 from dray.messages.keys import Keys
 from dray.messages.speakers import SPEAKERS
@@ -61,6 +61,7 @@ class ZenohSession:
 
     def __init__(self, bus: ZenohBus, agent: str, receive: Receive) -> None:
         self.agent = agent
+        self.context = ""
         self._bus = bus
         self._receive = receive
         self._left = False
@@ -126,14 +127,16 @@ class ZenohSession:
             self._bus.unsaid += 1
             return
         self._said[key] += 1
-        number, data, seals = self._said[key], encode(self.agent, message), self._bus.seals
+        number, data, seals = self._said[key], encode(self.agent, message, self.context), self._bus.seals
         seal = b"" if seals is None else seals.seal(key, self._life, number, data)
         self._bus.inner.put(key, data, attachment=write_stamp(Stamp(self._life, number, seal)))
 
-    def _arrive(self, sender: str, message: Message) -> None:
+    def _arrive(self, sender: str, message: Message, context: str) -> None:
         if not self._left:
             self._bus.delivered += 1
+            self.context = context
             self._receive(sender, message)
+            self.context = ""
 
     def _give_way(self) -> None:
         if not self._left:
@@ -165,7 +168,7 @@ class ZenohSession:
             attachment = sample.attachment
             stamp = read_stamp(b"" if attachment is None else attachment.to_bytes())
             data = sample.payload.to_bytes()
-            sender, message = decode(data)
+            sender, message, context = decode_with_context(data)
             speaks = bus.may_say(sender, message, key, stamp, data)
         except NewerVersion:
             bus.refuse(NEWER)
@@ -179,7 +182,7 @@ class ZenohSession:
                 return
             with bus.lock:
                 bus.missed += self._heard.skipped(sender, key, stamp)
-            bus.arrivals.say(message, self._arrive, sender, message)
+            bus.arrivals.say(message, self._arrive, sender, message, context)
 
     def _see_other(self, sample: zenoh.Sample) -> None:
         """Another life of this agent is there, or was: the latest of them is the agent."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import logging
 import socket
 import time
 from collections.abc import Callable, Coroutine, Mapping
@@ -16,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import typer
 from fastapi import FastAPI
+from opentelemetry.sdk.trace import TracerProvider
 from pydantic import SecretStr
 from sqlalchemy import make_url
 
@@ -23,9 +23,11 @@ from dray import __version__
 from dray.adapters.signing import SigningKey, TrustedKeys
 from dray.cli.authority import authority_of
 from dray.cli.customers import place_demand
+from dray.cli.logs import prepare_logs, quieten
 from dray.cli.meters import FactoryMeter
 from dray.cli.newcomers import welcome
 from dray.cli.serving import Server, address_of, listen, stopped_by_signals
+from dray.cli.traces import traced, watched
 from dray.cli.trials import SimFaultDesk
 from dray.gateway.access.tokens import new_token
 from dray.gateway.app import create_app
@@ -112,13 +114,16 @@ async def run_service(service: Service) -> None:
     """
     service, token = _with_admin_token(service)
     settings = service.settings
-    _prepare_logs(settings)
-    with contextlib.closing(listen(settings.host, settings.port)) as listener:
+    prepare_logs(settings)
+    with contextlib.ExitStack() as stack:
+        listener = stack.enter_context(contextlib.closing(listen(settings.host, settings.port)))
         store = await open_store(settings.database_url)
         try:
             incarnation = await store.next_incarnation(service.plant.id)
             authority = await authority_of(store)
-            factory = SimThread(_life(service, incarnation, authority.public), paced(service.speed))
+            tracing = stack.enter_context(traced(settings))
+            life = _life(service, incarnation, authority.public, tracing)
+            factory = SimThread(life, paced(service.speed))
             try:
                 inside = await asyncio.to_thread(factory.start, BUILDING_S)
                 app = _app(service, store, authority, factory, inside, incarnation)
@@ -142,26 +147,18 @@ def _with_admin_token(service: Service) -> tuple[Service, str]:
     return replace(service, settings=settings), token
 
 
-def _prepare_logs(settings: Settings) -> None:
-    """Log to stderr."""
-    logging.basicConfig(level=settings.log_level.upper(), format="%(levelname)s %(name)s: %(message)s")
-    _quieten(settings)
-
-
-def _quieten(settings: Settings) -> None:
-    """Others' news of how they start is no news to a person who starts Dray."""
-    if settings.log_level == "info":
-        for name in ("alembic", "uvicorn.error"):
-            logging.getLogger(name).setLevel(logging.WARNING)
-
-
 def _life(
-    service: Service, incarnation: int, trusted: bytes
+    service: Service, incarnation: int, trusted: bytes, tracing: TracerProvider | None
 ) -> Callable[[Callable[[Inside], None]], Coroutine[None, None, None]]:
     """What the factory's thread runs."""
 
     async def live(ready: Callable[[Inside], None]) -> None:
         now = clock()
+
+        def to_wall_s(plant_s: float) -> float:
+            """The clocks are compared when the factory has been built; nobody speaks before."""
+            return scale.to_wall_s(plant_s)
+
         factory = SimFactory(
             service.plant,
             now,
@@ -169,6 +166,7 @@ def _life(
             incarnation=incarnation,
             stock_frac=FIRST_STOCK_FRAC,
             trusts=TrustedKeys(trusted),
+            meet=watched(service.settings, tracing, to_wall_s),
         )
         scale = TimeScale(now.now_s(), time.time(), service.speed)
         ready(Inside(factory, Faults(factory), scale))
@@ -217,7 +215,7 @@ async def _serve(
     """Answer until a signal, or until the factory ends, which it only does by a fault."""
     ready = asyncio.Event()
     server = Server(app, service.settings, ready.set)
-    _quieten(service.settings)  # uvicorn has just set its own level
+    quieten(service.settings)  # uvicorn has just set its own level
     with stopped_by_signals(server.stop):
         async with asyncio.TaskGroup() as group:
             watch = group.create_task(_stop_with(factory, server))

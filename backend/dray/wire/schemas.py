@@ -6,6 +6,7 @@ from typing import Any, get_args
 
 import msgspec
 
+from dray.codec import Context
 from dray.messages import WIRE_VERSION, AnyMessage, Message
 from dray.messages.base import Id
 
@@ -28,13 +29,14 @@ def parts(reference: str) -> dict[str, Schema]:
 
 def envelope(message: Schema) -> Schema:
     """The schema of a whole message on the wire: its envelope, and what is in it."""
-    (sender,), _ = msgspec.json.schema_components([Id])
+    (sender, context), _ = msgspec.json.schema_components([Id, Context])
     return {
         "type": "object",
         "properties": {
             "v": {"const": WIRE_VERSION, "description": "The wire version."},
             "from": {**sender, "description": "The id of the agent that says it."},
             "m": message,
+            "t": context,
         },
         "required": ["v", "from", "m"],
     }

@@ -56,6 +56,8 @@ class House:
 class _Nobody:
     """A bus on which nobody speaks: the crowd is put into the projection itself."""
 
+    context = ""
+
     def join(self, agent: str, receive: Receive) -> Session:
         return self
 

@@ -1,0 +1,105 @@
+"""Tracing: a bus on which every agent's doings become spans, and whose messages carry their context.
+
+It stands between an agent's worker and the bus. Where nobody traces it is not there, and costs nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from opentelemetry.exporter.otlp.proto.http.trace_exporter import OTLPSpanExporter
+from opentelemetry.sdk.resources import SERVICE_NAME, SERVICE_VERSION, Resource
+from opentelemetry.sdk.trace import SpanProcessor, TracerProvider
+from opentelemetry.sdk.trace.export import BatchSpanProcessor
+from opentelemetry.sdk.trace.sampling import ParentBased, TraceIdRatioBased
+
+from dray import __version__
+from dray.adapters.passing import PassingSession
+from dray.adapters.spans import Spans
+from dray.messages import Event, Message
+from dray.ports import Bus, Receive, Session
+
+SERVICE = "dray"
+
+
+class TracedSession(PassingSession):
+    """One agent's place on a traced bus (see `dray.ports.Session`).
+
+    Args:
+        inner: the place on the bus itself.
+        spans: the agent's.
+    """
+
+    def __init__(self, inner: Session, spans: Spans) -> None:
+        super().__init__(inner)
+        self._spans = spans
+
+    def publish(self, key: str, message: Message) -> None:
+        """Say it to all that listen on `key`."""
+        if isinstance(message, Event):
+            self._spans.tell(message)
+        self.inner.context = self._spans.context_of(message)
+        self.inner.publish(key, message)
+        self.inner.context = ""
+
+    def send(self, to: str, message: Message) -> None:
+        """Say it to one agent alone."""
+        self.inner.context = self._spans.context_of(message)
+        self.inner.send(to, message)
+        self.inner.context = ""
+
+    def leave(self) -> None:
+        """Leave the bus; what the agent was doing ends here."""
+        self.inner.leave()
+        self._spans.close()
+
+
+class TracedBus:
+    """A bus whose agents are traced (see `dray.ports.Bus`).
+
+    Args:
+        bus: the bus itself.
+        provider: where spans go.
+        to_wall_s: plant clock to wall clock.
+    """
+
+    def __init__(self, bus: Bus, provider: TracerProvider, to_wall_s: Callable[[float], float]) -> None:
+        self._bus, self._to_wall_s = bus, to_wall_s
+        self._tracer = provider.get_tracer(SERVICE, __version__)
+
+    def join(self, agent: str, receive: Receive) -> Session:
+        """See `dray.ports.Bus.join`."""
+        spans = Spans(agent, self._tracer, self._to_wall_s)
+
+        def hear(sender: str, message: Message) -> None:
+            if inner.context:
+                spans.hear(message, inner.context)
+            receive(sender, message)
+
+        inner = self._bus.join(agent, hear)
+        return TracedSession(inner, spans)
+
+
+def open_provider(share_frac: float, processor: SpanProcessor) -> TracerProvider:
+    """Where spans go; to be shut down at the end.
+
+    Args:
+        share_frac: this part of all tasks is traced, and each of them wholly.
+        processor: takes the spans that have ended.
+    """
+    provider = TracerProvider(
+        sampler=ParentBased(TraceIdRatioBased(share_frac)),
+        resource=Resource.create({SERVICE_NAME: SERVICE, SERVICE_VERSION: __version__}),
+        shutdown_on_exit=False,
+    )
+    provider.add_span_processor(processor)
+    return provider
+
+
+def otlp(url: str) -> SpanProcessor:
+    """Sends spans to a collector, in batches, on a thread of its own; drops them when the queue is full.
+
+    Args:
+        url: the collector's, as http://127.0.0.1:4318/v1/traces.
+    """
+    return BatchSpanProcessor(OTLPSpanExporter(endpoint=url))

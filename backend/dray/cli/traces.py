@@ -1,0 +1,52 @@
+"""Traces and the log of facts, for the agents of a process: only what the settings ask for stands in their way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from dray.adapters.fact_log import LoggedBus
+from dray.ports import Bus
+from dray.settings import Settings
+
+if TYPE_CHECKING:
+    from opentelemetry.sdk.trace import TracerProvider
+
+
+@contextmanager
+def traced(settings: Settings) -> Iterator[TracerProvider | None]:
+    """Where spans go while the process runs; None where nobody traces. Sends what is left at the end."""
+    if not settings.trace_url:
+        yield None
+        return
+    from dray.adapters.tracing import open_provider, otlp
+
+    provider = open_provider(settings.trace_share_frac, otlp(settings.trace_url))
+    try:
+        yield provider
+    finally:
+        provider.shutdown()
+
+
+def watched(
+    settings: Settings, provider: TracerProvider | None, to_wall_s: Callable[[float], float]
+) -> Callable[[Bus], Bus]:
+    """Makes where agents meet out of a bus.
+
+    Args:
+        settings: how is logged.
+        provider: where spans go, if anywhere.
+        to_wall_s: plant clock to wall clock.
+    """
+
+    def meet(bus: Bus) -> Bus:
+        if settings.log_format == "json":
+            bus = LoggedBus(bus)
+        if provider is not None:
+            from dray.adapters.tracing import TracedBus
+
+            bus = TracedBus(bus, provider, to_wall_s)
+        return bus
+
+    return meet
