@@ -7,7 +7,7 @@ from typing import Any
 
 import httpx
 import pytest
-from gateway_kit import AUTHORITY, House, atv_heartbeat, gateway, problem
+from gateway_kit import AUTHORITY, NOW_S, House, atv_heartbeat, gateway, problem
 
 from dray.adapters.signing import TrustedKeys
 from dray.gateway.commands import CLOCKS_S, STOP_VALID_S
@@ -97,10 +97,64 @@ async def test_a_command_that_is_not_answered_is_not_confirmed_and_not_sent_agai
         assert "ATV1 has not answered within 0.01 s" in told["detail"]
         assert "look at it" in told["detail"]
         (command,) = house.bus.sent_to("ATV1", VehicleCommand)
-        # The answer comes too late: nobody waits for it, and it is counted.
+        assert states(house) == ["not_confirmed"]
+        # The answer comes too late for who has asked; panels still show it.
         house.bus.tell("ATV1", "gateway", CommandAnswered(command=command.command, done=True))
-        assert house.parts.peer.ignored == 1
+        assert states(house) == ["confirmed"]
         assert len(house.bus.sent_to("ATV1", VehicleCommand)) == 1
+
+
+def states(house: House) -> list[str]:
+    """What panels show of the commands."""
+    return [command.state for command in house.parts.projection.commands.views()]
+
+
+async def test_panels_see_a_command_as_soon_as_it_is_sent_and_then_what_became_of_it(house: House) -> None:
+    house.bus.say(atv_heartbeat())
+    body = {"kind": "set_speed", "speed_frac": 0.5, "command": "4711"}
+    asked = asyncio.create_task(ask(house, body))
+    await house.bus.next_to("ATV1", VehicleCommand)
+    (shown,) = house.parts.projection.commands.views()
+    assert (shown.id, shown.atv, shown.kind, shown.speed_frac) == ("4711", "ATV1", "set_speed", 0.5)
+    assert (shown.by, shown.at_s, shown.state, shown.reason) == ("Administrator", NOW_S, "sent", "")
+    house.bus.tell("ATV1", "gateway", CommandAnswered("4711", done=False, reason="no"))
+    assert (await asked).json() == {"command": "4711", "done": False, "reason": "no"}
+    (shown,) = house.parts.projection.commands.views()
+    assert (shown.state, shown.reason) == ("refused", "no")
+
+
+async def test_a_command_that_is_sent_again_by_its_name_is_given_once(house: House) -> None:
+    heard = vehicle(house)
+    answers = [(await ask(house, STOP | {"command": "c-1"})).json() for _ in range(2)]
+    assert answers[0] == answers[1]
+    assert len(heard) == 1
+    assert states(house) == ["confirmed"]
+
+
+@pytest.mark.parametrize(
+    ("body", "atv"), [({"kind": "resume", "command": "c-1"}, "ATV1"), (STOP | {"command": "c-1"}, "ATV2")]
+)
+async def test_a_name_stands_for_one_command(house: House, body: dict[str, Any], atv: str) -> None:
+    heard = vehicle(house)
+    assert (await ask(house, STOP | {"command": "c-1"})).status_code == 200
+    told = problem(await ask(house, body, atv), 409, "command-name-used")
+    assert "choose a name that is used once" in told["detail"]
+    assert len(heard) == 1
+
+
+@pytest.mark.parametrize("name", ["", "a/b", "a b", "a" * 65])
+async def test_a_name_that_could_not_be_said_is_refused(house: House, name: str) -> None:
+    problem(await ask(house, STOP | {"command": name}), 422, "unusable-fields")
+    assert house.bus.sent == []
+
+
+async def test_panels_show_the_last_commands_only(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dray.gateway.projection.given.GIVEN_KEPT", 2)
+    vehicle(house)
+    for name in ("c-1", "c-2", "c-3"):
+        await ask(house, STOP | {"command": name})
+    assert [command.id for command in house.parts.projection.commands.views()] == ["c-2", "c-3"]
+    assert house.parts.projection.delta(1, NOW_S, None).gone == ("command:c-1",)
 
 
 async def test_only_the_vehicle_itself_can_answer_and_only_once(house: House) -> None:

@@ -8,6 +8,7 @@ import pytest
 from gateway_kit import PRODUCT, House, atv_heartbeat, draft, events, gateway, machine_heartbeat
 from prometheus_client.parser import text_string_to_metric_families
 
+from dray.gateway.access.principal import ADMIN
 from dray.messages import AtvStatus, Link, Role, Transport, TransportCost
 from dray.messages.contract import Refusal
 from dray.messages.fact import (
@@ -146,7 +147,7 @@ async def test_what_the_historian_has_written_is_counted(house: House) -> None:
 
 async def test_panels_are_counted_with_their_frames(house: House) -> None:
     hub = house.parts.hub
-    client = hub.join()
+    client = hub.join(ADMIN)
     assert client is not None
     await client.next_frame()
     house.bus.say(atv_heartbeat())

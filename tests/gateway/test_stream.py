@@ -8,14 +8,18 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
+import msgspec
 import pytest
 from gateway_kit import BEARER, NOW_S, PLANT, House, Wall, atv_heartbeat, draft, gateway, machine_heartbeat
 
+from dray.gateway.access.principal import ADMIN
 from dray.gateway.projection import Projection
 from dray.gateway.routes.stream import INCOMING_MESSAGES, POLICY, TRY_LATER
 from dray.gateway.stream import FACTORY_S, QUIET_S, Client, Hub
 from dray.gateway.timescale import TimeScale
+from dray.gateway.views import AudienceView, Delta, Snapshot
 from dray.messages import AtvStatus
+from dray.plant import Plant
 from dray_sim.loop import run
 
 pytestmark = pytest.mark.anyio
@@ -33,11 +37,13 @@ class Stage:
     def __init__(self, clients: int = 10) -> None:
         self.wall = Wall()
         self.projection = Projection(PLANT, TimeScale(0.0, NOW_S))
-        self.hub = Hub(self.projection, wall_s=self.wall, rate_hz=10.0, queue_frames=QUEUE, clients=clients)
+        self.hub = Hub(
+            self.projection, Plant(PLANT), wall_s=self.wall, rate_hz=10.0, queue_frames=QUEUE, clients=clients
+        )
         self.seq = 0
 
     def join(self) -> Client:
-        client = self.hub.join()
+        client = self.hub.join(ADMIN)
         assert client is not None
         return client
 
@@ -127,22 +133,22 @@ async def test_a_client_waits_for_the_next_frame(stage: Stage) -> None:
     assert (await waiting)["type"] == "delta"
 
 
-async def test_a_frame_is_encoded_once_for_all_clients(stage: Stage) -> None:
-    encodings: list[object] = []
-    real = stage.hub._encoder
+async def test_a_frame_is_encoded_once_for_all_clients(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
+    encoded: list[type] = []
+    real = msgspec.json.Encoder()
 
     class Counting:
         def encode(self, value: object) -> bytes:
-            encodings.append(value)
+            encoded.append(type(value))
             return real.encode(value)
 
-    stage.hub._encoder = Counting()  # type: ignore[assignment]
+    monkeypatch.setattr("dray.gateway.stream._encoder", Counting())
     clients = [stage.join() for _ in range(10)]
     snapshots = [await client.next_frame() for client in clients]
     stage.beat()
     deltas = [await client.next_frame() for client in clients]
-    assert len(encodings) == 2
-    assert all(frame is snapshots[0] for frame in snapshots)
+    assert encoded == [AudienceView] * 10 + [Snapshot, Delta]
+    assert len(set(snapshots)) == 1
     assert all(frame is deltas[0] for frame in deltas)
 
 
@@ -275,17 +281,17 @@ async def test_a_client_after_a_time_without_clients_sees_what_happened_meanwhil
 async def test_there_is_room_for_so_many_clients_and_no_more() -> None:
     stage = Stage(clients=2)
     first, _ = stage.join(), stage.join()
-    assert stage.hub.join() is None
+    assert stage.hub.join(ADMIN) is None
     stage.hub.leave(first)
-    assert stage.hub.join() is not None
+    assert stage.hub.join(ADMIN) is not None
 
 
 def test_frames_are_made_at_the_rate_that_was_asked_for_however_much_happens() -> None:
     async def main() -> int:
         loop = asyncio.get_running_loop()
         projection = Projection(PLANT, TimeScale(0.0, 0.0))
-        hub = Hub(projection, wall_s=loop.time, rate_hz=10.0, queue_frames=1000, clients=1)
-        client = hub.join()
+        hub = Hub(projection, Plant(PLANT), wall_s=loop.time, rate_hz=10.0, queue_frames=1000, clients=1)
+        client = hub.join(ADMIN)
         assert client is not None
         await client.next_frame()
         making = asyncio.create_task(hub.run())
@@ -421,15 +427,15 @@ async def test_a_browser_that_talks_and_talks_is_shown_out(still: House) -> None
     await socket.served
     told = [socket.from_app.get_nowait() for _ in range(socket.from_app.qsize())]
     assert (told[-1]["type"], told[-1]["code"]) == ("websocket.close", POLICY)
-    assert not still.parts.hub._clients
+    assert still.parts.hub.joined == 0
 
 
 async def test_a_browser_that_leaves_leaves_nothing_behind(still: House) -> None:
     tasks = asyncio.all_tasks()
     async with opened(still) as socket:
         await socket.read()
-        assert len(still.parts.hub._clients) == 1
-    assert not still.parts.hub._clients
+        assert still.parts.hub.joined == 1
+    assert still.parts.hub.joined == 0
     assert asyncio.all_tasks() == tasks
 
 
@@ -440,7 +446,7 @@ async def test_a_browser_that_leaves_while_it_is_sent_to_leaves_nothing_behind(s
         socket.takes.clear()
         still.bus.say(atv_heartbeat())
         still.parts.hub.tick()
-    assert not still.parts.hub._clients
+    assert still.parts.hub.joined == 0
     assert asyncio.all_tasks() == tasks
 
 
@@ -458,4 +464,4 @@ async def test_another_sites_page_may_not_watch(still: House) -> None:
     stranger = Socket(still, origin="https://elsewhere.test")
     assert (await stranger.from_app.get())["type"] == "websocket.close"
     await stranger.served
-    assert not still.parts.hub._clients
+    assert still.parts.hub.joined == 0

@@ -41,6 +41,7 @@ from dray.gateway.stream import Hub
 from dray.gateway.timescale import TimeScale
 from dray.messages import Message
 from dray.messages.keys import Keys
+from dray.plant import Plant
 from dray.plant.model import PlantFile
 from dray.ports import Bus
 from dray.settings import Settings
@@ -96,11 +97,13 @@ def create_app(
         peer = Peer(bus, Keys(plant.plant), overhear)
         presence = Presence(peer.send)
         products = frozenset(product.id for product in plant.products)
+        floor = Plant(plant)
         projection = Projection(plant, time, trials=faults is not None)
         desk = Desk(send=peer.send, time=time, wall_s=wall_s, products=products)
         parts = Parts(
             settings=settings,
             plant=plant,
+            floor=floor,
             store=store,
             historian=historian,
             wall_s=wall_s,
@@ -111,7 +114,10 @@ def create_app(
             commands=Commands(
                 peer.send,
                 authority=authority,
+                projection=projection,
+                floor=floor,
                 plant_s=lambda: time.to_plant_s(wall_s()),
+                wall_s=wall_s,
                 speed=time.speed,
                 name=f"gateway.{incarnation}",
                 timeout_s=settings.command_timeout_s,
@@ -120,6 +126,7 @@ def create_app(
             ledger=Ledger(store),
             hub=Hub(
                 projection,
+                floor,
                 wall_s=wall_s,
                 rate_hz=settings.stream_rate_hz,
                 queue_frames=settings.stream_queue_frames,

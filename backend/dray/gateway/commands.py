@@ -1,18 +1,24 @@
 """Commands: what a person asks of a vehicle, and the vehicle's word on it.
 
-A command is sent once and never queued: a person must know whether it was heard, and decide again.
+A command is sent once and never queued: a person must know whether it was heard, and decide again. All
+panels of those who answer for the vehicle see it: sent, and then what became of it.
 """
 
 from __future__ import annotations
 
 import asyncio
+from collections import OrderedDict
 from collections.abc import Callable
+from dataclasses import dataclass
 from http import HTTPStatus
 
 from dray.adapters.signing import SigningKey
 from dray.gateway.access.principal import Principal
 from dray.gateway.problems import Problem
+from dray.gateway.projection import Projection
+from dray.gateway.views import CommandView
 from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand
+from dray.plant import Plant
 
 STOP_VALID_S = 30.0
 """A stop that comes late, over a bad link, is still better than none."""
@@ -24,6 +30,26 @@ was told that it is not confirmed must not see it obeyed later."""
 PENDING = 1_000
 """Commands that wait for an answer at once: some per vehicle of the largest plant."""
 
+NAMES_KEPT = 2_000
+"""Commands that are known by their names when they are sent again: more than may wait at once."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sent:
+    """A command that was sent.
+
+    Attributes:
+        atv: to whom.
+        person: on whose behalf.
+        said: in which words, without the grant.
+        answer: the vehicle's word.
+    """
+
+    atv: str
+    person: str
+    said: VehicleCommand
+    answer: asyncio.Future[CommandAnswered]
+
 
 class Commands:
     """Sends commands and pairs them with their answers.
@@ -31,7 +57,10 @@ class Commands:
     Args:
         send: says something to one agent.
         authority: grants what is sent.
+        projection: shows what is sent; knows where vehicles are.
+        floor: knows which areas that is in.
         plant_s: the plant's clock.
+        wall_s: the wall clock.
         speed: plant seconds per wall second.
         name: begins the names of commands; differs in every life of the gateway.
         timeout_s: wall seconds to wait for the vehicle's word.
@@ -42,15 +71,21 @@ class Commands:
         send: Callable[[str, Message], None],
         *,
         authority: SigningKey,
+        projection: Projection,
+        floor: Plant,
         plant_s: Callable[[], float],
+        wall_s: Callable[[], float],
         speed: float,
         name: str,
         timeout_s: float,
     ) -> None:
         self._send, self._authority = send, authority
-        self._plant_s, self._speed = plant_s, speed
+        self._projection, self._floor = projection, floor
+        self._plant_s, self._wall_s, self._speed = plant_s, wall_s, speed
         self._name, self._timeout_s = name, timeout_s
-        self._pending: dict[str, tuple[str, asyncio.Future[CommandAnswered]]] = {}
+        self._sent: OrderedDict[str, Sent] = OrderedDict()
+        """By their names, the oldest first."""
+        self._waiting = 0
         self._count = 0
 
     async def order(
@@ -59,15 +94,55 @@ class Commands:
         kind: CommandKind,
         *,
         by: Principal,
+        command: str | None = None,
         speed_frac: float | None = None,
         wait_s: float | None = None,
     ) -> CommandAnswered:
         """Send a command with a grant, and wait for the vehicle's word.
 
+        Args:
+            atv: the vehicle.
+            kind: what is asked.
+            by: who asks.
+            command: its name, when the caller has one; one that was sent already is only waited for.
+            speed_frac: a part of the vehicle's own top speed.
+            wait_s: how long help will take, in plant seconds.
+
         Raises:
-            Problem: 504 when the vehicle does not answer in time, 503 when too many are waiting.
+            Problem: 504 when the vehicle does not answer in time, 503 when too many are waiting, 409 when
+                another command has this name.
         """
-        if len(self._pending) >= PENDING:
+        self._count += command is None
+        name = command or f"{self._name}-{self._count}"
+        said = VehicleCommand(
+            command=name, kind=kind, speed_frac=speed_frac, wait_s=wait_s, issued_by=by.name
+        )
+        person = f"{by.kind}:{by.id}"
+        sent = self._sent.get(name)
+        if sent is None:
+            sent = self._say(atv, said, person, by)
+        elif (sent.atv, sent.person, sent.said) != (atv, person, said):
+            raise Problem(
+                HTTPStatus.CONFLICT,
+                "command-name-used",
+                "The name of the command was used",
+                f"another command is called {name}; choose a name that is used once, a UUID say",
+            )
+        return await self._wait(name, sent)
+
+    def answered(self, sender: str, answer: CommandAnswered) -> bool:
+        """A vehicle has answered; returns whether that is news, in time or late."""
+        sent = self._sent.get(answer.command)
+        if sent is None or sent.answer.done() or sent.atv != sender:
+            return False
+        sent.answer.set_result(answer)
+        self._projection.commands.end(
+            answer.command, "confirmed" if answer.done else "refused", answer.reason
+        )
+        return True
+
+    def _say(self, atv: str, said: VehicleCommand, person: str, by: Principal) -> Sent:
+        if self._waiting >= PENDING:
             raise Problem(
                 HTTPStatus.SERVICE_UNAVAILABLE,
                 "too-many-commands",
@@ -75,41 +150,51 @@ class Commands:
                 f"{PENDING} vehicles were asked and have not answered yet; try again in some seconds",
                 headers={"Retry-After": "3"},
             )
-        self._count += 1
-        command = f"{self._name}-{self._count}"
-        said = VehicleCommand(
-            command=command, kind=kind, speed_frac=speed_frac, wait_s=wait_s, issued_by=by.name
-        )
         answer: asyncio.Future[CommandAnswered] = asyncio.get_running_loop().create_future()
-        self._pending[command] = (atv, answer)
+        sent = self._sent[said.command] = Sent(atv, person, said, answer)
+        if len(self._sent) > NAMES_KEPT:
+            self._sent.popitem(last=False)
+        self._show(sent, by)
+        self._send(atv, self._granted(sent, by))
+        return sent
+
+    async def _wait(self, name: str, sent: Sent) -> CommandAnswered:
+        self._waiting += 1
         try:
-            self._send(atv, self._granted(atv, said, by))
             async with asyncio.timeout(self._timeout_s):
-                return await answer
+                return await asyncio.shield(sent.answer)
         except TimeoutError:
+            self._projection.commands.end(name, "not_confirmed")
             raise Problem(
                 HTTPStatus.GATEWAY_TIMEOUT,
                 "not-confirmed",
                 "Not confirmed by the vehicle",
-                f"{atv} has not answered within {self._timeout_s:g} s: it may or may not have heard; look at it",
+                f"{sent.atv} has not answered within {self._timeout_s:g} s: it may or may not have heard; "
+                "look at it",
             ) from None
         finally:
-            del self._pending[command]
+            self._waiting -= 1
 
-    def _granted(self, atv: str, command: VehicleCommand, by: Principal) -> VehicleCommand:
-        valid_s = STOP_VALID_S if command.kind is CommandKind.STOP else self._timeout_s + CLOCKS_S
+    def _show(self, sent: Sent, by: Principal) -> None:
+        said = sent.said
+        place_m = self._projection.atvs.place_m(sent.atv)
+        view = CommandView(
+            id=said.command,
+            atv=sent.atv,
+            kind=said.kind.value,
+            speed_frac=said.speed_frac,
+            by=by.name,
+            at_s=self._wall_s(),
+        )
+        near = () if place_m is None else self._floor.areas_near(*place_m, said.kind.margin_m)
+        self._projection.commands.put(view, near)
+
+    def _granted(self, sent: Sent, by: Principal) -> VehicleCommand:
+        valid_s = STOP_VALID_S if sent.said.kind is CommandKind.STOP else self._timeout_s + CLOCKS_S
         return self._authority.grant(
-            atv,
-            command,
-            person=f"{by.kind}:{by.id}",
+            sent.atv,
+            sent.said,
+            person=sent.person,
             areas=None if by.areas is None else sorted(by.areas),
             valid_until_s=self._plant_s() + valid_s * self._speed,
         )
-
-    def answered(self, sender: str, answer: CommandAnswered) -> bool:
-        """A vehicle has answered; returns whether somebody was waiting for it."""
-        atv, future = self._pending.get(answer.command, ("", None))
-        if future is None or future.done() or atv != sender:
-            return False
-        future.set_result(answer)
-        return True

@@ -23,6 +23,7 @@ from dray.gateway.presence import Presence
 from dray.gateway.projection import Projection
 from dray.gateway.revocations import Revocations
 from dray.gateway.stream import Hub
+from dray.plant import Plant
 from dray.plant.model import PlantFile
 from dray.settings import Settings
 from dray.store import Historian, Store
@@ -34,6 +35,8 @@ class Parts:
 
     settings: Settings
     plant: PlantFile
+    floor: Plant
+    """The same plant, for whoever asks where something is."""
     store: Store
     historian: Historian | None
     """None where it runs elsewhere."""

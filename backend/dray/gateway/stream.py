@@ -1,9 +1,10 @@
 """The stream: a snapshot and then numbered deltas, to any number of browsers.
 
-A frame is made at most `rate_hz` times a second and encoded once, however many clients there are. Each
-client has a bounded queue. When it is full the client is too slow for differences: its queue is
-emptied, and it gets a fresh snapshot when it can take one. So memory is bounded, the newest state wins,
-and nobody waits for anybody else.
+Those who see the same share a room: the whole plant is one, and each set of areas. A frame is made at most
+`rate_hz` times a second and encoded once per room, however many clients are in it. Each client has a
+bounded queue. When it is full the client is too slow for differences: its queue is emptied, and it gets a
+fresh snapshot when it can take one. So memory is bounded, the newest state wins, and nobody waits for
+anybody else.
 """
 
 from __future__ import annotations
@@ -11,11 +12,16 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import msgspec
 
+from dray.gateway.access.principal import Principal
 from dray.gateway.projection import Projection
-from dray.gateway.views import FactoryView
+from dray.gateway.projection.scenes import AreaScene, Scene, WholeScene
+from dray.gateway.projection.sight import AreaSight
+from dray.gateway.views import AudienceView, Delta, FactoryView
+from dray.plant import Plant
 
 QUIET_S = 1.0
 """A frame comes at least this often, if an empty one: panels turn amber after 3 s without."""
@@ -23,17 +29,24 @@ QUIET_S = 1.0
 FACTORY_S = 1.0
 """The figures of the factory are computed this often: a person cannot read them faster."""
 
+NOBODYS = '"audience":null}'
+"""How a snapshot ends that is encoded for all in a room; for each of them its own audience is put there."""
+
+_encoder = msgspec.json.Encoder()
+
 
 class Client:
     """One browser's queue.
 
     Args:
-        hub: where its frames come from.
+        room: where its frames come from.
+        audience: whose it is.
         size: frames that wait at most.
     """
 
-    def __init__(self, hub: Hub, size: int) -> None:
-        self._hub, self._size = hub, size
+    def __init__(self, room: Room, audience: AudienceView, size: int) -> None:
+        self.room, self._size = room, size
+        self._audience = _encoder.encode(audience).decode()
         self._frames: deque[str] = deque()
         self._lost = True
         """It needs a snapshot before anything else."""
@@ -48,7 +61,7 @@ class Client:
         if self._lost:
             self._lost = False
             self.snapshots += 1
-            frame = self._hub.snapshot()
+            frame = self.room.snapshot().removesuffix(NOBODYS) + f'"audience":{self._audience}}}'
         else:
             frame = self._frames.popleft()
         if not self._frames:
@@ -67,11 +80,71 @@ class Client:
         self._ready.set()
 
 
+@dataclass(slots=True)
+class Made:
+    """What was made in all rooms so far, those that are empty again too.
+
+    Attributes:
+        frames: deltas.
+        snapshots: snapshots handed out; one per client, and more to slow ones.
+    """
+
+    frames: int = 0
+    snapshots: int = 0
+
+
+class Room:
+    """Those who see the same.
+
+    Args:
+        scene: what they see.
+        wall_s: the wall clock.
+        made: counts what is made.
+    """
+
+    def __init__(self, scene: Scene, wall_s: Callable[[], float], made: Made) -> None:
+        self._scene, self._wall_s, self._made = scene, wall_s, made
+        self.clients: set[Client] = set()
+        self._number = 0
+        self._told_s = -1.0
+        self._snapshot: str | None = None
+        self.owes_figures = False
+        """A snapshot held figures that no delta has told: the next ones are told whatever they are."""
+
+    def snapshot(self) -> str:
+        """Everything, as of the newest frame: the next delta fits behind it. It is nobody's yet."""
+        self._made.snapshots += 1
+        if self._snapshot is None:
+            snapshot = self._scene.snapshot(self._number, self._wall_s())
+            self._snapshot = _encoder.encode(snapshot).decode()
+            self.owes_figures = True
+        return self._snapshot
+
+    def is_quiet(self, now_s: float) -> bool:
+        """Whether it is time for a frame, whatever there is to tell."""
+        return not 0 <= now_s - self._told_s < QUIET_S
+
+    def tell(self, told: Delta) -> None:
+        """Make a frame of what has changed in the plant, unless there is nothing to see of it here."""
+        delta = self._scene.delta(told)
+        if not (delta.tells or self.is_quiet(told.at_s)):
+            return
+        self._number += 1
+        self._made.frames += 1
+        self._told_s = told.at_s
+        self._snapshot = None
+        delta.number = self._number
+        frame = _encoder.encode(delta).decode()
+        for client in self.clients:
+            client.offer(frame)
+
+
 class Hub:
     """Makes frames and hands them out.
 
     Args:
         projection: what is shown.
+        plant: where its areas are.
         wall_s: the wall clock.
         rate_hz: frames per wall second at most.
         queue_frames: frames that wait for one client at most.
@@ -81,72 +154,67 @@ class Hub:
     def __init__(
         self,
         projection: Projection,
+        plant: Plant,
         *,
         wall_s: Callable[[], float],
         rate_hz: float,
         queue_frames: int,
         clients: int,
     ) -> None:
-        self._projection, self._wall_s = projection, wall_s
+        self._projection, self._plant, self._wall_s = projection, plant, wall_s
         self._pause_s, self._queue_frames, self._most = 1.0 / rate_hz, queue_frames, clients
-        self._clients: set[Client] = set()
-        self._encoder = msgspec.json.Encoder()
-        self._snapshot: str | None = None
-        self._number = 0
-        self.snapshots = 0
-        """Snapshots handed out."""
-        self._framed_s = self._figured_s = -1.0
+        self._rooms: dict[frozenset[str] | None, Room] = {}
+        """By the areas that are seen; None for the whole plant. Only those with somebody in them."""
+        self._made = Made()
+        self._figured_s = -1.0
         self._factory: FactoryView | None = None
 
-    def join(self) -> Client | None:
+    def join(self, who: Principal) -> Client | None:
         """A queue for a new client; None when there are too many."""
-        if len(self._clients) >= self._most:
+        if self.joined >= self._most:
             return None
-        client = Client(self, self._queue_frames)
-        self._clients.add(client)
+        room = self._rooms.get(who.areas)
+        if room is None:
+            room = self._rooms[who.areas] = Room(self._scene(who.areas), self._wall_s, self._made)
+        client = Client(room, audience_of(who), self._queue_frames)
+        room.clients.add(client)
         return client
 
     @property
     def joined(self) -> int:
         """How many clients there are."""
-        return len(self._clients)
+        return sum(len(room.clients) for room in self._rooms.values())
 
     @property
     def frames(self) -> int:
-        """How many frames were made."""
-        return self._number
+        """How many frames were made, in all rooms."""
+        return self._made.frames
+
+    @property
+    def snapshots(self) -> int:
+        """How many snapshots were handed out."""
+        return self._made.snapshots
 
     def leave(self, client: Client) -> None:
         """The client is gone; harmless when done twice."""
-        self._clients.discard(client)
-
-    def snapshot(self) -> str:
-        """Everything, as of the newest frame: the next delta fits behind it."""
-        self.snapshots += 1
-        if self._snapshot is None:
-            snapshot = self._projection.snapshot(self._number, self._wall_s())
-            self._snapshot = self._encoder.encode(snapshot).decode()
-            # It holds figures that no delta has told: the next ones are told whatever they are.
-            self._factory = None
-        return self._snapshot
+        client.room.clients.discard(client)
+        self._rooms = {areas: room for areas, room in self._rooms.items() if room.clients}
 
     def tick(self) -> None:
         """Make a frame, if there is something to tell or it has been quiet for too long."""
-        if not self._clients:
+        if not self._rooms:
             self._projection.discard_changes()
-            self._snapshot = None
             return
         now_s = self._wall_s()
         factory = self._new_figures(now_s)
-        quiet = not 0 <= now_s - self._framed_s < QUIET_S
-        if not (self._projection.changed or factory is not None or quiet):
+        rooms = self._rooms.values()
+        if not (
+            self._projection.changed or factory is not None or any(room.is_quiet(now_s) for room in rooms)
+        ):
             return
-        self._number += 1
-        self._framed_s = now_s
-        self._snapshot = None
-        frame = self._encoder.encode(self._projection.delta(self._number, now_s, factory)).decode()
-        for client in self._clients:
-            client.offer(frame)
+        told = self._projection.delta(0, now_s, factory)
+        for room in rooms:
+            room.tell(told)
 
     async def run(self) -> None:
         """Make frames until cancelled."""
@@ -154,13 +222,29 @@ class Hub:
             await asyncio.sleep(self._pause_s)
             self.tick()
 
+    def _scene(self, areas: frozenset[str] | None) -> Scene:
+        if areas is None:
+            return WholeScene(self._projection)
+        return AreaScene(self._projection, AreaSight(self._plant, self._projection, areas))
+
     def _new_figures(self, now_s: float) -> FactoryView | None:
-        """The factory's figures, when it is time for them and they have changed."""
-        if 0 <= now_s - self._figured_s < FACTORY_S:
+        """The factory's figures, when it is time for them, somebody sees them and they have changed."""
+        whole = self._rooms.get(None)
+        if whole is None or 0 <= now_s - self._figured_s < FACTORY_S:
             return None
         self._figured_s = now_s
         factory = self._projection.factory(now_s)
-        if factory == self._factory:
+        if factory == self._factory and not whole.owes_figures:
             return None
-        self._factory = factory
+        self._factory, whole.owes_figures = factory, False
         return factory
+
+
+def audience_of(who: Principal) -> AudienceView:
+    """Who is shown the stream."""
+    return AudienceView(
+        role="" if who.role is None else who.role.value,
+        name=who.name,
+        areas=None if who.areas is None else tuple(sorted(who.areas)),
+        station=who.station,
+    )

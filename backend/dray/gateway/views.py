@@ -409,6 +409,39 @@ class AlertView(View, kw_only=True):
     acknowledged_at_s: float | None = None
 
 
+CommandState = Literal["sent", "confirmed", "refused", "not_confirmed"]
+
+
+class CommandView(View, kw_only=True):
+    """What a person has asked of a vehicle, and the vehicle's word on it."""
+
+    id: str
+    """As whoever gave it has named it, else as the gateway has."""
+    atv: str
+    kind: Literal["stop", "acknowledge", "resume", "set_speed", "promise"]
+    speed_frac: float | None = None
+    by: str
+    """The name of who gave it."""
+    at_s: float
+    """When."""
+    state: CommandState = "sent"
+    """not_confirmed: the vehicle has said nothing in time; it may or may not have heard."""
+    reason: str = ""
+    """Why the vehicle has refused it."""
+
+
+class AudienceView(View, kw_only=True):
+    """Who is shown the stream, and how much of it."""
+
+    role: Literal["manager", "operator", ""]
+    """Empty for other systems and the administrator."""
+    name: str
+    areas: tuple[str, ...] | None = None
+    """Only what is in these areas is shown; None for the whole plant."""
+    station: str = ""
+    """The machine at which an operator works."""
+
+
 class FaultView(View, kw_only=True):
     """A fault that was begun by hand in a simulated factory, and has not ended."""
 
@@ -488,6 +521,10 @@ class Snapshot(View, kw_only=True, tag_field="type", tag="snapshot"):
     """Whether faults can be begun by hand: the factory is simulated."""
     faults: tuple[FaultView, ...] = ()
     """Those that were begun by hand and have not ended."""
+    commands: tuple[CommandView, ...] = ()
+    """The last ones, oldest first."""
+    audience: AudienceView | None = None
+    """Whoever reads this; None only in a snapshot that is nobody's."""
 
 
 class Delta(View, kw_only=True, tag_field="type", tag="delta"):
@@ -504,5 +541,23 @@ class Delta(View, kw_only=True, tag_field="type", tag="delta"):
     news: tuple[NewsView, ...] = ()
     alerts: tuple[AlertView, ...] = ()
     faults: tuple[FaultView, ...] = ()
+    commands: tuple[CommandView, ...] = ()
     gone: tuple[str, ...] = ()
     """Ids that left the stream, as `task:M8-214` or `order:...`."""
+
+    @property
+    def tells(self) -> bool:
+        """Whether there is anything in it."""
+        return self.factory is not None or any(
+            (
+                self.atvs,
+                self.machines,
+                self.tasks,
+                self.orders,
+                self.news,
+                self.alerts,
+                self.faults,
+                self.commands,
+                self.gone,
+            )
+        )

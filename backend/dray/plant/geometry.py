@@ -41,6 +41,12 @@ def inside(point: Point, polygon: Sequence[Point]) -> bool:
     return odd
 
 
+def box_of(polygon: Sequence[Point]) -> tuple[float, float, float, float]:
+    """The box around a polygon: left, low, right, high (m)."""
+    xs_m, ys_m = [corner.x_m for corner in polygon], [corner.y_m for corner in polygon]
+    return min(xs_m), min(ys_m), max(xs_m), max(ys_m)
+
+
 def distance_m(point: Point, polygon: Sequence[Point]) -> float:
     """How far a point lies outside of a polygon; 0 for one inside or on its border."""
     if inside(point, polygon):

@@ -11,7 +11,7 @@ from math import hypot
 from types import MappingProxyType
 from typing import Protocol, TypeVar
 
-from dray.plant.geometry import distance_m, inside
+from dray.plant.geometry import box_of, distance_m, inside
 from dray.plant.grid import Grid
 from dray.plant.model import (
     Area,
@@ -65,6 +65,8 @@ class Plant:
         self.stations: Mapping[str, WorkingStation] = _by_id(file.stations)
         self.machines: Mapping[str, MachineSpec] = _by_id(file.machines)
         self.areas: Mapping[str, Area] = _by_id(file.areas)
+        self._shapes = {area.id: (area.polygon, box_of(area.polygon)) for area in file.areas}
+        """The border of every area, and the box around it: most points lie outside of that already."""
         self.vehicle_types: Mapping[str, VehicleType] = _by_id(file.vehicle_types)
         self.fleet: Mapping[str, VehicleSpec] = _by_id(file.fleet)
         self.berths: tuple[str, ...] = (*self.chargers, *self.parkings)
@@ -153,6 +155,13 @@ class Plant:
         """The operators' areas that a point lies in; on a common border, all of its areas."""
         point = Point(x_m, y_m)
         return tuple(area.id for area in self.areas.values() if inside(point, area.polygon))
+
+    def is_in(self, x_m: float, y_m: float, areas: Iterable[str]) -> bool:
+        """Whether a point lies in one of these areas, borders included."""
+        return any(
+            left_m <= x_m <= right_m and low_m <= y_m <= high_m and inside(Point(x_m, y_m), polygon)
+            for polygon, (left_m, low_m, right_m, high_m) in map(self._shapes.__getitem__, areas)
+        )
 
     def areas_near(self, x_m: float, y_m: float, within_m: float) -> tuple[str, ...]:
         """The operators' areas that a point lies in, or lies at most so far outside of."""

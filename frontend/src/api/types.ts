@@ -109,6 +109,15 @@ export interface BriefView {
   task: string;
 }
 /**
+ * Who is shown the stream, and how much of it.
+ */
+export interface AudienceView {
+  areas: string[] | null;
+  name: string;
+  role: "" | "manager" | "operator";
+  station: string;
+}
+/**
  * A bid, with the parts of its price in seconds.
  */
 export interface BidView {
@@ -173,12 +182,26 @@ export interface Charger {
   node: string;
 }
 /**
+ * What a person has asked of a vehicle, and the vehicle's word on it.
+ */
+export interface CommandView {
+  at_s: number;
+  atv: string;
+  by: string;
+  id: string;
+  kind: "acknowledge" | "promise" | "resume" | "set_speed" | "stop";
+  reason: string;
+  speed_frac: number | null;
+  state: "confirmed" | "not_confirmed" | "refused" | "sent";
+}
+/**
  * What has changed since the frame before: whole entities, by kind.
  */
 export interface Delta {
   alerts: AlertView[];
   at_s: number;
   atvs: AtvView[];
+  commands: CommandView[];
   factory: FactoryView | null;
   faults: FaultView[];
   gone: string[];
@@ -605,6 +628,8 @@ export interface Snapshot {
   alerts: AlertView[];
   at_s: number;
   atvs: AtvView[];
+  audience: AudienceView | null;
+  commands: CommandView[];
   factory: FactoryView;
   faults: FaultView[];
   machines: MachineView[];

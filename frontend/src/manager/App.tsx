@@ -1,6 +1,5 @@
 import { t } from "../text/manager";
 import { AlertsView } from "./alerts/AlertsView";
-import { AuditView } from "./audit/AuditView";
 import { FleetView } from "./fleet/FleetView";
 import { KpiView } from "./kpis/KpiView";
 import { OrdersView } from "./orders/OrdersView";
@@ -21,7 +20,6 @@ const SHOWN = {
   watch: WatchView,
   promises: PromisesView,
   kpis: KpiView,
-  audit: AuditView,
 };
 
 /** The address names the view; what is skipped to must not change it. */

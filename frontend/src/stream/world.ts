@@ -5,6 +5,8 @@
 import type {
   AlertView,
   AtvView,
+  AudienceView,
+  CommandView,
   Delta,
   FactoryView,
   FaultView,
@@ -36,6 +38,10 @@ export interface World {
   readonly trials: boolean;
   /** Those that were begun by hand and have not ended. */
   readonly faults: ReadonlyMap<string, FaultView>;
+  /** What people have asked of vehicles lately, oldest first, and what became of it. */
+  readonly commands: ReadonlyMap<string, CommandView>;
+  /** Who is shown all this, and how much of the plant. */
+  readonly audience: AudienceView | null;
 }
 
 /** The prefix of an id in `Delta.gone`, and the collection that it leaves. */
@@ -47,6 +53,7 @@ const GONE = {
   news: "news",
   alert: "alerts",
   fault: "faults",
+  command: "commands",
 } as const;
 
 export function worldOf(frame: Snapshot): World {
@@ -63,6 +70,8 @@ export function worldOf(frame: Snapshot): World {
     alerts: byId(frame.alerts),
     trials: frame.trials,
     faults: byId(frame.faults),
+    commands: byId(frame.commands),
+    audience: frame.audience,
   };
 }
 
@@ -86,6 +95,7 @@ export function advance(world: World | null, frame: Frame): World | null {
     news: changed(world.news, frame.news, gone.news),
     alerts: changed(world.alerts, frame.alerts, gone.alerts),
     faults: changed(world.faults, frame.faults, gone.faults),
+    commands: changed(world.commands, frame.commands, gone.commands),
   };
 }
 
@@ -109,7 +119,9 @@ function changed<T extends { id: string }>(
 type Kind = (typeof GONE)[keyof typeof GONE];
 
 function goneByKind(ids: readonly string[]): Record<Kind, string[]> {
-  const gone: Record<Kind, string[]> = { atvs: [], machines: [], tasks: [], orders: [], news: [], alerts: [], faults: [] };
+  const gone: Record<Kind, string[]> = {
+    atvs: [], machines: [], tasks: [], orders: [], news: [], alerts: [], faults: [], commands: [],
+  };
   for (const id of ids) {
     const cut = id.indexOf(":");
     const prefix = id.slice(0, cut);

@@ -12,8 +12,10 @@ from functools import cache
 
 import msgspec
 
+from dray.gateway.access.principal import ADMIN
 from dray.gateway.projection import Projection
-from dray.gateway.stream import Hub
+from dray.gateway.projection.scenes import WholeScene
+from dray.gateway.stream import Hub, Made, Room
 from dray.gateway.timescale import TimeScale
 from dray.messages import AtvHeartbeat, Event, Message, Pose, Refusal, Role, Transport, TransportCost
 from dray.messages.fact import (
@@ -27,7 +29,7 @@ from dray.messages.fact import (
     TaskOpened,
 )
 from dray.messages.heartbeat import Phase
-from dray.plant import PlantFile, default_plant
+from dray.plant import Plant, default_plant
 from dray_sim.bench.bus import HEARTBEAT
 from dray_sim.bench.row import Row, rates
 
@@ -102,7 +104,7 @@ def _frames(heartbeats: Sequence[AtvHeartbeat]) -> Row:
         nonlocal wall_s
         projection = _projection()
         hub = _hub(projection, lambda: wall_s)
-        hub.join()
+        hub.join(ADMIN)
         for part in parts:
             _fold_all(projection, part)
             wall_s += 1 / RATE_HZ
@@ -134,7 +136,7 @@ def _snapshots(heartbeats: Sequence[AtvHeartbeat], count: int) -> Row:
 
     def make() -> int:
         for _ in range(count):
-            _hub(projection, lambda: 0.0).snapshot()
+            _room(projection).snapshot()
         return count
 
     def write() -> int:
@@ -148,17 +150,21 @@ def _snapshots(heartbeats: Sequence[AtvHeartbeat], count: int) -> Row:
 
 
 @cache
-def _plant() -> PlantFile:
+def _plant() -> Plant:
     """Read once: reading is not measured here. Its names do not matter, others may come."""
-    return default_plant().file
+    return default_plant()
 
 
 def _projection() -> Projection:
-    return Projection(_plant(), TimeScale(0.0, 0.0))
+    return Projection(_plant().file, TimeScale(0.0, 0.0))
 
 
 def _hub(projection: Projection, wall_s: Callable[[], float]) -> Hub:
-    return Hub(projection, wall_s=wall_s, rate_hz=RATE_HZ, queue_frames=32, clients=1)
+    return Hub(projection, _plant(), wall_s=wall_s, rate_hz=RATE_HZ, queue_frames=32, clients=1)
+
+
+def _room(projection: Projection) -> Room:
+    return Room(WholeScene(projection), lambda: 0.0, Made())
 
 
 def _fold_all(projection: Projection, messages: Sequence[Message]) -> None:

@@ -4,8 +4,9 @@ Folding a message costs the change it makes and nothing else: heartbeats are kep
 become views when a frame is made, so a vehicle that speaks ten times between two frames costs one.
 What has changed since the last frame is remembered by id.
 
-`atvs`, `machines`, `tasks`, `orders`, `news`, `alerts` and `trials` each keep one kind of entity, `factory`
-the figures, and `traffic` the passages per lane. Alerts alone are not folded: `troubles` says what is wrong whenever somebody looks.
+`atvs`, `machines`, `tasks`, `orders`, `news`, `alerts`, `given` and `trials` each keep one kind of entity, `factory`
+the figures, and `traffic` the passages per lane. Alerts alone are not folded: `troubles` says what is wrong whenever
+somebody looks. `scenes` and `sight` make of all that what somebody sees who is limited to areas.
 """
 
 from __future__ import annotations

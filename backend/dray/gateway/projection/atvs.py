@@ -66,6 +66,11 @@ class Atvs:
         """The last one of each vehicle."""
         return self._last.values()
 
+    def place_m(self, atv: str) -> tuple[float, float] | None:
+        """Where a vehicle was by its last heartbeat (x, y); None when it was never heard."""
+        heartbeat = self._last.get(atv)
+        return None if heartbeat is None else (heartbeat.pose.x_m, heartbeat.pose.y_m)
+
     def view(self, atv: str) -> AtvView | None:
         """One vehicle, or None when it was never heard."""
         heartbeat = self._last.get(atv)

@@ -8,6 +8,7 @@ from dray.gateway.projection import troubles
 from dray.gateway.projection.alerts import Alerts
 from dray.gateway.projection.atvs import Atvs
 from dray.gateway.projection.fleet import BLOCKED
+from dray.gateway.projection.given import Given
 from dray.gateway.projection.interventions import Interventions
 from dray.gateway.projection.machines import BROKEN, DOWN, Machines
 from dray.gateway.projection.news import News
@@ -30,10 +31,13 @@ class Projection:
         plant: names and types of what stands in it.
         time: the two clocks.
         trials: whether faults can be begun by hand.
+
+    Attributes:
+        plant: its id.
     """
 
     def __init__(self, plant: PlantFile, time: TimeScale, *, trials: bool = False) -> None:
-        self._plant, self._time = plant.plant, time
+        self.plant, self._time = plant.plant, time
         self.atvs = Atvs(plant.fleet, time.to_wall_s)
         self.machines = Machines(plant.machines, time.to_wall_s)
         self.tasks = Tasks(time.to_wall_s)
@@ -41,6 +45,7 @@ class Projection:
         self.news = News(time.to_wall_s)
         self.alerts = Alerts()
         self.traffic = Traffic(plant.lanes)
+        self.commands = Given()
         self.trials = Trials(possible=trials)
         self.interventions = Interventions()
         kinds = (
@@ -50,6 +55,7 @@ class Projection:
             self.orders,
             self.news,
             self.alerts,
+            self.commands,
             self.trials,
         )
         self._all = tuple(kind.changes for kind in kinds)
@@ -171,7 +177,7 @@ class Projection:
         return Snapshot(
             number=number,
             at_s=wall_s,
-            plant=self._plant,
+            plant=self.plant,
             factory=self.factory(wall_s),
             atvs=self.atvs.views(),
             machines=self.machines.views(),
@@ -181,6 +187,7 @@ class Projection:
             alerts=self.alerts.views(),
             trials=self.trials.possible,
             faults=self.trials.views(),
+            commands=self.commands.views(),
         )
 
     def delta(self, number: int, wall_s: float, factory: FactoryView | None) -> Delta:
@@ -196,6 +203,7 @@ class Projection:
             news=self.news.take_changed(),
             alerts=self.alerts.take_changed(),
             faults=self.trials.take_changed(),
+            commands=self.commands.take_changed(),
             gone=tuple(name for changes in self._all for name in changes.take_gone()),
         )
 

@@ -10,6 +10,7 @@ from dray.gateway.access.caller import Caller
 from dray.gateway.answers import PAGE, Cursor, Json, Limit, described, list_of, page, problems
 from dray.gateway.parts import Gateway
 from dray.gateway.problems import not_found
+from dray.gateway.seen import Seen
 from dray.gateway.views import AlertView
 
 router = APIRouter(tags=["alerts"])
@@ -30,9 +31,10 @@ EXAMPLE = AlertView(
     responses={200: list_of(AlertView, "Alerts, by their ids")},
     response_class=Json,
 )
-async def list_alerts(gateway: Gateway, limit: Limit = PAGE, cursor: Cursor = None) -> Json:
+async def list_alerts(gateway: Gateway, seen: Seen, limit: Limit = PAGE, cursor: Cursor = None) -> Json:
     """What is wrong at this moment, and what it asks of people. An alert leaves when its cause is gone."""
-    alerts = sorted(gateway.projection.alerts.views(), key=lambda alert: alert.id)
+    alerts = [view for each in gateway.projection.alerts.views() if (view := seen.alert(each))]
+    alerts.sort(key=lambda alert: alert.id)
     return page(alerts, lambda alert: alert.id, cursor, limit)
 
 
@@ -45,10 +47,12 @@ async def list_alerts(gateway: Gateway, limit: Limit = PAGE, cursor: Cursor = No
     response_class=Json,
 )
 async def acknowledge_alert(
-    gateway: Gateway, caller: Caller, alert: Annotated[str, Path(max_length=192)]
+    gateway: Gateway, caller: Caller, seen: Seen, alert: Annotated[str, Path(max_length=192)]
 ) -> Json:
     """Say, by your name, that an alert is in good hands. Doing it again changes nothing."""
-    taken = await gateway.alerts.acknowledge(alert, caller.name)
-    if taken is None:
+    known = gateway.projection.alerts.get(alert)
+    taken = await gateway.alerts.acknowledge(alert, caller.name) if known and seen.alert(known) else None
+    view = taken and seen.alert(taken)
+    if view is None:
         raise not_found("alert", alert, "GET /api/alerts; its cause may be gone")
-    return Json(taken)
+    return Json(view)

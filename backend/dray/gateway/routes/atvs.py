@@ -9,13 +9,14 @@ from fastapi import APIRouter, Depends, Response
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from dray.gateway.access.caller import Caller
-from dray.gateway.access.gate import missing
-from dray.gateway.access.principal import Scope
+from dray.gateway.access.gate import forbidden, missing
+from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.access.trail import Noted
 from dray.gateway.answers import PAGE, Cursor, Json, Limit, described, list_of, page, problems
 from dray.gateway.bodies import json_only
-from dray.gateway.parts import Gateway
+from dray.gateway.parts import Gateway, Parts
 from dray.gateway.problems import not_found
+from dray.gateway.seen import Seen
 from dray.gateway.spreadsheet import Format, header_of, row_of, table, with_csv
 from dray.gateway.views import AtvView
 from dray.messages import CommandKind
@@ -52,6 +53,9 @@ class CommandRequest(BaseModel):
     """For `set_speed` only: a part of the vehicle's own top speed."""
     wait_s: Annotated[float | None, Field(strict=True, gt=0, le=MAX_PROMISE_S)] = None
     """For `promise` only: how long from now the help will take, in factory seconds."""
+    command: Annotated[str | None, Field(pattern=r"^[A-Za-z0-9._:-]{1,64}$")] = None
+    """A name for this command, by which the caller finds it in the stream. A command that is sent again under
+    its name is not given again."""
 
     @model_validator(mode="after")
     def _numbers_belong_to_their_kinds(self) -> Self:
@@ -75,15 +79,16 @@ class CommandAnswer(msgspec.Struct, frozen=True):
 @router.get("/atvs", responses={200: with_csv(list_of(AtvView, "ATVs, by id"))}, response_class=Json)
 async def list_atvs(
     gateway: Gateway,
+    seen: Seen,
     cursor: Cursor = None,
     limit: Limit = PAGE,
     format: Format = "json",  # noqa: A002 - the word that others use
 ) -> Response:
     """ATVs that have been heard."""
+    atvs = [view for each in gateway.projection.atvs.views() if (view := seen.atv(each))]
     if format == "csv":
-        rows = (row_of(COLUMNS, atv) for atv in gateway.projection.atvs.views())
-        return table("fleet", header_of(COLUMNS), rows)
-    return page(gateway.projection.atvs.views(), lambda atv: atv.id, cursor, limit)
+        return table("fleet", header_of(COLUMNS), (row_of(COLUMNS, atv) for atv in atvs))
+    return page(atvs, lambda atv: atv.id, cursor, limit)
 
 
 @router.get(
@@ -91,9 +96,10 @@ async def list_atvs(
     responses={200: described(AtvView, "The ATV"), **problems(p404="There is no such ATV")},
     response_class=Json,
 )
-async def get_atv(gateway: Gateway, atv: str) -> Json:
+async def get_atv(gateway: Gateway, seen: Seen, atv: str) -> Json:
     """One ATV."""
-    view = gateway.projection.atvs.view(atv)
+    whole = gateway.projection.atvs.view(atv)
+    view = whole and seen.atv(whole)
     if view is None:
         raise not_found("atv", atv, "GET /api/atvs")
     return Json(view)
@@ -107,7 +113,9 @@ async def get_atv(gateway: Gateway, atv: str) -> Json:
             CommandAnswer, "The vehicle's word", CommandAnswer("gateway.1-7", done=True, reason="")
         ),
         **problems(
+            p403="The vehicle is not in the caller's areas",
             p404="There is no such ATV",
+            p409="The name of the command was used for another one",
             p503="Too many commands wait for an answer",
             p504="The vehicle has not confirmed in time",
         ),
@@ -121,12 +129,33 @@ async def command_atv(
     note.detail |= command.model_dump(mode="json", exclude_none=True)
     if command.kind is not CommandKind.STOP and not caller.may(Scope.VEHICLES_COMMAND):
         raise missing(caller, Scope.VEHICLES_COMMAND)
-    if atv not in gateway.projection.atvs:
-        raise not_found("atv", atv, "GET /api/atvs")
+    area_rule(gateway, caller, atv, command.kind)
     answer = await gateway.commands.order(
-        atv, command.kind, speed_frac=command.speed_frac, wait_s=command.wait_s, by=caller
+        atv,
+        command.kind,
+        by=caller,
+        command=command.command,
+        speed_frac=command.speed_frac,
+        wait_s=command.wait_s,
     )
     note.detail["command"] = answer.command
     if not answer.done:
         note.result, note.detail["reason"] = "refused", answer.reason
     return Json(CommandAnswer(answer.command, answer.done, answer.reason))
+
+
+def area_rule(gateway: Parts, caller: Principal, atv: str, kind: CommandKind) -> None:
+    """A caller who is limited to areas commands the vehicles that stand there; of others not even that they are.
+
+    Raises:
+        Problem: 403, it stands elsewhere; 404, there is no such vehicle, to a caller of the whole plant.
+    """
+    if caller.areas is None:
+        if atv not in gateway.projection.atvs:
+            raise not_found("atv", atv, "GET /api/atvs")
+        return
+    place_m = gateway.projection.atvs.place_m(atv)
+    near = () if place_m is None else gateway.floor.areas_near(*place_m, kind.margin_m)
+    if caller.areas.isdisjoint(near):
+        areas = ", ".join(sorted(caller.areas)) or "none"
+        raise forbidden(f"{atv} is not in your areas ({areas})")

@@ -5,13 +5,13 @@ from __future__ import annotations
 from fastapi import APIRouter
 
 from dray.gateway.answers import Json, described
-from dray.gateway.parts import Gateway
+from dray.gateway.seen import Seen
 from dray.plant.model import PlantFile
 
 router = APIRouter(tags=["plant"])
 
 
 @router.get("/plant", responses={200: described(PlantFile, "The plant")}, response_class=Json)
-async def get_plant(gateway: Gateway) -> Json:
-    """The whole plant: what stands where, lanes, products, fleet."""
-    return Json(gateway.plant)
+async def get_plant(seen: Seen) -> Json:
+    """What stands where, lanes, products, fleet; of it all, what lies in the caller's areas."""
+    return Json(seen.plant())

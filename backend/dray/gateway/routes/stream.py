@@ -28,7 +28,7 @@ INCOMING_MESSAGES = 16
 @router.websocket("/stream")
 async def stream(socket: WebSocket, gateway: Gateway, caller: Caller) -> None:
     """First a snapshot, then numbered deltas, as text, as long as its caller may see them."""
-    client = gateway.hub.join()
+    client = gateway.hub.join(caller)
     if client is None:
         await socket.close(TRY_LATER, "too many panels are open")
         return

@@ -20,6 +20,7 @@ from dray.gateway.answers import (
 )
 from dray.gateway.parts import Gateway
 from dray.gateway.problems import not_found
+from dray.gateway.seen import Seen
 from dray.gateway.spreadsheet import Format, header_of, row_of, table, with_csv
 from dray.gateway.views import TaskView
 
@@ -42,6 +43,7 @@ State = Literal["bidding", "contracted", "delivered", "withdrawn"]
 )
 async def list_tasks(
     gateway: Gateway,
+    seen: Seen,
     state: Annotated[list[State] | None, Query(description="Only tasks in these states")] = None,
     cursor: Cursor = None,
     limit: Limit = PAGE,
@@ -49,7 +51,8 @@ async def list_tasks(
 ) -> Response:
     """Open tasks and the last fifty that ended; the whole history is in `/api/events`."""
     after = read_cursor(cursor, tuple[float, str])
-    tasks = sorted(gateway.projection.tasks.views(), key=_place, reverse=True)
+    tasks = [view for each in gateway.projection.tasks.views() if (view := seen.task(each))]
+    tasks.sort(key=_place, reverse=True)
     if format == "csv":
         rows = (row_of(COLUMNS, task) for task in tasks if not state or task.state in state)
         return table("tasks", header_of(COLUMNS), rows)
@@ -67,9 +70,10 @@ async def list_tasks(
     responses={200: described(TaskView, "The task"), **problems(p404="There is no such task")},
     response_class=Json,
 )
-async def get_task(gateway: Gateway, task: str) -> Json:
+async def get_task(gateway: Gateway, seen: Seen, task: str) -> Json:
     """One task, open or lately ended."""
-    view = gateway.projection.tasks.view(task)
+    whole = gateway.projection.tasks.view(task)
+    view = whole and seen.task(whole)
     if view is None:
         raise not_found("task", task, "GET /api/tasks")
     return Json(view)

@@ -1,9 +1,10 @@
 import { AlertsTag } from "../alerts/AlertsTag";
+import { LanguageSwitch } from "../../parts/LanguageSwitch";
 import { world } from "../../stream/stream";
 import { format, t } from "../../text/manager";
-import { PersonMenu } from "../session/PersonMenu";
 import { view, VIEWS } from "../views";
 import { LiveTag } from "../../parts/LiveTag";
+import { ThemeSwitch } from "../../parts/ThemeSwitch";
 
 export function TopBar() {
   const speed = world.value?.factory.speed ?? 1;
@@ -29,7 +30,8 @@ export function TopBar() {
         )}
         <LiveTag />
         <AlertsTag />
-        <PersonMenu />
+        <LanguageSwitch />
+        <ThemeSwitch />
       </div>
     </header>
   );

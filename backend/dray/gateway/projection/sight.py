@@ -1,0 +1,233 @@
+"""Sight: what somebody sees who is limited to areas of the plant.
+
+Seen are the vehicles that stand in the areas at this moment, the machines whose docks lie there, the
+transports that concern these, and what is wrong with them. Of a transport its way through the plant is
+seen and nothing of its auction: no bids, no prices, no orders. A vehicle that stands elsewhere is never
+named: where there is one it says `ELSEWHERE`.
+"""
+
+from __future__ import annotations
+
+import re
+
+from msgspec.structs import replace
+
+from dray.gateway.projection.projection import Projection
+from dray.gateway.views import (
+    AlertView,
+    AtvView,
+    BriefView,
+    CommandView,
+    MachineView,
+    NewsView,
+    OpenTaskView,
+    TaskView,
+    WhyView,
+)
+from dray.plant import Plant
+from dray.plant.model import PlantFile
+
+ELSEWHERE = "*"
+"""Stands for a vehicle outside of the areas: that there is one is seen, which one is not."""
+
+OF_TAKEOVERS = frozenset({"took_over", "takeover_refused", "announced_anew"})
+OF_VEHICLES = frozenset({"link_lost", "link_back", "help_asked", "help_promised"})
+"""Kinds of news that are seen; the others are about orders."""
+
+_WORDS = re.compile(r"\w[\w.-]*")
+"""Ids of a plant file, with the full stop after them when they end a sentence."""
+
+
+class WholeSight:
+    """What is seen by whoever sees the whole plant: everything, as it is.
+
+    Args:
+        plant: the plant.
+    """
+
+    def __init__(self, plant: Plant) -> None:
+        self._plant = plant
+
+    def plant(self) -> PlantFile:
+        """The plant file."""
+        return self._plant.file
+
+    def atv(self, view: AtvView) -> AtvView | None:
+        """A vehicle."""
+        return view
+
+    def machine(self, view: MachineView) -> MachineView | None:
+        """A machine."""
+        return view
+
+    def task(self, view: TaskView) -> TaskView | None:
+        """A task."""
+        return view
+
+    def alert(self, view: AlertView) -> AlertView | None:
+        """What is wrong."""
+        return view
+
+
+class AreaSight:
+    """What is seen in some areas.
+
+    Args:
+        plant: where the areas are, and what stands in them.
+        projection: the whole plant as it is now.
+        areas: ids of areas; those that the plant does not have hold nothing.
+    """
+
+    def __init__(self, plant: Plant, projection: Projection, areas: frozenset[str]) -> None:
+        self._plant, self._projection = plant, projection
+        self._areas = tuple(area for area in plant.areas if area in areas)
+        docks = (*plant.machines, *plant.storages, *plant.warehouses, *plant.berths)
+        self._places = frozenset(place for place in docks if self.reaches(*plant.position_of(place)))
+        inside = {node.id for node in plant.nodes.values() if self.reaches(node.x_m, node.y_m)}
+        self._lanes = tuple(lane for lane in plant.file.lanes if lane.start in inside or lane.end in inside)
+        # A lane that crosses the border is seen with both of its ends.
+        self._nodes = inside.union(*((lane.start, lane.end) for lane in self._lanes))
+
+    def reaches(self, x_m: float, y_m: float) -> bool:
+        """Whether a point lies in the areas."""
+        return self._plant.is_in(x_m, y_m, self._areas)
+
+    def has(self, agent: str) -> bool:
+        """Whether a machine or vehicle is there at this moment."""
+        if agent in self._plant.machines:
+            return agent in self._places
+        place_m = self._projection.atvs.place_m(agent)
+        return place_m is not None and self.reaches(*place_m)
+
+    def plant(self) -> PlantFile:
+        """The part of the plant file that lies in the areas."""
+        file, seen = self._plant.file, self._places
+        machines = tuple(each for each in file.machines if each.id in seen)
+        stations = {machine.station for machine in machines}
+        return replace(
+            file,
+            nodes=tuple(node for node in file.nodes if node.id in self._nodes),
+            lanes=self._lanes,
+            warehouses=tuple(each for each in file.warehouses if each.id in seen),
+            storages=tuple(each for each in file.storages if each.id in seen),
+            chargers=tuple(each for each in file.chargers if each.id in seen),
+            parkings=tuple(each for each in file.parkings if each.id in seen),
+            machines=machines,
+            stations=tuple(each for each in file.stations if each.id in stations),
+            areas=tuple(each for each in file.areas if each.id in self._areas),
+            fleet=(),
+        )
+
+    def atv(self, view: AtvView) -> AtvView | None:
+        """A vehicle, where it is seen."""
+        if not self.reaches(view.x_m, view.y_m):
+            return None
+        return replace(
+            view,
+            node=view.node if view.node in self._nodes else "",
+            way=self._way(view.way),
+            via=tuple(self._who(atv) for atv in view.via),
+            watches=tuple(brief for brief in view.watches if self._concerned(brief)),
+            berth=view.berth if view.berth in self._places else "",
+        )
+
+    def machine(self, view: MachineView) -> MachineView | None:
+        """A machine, where it is seen; its goals are numbered, for their names tell of orders."""
+        if view.id not in self._places:
+            return None
+        goals = tuple(replace(goal, goal=str(number)) for number, goal in enumerate(view.goals, 1))
+        return replace(view, goals=goals, tasks=tuple(self._open_task(task) for task in view.tasks))
+
+    def task(self, view: TaskView) -> TaskView | None:
+        """A transport that concerns the areas: from, to or on board of what is seen."""
+        if not self._concerns(view):
+            return None
+        return replace(
+            view,
+            primary=self._who(view.primary),
+            secondary=self._who(view.secondary),
+            order="",
+            goal="",
+            trouble=self._words(view.trouble),
+            carriers=(),
+            bids=(),
+            refusals=(),
+            why=WhyView(kind="unknown"),
+        )
+
+    def news(self, view: NewsView) -> NewsView | None:
+        """News of what is seen."""
+        if not self.has(view.agent):
+            return None
+        if view.kind in OF_TAKEOVERS:
+            return self._takeover(view)
+        if view.kind in OF_VEHICLES:
+            return replace(view, reason=self._words(view.reason))
+        return None
+
+    def alert(self, view: AlertView) -> AlertView | None:
+        """What is wrong with a machine, a vehicle or a transport that is seen."""
+        if view.task:
+            task = self._projection.tasks.view(view.task)
+            if task is None or not self._concerns(task):
+                return None
+            return replace(view, agent=self._who(view.agent), problem=self._words(view.problem))
+        return replace(view) if view.agent and self.has(view.agent) else None
+
+    def command(self, view: CommandView) -> CommandView | None:
+        """A command to a vehicle that was there when it was given."""
+        there = self._projection.commands.areas_of(view.id)
+        return None if there.isdisjoint(self._areas) else replace(view)
+
+    # --- parts of views ---
+
+    def _takeover(self, view: NewsView) -> NewsView | None:
+        task = self._projection.tasks.view(view.task)
+        if task is None or not self._concerns(task):
+            return None
+        return replace(view, other=self._who(view.other), reason=self._words(view.reason))
+
+    def _concerns(self, task: TaskView) -> bool:
+        if task.kind != "transport":
+            return False
+        places = {task.coordinator, task.source, task.destination}
+        return not self._places.isdisjoint(places) or (bool(task.primary) and self.has(task.primary))
+
+    def _concerned(self, brief: BriefView) -> bool:
+        task = self._projection.tasks.view(brief.task)
+        return task is not None and self._concerns(task)
+
+    def _open_task(self, task: OpenTaskView) -> OpenTaskView:
+        return replace(
+            task,
+            primary=self._who(task.primary),
+            secondary=self._who(task.secondary),
+            trouble=self._words(task.trouble),
+        )
+
+    def _who(self, agent: str) -> str:
+        return agent if not agent or self.has(agent) else ELSEWHERE
+
+    def _way(self, way: tuple[str, ...]) -> tuple[str, ...]:
+        """As far as it is seen."""
+        for count, node in enumerate(way):
+            if node not in self._nodes:
+                return way[:count]
+        return way
+
+    def _words(self, text: str) -> str:
+        """Words for people, in which no vehicle is named that stands elsewhere."""
+        return _WORDS.sub(self._word, text) if text else text
+
+    def _word(self, found: re.Match[str]) -> str:
+        word = found[0]
+        name = word if word in self._projection.atvs else word.rstrip(".-")
+        return self._who(name) + word[len(name) :] if name in self._projection.atvs else word
+
+
+Sight = WholeSight | AreaSight
+
+
+def sight(plant: Plant, projection: Projection, areas: frozenset[str] | None) -> Sight:
+    """What is seen in these areas; None for the whole plant."""
+    return WholeSight(plant) if areas is None else AreaSight(plant, projection, areas)

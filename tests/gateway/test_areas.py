@@ -1,0 +1,489 @@
+"""The area rule on the server: an operator sees and commands what is in the own areas, and hears of nothing else."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import httpx
+import pytest
+from areas_kit import (
+    AREAS,
+    ATV,
+    FLOOR,
+    GOAL,
+    MACHINE,
+    ORDER,
+    TASK,
+    after,
+    everything,
+    making,
+    orders_wait,
+    secrets_of,
+    standing,
+    told_of,
+    words,
+)
+from gateway_kit import NOW_S, PLANT, FakeDesk, House, Wall, atv_heartbeat, gateway, problem
+
+from dray.gateway.access.gate import COOKIE
+from dray.gateway.access.principal import ADMIN, SCOPES, Principal, Role
+from dray.gateway.access.rules import RULES
+from dray.gateway.access.sessions import Sessions
+from dray.gateway.projection import Projection
+from dray.gateway.projection.sight import ELSEWHERE
+from dray.gateway.stream import Client, Hub
+from dray.gateway.timescale import TimeScale
+from dray.gateway.views import CommandView
+from dray.messages import CommandAnswered, Message, Pose, VehicleCommand
+from dray.messages.command import STOP_MARGIN_M
+from dray.store.people import Person
+
+pytestmark = pytest.mark.anyio
+
+every_area = pytest.mark.parametrize("area", AREAS)
+
+
+def operator(*areas: str, station: str = "") -> Principal:
+    return Principal(
+        kind="person",
+        id="-".join(("operator", *areas)),
+        name="Operator",
+        role=Role.OPERATOR,
+        scopes=SCOPES[Role.OPERATOR],
+        areas=frozenset(areas),
+        station=station,
+    )
+
+
+# --- the stream ----------------------------------------------------------------------------------
+
+
+class Stage:
+    """A projection and a hub without a server."""
+
+    def __init__(self, *told: Message) -> None:
+        self.wall = Wall()
+        self.projection = Projection(PLANT, TimeScale(0.0, NOW_S))
+        self.hub = Hub(self.projection, FLOOR, wall_s=self.wall, rate_hz=10.0, queue_frames=50, clients=20)
+        self.tell(*told)
+
+    def tell(self, *messages: Message) -> None:
+        for message in messages:
+            self.projection.fold(message)
+
+    def join(self, who: Principal) -> Client:
+        client = self.hub.join(who)
+        assert client is not None
+        return client
+
+
+async def next_of(client: Client) -> dict[str, Any]:
+    frame: dict[str, Any] = json.loads(await client.next_frame())
+    return frame
+
+
+async def waiting(client: Client) -> list[dict[str, Any]]:
+    """All frames that wait for a client."""
+    return [await next_of(client) for _ in range(len(client._frames) + client._lost)]
+
+
+def ids(frame: dict[str, Any], kind: str) -> list[str]:
+    return [each["id"] for each in frame[kind]]
+
+
+@every_area
+async def test_a_snapshot_holds_what_is_in_the_area(area: str) -> None:
+    stage = Stage(*everything())
+    stage.projection.look(NOW_S + 1.0)
+    frame = await next_of(stage.join(operator(area)))
+    assert ids(frame, "atvs") == [ATV[area]]
+    assert ids(frame, "machines") == [MACHINE[area]]
+    assert ids(frame, "tasks") == [TASK[area]]
+    assert {each["agent"] for each in frame["news"]} == {ATV[area]}
+    assert {each["kind"] for each in frame["news"]} == {"took_over", "help_asked", "link_lost"}
+    assert {each["agent"] for each in frame["alerts"]} == {ATV[area]}
+    assert frame["orders"] == frame["faults"] == []
+    assert frame["trials"] is False
+    assert frame["factory"]["atvs_by_status"] == {}
+
+
+@every_area
+async def test_a_snapshot_names_nothing_of_other_areas(area: str) -> None:
+    stage = Stage(*everything())
+    stage.projection.look(NOW_S + 1.0)
+    text = await stage.join(operator(area)).next_frame()
+    assert words(text) & secrets_of(area) == set()
+    assert words(text) >= {ATV[area], MACHINE[area], TASK[area]}
+
+
+async def test_the_whole_plant_is_shown_as_before() -> None:
+    stage = Stage(*everything())
+    text = await stage.join(ADMIN).next_frame()
+    for area in AREAS:
+        assert words(text) >= {ATV[area], MACHINE[area], TASK[area], GOAL, ORDER}
+
+
+async def test_of_a_task_its_way_is_seen_and_nothing_of_its_auction() -> None:
+    area = AREAS[0]
+    frame = await next_of(Stage(*everything()).join(operator(area)))
+    (task,) = frame["tasks"]
+    assert (task["primary"], task["destination"], task["item"]) == (ATV[area], MACHINE[area], "shaft")
+    assert task["bids"] == task["refusals"] == task["carriers"] == []
+    assert (task["order"], task["goal"], task["why"]["text"]) == ("", "", "")
+    (machine,) = frame["machines"]
+    (brief,) = machine["tasks"]
+    assert (brief["primary"], brief["secondary"]) == (ATV[area], ELSEWHERE)
+    assert brief["trouble"] == f"{ATV[area]} waits for {ELSEWHERE}."
+    (goal,) = machine["goals"]
+    assert (goal["goal"], goal["product"], goal["made"]) == ("1", "pump-p3", 2)
+    (atv,) = frame["atvs"]
+    assert (atv["via"], atv["watches"]) == ([ELSEWHERE], [])
+
+
+async def test_frames_are_made_per_audience_and_encoded_once_for_all_in_it() -> None:
+    stage = Stage(*everything())
+    clients = [stage.join(operator(area)) for area in (AREAS[0], AREAS[0], AREAS[1])]
+    for client in clients:
+        await next_of(client)
+    stage.tell(making(AREAS[0], seq=2), standing(AREAS[1], seq=2))
+    stage.wall.now_s += 0.5
+    stage.hub.tick()
+    first, twin, other = [client._frames[0] for client in clients]
+    assert first is twin
+    assert first != other
+
+
+async def test_a_snapshot_says_who_is_shown_it() -> None:
+    stage = Stage()
+    here = operator(AREAS[1], AREAS[0], station="M1")
+    first, second = stage.join(here), stage.join(ADMIN)
+    assert (await next_of(first))["audience"] == {
+        "role": "operator",
+        "name": "Operator",
+        "areas": [AREAS[0], AREAS[1]],
+        "station": "M1",
+    }
+    assert (await next_of(second))["audience"] == {
+        "role": "",
+        "name": "Administrator",
+        "areas": None,
+        "station": "",
+    }
+
+
+async def test_several_areas_are_seen_together() -> None:
+    frame = await next_of(Stage(*everything()).join(operator(*AREAS[:2])))
+    assert set(ids(frame, "atvs")) == {ATV[area] for area in AREAS[:2]}
+
+
+async def test_whoever_has_no_area_sees_nothing() -> None:
+    frame = await next_of(Stage(*everything()).join(operator()))
+    assert all(frame[kind] == [] for kind in ("atvs", "machines", "tasks", "orders", "news", "alerts"))
+
+
+async def test_a_vehicle_that_crosses_the_border_leaves_here_and_comes_there() -> None:
+    home, there = AREAS[0], AREAS[1]
+    stage = Stage(*everything())
+    left, reached, third = (stage.join(operator(area)) for area in (home, there, AREAS[2]))
+    stage.hub.tick()
+    for client in (left, reached, third):
+        await waiting(client)
+    stage.tell(standing(home, there, seq=2))
+    stage.wall.now_s += 0.5
+    stage.hub.tick()
+    (frame,) = await waiting(left)
+    assert frame["atvs"] == []
+    assert f"atv:{ATV[home]}" in frame["gone"]
+    # Its machine is still served, by somebody elsewhere; the vehicle's own news left with it.
+    assert [task["primary"] for task in frame["tasks"]] == [ELSEWHERE]
+    assert frame["machines"][0]["tasks"][0]["primary"] == ELSEWHERE
+    assert set(frame["gone"]) > {f"news:link-{ATV[home]}", f"news:help-{ATV[home]}"}
+    (frame,) = await waiting(reached)
+    assert ids(frame, "atvs") == [ATV[home]]
+    assert ids(frame, "tasks") == [TASK[home]]
+    assert frame["gone"] == []
+    assert await waiting(third) == [], "it is told nothing, not even that something has happened"
+
+
+async def test_what_was_never_shown_is_never_gone() -> None:
+    home, there = AREAS[0], AREAS[1]
+    stage = Stage(*everything())
+    early = stage.join(operator(home))
+    await next_of(early)
+    stage.tell(standing(home, there, seq=2))
+    # The frame that lets it go is not made yet: who joins now is shown what holds until then.
+    late = stage.join(operator(home))
+    snapshot = await next_of(late)
+    assert ids(snapshot, "atvs") == [ATV[home]]
+    stage.wall.now_s += 0.5
+    stage.hub.tick()
+    for client in (early, late):
+        (frame,) = await waiting(client)
+        assert f"atv:{ATV[home]}" in frame["gone"]
+    stage.projection.tasks.changes.drop("M99-1")
+    stage.wall.now_s += 2.0
+    stage.hub.tick()
+    for client in (early, late):
+        (frame,) = await waiting(client)
+        assert frame["gone"] == []
+
+
+@every_area
+async def test_no_delta_names_anything_of_other_areas(area: str) -> None:
+    stage = Stage()
+    client = stage.join(operator(area))
+    said = [await client.next_frame()]
+    for other in AREAS:
+        stage.tell(*told_of(other))
+        stage.wall.now_s += 0.2
+        stage.projection.look(stage.wall.now_s)
+        stage.hub.tick()
+    stage.tell(*orders_wait())
+    for other in AREAS:
+        stage.tell(making(other, seq=2), standing(other, seq=2))
+        stage.wall.now_s += 0.2
+        stage.hub.tick()
+    said += [client._frames.popleft() for _ in range(len(client._frames))]
+    for frame in said:
+        assert words(frame) & secrets_of(area) == set(), frame
+    numbers = [json.loads(frame)["number"] for frame in said]
+    assert numbers == list(range(numbers[0], numbers[0] + len(numbers))), "and no gap tells of a frame"
+
+
+async def test_a_mirror_of_the_deltas_is_the_same_as_a_fresh_snapshot() -> None:
+    stage = Stage(*everything())
+    client = stage.join(operator(AREAS[0]))
+    kinds = {"atv": "atvs", "machine": "machines", "task": "tasks", "news": "news", "alert": "alerts"}
+    mirror: dict[str, dict[str, Any]] = {kind: {} for kind in kinds.values()}
+    for seq in range(2, 30):
+        mover = AREAS[seq % len(AREAS)]
+        stage.tell(standing(mover, AREAS[seq // 2 % len(AREAS)], seq=seq), making(mover, seq=seq))
+        stage.wall.now_s += 0.3
+        stage.projection.look(stage.wall.now_s)
+        stage.hub.tick()
+        for frame in await waiting(client):
+            if frame["type"] == "snapshot":
+                mirror = {kind: {} for kind in kinds.values()}
+            for name in frame.get("gone", ()):
+                kind, _, entity = name.partition(":")
+                del mirror[kinds[kind]][entity]
+            for kind, known in mirror.items():
+                known |= {each["id"]: each for each in frame[kind]}
+    fresh = Hub(stage.projection, FLOOR, wall_s=stage.wall, rate_hz=10.0, queue_frames=5, clients=1).join(
+        operator(AREAS[0])
+    )
+    assert fresh is not None
+    snapshot = await next_of(fresh)
+    assert mirror == {kind: {each["id"]: each for each in snapshot[kind]} for kind in kinds.values()}
+
+
+async def test_a_command_is_seen_by_those_who_answered_for_the_vehicle_when_it_was_given() -> None:
+    stage = Stage(*everything())
+    here, there = (stage.join(operator(area)) for area in AREAS[:2])
+    for client in (here, there):
+        await next_of(client)
+    stage.projection.commands.put(
+        CommandView(id="c-1", atv=ATV[AREAS[0]], kind="stop", by="Operator", at_s=NOW_S), (AREAS[0],)
+    )
+    stage.tell(standing(AREAS[0], AREAS[1], seq=2))
+    stage.projection.commands.end("c-1", "confirmed")
+    stage.wall.now_s += 0.5
+    stage.hub.tick()
+    (frame,) = await waiting(here)
+    assert [(each["id"], each["state"]) for each in frame["commands"]] == [("c-1", "confirmed")]
+    (frame,) = await waiting(there)
+    assert frame["commands"] == []
+
+
+async def test_an_empty_room_is_forgotten() -> None:
+    stage = Stage(*everything())
+    client = stage.join(operator(AREAS[0]))
+    stage.hub.leave(client)
+    assert stage.hub._rooms == {}
+    assert (await next_of(stage.join(operator(AREAS[0]))))["type"] == "snapshot"
+
+
+# --- REST: every route, every role, every area ------------------------------------------------------
+
+
+async def person(house: House, role: Role, *areas: str) -> httpx.AsyncClient:
+    """The browser of somebody who has logged in."""
+    who = Person(
+        id="-".join((role.value, *areas)), name="Somebody", role=role, created_at_s=NOW_S, areas=areas
+    )
+    async with house.store.write() as work:
+        await work.people.add(who)
+    token, _ = await Sessions(house.store, house.wall).begin(who)
+    return httpx.AsyncClient(
+        transport=house.client._transport,
+        base_url=house.client.base_url,
+        cookies={COOKIE: token},
+        headers={"Origin": str(house.client.base_url).rstrip("/")},
+    )
+
+
+def paths(template: str, names: dict[str, str]) -> str:
+    """A path with the names of one area's things in it."""
+    for field, name in names.items():
+        template = template.replace(f"{{{field}}}", name)
+    return template
+
+
+def things(area: str) -> dict[str, str]:
+    return {
+        "atv": ATV[area],
+        "machine": MACHINE[area],
+        "task": TASK[area],
+        "alert": f"atv_help-{ATV[area]}",
+        "order": ORDER,
+        "fault": "f1",
+        "token": "t" * 20,
+    }
+
+
+API = sorted((method, path) for method, path in RULES if path.startswith("/api/") and path != "/api/stream")
+
+
+async def busy(house: House) -> None:
+    """Something goes on in every area, and there is an order."""
+    house.bus.strategist()
+    await house.place(customer="Muster")
+    await house.say(everything())
+    house.parts.projection.look(house.wall())
+
+
+@pytest.fixture(scope="module")
+def anyio_backend() -> str:
+    return "asyncio"
+
+
+async def test_every_route_gives_an_operator_of_any_area_nothing_of_another(url: str) -> None:
+    async with gateway(url, faults=FakeDesk(), command_timeout_s=0.01) as house:
+        await busy(house)
+        for area in AREAS:
+            client = await person(house, Role.OPERATOR, area)
+            for method, template in API:
+                for other in AREAS:
+                    path = paths(template, things(other))
+                    answer = await client.request(method, path)
+                    assert answer.status_code != 500, (method, path)
+                    if template in {"/api/openapi.json", "/api/docs"}:
+                        continue
+                    # What the caller has typed comes back in a problem; nothing else does.
+                    typed = words(path) if answer.status_code >= 400 else set()
+                    leaked = (words(answer.text) & secrets_of(area)) - typed
+                    assert leaked == set(), (method, path, answer.text)
+                    if other != area and "{" in template and method == "GET":
+                        assert answer.status_code in (403, 404), (method, path)
+
+
+@pytest.mark.parametrize("role", ["admin", "manager"])
+async def test_whoever_has_the_whole_plant_is_refused_nothing(url: str, role: str) -> None:
+    async with gateway(url, faults=FakeDesk()) as house:
+        await busy(house)
+        client = house.client if role == "admin" else await person(house, Role.MANAGER)
+        for area in AREAS:
+            for method, template in API:
+                if method == "GET" and template not in ("/api/track/{token}", "/api/orders/{order}"):
+                    answer = await client.get(paths(template, things(area)))
+                    assert answer.status_code == 200, (template, answer.text)
+        assert words((await client.get("/api/atvs")).text) >= {ATV[area] for area in AREAS}
+
+
+@every_area
+async def test_what_stands_elsewhere_is_not_told_from_what_does_not_exist(url: str, area: str) -> None:
+    async with gateway(url) as house:
+        await busy(house)
+        client = await person(house, Role.OPERATOR, area)
+        for noun, names, nobody in (
+            ("atvs", ATV, "ATV999"),
+            ("machines", MACHINE, "M999"),
+            ("tasks", TASK, "M999-1"),
+        ):
+            assert (await client.get(f"/api/{noun}/{names[area]}")).status_code == 200
+            hidden = await client.get(f"/api/{noun}/{names[after(area)]}")
+            missing = await client.get(f"/api/{noun}/{nobody}")
+            assert hidden.status_code == missing.status_code == 404
+            assert hidden.text.replace(names[after(area)], nobody) == missing.text
+
+
+@every_area
+async def test_the_plant_file_ends_at_the_border(url: str, area: str) -> None:
+    async with gateway(url) as house:
+        client = await person(house, Role.OPERATOR, area)
+        file = (await client.get("/api/plant")).json()
+    assert [each["id"] for each in file["areas"]] == [area]
+    machines = [m for m in FLOOR.machines if area in FLOOR.areas_at(*FLOOR.position_of(m))]
+    assert [each["id"] for each in file["machines"]] == machines
+    assert file["fleet"] == []
+    nodes = {each["id"] for each in file["nodes"]}
+    assert all({lane["start"], lane["end"]} <= nodes for lane in file["lanes"])
+    for kind in ("machines", "storages", "chargers", "parkings", "warehouses"):
+        assert {each["node"] for each in file[kind]} <= nodes
+    assert {machine["station"] for machine in file["machines"]} == {each["id"] for each in file["stations"]}
+
+
+# --- commands --------------------------------------------------------------------------------------
+
+
+def deaf_vehicles(house: House) -> None:
+    """Vehicles that obey at once."""
+    for atv in ATV.values():
+
+        def receive(sender: str, message: Message, atv: str = atv) -> None:
+            if isinstance(message, VehicleCommand):
+                house.bus.tell(atv, sender, CommandAnswered(command=message.command, done=True))
+
+        house.bus.join(atv, receive)
+
+
+@every_area
+async def test_an_operator_commands_what_stands_in_the_area_and_nothing_else(url: str, area: str) -> None:
+    async with gateway(url) as house:
+        await busy(house)
+        deaf_vehicles(house)
+        client = await person(house, Role.OPERATOR, area)
+        for body in ({"kind": "stop"}, {"kind": "resume"}, {"kind": "set_speed", "speed_frac": 0.5}):
+            answer = await client.post(f"/api/atvs/{ATV[area]}/commands", json=body)
+            assert answer.status_code == 200, answer.text
+            told = problem(
+                await client.post(f"/api/atvs/{ATV[after(area)]}/commands", json=body), 403, "not-allowed"
+            )
+            nobody = problem(await client.post("/api/atvs/ATV999/commands", json=body), 403, "not-allowed")
+            assert told["detail"].replace(ATV[after(area)], "ATV999") == nobody["detail"]
+            assert area in told["detail"]
+        assert house.bus.sent_to(ATV[after(area)], VehicleCommand) == []
+        commands = house.bus.sent_to(ATV[area], VehicleCommand)
+        for command in commands:
+            assert command.grant is not None
+            assert (command.grant.areas, command.grant.everywhere) == ((area,), False)
+            assert command.grant.person == f"person:operator-{area}"
+
+
+async def test_a_stop_reaches_a_vehicle_that_has_just_crossed_the_border(url: str) -> None:
+    border_y_m = max(corner.y_m for corner in FLOOR.areas["AREA2"].polygon)
+    async with gateway(url) as house:
+        deaf_vehicles(house)
+        client = await person(house, Role.OPERATOR, "AREA2")
+        for away_m, kind, status in (
+            (STOP_MARGIN_M - 0.1, "stop", 200),
+            (STOP_MARGIN_M - 0.1, "resume", 403),
+            (STOP_MARGIN_M + 0.1, "stop", 403),
+        ):
+            house.bus.say(atv_heartbeat("ATV1", int(away_m * 10), pose=Pose(30.0, border_y_m + away_m, 0.0)))
+            answer = await client.post("/api/atvs/ATV1/commands", json={"kind": kind})
+            assert answer.status_code == status, (away_m, kind)
+
+
+async def test_an_alert_elsewhere_cannot_be_acknowledged(url: str) -> None:
+    home, there = AREAS[:2]
+    async with gateway(url) as house:
+        await busy(house)
+        client = await person(house, Role.OPERATOR, home)
+        refused = await client.post(f"/api/alerts/atv_help-{ATV[there]}/acknowledge")
+        problem(refused, 404, "unknown-alert")
+        alert = house.parts.projection.alerts.get(f"atv_help-{ATV[there]}")
+        assert alert is not None
+        assert alert.acknowledged_by == ""
+        assert (await client.post(f"/api/alerts/atv_help-{ATV[home]}/acknowledge")).status_code == 200
