@@ -11,13 +11,14 @@ import json
 import msgspec
 
 from dray.gateway.kpis import KpiHistory
+from dray.gateway.preview import OrderPreview
 from dray.gateway.views import Delta, Snapshot
 from dray.plant.model import PlantFile
 
 
 def main() -> None:
     _, components = msgspec.json.schema_components(
-        [Snapshot, Delta, PlantFile, KpiHistory], ref_template="#/definitions/{name}"
+        [Snapshot, Delta, PlantFile, KpiHistory, OrderPreview], ref_template="#/definitions/{name}"
     )
     for component in components.values():
         if "properties" in component:

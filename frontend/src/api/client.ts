@@ -1,6 +1,6 @@
 /** Requests to the gateway, with its problems (RFC 9457) as values. */
 import { tellLoggedOut } from "./session";
-import type { KpiHistory, PlantFile } from "./types";
+import type { KpiHistory, OrderPreview, PlantFile } from "./types";
 
 export interface FieldError {
   readonly field: string;
@@ -86,6 +86,16 @@ export async function placeOrder(order: NewOrder, key: string): Promise<PlacedOr
 
 export async function releaseOrder(id: string): Promise<void> {
   await request("POST", `/api/orders/${encodeURIComponent(id)}/release`);
+}
+
+/** What an order would need if it were published now; nothing is kept. */
+export async function previewOrder(order: Pick<NewOrder, "items" | "due_at">): Promise<OrderPreview> {
+  return (await request("POST", "/api/orders/preview", order)) as OrderPreview;
+}
+
+/** Asks the factory to stop working at an order; it is stored again when the factory has confirmed. */
+export async function revokeOrder(id: string): Promise<void> {
+  await request("POST", `/api/orders/${encodeURIComponent(id)}/revoke`);
 }
 
 export async function cancelOrder(id: string): Promise<void> {

@@ -483,6 +483,16 @@ export interface Lane {
   start: string;
 }
 /**
+ * A machine that can make a part of it.
+ */
+export interface MachineOffer {
+  available: boolean;
+  machine: string;
+  pieces: number;
+  queue_s: number;
+  status: string;
+}
+/**
  * A production machine of a working station.
  */
 export interface MachineSpec {
@@ -512,12 +522,42 @@ export interface Material {
   name: string;
 }
 /**
+ * One material.
+ */
+export interface MaterialNeed {
+  at_machines: number;
+  loads: number;
+  material: string;
+  needed: number;
+  refills: boolean;
+  storages: StorageShare[];
+  wanted: number;
+}
+/**
+ * A storage that has a material.
+ */
+export interface StorageShare {
+  capacity: number;
+  storage: string;
+}
+/**
  * A point of the road network.
  */
 export interface Node {
   id: string;
   x_m: number;
   y_m: number;
+}
+/**
+ * What an order would need if it were published now.
+ */
+export interface OrderPreview {
+  cannot: string[];
+  earliest_at_s: number | null;
+  late: string;
+  latest_at_s: number | null;
+  machines: MachineOffer[];
+  materials: MaterialNeed[];
 }
 /**
  * A place where a vehicle waits out of the way.

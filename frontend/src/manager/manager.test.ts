@@ -7,9 +7,10 @@ import { sparkPoints } from "./factory/spark";
 import { firstLook } from "./first-look";
 import { placeOf } from "./machine/place";
 import { namesOf } from "../plant/names";
-import { inOrder, isLate, progressOf } from "./orders/progress";
+import { canBeTakenBack, inOrder, isLate, progressOf, stateOf } from "./orders/progress";
 import { problemText } from "./problem-text";
 import { checkDraft, type Draft, fieldOf, makersOf, needsOf, orderOf } from "./publish/draft";
+import { isAskable } from "./publish/preview";
 import { viewFrom } from "./views";
 
 const plant = {
@@ -39,6 +40,13 @@ describe("a draft", () => {
     }
     expect(checkDraft({ ...draft, customer: "  " }, 0)).toEqual({ customer: "needCustomer" });
     expect(checkDraft({ ...draft, due: "2001-01-01T10:00" }, 2e9)).toEqual({ due: "needFuture" });
+  });
+
+  test("can be looked ahead for before it is known who it is for", () => {
+    expect(isAskable({ ...draft, customer: "" }, 0)).toBe(true);
+    expect(isAskable({ ...draft, quantity: "" }, 0)).toBe(false);
+    expect(isAskable({ ...draft, product: "" }, 0)).toBe(false);
+    expect(isAskable({ ...draft, due: "2001-01-01T10:00" }, 2e9)).toBe(false);
   });
 
   test("is sent without what was left empty", () => {
@@ -149,4 +157,21 @@ test("places are known by what they are", () => {
 test("an address that is no view leads to the plant", () => {
   expect(viewFrom("#orders")).toBe("orders");
   expect(viewFrom("#nonsense")).toBe("plant");
+});
+
+describe("an order that is taken back", () => {
+  test("is so only when the factory has confirmed it", () => {
+    expect(stateOf(order({ status: "in_production" }))).toBe("in_production");
+    expect(stateOf(order({ status: "in_production", revoked_at_s: 5 }))).toBe("being_taken_back");
+    expect(stateOf(order({ status: "stored", revoked_at_s: 5 }))).toBe("taken_back");
+    expect(stateOf(order({ status: "stored", releases: 0 }))).toBe("stored");
+    expect(stateOf(order({ status: "cancelled", revoked_at_s: 5 }))).toBe("cancelled");
+  });
+
+  test("was in work, and nobody had asked before", () => {
+    expect(canBeTakenBack(order({ status: "released" }))).toBe(true);
+    for (const more of [{ status: "stored" }, { status: "delivered" }, { revoked_at_s: 5 }] as const) {
+      expect(canBeTakenBack(order(more))).toBe(false);
+    }
+  });
 });

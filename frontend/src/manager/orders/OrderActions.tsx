@@ -1,43 +1,55 @@
 import { useSignal } from "@preact/signals";
-import { cancelOrder, releaseOrder } from "../../api/client";
+import { cancelOrder, releaseOrder, revokeOrder } from "../../api/client";
 import type { OrderView } from "../../api/types";
 import { t } from "../../text/manager";
 import { problemText } from "../problem-text";
-import { isClosed } from "./progress";
+import { canBeTakenBack, isClosed } from "./progress";
 
-/** Publish what was only defined; cancel what is no longer wanted, after a second thought. */
-export function OrderActions({ order, canCancel = false }: { order: OrderView; canCancel?: boolean }) {
+/** What can be done about an order; what cannot be undone is asked for twice. */
+const DEEDS = {
+  release: { run: releaseOrder, label: "orders.release", failed: "orders.releaseFailed" },
+  revoke: { run: revokeOrder, label: "orders.revoke", failed: "orders.revokeFailed", sure: "orders.revokeSure" },
+  cancel: { run: cancelOrder, label: "orders.cancel", failed: "orders.cancelFailed", sure: "orders.cancelSure" },
+} as const;
+type Deed = keyof typeof DEEDS;
+
+/** Publish what was only defined; take back what is in work, or cancel it, after a second thought. */
+export function OrderActions({ order, all = false }: { order: OrderView; all?: boolean }) {
   const busy = useSignal(false);
-  const asking = useSignal(false);
+  const asking = useSignal<"revoke" | "cancel" | null>(null);
   const failed = useSignal("");
-  const run = async (what: (id: string) => Promise<void>, message: (reason: string) => string) => {
+  if (isClosed(order)) return null;
+  const run = async (deed: Deed) => {
     busy.value = true;
     failed.value = "";
     try {
-      await what(order.id);
-      asking.value = false;
+      await DEEDS[deed].run(order.id);
+      asking.value = null;
     } catch (error) {
-      failed.value = message(problemText(error));
+      failed.value = t(DEEDS[deed].failed, { reason: problemText(error) });
     } finally {
       busy.value = false;
     }
   };
-  const act = (label: "orders.release" | "orders.cancel" | "orders.keep", onClick: () => void) => (
+  const button = (label: (typeof DEEDS)[Deed]["label"] | "orders.keep", onClick: () => void) => (
     <button type="button" class="button small" disabled={busy.value} onClick={onClick}>
       {t(label)}
     </button>
   );
-  if (isClosed(order)) return null;
+  const sure = asking.value;
   return (
     <span class="order-actions">
-      {order.status === "stored" &&
-        act("orders.release", () => void run(releaseOrder, (reason) => t("orders.releaseFailed", { reason })))}
-      {canCancel && !asking.value && act("orders.cancel", () => (asking.value = true))}
-      {asking.value && (
+      {sure === null ? (
         <>
-          <span>{t("orders.cancelSure")}</span>
-          {act("orders.cancel", () => void run(cancelOrder, (reason) => t("orders.cancelFailed", { reason })))}
-          {act("orders.keep", () => (asking.value = false))}
+          {order.status === "stored" && button("orders.release", () => void run("release"))}
+          {all && canBeTakenBack(order) && button("orders.revoke", () => (asking.value = "revoke"))}
+          {all && button("orders.cancel", () => (asking.value = "cancel"))}
+        </>
+      ) : (
+        <>
+          <span>{t(DEEDS[sure].sure)}</span>
+          {button(DEEDS[sure].label, () => void run(sure))}
+          {button("orders.keep", () => (asking.value = null))}
         </>
       )}
       {failed.value !== "" && (

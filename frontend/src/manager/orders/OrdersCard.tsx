@@ -7,7 +7,7 @@ import { names } from "../state";
 import { DueText } from "./DueText";
 import { OrderActions } from "./OrderActions";
 import { OrderProgress } from "./OrderProgress";
-import { inOrder, isClosed } from "./progress";
+import { inOrder, isClosed, stateOf } from "./progress";
 import { WaitsText } from "./WaitsText";
 
 /** The card holds the open ones and the last that closed; the view Orders has them all. */
@@ -39,7 +39,7 @@ function OrderRow({ order }: { order: OrderView }) {
     <li class={`order ${isClosed(order) ? "closed" : ""}`}>
       <div class="order-line">
         <b>{what}</b>
-        <span class="order-status">{word("order", order.status)}</span>
+        <span class="order-status">{word("order", stateOf(order))}</span>
       </div>
       <OrderProgress order={order} />
       <div class="order-line small muted">

@@ -7,7 +7,7 @@ import { names } from "../state";
 import { DueText } from "./DueText";
 import { OrderActions } from "./OrderActions";
 import { OrderProgress } from "./OrderProgress";
-import { inOrder } from "./progress";
+import { inOrder, stateOf } from "./progress";
 import { WaitsText } from "./WaitsText";
 
 /** All orders that the stream holds: the open ones and the last that closed. */
@@ -23,7 +23,16 @@ export function OrdersView() {
     t("orders.actions"),
   ];
   return (
-    <Table title={t("orders.title")} heads={heads} empty={t("orders.none")}>
+    <Table
+      title={t("orders.title")}
+      heads={heads}
+      empty={t("orders.none")}
+      aside={
+        <a class="button" href="/api/orders?format=csv" download title={t("orders.csvTitle")}>
+          {t("orders.csv")}
+        </a>
+      }
+    >
       {orders.map((order) => (
         <Row key={order.id} order={order} />
       ))}
@@ -39,7 +48,7 @@ function Row({ order }: { order: OrderView }) {
       <td>{order.customer}</td>
       <td>{format.list(items)}</td>
       <td>
-        {word("order", order.status)}
+        {word("order", stateOf(order))}
         {order.waits !== "" && (
           <small class="line">
             <WaitsText order={order} />
@@ -56,7 +65,7 @@ function Row({ order }: { order: OrderView }) {
         )}
       </td>
       <td>
-        <OrderActions order={order} canCancel />
+        <OrderActions order={order} all />
       </td>
     </tr>
   );

@@ -18,6 +18,17 @@ export function progressOf(order: OrderView): Progress {
   );
 }
 
+/** How an order stands, as a word of the catalogue's group `order`. */
+export function stateOf(order: OrderView): string {
+  if (order.status === "stored") return order.releases > 0 ? "taken_back" : "stored";
+  return order.revoked_at_s !== null && !isClosed(order) ? "being_taken_back" : order.status;
+}
+
+/** Whether the factory works at it, and nobody has asked it to stop. */
+export function canBeTakenBack(order: OrderView): boolean {
+  return order.status !== "stored" && order.revoked_at_s === null && !isClosed(order);
+}
+
 export function isClosed(order: OrderView): boolean {
   return order.status === "delivered" || order.status === "cancelled";
 }

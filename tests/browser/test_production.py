@@ -1,0 +1,108 @@
+"""Production in a real browser: looked ahead for, defined, published, taken back, and published again."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from math import sin
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page, Route, expect
+
+OpenPage = Callable[..., Page]
+Screenshot = Callable[[Page, str], Path]
+
+
+@pytest.fixture(scope="module")
+def factory(start_dray) -> Iterator[str]:
+    """A factory in which nobody orders but the test."""
+    dray = start_dray("--speed", "20", "--no-demand")
+    yield dray.url
+    assert dray.stop() == 0, dray.output()
+
+
+def test_production_is_defined_published_taken_back_and_published_again(
+    factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = open_page(factory)
+    page.get_by_label("Quantity").fill("400")
+    page.get_by_label("Customer").fill("Hall 3")
+    expect(page.locator(".feasible")).to_contain_text("can make it")
+    expect(page.locator(".feasible")).to_contain_text(re.compile(r"There .+ to .+"))
+    page.get_by_role("button", name="Details").click()
+    needs = page.get_by_role("dialog", name="What it would need")
+    expect(needs.get_by_role("row").filter(has_text="free").first).to_be_visible()
+    screenshot(page, "production-needs")
+    needs.get_by_role("button", name="Close").click()
+    page.get_by_role("button", name="Define").click()
+    expect(page.locator(".outcome-good")).to_contain_text("Defined as")
+
+    page.get_by_role("link", name="Orders", exact=True).click()
+    row = page.get_by_role("row").filter(has_text="Hall 3")
+    expect(row).to_contain_text("defined")
+    row.get_by_role("button", name="Publish").click()
+    expect(row).to_contain_text("in production")
+    row.get_by_role("button", name="Take back").click()
+    expect(row).to_contain_text("What has arrived stays delivered")
+    screenshot(page, "production-take-back")
+    row.get_by_role("button", name="Take back").click()
+    expect(row).to_contain_text("taken back")
+    expect(row.get_by_role("button", name="Publish")).to_be_visible()
+    row.get_by_role("button", name="Publish").click()
+    expect(row).to_contain_text("in production")
+
+
+def some_history(step_s: int, steps: int) -> dict[str, Any]:
+    """An answer of the gateway: figures that go up and down, and one step of which nothing was seen."""
+    since_s = 1_900_000_800 // step_s * step_s
+    items = []
+    for step in range(steps):
+        wave = 0.5 + 0.4 * sin(step / 5)
+        parts = (0.5 * wave, 0.1, 0.1, 0.02, 0.28, 0.5 - 0.5 * wave)
+        names = ("moving", "waiting", "charging", "blocked", "silent", "idle")
+        items.append(
+            {f"{name}_frac": part for name, part in zip(names, parts, strict=True)}
+            | dict.fromkeys(("on_time_frac", "atv_available_frac", "machine_available_frac"), 0.97)
+            | {"at_s": since_s + step * step_s, "span_s": step_s, "starved_frac": 0.02, "empty_frac": wave}
+            | {"transport_p50_s": 60 + 30 * wave, "transport_p95_s": 150.0, "transports": 4, "helps": 0}
+            | {"transports_per_hour": 40 * wave, "orders_delivered": 1, "commands": step % 3}
+        )
+    del items[7]
+    return {"since_at_s": since_s, "until_at_s": since_s + steps * step_s, "step_s": step_s, "items": items}
+
+
+def test_the_figures_are_charts_that_keys_can_read_with_tables_behind_them(
+    factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = open_page("about:blank", visits=factory)
+
+    def answer(route: Route) -> None:
+        step_s = int(re.search(r"step=(\d+)", route.request.url).group(1))  # type: ignore[union-attr]
+        route.fulfill(json=some_history(step_s, 60 if step_s == 60 else 160))
+
+    page.route("**/api/kpis/history?*", answer)
+    scripts: list[str] = []
+    page.on("request", lambda request: scripts.append(request.url))
+    page.goto(factory)
+    expect(page.get_by_role("link", name="Figures")).to_be_visible()
+    assert not any("KpiCharts" in url for url in scripts)
+    page.get_by_role("link", name="Figures").click()
+    expect(page.locator(".kpi-plot canvas")).to_have_count(7)
+    assert any("KpiCharts" in url for url in scripts)
+    screenshot(page, "figures")
+
+    card = page.locator(".kpi-interventions")
+    expect(card.locator(".kpi-legend")).to_contain_text("commands 2")
+    card.get_by_role("img").focus()
+    for key, figure in (("Home", "commands 0"), ("ArrowRight", "commands 1"), ("End", "commands 2")):
+        page.keyboard.press(key)
+        expect(card.locator(".kpi-legend")).to_contain_text(figure)
+    card.get_by_role("button", name="Table").click()
+    expect(card.get_by_role("row")).to_have_count(1 + 59)
+
+    page.get_by_role("button", name="7 d").click()
+    expect(card.get_by_role("row")).to_have_count(1 + 159)
+    page.get_by_role("button", name="Dark").click()
+    screenshot(page, "figures-dark")
