@@ -26,10 +26,8 @@ from areas_kit import (
 )
 from gateway_kit import NOW_S, PLANT, FakeDesk, House, Wall, atv_heartbeat, gateway, problem
 
-from dray.gateway.access.gate import COOKIE
 from dray.gateway.access.principal import ADMIN, SCOPES, Principal, Role
 from dray.gateway.access.rules import RULES
-from dray.gateway.access.sessions import Sessions
 from dray.gateway.projection import Projection
 from dray.gateway.projection.sight import ELSEWHERE
 from dray.gateway.stream import Client, Hub
@@ -37,7 +35,6 @@ from dray.gateway.timescale import TimeScale
 from dray.gateway.views import CommandView
 from dray.messages import CommandAnswered, Message, Pose, VehicleCommand
 from dray.messages.command import STOP_MARGIN_M
-from dray.store.people import Person
 
 pytestmark = pytest.mark.anyio
 
@@ -307,20 +304,9 @@ async def test_an_empty_room_is_forgotten() -> None:
 # --- REST: every route, every role, every area ------------------------------------------------------
 
 
-async def person(house: House, role: Role, *areas: str) -> httpx.AsyncClient:
-    """The browser of somebody who has logged in."""
-    who = Person(
-        id="-".join((role.value, *areas)), name="Somebody", role=role, created_at_s=NOW_S, areas=areas
-    )
-    async with house.store.write() as work:
-        await work.people.add(who)
-    token, _ = await Sessions(house.store, house.wall).begin(who)
-    return httpx.AsyncClient(
-        transport=house.client._transport,
-        base_url=house.client.base_url,
-        cookies={COOKIE: token},
-        headers={"Origin": str(house.client.base_url).rstrip("/")},
-    )
+async def operator_of(house: House, area: str) -> httpx.AsyncClient:
+    """The browser of an area's operator."""
+    return await house.log_in(f"operator-{area.lower()}", Role.OPERATOR, area)
 
 
 def paths(template: str, names: dict[str, str]) -> str:
@@ -353,16 +339,11 @@ async def busy(house: House) -> None:
     house.parts.projection.look(house.wall())
 
 
-@pytest.fixture(scope="module")
-def anyio_backend() -> str:
-    return "asyncio"
-
-
 async def test_every_route_gives_an_operator_of_any_area_nothing_of_another(url: str) -> None:
     async with gateway(url, faults=FakeDesk(), command_timeout_s=0.01) as house:
         await busy(house)
         for area in AREAS:
-            client = await person(house, Role.OPERATOR, area)
+            client = await operator_of(house, area)
             for method, template in API:
                 for other in AREAS:
                     path = paths(template, things(other))
@@ -382,7 +363,7 @@ async def test_every_route_gives_an_operator_of_any_area_nothing_of_another(url:
 async def test_whoever_has_the_whole_plant_is_refused_nothing(url: str, role: str) -> None:
     async with gateway(url, faults=FakeDesk()) as house:
         await busy(house)
-        client = house.client if role == "admin" else await person(house, Role.MANAGER)
+        client = house.client if role == "admin" else await house.log_in("boss")
         for area in AREAS:
             for method, template in API:
                 if method == "GET" and template not in ("/api/track/{token}", "/api/orders/{order}"):
@@ -395,7 +376,7 @@ async def test_whoever_has_the_whole_plant_is_refused_nothing(url: str, role: st
 async def test_what_stands_elsewhere_is_not_told_from_what_does_not_exist(url: str, area: str) -> None:
     async with gateway(url) as house:
         await busy(house)
-        client = await person(house, Role.OPERATOR, area)
+        client = await operator_of(house, area)
         for noun, names, nobody in (
             ("atvs", ATV, "ATV999"),
             ("machines", MACHINE, "M999"),
@@ -411,7 +392,7 @@ async def test_what_stands_elsewhere_is_not_told_from_what_does_not_exist(url: s
 @every_area
 async def test_the_plant_file_ends_at_the_border(url: str, area: str) -> None:
     async with gateway(url) as house:
-        client = await person(house, Role.OPERATOR, area)
+        client = await operator_of(house, area)
         file = (await client.get("/api/plant")).json()
     assert [each["id"] for each in file["areas"]] == [area]
     machines = [m for m in FLOOR.machines if area in FLOOR.areas_at(*FLOOR.position_of(m))]
@@ -443,7 +424,7 @@ async def test_an_operator_commands_what_stands_in_the_area_and_nothing_else(url
     async with gateway(url) as house:
         await busy(house)
         deaf_vehicles(house)
-        client = await person(house, Role.OPERATOR, area)
+        client = await operator_of(house, area)
         for body in ({"kind": "stop"}, {"kind": "resume"}, {"kind": "set_speed", "speed_frac": 0.5}):
             answer = await client.post(f"/api/atvs/{ATV[area]}/commands", json=body)
             assert answer.status_code == 200, answer.text
@@ -458,14 +439,14 @@ async def test_an_operator_commands_what_stands_in_the_area_and_nothing_else(url
         for command in commands:
             assert command.grant is not None
             assert (command.grant.areas, command.grant.everywhere) == ((area,), False)
-            assert command.grant.person == f"person:operator-{area}"
+            assert command.grant.person == f"person:operator-{area.lower()}"
 
 
 async def test_a_stop_reaches_a_vehicle_that_has_just_crossed_the_border(url: str) -> None:
     border_y_m = max(corner.y_m for corner in FLOOR.areas["AREA2"].polygon)
     async with gateway(url) as house:
         deaf_vehicles(house)
-        client = await person(house, Role.OPERATOR, "AREA2")
+        client = await operator_of(house, "AREA2")
         for away_m, kind, status in (
             (STOP_MARGIN_M - 0.1, "stop", 200),
             (STOP_MARGIN_M - 0.1, "resume", 403),
@@ -480,7 +461,7 @@ async def test_an_alert_elsewhere_cannot_be_acknowledged(url: str) -> None:
     home, there = AREAS[:2]
     async with gateway(url) as house:
         await busy(house)
-        client = await person(house, Role.OPERATOR, home)
+        client = await operator_of(house, home)
         refused = await client.post(f"/api/alerts/atv_help-{ATV[there]}/acknowledge")
         problem(refused, 404, "unknown-alert")
         alert = house.parts.projection.alerts.get(f"atv_help-{ATV[there]}")

@@ -12,13 +12,14 @@ import msgspec
 import pytest
 from gateway_kit import BEARER, NOW_S, PLANT, House, Wall, atv_heartbeat, draft, gateway, machine_heartbeat
 
-from dray.gateway.access.principal import ADMIN
+from dray.gateway.access.gate import COOKIE
+from dray.gateway.access.principal import ADMIN, Role
 from dray.gateway.projection import Projection
 from dray.gateway.routes.stream import INCOMING_MESSAGES, POLICY, TRY_LATER
 from dray.gateway.stream import FACTORY_S, QUIET_S, Client, Hub
 from dray.gateway.timescale import TimeScale
 from dray.gateway.views import AudienceView, Delta, Snapshot
-from dray.messages import AtvStatus
+from dray.messages import AtvStatus, Pose
 from dray.plant import Plant
 from dray_sim.loop import run
 
@@ -317,6 +318,7 @@ class Socket:
         self.takes = asyncio.Event()
         """Cleared while this browser reads nothing."""
         self.takes.set()
+        known = {} if "cookie" in headers else BEARER
         scope = {
             "type": "websocket",
             "asgi": {"version": "3.0"},
@@ -328,7 +330,7 @@ class Socket:
             "root_path": "",
             "headers": [
                 (name.lower().encode(), value.encode())
-                for name, value in ({"host": "dray.test"} | BEARER | headers).items()
+                for name, value in ({"host": "dray.test"} | known | headers).items()
             ],
             "client": ("127.0.0.1", 1234),
             "server": ("dray.test", 80),
@@ -358,8 +360,8 @@ class Socket:
 
 
 @asynccontextmanager
-async def opened(house: House) -> AsyncIterator[Socket]:
-    socket = Socket(house)
+async def opened(house: House, **headers: str) -> AsyncIterator[Socket]:
+    socket = Socket(house, **headers)
     assert (await socket.from_app.get())["type"] == "websocket.accept"
     yield socket
     await socket.close()
@@ -370,6 +372,20 @@ async def still(url: str) -> AsyncIterator[House]:
     """A gateway that makes a frame when the test says so."""
     async with gateway(url, stream_rate_hz=NEVER_HZ, stream_queue_frames=QUEUE, stream_clients=2) as house:
         yield house
+
+
+async def test_an_operators_browser_is_shown_the_operators_areas(still: House) -> None:
+    still.bus.say(
+        atv_heartbeat("ATV1", pose=Pose(30.0, 30.0, 0.0)), atv_heartbeat("ATV2", pose=Pose(30.0, 2.0, 0.0))
+    )
+    operator = await still.log_in("operator-north", Role.OPERATOR, "AREA1")
+    async with opened(still, cookie=f"{COOKIE}={operator.cookies[COOKIE]}") as socket:
+        frame = await socket.read()
+        assert [atv["id"] for atv in frame["atvs"]] == ["ATV1"]
+        assert (frame["audience"]["role"], frame["audience"]["areas"]) == ("operator", ["AREA1"])
+        still.bus.say(atv_heartbeat("ATV1", 2, pose=Pose(30.0, 2.0, 0.0)))
+        still.parts.hub.tick()
+        assert (await socket.read())["gone"] == ["atv:ATV1"]
 
 
 async def test_a_browser_sees_vehicles_and_orders_as_they_come(still: House) -> None:

@@ -5,8 +5,12 @@ from __future__ import annotations
 import asyncio
 from random import Random
 
+import pytest
+
+from dray.adapters.signing import SigningKey
 from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand
 from dray.plant import default_plant
+from dray.protocol.authority import NOT_GRANTED, NOT_HERE, NOT_TRUSTED
 from dray_sim import demand
 from dray_sim.desk import Desk
 from dray_sim.factory import Ears, SimFactory
@@ -92,3 +96,54 @@ def test_a_speed_of_nothing_is_refused() -> None:
     answer = run(main())
     assert not answer.done
     assert "above 0" in answer.reason
+
+
+# --- past the gateway, on the bus itself -------------------------------------------------------------
+
+
+async def _answer_to(areas: tuple[str, ...] | None, key: SigningKey | None) -> tuple[CommandAnswered, bool]:
+    """What a vehicle in AREA2 answers to a stop, and whether it is held then.
+
+    Args:
+        areas: for which the stop is granted; None for no grant at all.
+        key: who has signed the grant; None for the plant's own authority.
+    """
+    factory = SimFactory(default_plant(), clock(), seed=1)
+    answers: asyncio.Queue[Message] = asyncio.Queue()
+    session = factory.bus.join("somebody", lambda _sender, message: answers.put_nowait(message))
+    life = asyncio.create_task(factory.run())
+    await asyncio.sleep(1.0)
+    stop = VehicleCommand(command="c1", kind=CommandKind.STOP, issued_by="the manager")
+    if areas is not None:
+        until_s = factory.clock.now_s() + ANSWER_S
+        stop = (key or factory.authority).grant(
+            "ATV1", stop, person="manager", areas=areas, valid_until_s=until_s
+        )
+    session.send("ATV1", stop)
+    answer = await asyncio.wait_for(answers.get(), ANSWER_S)
+    held = factory.vehicles["ATV1"].sense().held
+    life.cancel()
+    assert isinstance(answer, CommandAnswered)
+    return answer, held
+
+
+def test_a_granted_command_needs_no_gateway() -> None:
+    answer, held = run(_answer_to(("AREA2",), None))
+    assert (answer.done, held) == (True, True)
+
+
+@pytest.mark.parametrize(
+    ("areas", "key", "why"),
+    [
+        (None, None, NOT_GRANTED),
+        (("AREA4",), None, NOT_HERE),
+        ((), None, NOT_HERE),
+        (("AREA2",), SigningKey(bytes(32)), NOT_TRUSTED),
+    ],
+    ids=["bare", "for another area", "for no area", "forged"],
+)
+def test_what_was_not_granted_for_here_moves_nothing(
+    areas: tuple[str, ...] | None, key: SigningKey | None, why: str
+) -> None:
+    answer, held = run(_answer_to(areas, key))
+    assert (answer.done, answer.reason, held) == (False, why, False)

@@ -50,6 +50,8 @@ QUICK = Habits(
 """Nothing of chance."""
 
 NORTH, SOUTH = Pose(x_m=30.0, y_m=30.0, heading_rad=0.0), Pose(x_m=30.0, y_m=2.0, heading_rad=0.0)
+BEYOND = Pose(x_m=30.0, y_m=25.5, heading_rad=0.0)
+"""Just outside of AREA1, in AREA2."""
 
 
 class Puppet:
@@ -61,6 +63,7 @@ class Puppet:
         deaf: so many of the next commands are not heard.
         refuses: kinds that are refused.
         heard: every command that reached it, repeated ones too, with the time.
+        obeyed: who gave those that were done, and their kinds.
     """
 
     def __init__(self, bus: SimNetwork, atv: str = "ATV1") -> None:
@@ -71,6 +74,7 @@ class Puppet:
         self.silent, self.deaf = False, 0
         self.refuses: set[CommandKind] = set()
         self.heard: list[tuple[float, VehicleCommand]] = []
+        self.obeyed: list[tuple[str, CommandKind]] = []
         self._session = bus.join(atv, self._hear)
 
     @property
@@ -110,6 +114,8 @@ class Puppet:
             self.deaf -= 1
             return
         done = message.kind not in self.refuses and self._is_covered(message)
+        if done:
+            self.obeyed.append((sender, message.kind))
         if done and message.kind is CommandKind.STOP:
             self.status = AtvStatus.STOPPED
         elif done and message.kind is CommandKind.RESUME:
@@ -165,7 +171,7 @@ class Floor:
     """One operator and one puppet, and what happens between them."""
 
     def __init__(self, habits: Habits, area: str = "AREA1", seed: int = 1) -> None:
-        bus = SimNetwork(clock(), Random(seed))
+        self.bus = bus = SimNetwork(clock(), Random(seed))
         self.puppet = Puppet(bus)
         self.hands = FakeHands(self.puppet)
         self.operator = Operator(
@@ -314,6 +320,57 @@ def test_somebody_elses_stop_is_left_to_them() -> None:
     assert floor.deeds == ["mend"]
     assert floor.puppet.heard == []
     assert floor.puppet.status is AtvStatus.STOPPED
+
+
+def crew(floor: Floor) -> tuple[Operator, Operator]:
+    """The operator of AREA1, and a colleague in AREA2."""
+    colleague = Operator(
+        "AREA2",
+        plant=PLANT,
+        bus=floor.bus,
+        clock=clock(),
+        authority=AUTHORITY,
+        hands=floor.hands,
+        random=Random(2),
+        habits=QUICK,
+    )
+    both = {"AREA1": floor.operator, "AREA2": colleague}
+    floor.operator.colleagues = colleague.colleagues = both
+    return floor.operator, colleague
+
+
+def test_a_stop_beyond_the_border_is_ended_by_the_colleague_there() -> None:
+    ended: list[int] = []
+
+    async def story(floor: Floor) -> None:
+        here, there = crew(floor)
+        life = asyncio.create_task(there.run())
+        floor.puppet.status, floor.puppet.problem = AtvStatus.ERROR, LOAD_SHIFTED
+        await until(lambda: floor.puppet.status is AtvStatus.STOPPED)
+        # It rolls a little further, out of the area.
+        floor.puppet.pose = BEYOND
+        await until(lambda: floor.puppet.status is AtvStatus.WORKING)
+        ended.extend(each.done[Duty.RELEASE] for each in (here, there))
+        await asyncio.sleep(10.0)
+        life.cancel()
+
+    floor = play(story)
+    assert [sender for sender, command in floor.puppet.obeyed if command is CommandKind.RESUME] == [
+        "operator-AREA2"
+    ]
+    assert ended[0] == 0
+
+
+def test_a_stop_that_is_refused_is_forgotten_and_nobody_reaches_in() -> None:
+    async def story(floor: Floor) -> None:
+        floor.puppet.status, floor.puppet.problem = AtvStatus.ERROR, LOAD_SHIFTED
+        # On its way to the vehicle, which has meanwhile slipped once more in another area.
+        await asyncio.sleep(LOOK_S + 5.0)
+        floor.puppet.pose = SOUTH
+        await asyncio.sleep(300.0)
+
+    floor = play(story)
+    assert (floor.deeds, floor.puppet.obeyed) == ([], [])
 
 
 def test_a_problem_that_is_gone_on_arrival_is_left_alone() -> None:
