@@ -6,10 +6,11 @@ are checked here, and nowhere else is the environment read.
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, Field, SecretStr, ValidationError
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from pydantic import AfterValidator, BeforeValidator, Field, SecretStr, ValidationError
+from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from dray.errors import SettingsError
 
@@ -35,6 +36,14 @@ def _database_url(url: str) -> str:
         if path in {"", ":memory:"} or "mode=memory" in path:
             raise ValueError("a database in memory forgets its orders; name a file, as sqlite:///dray.db")
     return f"{driver}://{rest}"
+
+
+def _several(text: object) -> object:
+    return tuple(part.strip() for part in text.split(",") if part.strip()) if isinstance(text, str) else text
+
+
+Several = Annotated[tuple[str, ...], NoDecode, BeforeValidator(_several)]
+"""Several in one variable, with commas between."""
 
 
 class Settings(BaseSettings):
@@ -67,7 +76,7 @@ class Settings(BaseSettings):
     """The administrator's bearer token, which may do everything; `dray up` makes one when it is absent."""
 
     trusted_proxies: str = ""
-    """Addresses, with commas between them, of proxies whose X-Forwarded-For and X-Forwarded-Proto are true.
+    """Several, with commas between them, of proxies whose X-Forwarded-For and X-Forwarded-Proto are true.
     None: anybody could write these headers."""
 
     key_rate_hz: Annotated[float, Field(gt=0, le=10_000)] = 20.0
@@ -102,6 +111,39 @@ class Settings(BaseSettings):
 
     audit_kept: Annotated[int, Field(ge=1000)] = 1_000_000
     """Lines of the audit log kept, some 300 MB: years of what people do."""
+
+    plant_file: Path | None = None
+    """None for the default plant of 12 machines and 8 vehicles."""
+
+    bus_listen: Several = ()
+    """HOST:PORT, several with commas: where other agents reach this one. Without any it only calls."""
+
+    bus_peers: Several = ()
+    """HOST:PORT, several with commas: whom this agent calls. One that is there is enough: others relay."""
+
+    bus_multicast: bool = False
+    """Find others on the same network by multicast, which many factory networks do not let through."""
+
+    bus_certificates: Path | None = None
+    """The folder with authority.pem and this agent's certificate and key (`dray certs`)."""
+
+    bus_plain: bool = False
+    """TCP without certificates: for a network that nobody else can reach, and for trying things."""
+
+    bus_lease_s: Annotated[float, Field(ge=0.2, le=60)] = 2.0
+    """A link that is silent for so long is gone round: sooner than a silent vehicle is suspected (3.5 s)."""
+
+    journal_folder: Path = Path("journals")
+    """Where agents write down what binds them; in service a folder that outlives an update."""
+
+    trusted_keys: Several = ()
+    """Public keys of gateways in hex, several with commas: whose grants of people's commands vehicles believe."""
+
+    plant_speed: Annotated[float, Field(gt=0, le=50)] = 1.0
+    """Factory seconds per real second; above 1 only with simulated bodies. The same for all agents."""
+
+    plant_epoch_s: Annotated[float, Field(ge=0)] = 0.0
+    """The moment of unix time at which the plant's clock showed the same; matters when its speed is not 1."""
 
     @classmethod
     def load(cls, **options: object) -> Self:

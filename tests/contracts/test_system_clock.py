@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 
+import pytest
+
 from dray.adapters.system_clock import MAX_NAP_S, SystemClock
 from dray_sim.loop import run
 
@@ -85,5 +87,21 @@ def test_a_callback_that_fails_does_not_hold_up_the_others() -> None:
         await asyncio.sleep(2.0)
         assert seen == ["other"]
         assert [type(fault) for fault in faults] == [ZeroDivisionError]
+
+    run(main())
+
+
+def test_a_clock_of_another_speed_begins_at_its_epoch_and_calls_at_its_own_times() -> None:
+    async def main() -> None:
+        computer, loop = Computer(), asyncio.get_running_loop()
+        epoch_s = computer.unix_s()
+        clock = SystemClock(loop, unix_s=computer.unix_s, speed=20.0, epoch_s=epoch_s)
+        assert clock.now_s() == epoch_s
+        seen: list[float] = []
+        clock.call_at(epoch_s + 60.0, lambda: seen.append(computer.unix_s()))
+        await asyncio.sleep(2.9)
+        assert (seen, clock.now_s()) == ([], pytest.approx(epoch_s + 58.0))
+        await asyncio.sleep(0.2)
+        assert seen == [pytest.approx(epoch_s + 3.0, abs=0.01)]
 
     run(main())

@@ -29,11 +29,21 @@ class SystemClock:
     Args:
         loop: callbacks run on it; `call_at` is called on it.
         unix_s: reads the computer's clock in seconds; for tests.
+        speed: seconds of this clock per second; 1 in service, more for a factory with simulated bodies.
+        epoch_s: the moment of unix time at which this clock showed the same.
     """
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, *, unix_s: Callable[[], float] = time.time) -> None:
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        *,
+        unix_s: Callable[[], float] = time.time,
+        speed: float = 1.0,
+        epoch_s: float = 0.0,
+    ) -> None:
         self._loop = loop
         self._unix_s = unix_s
+        self._speed, self._epoch_s = speed, epoch_s
         self._last_s = -math.inf
         # asyncio's own timers do not keep the order of equal times, hence a heap with numbers.
         self._heap: list[tuple[float, int, Callable[[], None]]] = []
@@ -42,8 +52,9 @@ class SystemClock:
         self._timer_due_s = math.inf
 
     def now_s(self) -> float:
-        """Unix time in seconds; never goes back."""
-        self._last_s = max(self._last_s, self._unix_s())
+        """Seconds; never goes back."""
+        shows_s = self._epoch_s + (self._unix_s() - self._epoch_s) * self._speed
+        self._last_s = max(self._last_s, shows_s)
         return self._last_s
 
     def call_at(self, when_s: float, callback: Callable[[], None]) -> None:
@@ -66,7 +77,7 @@ class SystemClock:
         if self._timer is not None:
             self._timer.cancel()
         self._timer_due_s = self._heap[0][0]
-        nap_s = min(self._timer_due_s - self.now_s(), MAX_NAP_S)
+        nap_s = min((self._timer_due_s - self.now_s()) / self._speed, MAX_NAP_S)
         self._timer = self._loop.call_later(max(0.0, nap_s), self._run_due)
 
     def _run_due(self) -> None:

@@ -1,0 +1,219 @@
+"""Bodies in one process and their agents in others: the floor of a factory whose agents are processes.
+
+    agent's process                                the floor's process
+    Body.instruct --> {plant}/body/@{agent}/do --> Body.instruct
+    Body.attach  <-- {plant}/body/@{agent}/told <-- reports, and the state after them, also with no report
+    Body.sense   is the state that was told last
+    connect       -- query {plant}/body/@{agent} -> the state now; from then on this life's word counts
+
+A real vehicle has its body on its own computer. Here a killed agent leaves its body behind as hardware is
+left behind: a loaded vehicle stays loaded, and drives its way to the end.
+
+There is no seal on these keys: whoever is on the bus may move simulated bodies.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping
+from typing import Any, get_args
+
+import msgspec
+import zenoh
+from zenoh.handlers import Callback
+
+from dray.adapters.crossing import Crossing
+from dray.body import BodyState, Instruction, Report
+from dray.errors import UnavailableError
+from dray.ports import Body
+
+TELL_EVERY_S = 0.1
+"""How often a body's state is told when nothing happens: as the pose on a panel is refreshed."""
+
+PATIENCE_S = 30.0
+"""Longest wait for a floor, which may be starting too."""
+
+AGAIN_S = 0.25
+"""The floor is asked so often."""
+
+_KINDS: dict[str, Any] = {
+    kind.__name__: kind for union in (Instruction, Report, BodyState) for kind in get_args(union)
+}
+
+
+class _Order(msgspec.Struct, array_like=True, frozen=True):
+    """An instruction of one life of an agent."""
+
+    life: int
+    kind: str
+    instruction: msgspec.Raw
+
+
+class _Told(msgspec.Struct, array_like=True, frozen=True):
+    """What a body tells: a report or none, and how it is after it."""
+
+    kind: str
+    report: msgspec.Raw
+    state_kind: str
+    state: msgspec.Raw
+
+
+_encode = msgspec.msgpack.Encoder().encode
+
+
+def _raw(part: object) -> tuple[str, msgspec.Raw]:
+    return type(part).__name__, msgspec.Raw(_encode(part))
+
+
+def _part(kind: str, raw: msgspec.Raw) -> Any:
+    return msgspec.msgpack.decode(raw, type=_KINDS[kind])
+
+
+def _key(plant: str, agent: str) -> str:
+    # No wildcard matches a chunk with an @, so nobody hears this by listening to everything.
+    return f"{plant}/body/@{agent}"
+
+
+class RemoteBody:
+    """Implements `dray.ports.Body` for a body that is on a floor elsewhere.
+
+    Args:
+        session: of the agent's process.
+        plant: the plant's id.
+        agent: whose body it is.
+        life: a higher number than that of any life before; only the highest is obeyed.
+    """
+
+    def __init__(self, session: zenoh.Session, plant: str, agent: str, life: int) -> None:
+        self._session, self._key, self._life = session, _key(plant, agent), life
+        self._crossing = Crossing(asyncio.get_running_loop())
+        self._report: Callable[[Report], None] = _nobody_hears
+        self._state: BodyState
+        self._told = session.declare_subscriber(f"{self._key}/told", Callback(self._hear, indirect=False))
+
+    async def connect(self) -> None:
+        """Take over the body, and learn how it is.
+
+        Raises:
+            UnavailableError: there is no floor, or no such body on it.
+        """
+        try:
+            async with asyncio.timeout(PATIENCE_S):
+                answer = await self._ask()
+                while answer is None:
+                    await asyncio.sleep(AGAIN_S)
+                    answer = await self._ask()
+        except TimeoutError:
+            what = f"the body of {self._key.rpartition('@')[2]}"
+            raise UnavailableError(what, "nobody answers", "start `dray floor` first") from None
+        self._state = _part(*msgspec.msgpack.decode(answer, type=tuple[str, msgspec.Raw]))
+
+    async def _ask(self) -> bytes | None:
+        """How the body is; None when nobody answers."""
+        answers: list[bytes] = []
+        end = asyncio.Event()
+
+        def take(reply: zenoh.Reply) -> None:
+            if reply.ok is not None:
+                answers.append(reply.ok.payload.to_bytes())
+
+        taken = Callback(take, lambda: self._crossing.order(end.set), indirect=False)
+        self._session.get(self._key, taken, payload=str(self._life), timeout=PATIENCE_S)
+        await end.wait()
+        return answers[0] if answers else None
+
+    def instruct(self, instruction: Instruction) -> None:
+        """See `dray.ports.Body`."""
+        self._session.put(f"{self._key}/do", _encode(_Order(self._life, *_raw(instruction))))
+
+    def sense(self) -> BodyState:
+        """See `dray.ports.Body`: how it was at most `TELL_EVERY_S` ago."""
+        return self._state
+
+    def attach(self, report: Callable[[Report], None]) -> None:
+        """See `dray.ports.Body`."""
+        self._report = report
+
+    def close(self) -> None:
+        """Let go of the body, which goes on."""
+        self._told.undeclare()
+
+    def _hear(self, sample: zenoh.Sample) -> None:
+        self._crossing.order(self._take, sample.payload.to_bytes())
+
+    def _take(self, data: bytes) -> None:
+        told = msgspec.msgpack.decode(data, type=_Told)
+        self._state = _part(told.state_kind, told.state)
+        if told.kind:
+            self._report(_part(told.kind, told.report))
+
+
+class FloorServer:
+    """Lets agents elsewhere use the bodies of a floor, one agent each.
+
+    Args:
+        session: of the floor's process.
+        plant: the plant's id.
+        bodies: by agent.
+    """
+
+    def __init__(self, session: zenoh.Session, plant: str, bodies: Mapping[str, Body]) -> None:
+        crossing = Crossing(asyncio.get_running_loop())
+        self._served = [
+            _Served(session, crossing, _key(plant, agent), body) for agent, body in bodies.items()
+        ]
+
+    async def run(self) -> None:
+        """Tell how all bodies are, until cancelled."""
+        while True:
+            await asyncio.sleep(TELL_EVERY_S)
+            for served in self._served:
+                served.tell_state()
+
+
+class _Served:
+    """One body, and the life of its agent that it obeys."""
+
+    def __init__(self, session: zenoh.Session, crossing: Crossing, key: str, body: Body) -> None:
+        self._session, self._crossing, self._key, self._body = session, crossing, key, body
+        self._life = 0
+        session.declare_queryable(key, Callback(self._ask, indirect=False))
+        session.declare_subscriber(f"{key}/do", Callback(self._hear, indirect=False))
+        body.attach(self._tell)
+
+    def tell_state(self) -> None:
+        """Say how it is, if anybody has taken it over."""
+        if self._life:
+            self._say("", msgspec.Raw(_encode(None)))
+
+    def _tell(self, report: Report) -> None:
+        self._say(*_raw(report))
+
+    def _say(self, kind: str, report: msgspec.Raw) -> None:
+        told = _Told(kind, report, *_raw(self._body.sense()))
+        self._session.put(f"{self._key}/told", _encode(told))
+
+    # --- on Zenoh's threads ----------------------------------------------------------------------
+
+    def _ask(self, query: zenoh.Query) -> None:
+        self._crossing.order(self._answer, query)
+
+    def _hear(self, sample: zenoh.Sample) -> None:
+        self._crossing.order(self._obey, sample.payload.to_bytes())
+
+    # --- on the loop -----------------------------------------------------------------------------
+
+    def _answer(self, query: zenoh.Query) -> None:
+        with query:
+            life = int(query.payload.to_string()) if query.payload is not None else 0
+            self._life = max(self._life, life)
+            query.reply(self._key, _encode(_raw(self._body.sense())))
+
+    def _obey(self, data: bytes) -> None:
+        order = msgspec.msgpack.decode(data, type=_Order)
+        if order.life == self._life:
+            self._body.instruct(_part(order.kind, order.instruction))
+
+
+def _nobody_hears(report: Report) -> None:
+    """What a body reports before its agent listens; its state tells it all the same."""

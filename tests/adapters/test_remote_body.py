@@ -1,0 +1,143 @@
+"""Bodies on a floor elsewhere: agents use them as their own, and leave them behind."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Coroutine
+from typing import Any
+
+import pytest
+from zenoh_kit import PATIENCE_S, Row
+
+from dray.body import Broken, Drive, NodePassed, Report, VehicleState, WayDone, WorkcellState
+from dray.errors import UnavailableError
+from dray.plant import default_plant
+from dray_sim import remote
+from dray_sim.floor import Floor
+from dray_sim.loop import clock, paced, run
+from dray_sim.remote import FloorServer, RemoteBody
+
+PLANT = default_plant()
+SPEED = 20.0
+ATV = next(iter(PLANT.fleet))
+
+
+class House:
+    """A floor in one session, and the session of its agents."""
+
+    def __init__(self, row: Row) -> None:
+        self.here, there = (bus.inner for bus in row.buses)
+        self.floor = Floor(PLANT, clock(), seed=1)
+        self.server = FloorServer(there, PLANT.id, self.floor.bodies)
+
+    async def take_over(self, agent: str, life: int) -> RemoteBody:
+        body = RemoteBody(self.here, PLANT.id, agent, life)
+        await body.connect()
+        return body
+
+
+def in_a_house(test: Callable[[House], Coroutine[Any, Any, None]]) -> None:
+    async def main() -> None:
+        row = Row(2, PLANT.id)
+        try:
+            house = House(row)
+            await row.settle()
+            async with asyncio.TaskGroup() as group:
+                serving = group.create_task(house.server.run())
+                await test(house)
+                serving.cancel()
+        finally:
+            row.close()
+
+    run(main(), paced(SPEED))
+
+
+class Ear:
+    """What a body reports, and a way to wait for it."""
+
+    def __init__(self, body: RemoteBody) -> None:
+        self.reports: list[Report] = []
+        self._came = asyncio.Event()
+        body.attach(self._hear)
+
+    def _hear(self, report: Report) -> None:
+        self.reports.append(report)
+        self._came.set()
+
+    async def until(self, kind: type[Report]) -> None:
+        async with asyncio.timeout(PATIENCE_S * SPEED):
+            while not any(type(report) is kind for report in self.reports):
+                self._came.clear()
+                await self._came.wait()
+
+
+def test_an_agent_senses_a_body_that_is_elsewhere() -> None:
+    async def test(house: House) -> None:
+        for agent, there in house.floor.bodies.items():
+            body = await house.take_over(agent, 1)
+            assert type(body.sense()) is type(there.sense())
+        machine = next(iter(PLANT.machines))
+        body = await house.take_over(machine, 2)
+        assert body.sense() == house.floor.workcells[machine].sense()
+
+    in_a_house(test)
+
+
+def test_what_happens_there_is_reported_here_with_the_state_after_it() -> None:
+    async def test(house: House) -> None:
+        machine = next(iter(PLANT.machines))
+        body = await house.take_over(machine, 1)
+        ear = Ear(body)
+        house.floor.workcells[machine].break_down("a belt has torn")
+        await ear.until(Broken)
+        state = body.sense()
+        assert isinstance(state, WorkcellState)
+        assert state.broken == "a belt has torn"
+
+    in_a_house(test)
+
+
+def way_of(vehicle: str) -> tuple[str, ...]:
+    """A way of the vehicle from where it stands to a machine."""
+    spec = PLANT.fleet[vehicle]
+    goal = PLANT.node_of(next(iter(PLANT.machines)))
+    return PLANT.routes(spec.type).way(spec.node, goal).nodes
+
+
+def test_a_vehicle_drives_there_as_it_is_told_here() -> None:
+    async def test(house: House) -> None:
+        nodes = way_of(ATV)
+        body = await house.take_over(ATV, 1)
+        ear = Ear(body)
+        body.instruct(Drive(order=1, nodes=nodes, released=len(nodes)))
+        await ear.until(WayDone)
+        assert [report.node for report in ear.reports if isinstance(report, NodePassed)] == list(nodes)
+        state = body.sense()
+        assert isinstance(state, VehicleState)
+        assert state.node == nodes[-1]
+
+    in_a_house(test)
+
+
+def test_a_body_obeys_the_latest_life_of_its_agent_alone_and_goes_on_meanwhile() -> None:
+    async def test(house: House) -> None:
+        nodes = way_of(ATV)
+        dead = await house.take_over(ATV, 1)
+        dead.instruct(Drive(order=1, nodes=nodes, released=len(nodes)))
+        after = await house.take_over(ATV, 2)
+        ear = Ear(after)
+        dead.instruct(Drive(order=2, nodes=nodes[:1], released=1))
+        await ear.until(WayDone)
+        assert house.floor.vehicles[ATV].sense().node == nodes[-1]
+
+    in_a_house(test)
+
+
+def test_without_a_floor_an_agent_does_not_begin(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def test(house: House) -> None:
+        stranger = RemoteBody(house.here, PLANT.id, "ATV99", 1)
+        with pytest.raises(UnavailableError, match="the body of ATV99: nobody answers"):
+            await stranger.connect()
+
+    monkeypatch.setattr(remote, "PATIENCE_S", 0.5)
+    in_a_house(test)
