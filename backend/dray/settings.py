@@ -146,18 +146,21 @@ class Settings(BaseSettings):
     """The moment of unix time at which the plant's clock showed the same; matters when its speed is not 1."""
 
     @classmethod
-    def load(cls, **options: object) -> Self:
+    def load(cls, settings_file: Path | None = None, **options: object) -> Self:
         """Read the environment.
 
         Args:
+            settings_file: lines like `DRAY_PORT=8000`, for what the environment does not say.
             options: command line options that were given; None means not given.
 
         Raises:
             SettingsError: names the variable or option, and why it cannot be used.
         """
+        if settings_file is not None and not settings_file.is_file():
+            raise SettingsError("--settings", f"there is no file {settings_file}")
         given = {name: value for name, value in options.items() if value is not None}
         try:
-            return cls(**given)  # type: ignore[arg-type]
+            return cls(_env_file=settings_file, **given)  # type: ignore[call-arg, arg-type]
         except ValidationError as error:
             first = error.errors(include_url=False, include_context=False)[0]
             field = str(first["loc"][0]) if first["loc"] else "settings"

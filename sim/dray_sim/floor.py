@@ -23,6 +23,10 @@ from dray_sim.workcell import SimWorkcell
 FIRST_STOCK_FRAC = (0.4, 1.0)
 """Buffers at the start of a run: a shift begins where the one before it ended."""
 
+NEARLY_EMPTY_FRAC = (0.02, 0.15)
+"""Buffers of a plant to look at, so that vehicles are hired with the first orders: with full ones the first
+minutes in real time would show none that moves."""
+
 
 class Floor:
     """What stands and drives in a plant.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from dray.errors import SettingsError
 from dray.settings import Settings
 
@@ -9,13 +11,13 @@ OPTIONS = {"--database-url": "--db"}
 """Options whose name is not that of the setting."""
 
 
-def load_settings(**options: object) -> Settings:
-    """The environment, overridden by the options that were given.
+def load_settings(settings_file: Path | None = None, **options: object) -> Settings:
+    """A file, overridden by the environment, overridden by the options that were given.
 
     Raises:
         SettingsError: names the option as the user typed it.
     """
     try:
-        return Settings.load(**options)
+        return Settings.load(settings_file, **options)
     except SettingsError as error:
         raise SettingsError(OPTIONS.get(error.name, error.name), error.reason) from None

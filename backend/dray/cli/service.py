@@ -40,14 +40,11 @@ from dray.store import Historian, Store, open_store
 from dray_sim.bridge import BridgedBus, SimThread
 from dray_sim.factory import SimFactory
 from dray_sim.faults import Faults
+from dray_sim.floor import NEARLY_EMPTY_FRAC
 from dray_sim.loop import clock, paced
 
 BUILDING_S = 60.0
 """Longest wait for the factory to be built: one of 1,000 vehicles takes some seconds."""
-
-FIRST_STOCK_FRAC = (0.02, 0.15)
-"""Buffers are nearly empty at first, so that vehicles are hired with the first orders: with full ones the
-first minutes of a plant in real time would show none that moves."""
 
 GREETING = """\
 Dray {version}: {plant}, {machines} machines and {vehicles} vehicles, {speed:g} x real time
@@ -164,7 +161,7 @@ def _life(
             now,
             seed=service.seed,
             incarnation=incarnation,
-            stock_frac=FIRST_STOCK_FRAC,
+            stock_frac=NEARLY_EMPTY_FRAC,
             trusts=TrustedKeys(trusted),
             meet=watched(service.settings, tracing, to_wall_s),
         )

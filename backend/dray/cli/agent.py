@@ -1,0 +1,120 @@
+"""`dray agent`, `dray strategist`, `dray floor`: the agents of a plant and its simulated floor, one process each.
+
+Settings come from the environment and from a file (see `dray.settings`): where the others are, which
+certificate is ours, where the journal is.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from dray.adapters.signing import TrustedKeys
+    from dray.cli.process import Surroundings
+
+app = typer.Typer(no_args_is_help=True, help="One agent of a plant as a process of its own.")
+
+SettingsFile = Annotated[
+    Path | None,
+    typer.Option("--settings", help="A file of DRAY_...=... lines; the environment wins over it."),
+]
+
+
+@app.callback()
+def agent() -> None:
+    """One agent of a plant as a process of its own."""
+
+
+@app.command()
+def machine(
+    name: Annotated[str, typer.Argument(help="Its id in the plant, as M8.")], settings: SettingsFile = None
+) -> None:
+    """Run the agent of a machine."""
+    import asyncio
+
+    from dray import __version__
+    from dray.cli.output import one_of
+    from dray.cli.process import run_agent
+    from dray.protocol.machine import Machine
+
+    where = _surroundings(settings)
+    one_of(where.plant.machines, name, "NAME")
+    asyncio.run(
+        run_agent(
+            where, name, lambda life: Machine(name, where.plant, incarnation=life, software=__version__)
+        )
+    )
+
+
+@app.command()
+def atv(
+    name: Annotated[str, typer.Argument(help="Its id in the plant, as ATV3.")], settings: SettingsFile = None
+) -> None:
+    """Run the agent of a vehicle."""
+    import asyncio
+
+    from dray import __version__
+    from dray.cli.output import one_of
+    from dray.cli.process import run_agent
+    from dray.protocol.atv import Atv
+
+    where = _surroundings(settings)
+    spec = one_of(where.plant.fleet, name, "NAME")
+    trusts = _trusted(where)
+    asyncio.run(
+        run_agent(
+            where,
+            name,
+            lambda life: Atv(
+                name,
+                where.plant,
+                vehicle_type=spec.type,
+                incarnation=life,
+                software=__version__,
+                trusts=trusts,
+            ),
+        )
+    )
+
+
+def strategist(settings: SettingsFile = None) -> None:
+    """Run the strategist, which turns orders into production goals."""
+    import asyncio
+
+    from dray.cli.process import run_agent
+    from dray.protocol.strategist import STRATEGIST, Strategist
+
+    where = _surroundings(settings)
+    asyncio.run(run_agent(where, STRATEGIST, lambda life: Strategist(where.plant, incarnation=life)))
+
+
+def floor(
+    settings: SettingsFile = None,
+    seed: Annotated[int, typer.Option(help="How full buffers are at the start follows from it.")] = 1,
+) -> None:
+    """Run the simulated floor: the bodies of all vehicles and machines, for agents that have none of their own."""
+    import asyncio
+
+    from dray.cli.process import serve_floor
+
+    asyncio.run(serve_floor(_surroundings(settings), seed))
+
+
+def _surroundings(file: Path | None) -> Surroundings:
+    from dray.cli.options import load_settings
+    from dray.cli.process import Surroundings
+
+    return Surroundings.of(load_settings(settings_file=file))
+
+
+def _trusted(where: Surroundings) -> TrustedKeys:
+    from dray.adapters.signing import TrustedKeys
+    from dray.errors import SettingsError
+
+    try:
+        return TrustedKeys(*(bytes.fromhex(key) for key in where.settings.trusted_keys))
+    except ValueError as error:
+        raise SettingsError("DRAY_TRUSTED_KEYS", f"holds no public key: {error}") from None

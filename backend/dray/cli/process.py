@@ -1,0 +1,167 @@
+"""What the processes of a plant have in common: logs, the bus, the plant's clock, an end on a signal."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import sys
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager, closing
+from dataclasses import dataclass
+
+import typer
+
+from dray.adapters.sqlite_journal import SqliteJournal
+from dray.adapters.system_clock import SystemClock
+from dray.adapters.zenoh_bus import ZenohBus
+from dray.adapters.zenoh_links import Identity, Links
+from dray.cli.serving import stopped_by_signals
+from dray.errors import UnavailableError
+from dray.gateway.timescale import TimeScale
+from dray.messages.keys import Keys
+from dray.plant import Plant, default_plant, load_plant
+from dray.protocol.events import Agent
+from dray.settings import Settings
+from dray.worker import HISTORY_FACTS, Worker
+from dray_sim.floor import NEARLY_EMPTY_FRAC, Floor
+from dray_sim.remote import FloorServer, RemoteBody
+
+READY = "{name} is ready"
+"""What a process says when it takes part, on a line of its own."""
+
+
+@dataclass(frozen=True, slots=True)
+class Surroundings:
+    """What a process of a plant begins with.
+
+    Attributes:
+        settings: of the process.
+        plant: what stands where.
+    """
+
+    settings: Settings
+    plant: Plant
+
+    @classmethod
+    def of(cls, settings: Settings) -> Surroundings:
+        """Read the plant and prepare the log.
+
+        Raises:
+            PlantError: the plant file cannot be used.
+        """
+        logging.basicConfig(
+            level=settings.log_level.upper(), format="%(asctime)s %(levelname)s %(name)s: %(message)s"
+        )
+        plant = default_plant() if settings.plant_file is None else load_plant(settings.plant_file)
+        return cls(settings, plant)
+
+    def clock(self) -> SystemClock:
+        """The plant's clock, on the running loop."""
+        speed, epoch_s = self.settings.plant_speed, self.settings.plant_epoch_s
+        return SystemClock(asyncio.get_running_loop(), speed=speed, epoch_s=epoch_s)
+
+    @property
+    def time(self) -> TimeScale:
+        """The plant's clock and the wall's."""
+        epoch_s = self.settings.plant_epoch_s
+        return TimeScale(epoch_s, epoch_s, self.settings.plant_speed)
+
+    @asynccontextmanager
+    async def bus(
+        self, name: str, replaced: Callable[[str], None] = lambda _: None
+    ) -> AsyncIterator[ZenohBus]:
+        """The bus, as long as the context lasts.
+
+        Args:
+            name: of the certificate; the agent's.
+            replaced: see `ZenohBus`.
+
+        Raises:
+            SettingsError: no certificates, and plain links were not asked for.
+            UnavailableError: an address cannot be listened on.
+        """
+        bus = ZenohBus(links_of(self.settings, name), self.plant.id, replaced)
+        try:
+            yield bus
+        finally:
+            bus.close()
+
+
+def links_of(settings: Settings, name: str) -> Links:
+    """The links that the settings ask for, with the certificate of this name.
+
+    Raises:
+        SettingsError: its files are not there.
+    """
+    folder = settings.bus_certificates
+    return Links(
+        listen=settings.bus_listen,
+        peers=settings.bus_peers,
+        multicast=settings.bus_multicast,
+        identity=None if folder is None else Identity.in_folder(folder, name),
+        plain=settings.bus_plain,
+        lease_s=settings.bus_lease_s,
+    )
+
+
+MakeAgent = Callable[[int], Agent]
+"""Makes an agent for one life, from its number."""
+
+
+async def run_agent(surroundings: Surroundings, name: str, make: MakeAgent) -> None:
+    """Run one agent until a signal.
+
+    Raises:
+        UnavailableError: it has been started elsewhere meanwhile, or something that it needs is not there.
+        whatever the agent raises.
+    """
+    settings, plant = surroundings.settings, surroundings.plant
+    elsewhere = False
+
+    def give_way(_agent: str) -> None:
+        nonlocal elsewhere
+        elsewhere = True
+        worker.stop()
+
+    journal = SqliteJournal(settings.journal_folder / f"{name}.db", events_kept=HISTORY_FACTS)
+    with closing(journal):
+        async with surroundings.bus(name, give_way) as bus:
+            body = RemoteBody(bus.inner, plant.id, name, journal.incarnation)
+            await body.connect()
+            worker = Worker(
+                make(journal.incarnation),
+                bus=bus,
+                clock=surroundings.clock(),
+                keys=Keys(plant.id),
+                body=body,
+                journal=journal,
+            )
+            with stopped_by_signals(worker.stop):
+                say_ready(name)
+                await worker.run()
+    if elsewhere:
+        raise UnavailableError(name, "has been started elsewhere", "stop one of the two")
+
+
+FLOOR = "floor"
+"""The name of the simulated floor's process, and of its certificate."""
+
+
+async def serve_floor(surroundings: Surroundings, seed: int) -> None:
+    """Run the simulated floor until a signal."""
+    stopped = asyncio.Event()
+    plant = surroundings.plant
+    async with surroundings.bus(FLOOR) as bus:
+        floor = Floor(plant, surroundings.clock(), seed=seed, stock_frac=NEARLY_EMPTY_FRAC)
+        telling = asyncio.create_task(FloorServer(bus.inner, plant.id, floor.bodies).run())
+        with stopped_by_signals(stopped.set):
+            say_ready(FLOOR)
+            await stopped.wait()
+        telling.cancel()
+
+
+def say_ready(name: str) -> None:
+    """Tell whoever has started this process that it takes part."""
+    typer.echo(READY.format(name=name))
+    # A pipe would hold the line back.
+    sys.stdout.flush()
