@@ -81,6 +81,13 @@ def test_without_an_authority_nothing_is_issued(dray: Dray, tmp_path: Path) -> N
     assert "`dray certs make` makes an authority" in err
 
 
+def test_a_kind_of_agent_that_there_is_not_is_refused(dray: Dray, tmp_path: Path) -> None:
+    dray("make", tmp_path)
+    code, _, err = dray("issue", tmp_path, "robot", "R1")
+    assert code == 2
+    assert "there is no 'robot'; choose one of atv, machine" in err
+
+
 def test_a_folder_that_cannot_be_made_is_named(dray: Dray, tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     code, _, err = dray("make", tmp_path / "file" / "certs")

@@ -60,7 +60,9 @@ def test_help_names_every_command_and_loads_nothing_heavy() -> None:
         "print([name for name in ('fastapi', 'sqlalchemy', 'uvicorn', 'asyncio', 'msgspec') if name in sys.modules])"
     )
     out = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
-    for command in ("up", "fault", "bench", "sim", "plant", "db", "user", "key", "link"):
+    own = ("up", "fault", "bench", "sim", "plant", "db", "user", "key", "link", "certs", "wire")
+    processes = ("fleet", "agent", "strategist", "floor", "gateway", "historian")
+    for command in (*own, *processes):
         assert f" {command} " in out
     assert out.splitlines()[-1] == "[]"
 

@@ -110,6 +110,12 @@ class SqliteJournal:
             )
             return [_read_event.decode(line) for (line,) in rows]
 
+    def forget(self) -> None:
+        """Forget the memory, and keep the history: what the agent was bound by is no more."""
+        with self._told():
+            self._base.execute("UPDATE life SET memory = NULL")
+        self._memory = None
+
     def close(self) -> None:
         """Let go of the file. Twice is harmless."""
         self._base.close()

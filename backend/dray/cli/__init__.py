@@ -1,8 +1,11 @@
 """The `dray` command: the composition root. Only here are concrete classes chosen.
 
     dray up             the simulated factory, the gateway and the panels in one process
+    dray fleet ...      a whole factory as processes on this computer
     dray agent ...      one agent of a plant, as a process of its own
     dray strategist     the strategist, likewise
+    dray gateway        panels and API for a plant whose agents are processes
+    dray historian      writes what happens there to the database
     dray floor          the simulated floor, for agents without bodies of their own
     dray sim ...        named scenarios in virtual time
     dray fault ...      let something go wrong in a running `dray up`
@@ -29,7 +32,7 @@ from typing import Annotated
 import typer
 
 from dray import __version__
-from dray.cli import agent, bench, certs, db, fault, key, link, plant, sim, up, user, wire
+from dray.cli import agent, bench, certs, db, fault, fleet, front, key, link, plant, sim, up, user, wire
 from dray.errors import DrayError, InputError
 
 app = typer.Typer(
@@ -40,9 +43,12 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.command("up")(up.up)
+app.add_typer(fleet.app, name="fleet")
 app.add_typer(agent.app, name="agent")
 app.command("strategist")(agent.strategist)
 app.command("floor")(agent.floor)
+app.command("gateway")(front.gateway)
+app.command("historian")(front.historian)
 app.command("bench")(bench.bench)
 app.add_typer(sim.app, name="sim")
 app.add_typer(fault.app, name="fault")

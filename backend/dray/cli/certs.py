@@ -9,8 +9,6 @@ from typing import Annotated
 
 import typer
 
-from dray.messages.speakers import Kind
-
 app = typer.Typer(no_args_is_help=True, help="Certificates for the agents of a plant.")
 
 Folder = Annotated[Path, typer.Argument(help="The folder of the certificates.")]
@@ -35,6 +33,7 @@ def make(folder: Folder, plant: PlantFile = None, days: Days = None) -> None:
     from dray.adapters.certificates import AUTHORITY, DAYS, Authority
     from dray.cli.plant import chosen_plant
     from dray.errors import SettingsError
+    from dray.messages.speakers import Kind
 
     chosen = chosen_plant(plant)
     if (folder / f"{AUTHORITY}.pem").exists():
@@ -59,18 +58,23 @@ def make(folder: Folder, plant: PlantFile = None, days: Days = None) -> None:
 @app.command()
 def issue(
     folder: Folder,
-    kind: Annotated[Kind, typer.Argument(help="What the agent is.")],
+    kind: Annotated[
+        str, typer.Argument(help="What the agent is: atv, machine, strategist, gateway or historian.")
+    ],
     agent: Annotated[str, typer.Argument(help="Its id.")],
     plant: PlantFile = None,
     days: Days = None,
 ) -> None:
     """Make a certificate for one agent, with the authority of that folder."""
     from dray.adapters.certificates import DAYS, Authority
+    from dray.cli.output import one_of
     from dray.cli.plant import chosen_plant
+    from dray.messages.speakers import Kind
 
+    chosen = one_of({str(each): each for each in Kind}, kind, "KIND")
     authority = Authority.load(folder)
     with _writing_into(folder):
-        authority.issue(folder, chosen_plant(plant).id, {agent: kind}, days=days or DAYS)
+        authority.issue(folder, chosen_plant(plant).id, {agent: chosen}, days=days or DAYS)
     typer.echo(f"{folder / agent}.pem")
 
 

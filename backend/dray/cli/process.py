@@ -123,9 +123,9 @@ async def run_agent(surroundings: Surroundings, name: str, make: MakeAgent) -> N
         elsewhere = True
         worker.stop()
 
-    journal = SqliteJournal(settings.journal_folder / f"{name}.db", events_kept=HISTORY_FACTS)
-    with closing(journal):
-        async with surroundings.bus(name, give_way) as bus:
+    async with surroundings.bus(name, give_way) as bus:
+        journal = SqliteJournal(settings.journal_folder / f"{name}.db", events_kept=HISTORY_FACTS)
+        with closing(journal):
             body = RemoteBody(bus.inner, plant.id, name, journal.incarnation)
             await body.connect()
             worker = Worker(

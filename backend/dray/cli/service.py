@@ -10,7 +10,7 @@ import asyncio
 import contextlib
 import socket
 import time
-from collections.abc import Callable, Coroutine, Mapping
+from collections.abc import Awaitable, Callable, Coroutine, Mapping
 from dataclasses import dataclass, replace
 
 import typer
@@ -35,6 +35,7 @@ from dray.gateway.desk import STRATEGIST
 from dray.gateway.timescale import TimeScale
 from dray.messages.keys import Keys
 from dray.plant import Plant
+from dray.ports import Bus
 from dray.settings import Settings
 from dray.store import Historian, Store, open_store
 from dray_sim.bridge import BridgedBus, SimThread
@@ -109,7 +110,7 @@ async def run_service(service: Service) -> None:
         UnavailableError: the port or the database is not to be had.
         whatever ended the factory.
     """
-    service, token = _with_admin_token(service)
+    service, token = with_admin_token(service)
     settings = service.settings
     prepare_logs(settings)
     with contextlib.ExitStack() as stack:
@@ -125,17 +126,17 @@ async def run_service(service: Service) -> None:
                 inside = await asyncio.to_thread(factory.start, BUILDING_S)
                 app = _app(service, store, authority, factory, inside, incarnation)
                 url = address_of(listener, settings.host)
-                greeting = _greeting(
+                greeting = greeting_of(
                     service, url, token, await welcome(store, service.plant.file, time.time())
                 )
-                await _serve(service, app, factory, listener, greeting)
+                await serve(service, app, listener, greeting, factory.wait)
             finally:
                 await asyncio.to_thread(factory.stop)
         finally:
             await store.close()
 
 
-def _with_admin_token(service: Service) -> tuple[Service, str]:
+def with_admin_token(service: Service) -> tuple[Service, str]:
     """The service with a token for its administrator; and the token when it was made here."""
     if service.settings.admin_token is not None:
         return service, ""
@@ -182,16 +183,7 @@ def _app(
 ) -> FastAPI:
     settings, plant = service.settings, service.plant
     bus = BridgedBus(inside.factory.bus, factory.loop, asyncio.get_running_loop())
-    historian = Historian(
-        store=store,
-        bus=bus,
-        keys=Keys(plant.id),
-        to_wall_s=inside.time.to_wall_s,
-        agents=(*plant.fleet, *plant.machines, STRATEGIST),
-        linger_s=settings.historian_linger_s,
-        events_kept=settings.events_kept,
-        samples_kept=settings.samples_kept,
-    )
+    historian = historian_of(settings, plant, store, bus, inside.time)
     return create_app(
         settings=settings,
         plant=plant.file,
@@ -206,20 +198,49 @@ def _app(
     )
 
 
-async def _serve(
-    service: Service, app: FastAPI, factory: Factory, listener: socket.socket, greeting: str
+def historian_of(settings: Settings, plant: Plant, store: Store, bus: Bus, scale: TimeScale) -> Historian:
+    """The historian of a plant, which is not running yet."""
+    return Historian(
+        store=store,
+        bus=bus,
+        keys=Keys(plant.id),
+        to_wall_s=scale.to_wall_s,
+        agents=(*plant.fleet, *plant.machines, STRATEGIST),
+        linger_s=settings.historian_linger_s,
+        events_kept=settings.events_kept,
+        samples_kept=settings.samples_kept,
+    )
+
+
+async def serve(
+    service: Service,
+    app: FastAPI,
+    listener: socket.socket,
+    greeting: str,
+    ended: Callable[[], Awaitable[None]] | None = None,
 ) -> None:
-    """Answer until a signal, or until the factory ends, which it only does by a fault."""
+    """Answer until a signal.
+
+    Args:
+        service: what runs.
+        app: the gateway.
+        listener: where it answers.
+        greeting: what to say when it does.
+        ended: returns or raises when it makes no sense to go on; when a factory ends, say.
+    """
     ready = asyncio.Event()
     server = Server(app, service.settings, ready.set)
     quieten(service.settings)  # uvicorn has just set its own level
     with stopped_by_signals(server.stop):
         async with asyncio.TaskGroup() as group:
-            watch = group.create_task(_stop_with(factory, server))
-            greeter = group.create_task(_greet(greeting, ready))
-            customers = group.create_task(_order(service, app, ready))
+            tasks = [
+                group.create_task(_greet(greeting, ready)),
+                group.create_task(_order(service, app, ready)),
+            ]
+            if ended is not None:
+                tasks.append(group.create_task(_stop_with(ended, server)))
             await server.serve(sockets=[listener])
-            for task in (watch, greeter, customers):
+            for task in tasks:
                 task.cancel()
 
 
@@ -228,7 +249,7 @@ async def _greet(greeting: str, ready: asyncio.Event) -> None:
     typer.echo(greeting, nl=False)
 
 
-def _greeting(service: Service, url: str, token: str, links: Mapping[str, str]) -> str:
+def greeting_of(service: Service, url: str, token: str, links: Mapping[str, str]) -> str:
     """What to say when requests are answered.
 
     Args:
@@ -262,8 +283,8 @@ async def _order(service: Service, app: FastAPI, ready: asyncio.Event) -> None:
         await place_demand(app.state.parts, service.plant, speed=service.speed, seed=service.seed)
 
 
-async def _stop_with(factory: Factory, server: Server) -> None:
+async def _stop_with(ended: Callable[[], Awaitable[None]], server: Server) -> None:
     try:
-        await factory.wait()
+        await ended()
     finally:
         server.stop()

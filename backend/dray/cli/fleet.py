@@ -1,0 +1,94 @@
+"""`dray fleet`: a whole factory as processes on this computer."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(no_args_is_help=True, help="A whole factory as processes on this computer.")
+
+Folder = Annotated[
+    Path, typer.Option("--folder", help="Where journals, certificates, logs and the database are.")
+]
+DEFAULT_FOLDER = Path("fleet")
+
+
+@app.callback()
+def fleet() -> None:
+    """A whole factory as processes on this computer."""
+
+
+@app.command()
+def up(
+    plant: Annotated[Path | None, typer.Option(help="A plant file; else the default plant.")] = None,
+    folder: Folder = DEFAULT_FOLDER,
+    port: Annotated[
+        int | None, typer.Option(min=0, max=65_535, help="Of the gateway; else DRAY_PORT, else 8000.")
+    ] = None,
+    db: Annotated[str | None, typer.Option(help="URL of the database; else a file in the folder.")] = None,
+    speed: Annotated[float, typer.Option(help="Factory seconds per real second.", min=0.1, max=50.0)] = 1.0,
+    plain: Annotated[
+        bool, typer.Option("--plain", help="No certificates: links can be read, and words forged.")
+    ] = False,
+    demand: Annotated[bool, typer.Option("--demand/--no-demand", help="Place orders.")] = True,
+) -> None:
+    """Start every agent of a plant as a process; whatever ends is started again. Ctrl-C stops all."""
+    import asyncio
+
+    from dray.cli.muster import Muster, run_muster
+    from dray.cli.options import load_settings
+    from dray.cli.plant import chosen_plant
+
+    settings = load_settings(
+        port=port, plant_file=plant, database_url=db or f"sqlite:///{folder.resolve() / 'dray.db'}"
+    )
+    asyncio.run(
+        run_muster(Muster(settings, chosen_plant(plant), folder, speed=speed, plain=plain, demand=demand))
+    )
+
+
+@app.command()
+def status(folder: Folder = DEFAULT_FOLDER) -> None:
+    """Show the processes: who runs, who is on the bus, how often each was started."""
+    import asyncio
+
+    from dray.cli.muster import read_roll, roll_call
+    from dray.cli.output import table
+
+    roll = read_roll(folder)
+    present = asyncio.run(roll_call(roll, folder))
+    table(
+        ("process", "pid", "runs", "on the bus", "starts"),
+        [
+            (
+                member.name,
+                str(member.pid),
+                "yes" if member.runs else "no",
+                ("yes" if member.name in present else "no") if member.joins else "",
+                str(member.starts),
+            )
+            for member in roll.members
+        ],
+    )
+
+
+@app.command()
+def kill(
+    name: Annotated[str, typer.Argument(help="Which process, as ATV3.")], folder: Folder = DEFAULT_FOLDER
+) -> None:
+    """Kill a process as a power failure does; `dray fleet up` starts it again."""
+    import os
+    import signal
+
+    from dray.cli.muster import read_roll
+    from dray.cli.output import one_of
+    from dray.errors import UnavailableError
+
+    member = one_of({member.name: member for member in read_roll(folder).members}, name, "NAME")
+    try:
+        os.kill(member.pid, signal.SIGKILL)
+    except ProcessLookupError:
+        raise UnavailableError(name, "does not run", "wait until `dray fleet up` has started it") from None
+    typer.echo(f"{name}: killed process {member.pid}")

@@ -1,0 +1,52 @@
+"""`dray gateway` and `dray historian`: what `dray up` has in one process, for agents that are processes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+SettingsFile = Annotated[
+    Path | None,
+    typer.Option("--settings", help="A file of DRAY_...=... lines; the environment wins over it."),
+]
+Database = Annotated[
+    str | None, typer.Option(help="URL of the database; else DRAY_DATABASE_URL, else sqlite:///dray.db.")
+]
+
+
+def gateway(
+    host: Annotated[
+        str | None, typer.Option(help="Address to serve on; else DRAY_HOST, else 127.0.0.1.")
+    ] = None,
+    port: Annotated[
+        int | None,
+        typer.Option(min=0, max=65_535, help="Port; 0 for any free one; else DRAY_PORT, else 8000."),
+    ] = None,
+    db: Database = None,
+    demand: Annotated[
+        bool, typer.Option("--demand/--no-demand", help="Place orders, so that there is something to see.")
+    ] = False,
+    settings: SettingsFile = None,
+) -> None:
+    """Run a gateway: panels and API for a plant whose agents run elsewhere."""
+    import asyncio
+
+    from dray.cli.office import run_gateway
+    from dray.cli.options import load_settings
+    from dray.cli.process import Surroundings
+
+    chosen = load_settings(settings, host=host, port=port, database_url=db)
+    asyncio.run(run_gateway(Surroundings.of(chosen), demand=demand))
+
+
+def historian(db: Database = None, settings: SettingsFile = None) -> None:
+    """Run the historian, which writes what happens to the database; one is enough."""
+    import asyncio
+
+    from dray.cli.office import run_historian
+    from dray.cli.options import load_settings
+    from dray.cli.process import Surroundings
+
+    asyncio.run(run_historian(Surroundings.of(load_settings(settings, database_url=db))))

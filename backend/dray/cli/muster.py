@@ -1,0 +1,352 @@
+"""What `dray fleet` knows of its processes: which there are, how each is started, and which run.
+
+Every process calls three others, at distances of 1, 2 and 4 in a ring, so that no single one is between
+any two others, and the number of links grows with the factory and not with its square.
+
+A process that ends is started again, as a service manager does. Who runs is written to a file after every
+change; `dray fleet status` and `dray fleet kill` read it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import socket
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+import typer
+
+from dray.adapters.certificates import Authority
+from dray.adapters.sqlite_journal import SqliteJournal
+from dray.adapters.zenoh_bus import ZenohBus
+from dray.adapters.zenoh_links import Identity, Links
+from dray.cli.authority import authority_of
+from dray.cli.process import FLOOR
+from dray.cli.serving import stopped_by_signals
+from dray.errors import UnavailableError
+from dray.messages.speakers import Kind
+from dray.plant import Plant
+from dray.protocol.strategist import STRATEGIST
+from dray.settings import PREFIX, Settings
+from dray.store import open_store
+from dray.worker import HISTORY_FACTS
+
+DISTANCES = (1, 2, 4)
+"""In the ring. Any two neighbours may be gone, and all others still hear one another."""
+
+REST_S = 1.0
+"""Before a process that has ended is started again: one that ends at once must not take the computer."""
+
+STOP_S = 10.0
+"""To end in peace; then it is killed."""
+
+ROLL_CALL_S = 3.0
+"""For the links of whoever asks who is there; they take milliseconds when the computer is not busy."""
+
+ROLL, CERTIFICATES, JOURNALS, LOGS = "fleet.json", "certs", "journals", "logs"
+"""In the fleet's folder."""
+
+GATEWAY = "gateway"
+
+
+class Member(msgspec.Struct, frozen=True):
+    """One process.
+
+    Attributes:
+        name: of its agent.
+        pid: of its last start.
+        address: where it is called.
+        joins: it is an agent on the bus.
+        starts: how often it was started.
+    """
+
+    name: str
+    pid: int
+    address: str
+    joins: bool
+    starts: int
+
+    @property
+    def runs(self) -> bool:
+        """Whether the process is there."""
+        try:
+            os.kill(self.pid, 0)
+        except ProcessLookupError:
+            return False
+        return True
+
+
+class Roll(msgspec.Struct, frozen=True):
+    """All processes of a fleet.
+
+    Attributes:
+        plant: the plant's id.
+        plain: links have no certificates.
+    """
+
+    plant: str
+    plain: bool
+    members: tuple[Member, ...]
+
+
+def read_roll(folder: Path) -> Roll:
+    """The fleet of a folder.
+
+    Raises:
+        UnavailableError: there is none.
+    """
+    try:
+        return msgspec.json.decode((folder / ROLL).read_bytes(), type=Roll)
+    except (OSError, msgspec.MsgspecError) as error:
+        raise UnavailableError(str(folder / ROLL), str(error), "start a fleet with `dray fleet up`") from None
+
+
+async def roll_call(roll: Roll, folder: Path) -> frozenset[str]:
+    """Who of a fleet is on the bus at this moment; waits a little for those whose process runs."""
+    running = [member for member in roll.members if member.runs]
+    identity = None if roll.plain else Identity.in_folder(folder / CERTIFICATES, GATEWAY)
+    peers = tuple(member.address for member in running)
+    expected = {member.name for member in running if member.joins}
+    bus = ZenohBus(Links(peers=peers, identity=identity, plain=roll.plain), roll.plant)
+    present: frozenset[str] = frozenset()
+    try:
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(ROLL_CALL_S):
+                while not expected <= present:
+                    present = await bus.roll_call()
+    finally:
+        bus.close()
+    return present
+
+
+@dataclass(frozen=True, slots=True)
+class Muster:
+    """A fleet that is to be started.
+
+    Attributes:
+        settings: of the gateway: its port and its database.
+        plant: the factory.
+        folder: where everything is kept.
+        speed: factory seconds per real second.
+        plain: links without certificates.
+        demand: let orders be placed.
+    """
+
+    settings: Settings
+    plant: Plant
+    folder: Path
+    speed: float
+    plain: bool
+    demand: bool
+
+
+async def run_muster(muster: Muster) -> None:
+    """Run a fleet until a signal.
+
+    Raises:
+        UnavailableError: the folder or the database is not to be had.
+    """
+    stopped = asyncio.Event()
+    folder = muster.folder.resolve()
+    with _kept_in(folder):
+        (folder / LOGS).mkdir(parents=True, exist_ok=True)
+        _forget_bodies(folder)
+        if not muster.plain:
+            _certify(muster.plant, folder / CERTIFICATES)
+    common = await _common_environment(muster, folder)
+    posts = _posts(muster, folder, common)
+    ledger = _Ledger(folder, muster)
+    with stopped_by_signals(stopped.set):
+        async with asyncio.TaskGroup() as group:
+            keepers = [group.create_task(_keep(post, ledger), name=post.name) for post in posts]
+            keepers.append(group.create_task(_tell_started(muster.folder, len(posts), ledger)))
+            await stopped.wait()
+            for keeper in keepers:
+                keeper.cancel()
+    (folder / ROLL).unlink(missing_ok=True)
+
+
+# --- what is started ---------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _Post:
+    """One process to be kept running."""
+
+    name: str
+    command: tuple[str, ...]
+    address: str
+    environment: Mapping[str, str]
+    log: Path
+    joins: bool = True
+
+
+def _posts(muster: Muster, folder: Path, common: Mapping[str, str]) -> list[_Post]:
+    plant = muster.plant
+    commands = {
+        FLOOR: (FLOOR,),
+        "historian": ("historian",),
+        STRATEGIST: ("strategist",),
+        **{machine: ("agent", "machine", machine) for machine in plant.machines},
+        **{atv: ("agent", "atv", atv) for atv in plant.fleet},
+        GATEWAY: ("gateway", "--demand" if muster.demand else "--no-demand"),
+    }
+    names = tuple(commands)
+    addresses = dict(zip(names, _free_addresses(len(names)), strict=True))
+    posts = []
+    for place, name in enumerate(names):
+        called = {names[(place + distance) % len(names)] for distance in DISTANCES} - {name}
+        links = {
+            f"{PREFIX}BUS_LISTEN": addresses[name],
+            f"{PREFIX}BUS_PEERS": ",".join(sorted(addresses[each] for each in called)),
+        }
+        log = folder / LOGS / f"{name}.log"
+        posts.append(
+            _Post(name, commands[name], addresses[name], {**common, **links}, log, joins=name != FLOOR)
+        )
+    return posts
+
+
+async def _common_environment(muster: Muster, folder: Path) -> dict[str, str]:
+    settings = muster.settings
+    # Opened here first, so that no two processes make its tables at once.
+    store = await open_store(settings.database_url)
+    try:
+        trusted = (await authority_of(store)).public.hex()
+    finally:
+        await store.close()
+    environment = {
+        **os.environ,
+        f"{PREFIX}DATABASE_URL": settings.database_url,
+        f"{PREFIX}HOST": settings.host,
+        f"{PREFIX}PORT": str(settings.port),
+        f"{PREFIX}JOURNAL_FOLDER": str(folder / JOURNALS),
+        f"{PREFIX}TRUSTED_KEYS": trusted,
+        f"{PREFIX}PLANT_SPEED": str(muster.speed),
+        f"{PREFIX}PLANT_EPOCH_S": str(time.time()),
+        f"{PREFIX}BUS_PLAIN": str(muster.plain),
+    }
+    if not muster.plain:
+        environment[f"{PREFIX}BUS_CERTIFICATES"] = str(folder / CERTIFICATES)
+    if settings.plant_file is not None:
+        environment[f"{PREFIX}PLANT_FILE"] = str(settings.plant_file.resolve())
+    return environment
+
+
+def _certify(plant: Plant, folder: Path) -> None:
+    """A certificate for every process, by an authority of this fleet, which may certify newcomers."""
+    authority = Authority.make(plant.id)
+    authority.write(folder)
+    kinds = {
+        FLOOR: Kind.HISTORIAN,
+        "historian": Kind.HISTORIAN,
+        STRATEGIST: Kind.STRATEGIST,
+        GATEWAY: Kind.GATEWAY,
+        **dict.fromkeys(plant.machines, Kind.MACHINE),
+        **dict.fromkeys(plant.fleet, Kind.ATV),
+    }
+    for name, kind in kinds.items():
+        authority.issue(folder, plant.id, {name: kind})
+
+
+def _forget_bodies(folder: Path) -> None:
+    """The floor begins anew, so what agents were bound by to the last one is no more."""
+    for file in (folder / JOURNALS).glob("*.db"):
+        with contextlib.closing(SqliteJournal(file, events_kept=HISTORY_FACTS)) as journal:
+            journal.forget()
+
+
+def _free_addresses(count: int) -> list[str]:
+    """Addresses on this computer where nobody listens."""
+    with contextlib.ExitStack() as stack:
+        # All of them at once, so that none is given twice.
+        sockets = [stack.enter_context(socket.socket()) for _ in range(count)]
+        for each in sockets:
+            each.bind(("127.0.0.1", 0))
+        return [f"127.0.0.1:{each.getsockname()[1]}" for each in sockets]
+
+
+@contextlib.contextmanager
+def _kept_in(folder: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise UnavailableError(str(folder), reason, "choose another --folder") from None
+
+
+# --- who runs ----------------------------------------------------------------------------------------
+
+
+class _Ledger:
+    """Who runs, written down after every change."""
+
+    def __init__(self, folder: Path, muster: Muster) -> None:
+        self._file, self._muster = folder / ROLL, muster
+        self._members: dict[str, Member] = {}
+        self._grown = asyncio.Event()
+
+    async def has(self, count: int) -> None:
+        """Wait until so many processes were started."""
+        while len(self._members) < count:
+            self._grown.clear()
+            await self._grown.wait()
+
+    def started(self, post: _Post, pid: int) -> None:
+        """A process was started."""
+        before = self._members.get(post.name)
+        starts = 1 if before is None else before.starts + 1
+        self._members[post.name] = Member(post.name, pid, post.address, post.joins, starts)
+        roll = Roll(self._muster.plant.id, self._muster.plain, tuple(self._members.values()))
+        # Replaced as a whole: a reader sees the old list or the new one.
+        fresh = self._file.with_suffix(".new")
+        fresh.write_bytes(msgspec.json.encode(roll))
+        fresh.replace(self._file)
+        self._grown.set()
+
+
+async def _tell_started(folder: Path, count: int, ledger: _Ledger) -> None:
+    await ledger.has(count)
+    typer.echo(f"{count} processes; `dray fleet status --folder {folder}` shows them")
+    sys.stdout.flush()
+
+
+async def _keep(post: _Post, ledger: _Ledger) -> None:
+    """Keep one process running until cancelled; then let it end."""
+    while True:
+        # The gateway tells on the terminal where the panels are.
+        with post.log.open("ab") as log:
+            process = await asyncio.create_subprocess_exec(
+                sys.executable,
+                "-m",
+                "dray",
+                *post.command,
+                env=post.environment,
+                stdout=None if post.name == GATEWAY else log,
+                stderr=log,
+                # Ctrl-C is for us; we tell them.
+                start_new_session=True,
+            )
+        ledger.started(post, process.pid)
+        try:
+            await process.wait()
+        except asyncio.CancelledError:
+            await _end(process)
+            raise
+        await asyncio.sleep(REST_S)
+
+
+async def _end(process: asyncio.subprocess.Process) -> None:
+    with contextlib.suppress(ProcessLookupError):
+        process.terminate()
+        try:
+            await asyncio.wait_for(process.wait(), STOP_S)
+        except TimeoutError:
+            process.kill()
+            await process.wait()

@@ -1,0 +1,67 @@
+"""The gateway and the historian as processes of their own."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import time
+
+from dray.cli.authority import authority_of
+from dray.cli.newcomers import welcome
+from dray.cli.process import Surroundings, say_ready
+from dray.cli.service import Service, greeting_of, historian_of, serve, with_admin_token
+from dray.cli.serving import address_of, listen, stopped_by_signals
+from dray.gateway.app import create_app
+from dray.gateway.peer import AGENT as GATEWAY
+from dray.store import open_store
+from dray.store.historian import AGENT as HISTORIAN
+
+
+async def run_gateway(where: Surroundings, *, demand: bool) -> None:
+    """Run a gateway until a signal.
+
+    Raises:
+        UnavailableError: the port, the bus or the database is not to be had.
+    """
+    plant = where.plant
+    service, token = with_admin_token(
+        Service(where.settings, plant, speed=where.settings.plant_speed, seed=1, demand=demand)
+    )
+    settings = service.settings
+    with contextlib.closing(listen(settings.host, settings.port)) as listener:
+        store = await open_store(settings.database_url)
+        try:
+            async with where.bus(GATEWAY) as bus:
+                app = create_app(
+                    settings=settings,
+                    plant=plant.file,
+                    bus=bus,
+                    store=store,
+                    time=where.time,
+                    authority=await authority_of(store),
+                    incarnation=await store.next_incarnation(plant.id),
+                )
+                url = address_of(listener, settings.host)
+                links = await welcome(store, plant.file, time.time())
+                await serve(service, app, listener, greeting_of(service, url, token, links))
+        finally:
+            await store.close()
+
+
+async def run_historian(where: Surroundings) -> None:
+    """Run the historian until a signal.
+
+    Raises:
+        UnavailableError: the bus or the database is not to be had.
+    """
+    stopped = asyncio.Event()
+    store = await open_store(where.settings.database_url)
+    try:
+        async with where.bus(HISTORIAN) as bus:
+            running = historian_of(where.settings, where.plant, store, bus, where.time).running()
+            with stopped_by_signals(stopped.set):
+                async with running:
+                    say_ready(HISTORIAN)
+                    await stopped.wait()
+    finally:
+        await store.close()

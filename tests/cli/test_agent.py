@@ -1,0 +1,82 @@
+"""`dray agent` and its like: what they need is asked for by name before anything begins."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from dray.cli import main
+from dray.settings import Settings
+
+Dray = Callable[..., tuple[int, str]]
+
+
+@pytest.fixture
+def dray(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Dray:
+    """Run `dray` in an empty folder; its exit code and what it says is wrong."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*args: str, **environment: str) -> tuple[int, str]:
+        for name, value in environment.items():
+            monkeypatch.setenv(name, value)
+        monkeypatch.setattr(sys, "argv", ["dray", *args])
+        code = 0
+        try:
+            main()
+        except SystemExit as end:
+            code = end.code if isinstance(end.code, int) else 0
+        return code, capsys.readouterr().err
+
+    return run
+
+
+def test_an_agent_that_is_not_in_the_plant_is_refused(dray: Dray) -> None:
+    code, told = dray("agent", "atv", "ATV99")
+    assert code == 2
+    assert "there is no 'ATV99'; choose one of ATV1" in told
+
+
+@pytest.mark.parametrize("command", [("agent", "machine", "M1"), ("strategist",), ("floor",), ("historian",)])
+def test_without_certificates_plain_links_must_be_asked_for(dray: Dray, command: tuple[str, ...]) -> None:
+    code, told = dray(*command)
+    assert code == 2
+    assert "DRAY_BUS_PLAIN=true" in told
+
+
+def test_a_folder_without_the_agents_certificate_is_named(dray: Dray, tmp_path: Path) -> None:
+    code, told = dray("agent", "machine", "M1", DRAY_BUS_CERTIFICATES=str(tmp_path))
+    assert code == 2
+    assert "authority.pem: there is no such file" in told
+
+
+def test_a_key_that_is_none_is_named(dray: Dray) -> None:
+    code, told = dray("agent", "atv", "ATV1", DRAY_TRUSTED_KEYS="beef")
+    assert code == 2
+    assert "DRAY_TRUSTED_KEYS: holds no public key" in told
+
+
+def test_an_agent_without_a_floor_says_what_to_start(dray: Dray, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dray_sim.remote.PATIENCE_S", 0.5)
+    code, told = dray("agent", "machine", "M1", DRAY_BUS_PLAIN="true")
+    assert code == 1
+    assert "the body of M1: nobody answers; start `dray floor` first" in told
+
+
+def test_settings_come_from_a_file_and_the_environment_wins(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "atv3.env"
+    file.write_text("DRAY_BUS_PEERS=10.0.0.1:7447, 10.0.0.2:7447\nDRAY_BUS_LEASE_S=1.5\n", encoding="utf-8")
+    monkeypatch.setenv("DRAY_BUS_LEASE_S", "3")
+    settings = Settings.load(file)
+    assert settings.bus_peers == ("10.0.0.1:7447", "10.0.0.2:7447")
+    assert settings.bus_lease_s == 3.0
+
+
+def test_a_settings_file_that_is_not_there_is_named(dray: Dray) -> None:
+    code, told = dray("strategist", "--settings", "nowhere.env")
+    assert code == 2
+    assert "there is no file nowhere.env" in told
