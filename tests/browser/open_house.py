@@ -20,7 +20,7 @@ import uvicorn
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway"))
 
-from gateway_kit import House, database_url, gateway
+from gateway_kit import House, gateway
 
 T = TypeVar("T")
 
@@ -71,7 +71,7 @@ def open_house(folder: Path) -> Iterator[OpenHouse]:
 
 async def _live(folder: Path, opened: Future[tuple[OpenHouse, uvicorn.Server]]) -> None:
     with socket.create_server(("127.0.0.1", 0)) as listener:
-        async with gateway(database_url(folder)) as house:
+        async with gateway(f"sqlite+aiosqlite:///{folder / 'dray.db'}") as house:
             # `gateway` has started the application already.
             server = uvicorn.Server(uvicorn.Config(house.app, lifespan="off", log_level="error"))
             url = f"http://127.0.0.1:{listener.getsockname()[1]}"

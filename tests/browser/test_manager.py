@@ -183,12 +183,63 @@ def test_the_panel_speaks_the_language_that_is_chosen_and_remembers_it(
 ) -> None:
     page = open_page(quiet_factory, locale="es-ES")
     expect(page.get_by_role("heading", name="Lanzar producción")).to_be_visible()
+    page.get_by_role("button", name="Management").click()
     page.get_by_label("Idioma").select_option("Deutsch")
     expect(page.get_by_role("heading", name="Produktion starten")).to_be_visible()
     expect(page.locator("html")).to_have_attribute("lang", "de")
     screenshot(page, "manager-de")
     page.reload()
+    # The menu closes as it should: by the key that closes everything.
+    page.get_by_role("button", name="Management").click()
+    expect(page.get_by_role("button", name="Abmelden")).to_be_visible()
+    page.keyboard.press("Escape")
+    expect(page.get_by_role("button", name="Abmelden")).to_be_hidden()
     expect(page.get_by_role("heading", name="Produktion starten")).to_be_visible()
+
+
+def test_the_audit_log_can_be_narrowed_turned_over_and_downloaded(
+    quiet_factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = open_page(f"{quiet_factory}/#audit")
+    # More lines than a page of the log has.
+    for number in range(52):
+        placed = page.request.post(
+            f"{quiet_factory}/api/orders",
+            data={
+                "customer": f"Hall {number}",
+                "items": [{"product": "gear-unit-g1", "quantity": 1}],
+                "release": False,
+            },
+        )
+        assert placed.ok, placed.text()
+    page.get_by_role("combobox", name="What").select_option("order placed")
+    rows = page.locator("tbody tr")
+    expect(rows).to_have_count(50)
+    screenshot(page, "audit")
+    page.get_by_role("button", name="Older").click()
+    expect(page.get_by_role("button", name="Newer")).to_be_enabled()
+    expect(rows).not_to_have_count(50)
+    last = rows.last.get_by_role("button").last
+    target = last.inner_text()
+    last.click()
+    expect(rows).to_have_count(1)
+    with page.expect_download() as download:
+        page.get_by_role("link", name="CSV").click()
+    lines = download.value.path().read_text().splitlines()
+    assert lines[0].startswith("position,at,who,")
+    assert len(lines) == 2
+    assert target in lines[1]
+
+
+def test_whoever_logs_out_is_led_to_the_login_in_every_tab(quiet_factory: str, open_page: OpenPage) -> None:
+    page = open_page(quiet_factory)
+    other = page.context.new_page()
+    other.goto(quiet_factory)
+    expect(other.get_by_role("heading", name="Publish production")).to_be_visible()
+    page.get_by_role("button", name="Management").click()
+    page.get_by_role("button", name="Log out").click()
+    page.wait_for_url("**/login")
+    other.wait_for_url("**/login?next=*")
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])

@@ -200,7 +200,7 @@ async def test_an_operator_chooses_a_station_once_per_device(
 ) -> None:
     await house.know("ana", Role.OPERATOR, "AREA1")
     answer = await try_in(visitor, "ana", PIN)
-    assert answer.headers["location"] == "/login/station"
+    assert answer.headers["location"] == "/login/station?next=%2Foperator"
     page = await visitor.get("/login/station", headers=BROWSER)
     assert set(re.findall(r'name="station" value="([^"]*)"', page.text)) == {"M1", "M2", "M3"}
     problem(await visitor.post("/login/station", data={"station": "M8"}), 422, "unusable-fields")
@@ -215,7 +215,8 @@ async def test_an_operator_chooses_a_station_once_per_device(
 async def test_a_device_that_stands_elsewhere_asks_again(house: House, visitor: httpx.AsyncClient) -> None:
     await house.know("ana", Role.OPERATOR, "AREA1")
     visitor.cookies.set("dray_station", "M8")
-    assert (await try_in(visitor, "ana", PIN)).headers["location"] == "/login/station"
+    answer = await try_in(visitor, "ana", PIN, next="/operator?x=1")
+    assert answer.headers["location"] == "/login/station?next=%2Foperator%3Fx%3D1"
 
 
 async def test_a_manager_has_no_station(house: House) -> None:

@@ -122,9 +122,18 @@ export async function commandAtv(atv: string, command: CommandRequest): Promise<
   return (await request("POST", `/api/atvs/${encodeURIComponent(atv)}/commands`, command)) as CommandAnswer;
 }
 
+/** Ends the session of this browser. Not by a form: on pages without a referrer it would not tell where it comes from. */
+export async function logOut(): Promise<void> {
+  await request("POST", "/logout");
+}
+
 /** Who is logged in here. */
 export interface Me {
+  /** person, key or admin. */
+  readonly kind: string;
   readonly name: string;
+  /** Of a person: manager or operator. */
+  readonly role: string | null;
   /** Ids; null for the whole plant. */
   readonly areas: readonly string[] | null;
   /** The machine at which an operator works; empty where that matters nothing. */
@@ -134,6 +143,29 @@ export interface Me {
 
 export async function fetchMe(): Promise<Me> {
   return (await request("GET", "/api/me")) as Me;
+}
+
+export interface AuditLine {
+  readonly position: number;
+  readonly at_s: number;
+  readonly who: string;
+  /** person, key, admin, console or nobody. */
+  readonly who_kind: string;
+  readonly from_ip: string;
+  readonly action: string;
+  readonly target: string;
+  readonly result: string;
+  readonly detail: Readonly<Record<string, unknown>>;
+}
+
+export interface AuditPage {
+  /** Newest first. */
+  readonly items: readonly AuditLine[];
+  readonly next_cursor: string | null;
+}
+
+export async function fetchAudit(query: string): Promise<AuditPage> {
+  return (await request("GET", `/api/audit?${query}`)) as AuditPage;
 }
 
 /** Says by one's own name that an alert is in good hands. */

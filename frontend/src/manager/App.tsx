@@ -1,5 +1,6 @@
 import { t } from "../text/manager";
 import { AlertsView } from "./alerts/AlertsView";
+import { AuditView } from "./audit/AuditView";
 import { FleetView } from "./fleet/FleetView";
 import { KpiView } from "./kpis/KpiView";
 import { OrdersView } from "./orders/OrdersView";
@@ -20,6 +21,7 @@ const SHOWN = {
   watch: WatchView,
   promises: PromisesView,
   kpis: KpiView,
+  audit: AuditView,
 };
 
 /** The address names the view; what is skipped to must not change it. */

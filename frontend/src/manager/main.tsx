@@ -18,6 +18,7 @@ import { followTheme } from "../theme/theme";
 import { App } from "./App";
 import { chooseAtFirst } from "./first-look";
 import { problemText } from "./problem-text";
+import { learnWho } from "./session/session";
 import { plant, plantFailed } from "./state";
 import { followAddress } from "./views";
 
@@ -39,6 +40,7 @@ effect(() => {
   document.title = t("app.title");
 });
 onLoggedOut(toLogin);
+void learnWho();
 followTheme();
 followAddress();
 chooseAtFirst();

@@ -1,7 +1,7 @@
 /** The views of the panel and their addresses. */
 import { signal } from "@preact/signals";
 
-export const VIEWS = ["plant", "alerts", "orders", "fleet", "tasks", "watch", "promises", "kpis"] as const;
+export const VIEWS = ["plant", "alerts", "orders", "fleet", "tasks", "watch", "promises", "kpis", "audit"] as const;
 export type ViewName = (typeof VIEWS)[number];
 
 export const view = signal<ViewName>("plant");

@@ -21,6 +21,8 @@ export interface Formats {
   moment: (atS: number) => string;
   /** 10:39 today, Fri 14:00 this week, 3 Dec 14:00 after it */
   due: (atS: number, nowS: number) => string;
+  /** 10:39:20 today, Fri 14:00 this week, 3 Dec 14:00 before it */
+  when: (atS: number, nowS: number) => string;
   list: (items: readonly string[]) => string;
 }
 
@@ -55,6 +57,9 @@ export function formatsFor(locale: string, timeZone?: string): Formats {
     if (whole < 2 * HOUR_S) return `${sign}${minutes(whole)}${NARROW_SPACE}min`;
     return `${sign}${minutes(Math.round(whole / 60))}${NARROW_SPACE}h`;
   };
+  const isSameDay = (atS: number, nowS: number): boolean => day.format(atS * 1000) === day.format(nowS * 1000);
+  const otherDay = (atS: number, nowS: number): Intl.DateTimeFormat =>
+    Math.abs(atS - nowS) < 6 * DAY_S ? weekday : date;
   return {
     percent: (frac, digits = 0) => `${number(frac * 100, digits)}${NARROW_SPACE}%`,
     count: (value) => count.format(value),
@@ -68,10 +73,8 @@ export function formatsFor(locale: string, timeZone?: string): Formats {
     hour: (atS) => hour.format(atS * 1000),
     day: (atS) => dayOfMonth.format(atS * 1000),
     moment: (atS) => weekday.format(atS * 1000),
-    due: (atS, nowS) => {
-      if (day.format(atS * 1000) === day.format(nowS * 1000)) return hour.format(atS * 1000);
-      return (Math.abs(atS - nowS) < 6 * DAY_S ? weekday : date).format(atS * 1000);
-    },
+    due: (atS, nowS) => (isSameDay(atS, nowS) ? hour : otherDay(atS, nowS)).format(atS * 1000),
+    when: (atS, nowS) => (isSameDay(atS, nowS) ? clock : otherDay(atS, nowS)).format(atS * 1000),
     list: (items) => list.format(items),
   };
 }

@@ -65,6 +65,7 @@ export const format: Formats = {
   day: (atS) => speech.value.formats.day(atS),
   moment: (atS) => speech.value.formats.moment(atS),
   due: (atS, nowS) => speech.value.formats.due(atS, nowS),
+  when: (atS, nowS) => speech.value.formats.when(atS, nowS),
   list: (items) => speech.value.formats.list(items),
 };
 

@@ -46,6 +46,14 @@ describe("formats", () => {
   });
 });
 
+describe("moments", () => {
+  test("of today tell their seconds, others their day", () => {
+    const now = Date.UTC(2026, 4, 4, 8) / 1000;
+    expect(format.when(now - 61, now)).toBe("07:58:59");
+    expect(format.when(now - 86400, now)).toMatch(/^Sun.*08:00$/);
+  });
+});
+
 describe("texts", () => {
   test("are filled in, once per name", () => {
     expect(t("machine.level", { level: 3, capacity: 9 })).toBe("3 / 9");

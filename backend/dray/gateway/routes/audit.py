@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Iterable
+from collections.abc import AsyncIterator
 from typing import Annotated, Literal
 
 import msgspec
@@ -12,16 +10,16 @@ from fastapi import APIRouter, Query
 from fastapi.responses import Response
 
 from dray.gateway.answers import PAGE, Cursor, Json, Limit, list_of, listing, read_cursor, write_cursor
-from dray.gateway.parts import Gateway
+from dray.gateway.parts import Gateway, Parts
+from dray.gateway.spreadsheet import Format, Row, header_of, row_of, table, with_csv
 from dray.store.audit import AuditFilter, AuditRow
 
 router = APIRouter(tags=["access"])
 
-ANSWER = list_of(AuditRow, "Lines, newest first")
-ANSWER["content"]["text/csv"] = {"schema": {"type": "string"}}
+COLUMNS = AuditRow.__struct_fields__
 
-FORMULA = ("=", "+", "-", "@", "\t", "\r")
-"""What begins like this, a spreadsheet would compute."""
+ROWS_AT_ONCE = 1_000
+"""Lines read in one go for a table, so that a long log does not keep others from the database."""
 
 LAST_POSITION = 2**63 - 1
 """The largest number that SQL can hold."""
@@ -33,7 +31,9 @@ Moment = Annotated[float | None, Query(ge=0, le=LAST_S, description="Seconds sin
 Word = Annotated[str, Query(max_length=128)]
 
 
-@router.get("/audit", responses={200: ANSWER}, response_class=Json)
+@router.get(
+    "/audit", responses={200: with_csv(list_of(AuditRow, "Lines, newest first"))}, response_class=Json
+)
 async def list_audit(
     gateway: Gateway,
     since: Moment = None,
@@ -44,9 +44,7 @@ async def list_audit(
     result: Literal["", "done", "refused", "failed"] = "",
     cursor: Cursor = None,
     limit: Limit = PAGE,
-    format: Annotated[  # noqa: A002 - the word that others use
-        Literal["json", "csv"], Query(description="`csv` for a spreadsheet")
-    ] = "json",
+    format: Format = "json",  # noqa: A002 - the word that others use
 ) -> Response:
     """What people and other systems did, or tried to do.
 
@@ -54,25 +52,23 @@ async def list_audit(
     """
     after = read_cursor(cursor, tuple[Annotated[int, msgspec.Meta(ge=0, le=LAST_POSITION)]])
     wanted = AuditFilter(since_s=since, until_s=until, who=who, action=action, target=target, result=result)
+    if format == "csv":
+        return table("audit", header_of(COLUMNS), _rows(gateway, wanted))
     async with gateway.store.read() as work:
         rows = await work.audit.page(wanted, None if after is None else after[0], limit + 1)
     next_cursor = write_cursor(rows[limit - 1].position) if len(rows) > limit else None
-    if format == "json":
-        return listing(rows[:limit], next_cursor)
-    headers = {"Content-Disposition": 'attachment; filename="audit.csv"'}
-    return Response(to_csv(rows[:limit]), media_type="text/csv", headers=headers)
+    return listing(rows[:limit], next_cursor)
 
 
-def to_csv(rows: Iterable[AuditRow]) -> str:
-    """Lines as a table with a line of names; nothing in it is a formula."""
-    text = io.StringIO()
-    writer = csv.writer(text)
-    writer.writerow(AuditRow.__struct_fields__)
-    for row in rows:
-        fields = msgspec.structs.asdict(row) | {"detail": msgspec.json.encode(row.detail).decode()}
-        writer.writerow([_harmless(value) for value in fields.values()])
-    return text.getvalue()
-
-
-def _harmless(value: object) -> object:
-    return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA) else value
+async def _rows(gateway: Parts, wanted: AuditFilter) -> AsyncIterator[Row]:
+    """All lines that are wanted, as cells."""
+    before = None
+    while True:
+        async with gateway.store.read() as work:
+            rows = await work.audit.page(wanted, before, ROWS_AT_ONCE)
+        for row in rows:
+            detail = msgspec.json.encode(row.detail).decode()
+            yield [*row_of(COLUMNS[:-1], row), detail]
+        if len(rows) < ROWS_AT_ONCE:
+            return
+        before = rows[-1].position

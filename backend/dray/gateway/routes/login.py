@@ -182,7 +182,7 @@ async def _welcome(gateway: Parts, request: Request, note: Noted, person: Person
         note.detail["station"] = station
     target = onward(wanted, role)
     if role is Role.OPERATOR and not station and stations_in(gateway.plant, person.areas):
-        target = "/login/station"
+        target = f"/login/station?{urlencode({'next': target})}"
     answer = _go(target)
     cookies.give_session(answer, request, token, role)
     if role is Role.OPERATOR:

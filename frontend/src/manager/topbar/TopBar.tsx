@@ -1,10 +1,9 @@
 import { AlertsTag } from "../alerts/AlertsTag";
-import { LanguageSwitch } from "../../parts/LanguageSwitch";
 import { world } from "../../stream/stream";
 import { format, t } from "../../text/manager";
+import { PersonMenu } from "../session/PersonMenu";
 import { view, VIEWS } from "../views";
 import { LiveTag } from "../../parts/LiveTag";
-import { ThemeSwitch } from "../../parts/ThemeSwitch";
 
 export function TopBar() {
   const speed = world.value?.factory.speed ?? 1;
@@ -30,8 +29,7 @@ export function TopBar() {
         )}
         <LiveTag />
         <AlertsTag />
-        <LanguageSwitch />
-        <ThemeSwitch />
+        <PersonMenu />
       </div>
     </header>
   );

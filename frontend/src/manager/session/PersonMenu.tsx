@@ -1,0 +1,43 @@
+import { Icon } from "../../parts/Icon";
+import { LanguageSwitch } from "../../parts/LanguageSwitch";
+import { ThemeSwitch } from "../../parts/ThemeSwitch";
+import { t, word } from "../../text/manager";
+import { failed, leave, me } from "./session";
+
+/** Who works here, what may be chosen for this browser, and the way out. */
+export function PersonMenu() {
+  const person = me.value;
+  const role = person && word("person.role", person.role ?? person.kind);
+  return (
+    <>
+      <button type="button" class="button person" popovertarget="person-menu">
+        <span class="clip">{person?.name ?? t("person.menu")}</span>
+        <Icon name="down" />
+      </button>
+      <section id="person-menu" class="card person-menu" popover="auto" aria-label={t("person.menu")}>
+        {person && (
+          <p>
+            <b>{person.name}</b>
+            {role !== person.name && <small class="line muted">{role}</small>}
+          </p>
+        )}
+        <div class="person-choice">
+          <span>{t("language.label")}</span>
+          <LanguageSwitch />
+        </div>
+        <div class="person-choice">
+          <span>{t("theme.label")}</span>
+          <ThemeSwitch />
+        </div>
+        <button type="button" class="button" onClick={() => void leave()}>
+          {t("person.logOut")}
+        </button>
+        {failed.value !== "" && (
+          <small class="line" role="alert">
+            {failed.value}
+          </small>
+        )}
+      </section>
+    </>
+  );
+}

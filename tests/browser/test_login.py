@@ -1,0 +1,153 @@
+"""The login in a real browser: by a link, by a password, by a PIN; with and without a script."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from open_house import OpenHouse, open_house
+from playwright.sync_api import Page, expect
+
+from dray.gateway.access.invitations import invite
+from dray.gateway.access.principal import Role
+
+OpenPage = Callable[..., Page]
+Screenshot = Callable[..., Path]
+
+DESK = {"width": 1280, "height": 800}
+LYING, STANDING = {"width": 1024, "height": 768}, {"width": 800, "height": 1280}
+"""A tablet at a station."""
+
+LOOKS: dict[str, dict[str, Any]] = {
+    "desk-light-en": {"viewport": DESK, "color_scheme": "light", "locale": "en-GB"},
+    "desk-dark-de": {"viewport": DESK, "color_scheme": "dark", "locale": "de-DE"},
+    "lying-dark-es": {"viewport": LYING, "color_scheme": "dark", "locale": "es-ES", "has_touch": True},
+    "standing-light-de": {
+        "viewport": STANDING,
+        "color_scheme": "light",
+        "locale": "de-DE",
+        "has_touch": True,
+    },
+}
+
+PASSWORD, PIN = "four words are good", "402719"
+
+REFUSED = re.compile("status of 4(01|10|29)")
+"""What Chromium says of every page that it shows with such a status."""
+
+
+@pytest.fixture(scope="module")
+def plant(tmp_path_factory: pytest.TempPathFactory) -> Iterator[OpenHouse]:
+    with open_house(tmp_path_factory.mktemp("login")) as house:
+        house.do(lambda inside: inside.know("boss"))
+        house.do(lambda inside: inside.know("ana", Role.OPERATOR, "AREA1"))
+        yield house
+
+
+def link_for(plant: OpenHouse, person: str) -> str:
+    async def make(house: Any) -> str:
+        async with house.store.write() as work:
+            return str(await invite(work, person, house.wall.now_s))
+
+    return f"{plant.url}/login/{plant.do(make)}"
+
+
+def cookies(page: Page) -> dict[str, Any]:
+    return {cookie["name"]: cookie for cookie in page.context.cookies()}
+
+
+def fits(page: Page) -> bool:
+    """Whether nothing has to be scrolled sideways."""
+    return bool(page.evaluate("document.documentElement.scrollWidth <= innerWidth"))
+
+
+@pytest.mark.parametrize("look", LOOKS)
+@pytest.mark.parametrize("role", ["manager", "operator"])
+def test_the_login_fits_every_screen_in_every_language(
+    plant: OpenHouse, open_page: OpenPage, screenshot: Screenshot, look: str, role: str
+) -> None:
+    page = open_page(f"{plant.url}/login?as={role}", **LOOKS[look])
+    expect(page.get_by_role("heading", level=1)).to_be_visible()
+    assert fits(page)
+    screenshot(page, f"login-{role}-{look}")
+
+
+@pytest.mark.parametrize("script", [True, False])
+def test_a_manager_logs_in_by_password_and_goes_on_where_he_wanted_to(
+    plant: OpenHouse, open_page: OpenPage, script: bool
+) -> None:
+    page = open_page(f"{plant.url}/?x=1", java_script_enabled=script)
+    assert page.url == f"{plant.url}/login?next=%2F%3Fx%3D1"
+    page.get_by_label("Name").fill("boss")
+    page.get_by_label("Password").fill(PASSWORD)
+    page.get_by_role("button", name="Log in").click()
+    page.wait_for_url(f"{plant.url}/?x=1")
+    cookie = cookies(page)["dray_session"]
+    assert cookie["httpOnly"]
+    assert cookie["sameSite"] == "Strict"
+    if script:
+        assert "dray_session" not in page.evaluate("document.cookie")
+
+
+@pytest.mark.parametrize("script", [True, False])
+def test_an_operator_logs_in_by_pin_says_where_and_is_known_the_next_time(
+    plant: OpenHouse, open_page: OpenPage, screenshot: Screenshot, complaints: Any, script: bool
+) -> None:
+    page = open_page(f"{plant.url}/login?as=operator", java_script_enabled=script, **LOOKS["lying-dark-es"])
+    page.get_by_label("Nombre").fill("ana")
+    page.locator("#secret").fill(PIN)
+    page.get_by_role("button", name="Entrar").click()
+    expect(page.get_by_role("heading", level=1)).to_have_text("¿Dónde trabaja ahora?")
+    if script:
+        screenshot(page, "login-station")
+    page.get_by_role("button", name="M2").click()
+    page.wait_for_url(f"{plant.url}/operator")
+    page.context.clear_cookies(name="dray_session")
+    page.goto(f"{plant.url}/login?as=operator")
+    expect(page.get_by_role("radio", name="ana")).to_be_checked()
+    if script:
+        expect(page.get_by_label("Nombre")).to_be_hidden()
+        screenshot(page, "login-known")
+    page.locator("#secret").fill(PIN)
+    page.get_by_role("button", name="Entrar").click()
+    page.wait_for_url(f"{plant.url}/operator")
+    # What the operator's panel complains of when it is left so soon is another test's matter.
+    page.goto("about:blank")
+    complaints.clear()
+
+
+def test_a_link_logs_in_by_one_button_and_once(
+    plant: OpenHouse, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    link = link_for(plant, "boss")
+    page = open_page(link)
+    expect(page.get_by_role("heading", level=1)).to_have_text("Hello, Boss")
+    screenshot(page, "login-link")
+    page.get_by_role("button", name="Log in").click()
+    page.wait_for_url(f"{plant.url}/")
+
+
+def test_a_link_that_was_used_says_so(
+    plant: OpenHouse, open_page: OpenPage, screenshot: Screenshot, complaints: Any
+) -> None:
+    page = open_page(f"{plant.url}/login/guess")
+    expect(page.get_by_role("heading", level=1)).to_have_text("This link does not log in any more")
+    screenshot(page, "login-gone")
+    complaints[:] = [each for each in complaints if not REFUSED.search(each)]
+
+
+def test_a_wrong_secret_is_said_beside_the_form_and_the_name_stays(
+    plant: OpenHouse, open_page: OpenPage, screenshot: Screenshot, complaints: Any
+) -> None:
+    page = open_page(f"{plant.url}/login")
+    page.get_by_label("Name").fill("boss")
+    page.get_by_label("Password").fill("not this one")
+    page.get_by_role("button", name="Log in").click()
+    expect(page.get_by_role("alert")).to_contain_text("did not open")
+    expect(page.get_by_label("Name")).to_have_value("boss")
+    expect(page.get_by_label("Password")).to_have_value("")
+    screenshot(page, "login-wrong")
+    complaints[:] = [each for each in complaints if not REFUSED.search(each)]
