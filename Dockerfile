@@ -8,7 +8,8 @@ COPY . .
 RUN python -m build --wheel --no-isolation --outdir /dist
 
 FROM python:3.11-slim
-RUN useradd --system --create-home --home-dir /var/lib/dray dray
+# A number that does not change: whoever mounts a folder gives it to this user.
+RUN useradd --system --uid 10001 --create-home --home-dir /var/lib/dray dray
 COPY requirements.txt /tmp/
 RUN pip install --no-cache-dir --require-hashes -r /tmp/requirements.txt
 COPY --from=build /dist/ /tmp/dist/

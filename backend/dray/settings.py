@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import Annotated, Literal, Self
+from urllib.parse import quote
 
 from pydantic import AfterValidator, BeforeValidator, Field, SecretStr, ValidationError
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
@@ -15,6 +16,9 @@ from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 from dray.errors import SettingsError
 
 PREFIX = "DRAY_"
+
+SECRETS = Path("/run/secrets")
+"""Where containers find their secrets: a file for each, named as its variable, in small letters."""
 
 _DRIVERS = {
     "sqlite": "sqlite+aiosqlite",
@@ -53,6 +57,9 @@ class Settings(BaseSettings):
 
     database_url: Annotated[str, AfterValidator(_database_url)] = "sqlite+aiosqlite:///dray.db"
     """A file in the working folder: an embedded start needs no server."""
+
+    database_password: SecretStr | None = None
+    """Put into the URL, so that the URL itself is no secret; best given as a file (see `SECRETS`)."""
 
     host: Annotated[str, Field(min_length=1)] = "127.0.0.1"
     """This machine only, until somebody decides who else may reach the panels."""
@@ -147,7 +154,7 @@ class Settings(BaseSettings):
 
     @classmethod
     def load(cls, settings_file: Path | None = None, **options: object) -> Self:
-        """Read the environment.
+        """Read the environment, and the files of `SECRETS`, which the environment overrides.
 
         Args:
             settings_file: lines like `DRAY_PORT=8000`, for what the environment does not say.
@@ -159,13 +166,29 @@ class Settings(BaseSettings):
         if settings_file is not None and not settings_file.is_file():
             raise SettingsError("--settings", f"there is no file {settings_file}")
         given = {name: value for name, value in options.items() if value is not None}
+        # A folder that is not there would be warned of.
+        secrets = {"_secrets_dir": SECRETS} if SECRETS.is_dir() else {}
         try:
-            return cls(_env_file=settings_file, **given)  # type: ignore[call-arg, arg-type]
+            settings = cls(_env_file=settings_file, **given, **secrets)  # type: ignore[call-arg, arg-type]
         except ValidationError as error:
             first = error.errors(include_url=False, include_context=False)[0]
             field = str(first["loc"][0]) if first["loc"] else "settings"
             name = f"--{field.replace('_', '-')}" if field in given else f"{PREFIX}{field.upper()}"
             raise SettingsError(name, _reason(first["msg"])) from None
+        password = settings.database_password
+        if password is None:
+            return settings
+        url = _with_password(settings.database_url, password.get_secret_value())
+        return settings.model_copy(update={"database_url": url})
+
+
+def _with_password(url: str, password: str) -> str:
+    scheme, _, rest = url.partition("://")
+    user, at, place = rest.partition("@")
+    if not at or ":" in user:
+        reason = "DRAY_DATABASE_URL must name a user and no password, as postgresql://user@host/name"
+        raise SettingsError("DRAY_DATABASE_PASSWORD", reason)
+    return f"{scheme}://{user}:{quote(password, safe='')}@{place}"
 
 
 def _reason(message: str) -> str:

@@ -15,6 +15,7 @@ from typing import Any, TypeVar, cast
 import httpx
 from argon2 import PasswordHasher
 from fastapi import FastAPI
+from prometheus_client.registry import Collector
 
 from dray.adapters.signing import SigningKey
 from dray.errors import UnavailableError
@@ -354,6 +355,7 @@ async def gateway(
     incarnation: int = 1,
     panels: Panels | None = None,
     faults: FaultDesk | None = None,
+    collectors: Iterable[Collector] = (),
     change: Callable[[FastAPI], None] = lambda _app: None,
     **settings: Any,
 ) -> AsyncIterator[House]:
@@ -368,6 +370,7 @@ async def gateway(
         incarnation: of the plant's agents.
         panels: templates and built files, when not the package's own.
         faults: the desk of a simulated factory.
+        collectors: of metrics beside the gateway's own.
         change: something to do to the application before it starts.
         settings: fields of `Settings` that differ from the defaults.
     """
@@ -387,6 +390,7 @@ async def gateway(
             historian=historian,
             panels=panels,
             faults=faults,
+            collectors=collectors,
             wall_s=wall,
             hasher=QUICK,
         )

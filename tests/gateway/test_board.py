@@ -1,0 +1,116 @@
+"""The board and the alerts ask for metrics that there are, and the board can be read."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from gateway_kit import gateway
+from prometheus_client.parser import text_string_to_metric_families
+
+from dray.cli.meters import FactoryMeter
+from dray.plant import default_plant
+from dray_sim.bridge import BridgedBus
+from dray_sim.factory import SimFactory
+from dray_sim.loop import VirtualClock
+
+DEPLOY = Path(__file__).parents[2] / "deploy"
+
+SUFFIXES = {"counter": ("_total",), "gauge": ("",), "histogram": ("_bucket", "_sum", "_count")}
+
+LABELS = {"le", "job", "route", "status"}
+"""Those that are everywhere, or that only a request has."""
+
+
+@pytest.fixture
+def anyio_backend() -> str:
+    return "asyncio"
+
+
+@pytest.fixture(scope="module")
+def board() -> dict[str, Any]:
+    loaded: dict[str, Any] = json.loads((DEPLOY / "grafana/boards/factory.json").read_text())
+    return loaded
+
+
+@pytest.fixture(scope="module")
+def panels(board: dict[str, Any]) -> list[dict[str, Any]]:
+    """Without the headings."""
+    return [panel for panel in board["panels"] if panel["type"] != "row"]
+
+
+@pytest.fixture(scope="module")
+def rules() -> list[dict[str, Any]]:
+    (group,) = yaml.safe_load((DEPLOY / "prometheus/alerts.yml").read_text())["groups"]
+    found: list[dict[str, Any]] = group["rules"]
+    return found
+
+
+def expressions(panels: list[dict[str, Any]], rules: list[dict[str, Any]]) -> list[str]:
+    return [target["expr"] for panel in panels for target in panel["targets"]] + [
+        rule["expr"] for rule in rules
+    ]
+
+
+@pytest.mark.anyio
+async def test_whatever_is_asked_for_is_told(
+    sqlite_url: str, panels: list[dict[str, Any]], rules: list[dict[str, Any]]
+) -> None:
+    loop = asyncio.get_running_loop()
+    factory = SimFactory(default_plant(), VirtualClock(), seed=1)
+    meter = FactoryMeter(factory, BridgedBus(factory.bus, loop, loop))
+    async with gateway(sqlite_url, collectors=(meter,)) as house:
+        answer = await house.client.get("/metrics")
+    told = {
+        f"{family.name}{suffix}"
+        for family in text_string_to_metric_families(answer.text)
+        for suffix in SUFFIXES[family.type]
+    }
+    asked = expressions(panels, rules)
+    assert len(asked) > 50
+    for expression in asked:
+        names = re.findall(r"\b(?:dray|process)_[a-z_]+", expression)
+        assert names or "up{" in expression, expression
+        assert set(names) <= told, expression
+        assert expression.count("(") == expression.count(")")
+        # A counter is of no use but as a rate or an increase, and neither is anything else.
+        for name in names:
+            grows = name.endswith(("_total", "_bucket", "_sum", "_count"))
+            bare = rf"(?:rate|increase)\({name}(?:\{{[^}}]*\}})?\["
+            assert grows == bool(re.search(bare, expression)), expression
+
+
+def test_every_panel_says_what_it_shows_and_in_which_unit(panels: list[dict[str, Any]]) -> None:
+    for panel in panels:
+        assert panel["title"]
+        assert panel["description"].endswith("."), panel["title"]
+        assert panel["fieldConfig"]["defaults"]["unit"], panel["title"]
+        for target in panel["targets"]:
+            assert target["datasource"]["uid"] == "${source}"
+            labels = re.findall(r"\{\{(\w+)\}\}", target["legendFormat"])
+            for label in labels:
+                assert re.search(rf"by \([^)]*\b{label}\b", target["expr"]), target
+
+
+def test_no_panel_covers_another(board: dict[str, Any]) -> None:
+    assert len({panel["id"] for panel in board["panels"]}) == len(board["panels"])
+    places = [panel["gridPos"] for panel in board["panels"]]
+    for place in places:
+        assert 0 <= place["x"] < place["x"] + place["w"] <= 24
+    for one, other in combinations(places, 2):
+        beside = one["x"] + one["w"] <= other["x"] or other["x"] + other["w"] <= one["x"]
+        over = one["y"] + one["h"] <= other["y"] or other["y"] + other["h"] <= one["y"]
+        assert beside or over, (one, other)
+
+
+def test_every_alert_says_what_it_means(rules: list[dict[str, Any]]) -> None:
+    assert len(rules) >= 6
+    for rule in rules:
+        assert rule["alert"].startswith("Dray")
+        assert rule["annotations"]["summary"].endswith(".")

@@ -1,0 +1,171 @@
+"""What is deployed: every part named is there, nothing is open to the world, and no secret stands in a file."""
+
+from __future__ import annotations
+
+import configparser
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from dray.settings import PREFIX, Settings
+
+ROOT = Path(__file__).parents[1]
+SECRETS = "/run/secrets/"
+
+VARIABLES = {f"{PREFIX}{field.upper()}" for field in Settings.model_fields}
+
+
+@pytest.fixture(scope="module")
+def compose() -> dict[str, Any]:
+    loaded: dict[str, Any] = yaml.safe_load((ROOT / "docker-compose.yml").read_text())
+    return loaded
+
+
+@pytest.fixture(scope="module")
+def services(compose: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    found: dict[str, dict[str, Any]] = compose["services"]
+    return found
+
+
+def stages() -> list[list[str]]:
+    """The instructions of the Dockerfile's stages, continued lines joined."""
+    lines = [
+        line
+        for line in (ROOT / "Dockerfile").read_text().replace("\\\n", " ").splitlines()
+        if line and not line.startswith("#")
+    ]
+    found: list[list[str]] = []
+    for line in lines:
+        if line.startswith("FROM "):
+            found.append([])
+        found[-1].append(" ".join(line.split()))
+    return found
+
+
+def test_the_image_is_built_in_one_stage_and_runs_in_another_as_nobody_special() -> None:
+    build, final = stages()
+    assert all(re.match(r"FROM [a-z]+:\d", stage[0]) for stage in (build, final)), "a version, never latest"
+    assert any(line.startswith("COPY --from=build ") for line in final)
+    # What is needed to build and to test does not get into what runs.
+    assert not [line for line in final if "requirements-dev" in line]
+    assert all(
+        "--require-hashes" in line for line in (*build, *final) if "pip install" in line and "-r " in line
+    )
+    user = [line for line in final if line.startswith("USER ")]
+    assert user == ["USER dray"]
+    assert final.index("USER dray") < next(i for i, line in enumerate(final) if line.startswith("CMD "))
+    assert any(line.startswith("HEALTHCHECK ") and "/readyz" in line for line in final)
+
+
+def test_every_variable_of_ours_is_one_that_dray_knows(services: dict[str, dict[str, Any]]) -> None:
+    named = {name for service in services.values() for name in service.get("environment", {})}
+    texts = (ROOT / "Dockerfile").read_text() + (ROOT / "deploy/env.example").read_text()
+    named |= set(re.findall(r"^(?:ENV )?(\w+)=", texts, re.MULTILINE))
+    ours = {name for name in named if name.startswith(PREFIX)}
+    assert "DRAY_DATABASE_URL" in ours
+    assert ours <= VARIABLES
+
+
+def test_services_are_reached_from_this_machine_only(services: dict[str, dict[str, Any]]) -> None:
+    published = [port for service in services.values() for port in service.get("ports", ())]
+    assert len(published) >= 3
+    for port in published:
+        assert re.fullmatch(r"127\.0\.0\.1:\d+:\d+", port)
+    assert "ports" not in services["database"]
+
+
+def test_services_come_back_and_say_how_they_are(services: dict[str, dict[str, Any]]) -> None:
+    for name, service in services.items():
+        assert service["restart"] == "unless-stopped", name
+        assert ("image" in service and ":" in service["image"]) or "build" in service, name
+        assert not service.get("image", "").endswith(":latest") or "build" in service, name
+        # The gateway's is in its image; the traces' are for looking at, and nobody waits for them.
+        if name not in {"gateway", "traces"}:
+            assert service["healthcheck"]["test"][0] == "CMD", name
+        for other, how in service.get("depends_on", {}).items():
+            assert how["condition"] == "service_healthy"
+            assert "healthcheck" in services[other] or "build" in services[other]
+
+
+def test_volumes_and_secrets_are_declared_and_used(
+    compose: dict[str, Any], services: dict[str, dict[str, Any]]
+) -> None:
+    mounts = [mount.split(":") for service in services.values() for mount in service.get("volumes", ())]
+    named = {source for source, *_ in mounts if not source.startswith(".")}
+    assert named == set(compose["volumes"])
+    for source, _, *options in (mount for mount in mounts if mount[0].startswith(".")):
+        assert (ROOT / source).is_dir(), source
+        assert options == ["ro"]
+    used = {secret for service in services.values() for secret in service.get("secrets", ())}
+    assert used == set(compose["secrets"])
+
+
+def test_no_secret_stands_in_a_file(compose: dict[str, Any], services: dict[str, dict[str, Any]]) -> None:
+    example = dict(
+        line.split("=", 1)
+        for line in (ROOT / "deploy/env.example").read_text().splitlines()
+        if line and not line.startswith("#")
+    )
+    for name, secret in compose["secrets"].items():
+        assert list(secret) == ["environment"], name
+        assert example[secret["environment"]] in {"", "none-yet"}
+    for name, service in services.items():
+        for variable, value in service.get("environment", {}).items():
+            if re.search("PASSWORD|TOKEN|SECRET|KEY", variable):
+                assert variable.endswith("_FILE"), f"{name}: {variable}"
+            if variable.endswith("_FILE"):
+                assert value.removeprefix(SECRETS) in service["secrets"]
+            for used in re.findall(r"\$\{(\w+)", str(value)):
+                assert used in example
+    ours = set(services["gateway"]["secrets"])
+    assert {name.upper() for name in ours} <= VARIABLES, "read as files: see `dray.settings.SECRETS`"
+    for ignored in (".gitignore", ".dockerignore"):
+        assert ".env" in (ROOT / ignored).read_text().splitlines()
+
+
+def test_prometheus_asks_the_gateway_with_its_key(services: dict[str, dict[str, Any]]) -> None:
+    folder = ROOT / "deploy/prometheus"
+    configuration = yaml.safe_load((folder / "prometheus.yml").read_text())
+    (job,) = configuration["scrape_configs"]
+    (target,) = job["static_configs"][0]["targets"]
+    name, port = target.split(":")
+    assert name in services
+    assert f"EXPOSE {port}" in stages()[-1]
+    key = job["authorization"]["credentials_file"].removeprefix(SECRETS)
+    assert key in services["prometheus"]["secrets"]
+    for rules in configuration["rule_files"]:
+        assert (folder / rules).is_file()
+
+
+def test_grafana_finds_its_source_and_its_board(services: dict[str, dict[str, Any]]) -> None:
+    folder = ROOT / "deploy/grafana"
+    (source,) = yaml.safe_load((folder / "provisioning/datasources/prometheus.yml").read_text())[
+        "datasources"
+    ]
+    assert source["url"] == "http://prometheus:9090"
+    (provider,) = yaml.safe_load((folder / "provisioning/dashboards/boards.yml").read_text())["providers"]
+    mounted = {mount.split(":")[1]: mount.split(":")[0] for mount in services["grafana"]["volumes"]}
+    boards = ROOT / mounted[provider["options"]["path"]]
+    home = services["grafana"]["environment"]["GF_DASHBOARDS_DEFAULT_HOME_DASHBOARD_PATH"]
+    board = json.loads((boards / Path(home).name).read_text())
+    (variable,) = board["templating"]["list"]
+    assert variable["current"]["value"] == source["uid"]
+
+
+def test_the_unit_of_a_vehicle_brings_its_agent_back_and_may_do_little() -> None:
+    unit = configparser.ConfigParser(interpolation=None)
+    unit.optionxform = str  # type: ignore[assignment,method-assign]  # the names are written in this way
+    unit.read(ROOT / "deploy/systemd/dray-atv@.service")
+    service = unit["Service"]
+    assert service["ExecStart"] == "/opt/dray/bin/dray agent atv %i"
+    assert service["Restart"] == "always"
+    assert unit["Unit"]["StartLimitIntervalSec"] == "0"
+    assert service["User"] not in {"", "root"}
+    for hardened in ("NoNewPrivileges", "ProtectHome", "PrivateTmp"):
+        assert service[hardened] == "true"
+    assert service["ProtectSystem"] == "strict"
+    assert service["CapabilityBoundingSet"] == ""

@@ -1,0 +1,58 @@
+"""What an operator may choose, and where secrets come from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from dray import settings as settings_module
+from dray.errors import SettingsError
+from dray.settings import Settings
+
+
+@pytest.fixture(autouse=True)
+def secrets(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty folder of secrets, and no variable that would say otherwise."""
+    monkeypatch.setattr(settings_module, "SECRETS", tmp_path)
+    for name in ("DRAY_DATABASE_URL", "DRAY_DATABASE_PASSWORD", "DRAY_ADMIN_TOKEN"):
+        monkeypatch.delenv(name, raising=False)
+    return tmp_path
+
+
+@pytest.mark.parametrize("scheme", ["postgres", "postgresql", "postgresql+asyncpg"])
+def test_one_url_chooses_the_database_however_people_write_it(scheme: str) -> None:
+    settings = Settings.load(database_url=f"{scheme}://dray@db:5433/factory")
+    assert settings.database_url == "postgresql+asyncpg://dray@db:5433/factory"
+
+
+def test_the_password_may_come_apart_from_the_url_as_a_file(secrets: Path) -> None:
+    (secrets / "dray_database_password").write_text("p@ss/word\n")
+    (secrets / "dray_admin_token").write_text("let me in")
+    settings = Settings.load(database_url="postgresql://dray@db/factory")
+    assert settings.database_url == "postgresql+asyncpg://dray:p%40ss%2Fword@db/factory"
+    assert settings.admin_token is not None
+    assert settings.admin_token.get_secret_value() == "let me in"
+    assert "let me in" not in repr(settings)
+
+
+def test_a_variable_overrides_a_file(secrets: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (secrets / "dray_admin_token").write_text("old")
+    monkeypatch.setenv("DRAY_ADMIN_TOKEN", "new")
+    token = Settings.load().admin_token
+    assert token is not None
+    assert token.get_secret_value() == "new"
+
+
+def test_a_folder_that_is_not_there_is_no_fault(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(settings_module, "SECRETS", tmp_path / "none")
+    assert Settings.load().admin_token is None
+
+
+@pytest.mark.parametrize(
+    "url", ["postgresql://db/factory", "postgresql://dray:old@db/factory", "sqlite:///dray.db"]
+)
+def test_a_password_that_cannot_be_put_anywhere_is_refused_and_not_told(url: str) -> None:
+    with pytest.raises(SettingsError, match="DRAY_DATABASE_URL must name a user and no password") as raised:
+        Settings.load(database_url=url, database_password="hunter2")
+    assert "hunter2" not in str(raised.value)
