@@ -88,7 +88,7 @@ def standing(area: str, where: str = "", *, seq: int = 1) -> Message:
         task=_brief(area, Role.PRIMARY),
         watches=(_brief(after(area), Role.SECONDARY),),
         help=HelpWanted(until_s=500.0),
-        problem="the way is blocked",
+        problem=f"the way is blocked by {ATV[after(area)]}",
         berth=next(iter(FLOOR.berths)),
     )
 

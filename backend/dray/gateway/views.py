@@ -3,6 +3,9 @@
 A view is a whole entity, replaced as a whole: the newest one wins. Times are seconds since 1970 on
 the wall clock (`*_at_s`), whatever the speed of the factory's clock; durations and speeds are the
 factory's own. The TypeScript types of the panels are generated from these structs.
+
+Whoever is limited to areas is shown less of an entity, and `*` in place of a vehicle that stands elsewhere
+(`dray.gateway.projection.sight`).
 """
 
 from __future__ import annotations

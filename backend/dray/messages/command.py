@@ -16,7 +16,7 @@ from msgspec import Meta
 from dray.messages.base import Fraction, Id, Message, Part, Seconds, Text
 
 MAX_AREAS = 64
-"""Areas that one grant can name. Who answers for more is granted everything: a frame of the radio is short."""
+"""Areas that one grant can name: more than anybody answers for who is not given the whole plant."""
 
 STOP_MARGIN_M = 2.0
 """How far outside of an area a vehicle may still be stopped by who answers for that area.

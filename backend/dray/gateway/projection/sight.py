@@ -129,6 +129,7 @@ class AreaSight:
             via=tuple(self._who(atv) for atv in view.via),
             watches=tuple(brief for brief in view.watches if self._concerned(brief)),
             berth=view.berth if view.berth in self._places else "",
+            problem=self._words(view.problem),
         )
 
     def machine(self, view: MachineView) -> MachineView | None:
@@ -136,7 +137,12 @@ class AreaSight:
         if view.id not in self._places:
             return None
         goals = tuple(replace(goal, goal=str(number)) for number, goal in enumerate(view.goals, 1))
-        return replace(view, goals=goals, tasks=tuple(self._open_task(task) for task in view.tasks))
+        return replace(
+            view,
+            goals=goals,
+            tasks=tuple(self._open_task(task) for task in view.tasks),
+            problem=self._words(view.problem),
+        )
 
     def task(self, view: TaskView) -> TaskView | None:
         """A transport that concerns the areas: from, to or on board of what is seen."""
@@ -172,7 +178,9 @@ class AreaSight:
             if task is None or not self._concerns(task):
                 return None
             return replace(view, agent=self._who(view.agent), problem=self._words(view.problem))
-        return replace(view) if view.agent and self.has(view.agent) else None
+        if not view.agent or not self.has(view.agent):
+            return None
+        return replace(view, problem=self._words(view.problem))
 
     def command(self, view: CommandView) -> CommandView | None:
         """A command to a vehicle that was there when it was given."""
