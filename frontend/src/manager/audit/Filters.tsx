@@ -1,4 +1,6 @@
 import { t, word } from "../../text/manager";
+import { Choice } from "../filters/Choice";
+import { CsvLink } from "../filters/CsvLink";
 import { ACTIONS, NOTHING, queryOf, RESULTS } from "./filter";
 import { filter, lookAgain, narrow } from "./log";
 
@@ -10,17 +12,27 @@ export function Filters() {
       <Moment name="until" />
       <Words name="who" />
       <Words name="target" />
-      <Choice name="action" group="audit.did" words={ACTIONS} />
-      <Choice name="result" group="audit.came" words={RESULTS} />
+      <Choice
+        label={t("audit.action")}
+        any={t("filter.any")}
+        value={filter.value.action}
+        options={ACTIONS.map((id) => ({ id, name: word("audit.did", id) }))}
+        onChosen={(action) => { narrow({ action }); }}
+      />
+      <Choice
+        label={t("audit.result")}
+        any={t("filter.any")}
+        value={filter.value.result}
+        options={RESULTS.map((id) => ({ id, name: word("audit.came", id) }))}
+        onChosen={(result) => { narrow({ result }); }}
+      />
       <button type="button" class="button" onClick={() => { narrow(NOTHING); }}>
         {t("audit.clear")}
       </button>
       <button type="button" class="button" onClick={lookAgain}>
         {t("audit.again")}
       </button>
-      <a class="button" href={`/api/audit?${queryOf(filter.value, { format: "csv" })}`} download="audit.csv" title={t("audit.csvTitle")}>
-        {t("audit.csv")}
-      </a>
+      <CsvLink href={`/api/audit?${queryOf(filter.value, { format: "csv" })}`} />
     </>
   );
 }
@@ -39,22 +51,6 @@ function Words({ name }: { name: "who" | "target" }) {
     <label class="narrow">
       <span>{t(`audit.${name}`)}</span>
       <input type="search" size={10} value={filter.value[name]} onChange={(event) => { narrow({ [name]: event.currentTarget.value }); }} />
-    </label>
-  );
-}
-
-function Choice({ group, name, words }: { name: "action" | "result"; group: string; words: readonly string[] }) {
-  return (
-    <label class="narrow">
-      <span>{t(`audit.${name}`)}</span>
-      <select value={filter.value[name]} onChange={(event) => { narrow({ [name]: event.currentTarget.value }); }}>
-        <option value="">{t("audit.any")}</option>
-        {words.map((each) => (
-          <option key={each} value={each}>
-            {word(group, each)}
-          </option>
-        ))}
-      </select>
     </label>
   );
 }

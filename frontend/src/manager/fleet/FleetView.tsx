@@ -1,4 +1,4 @@
-import { useComputed } from "@preact/signals";
+import { signal, useComputed } from "@preact/signals";
 import type { AtvView } from "../../api/types";
 import { Meter } from "../../parts/Meter";
 import { Table } from "../../parts/Table";
@@ -11,15 +11,31 @@ import { doingText } from "../atv/doing";
 import { helpText } from "../atv/help";
 import { linkText } from "../atv/link";
 import { ShowLink } from "../ShowLink";
+import { CsvLink } from "../filters/CsvLink";
+import { holds } from "../filters/match";
+import { Search } from "../filters/Search";
 import { names } from "../state";
+
+const words = signal("");
 
 /** Every vehicle: what it does, its battery, and when it was heard last. */
 export function FleetView() {
   const atvs = useComputed(() => [...(world.value?.atvs.values() ?? [])].sort(byId)).value;
-  const heads = ["vehicle", "status", "task", "load", "battery", "link", "heartbeat"] as const;
+  const shown = atvs.filter((atv) => holds(words.value, atv.id, atv.type, word("atv", atv.status), atv.task?.task ?? "", atv.software));
+  const heads = ["vehicle", "status", "task", "load", "battery", "link", "heartbeat", "software"] as const;
   return (
-    <Table title={t("fleet.title")} heads={heads.map((head) => t(`fleet.${head}`))} empty={t("factory.none")}>
-      {atvs.map((atv) => (
+    <Table
+      title={t("fleet.title")}
+      heads={heads.map((head) => t(`fleet.${head}`))}
+      empty={t(atvs.length === 0 ? "factory.none" : "filter.none")}
+      aside={
+        <>
+          <Search words={words} />
+          <CsvLink href="/api/atvs?format=csv" />
+        </>
+      }
+    >
+      {shown.map((atv) => (
         <Row key={atv.id} atv={atv} />
       ))}
     </Table>
@@ -50,6 +66,7 @@ function Row({ atv }: { atv: AtvView }) {
       </td>
       <td>{lost ? t("atv.noLink") : atv.link === "mesh" ? <Tag tone="warn">{linkText(atv)}</Tag> : linkText(atv)}</td>
       <td class={`num ${lost ? "tone-alarm" : ""}`}>{t("machine.ago", { age: format.age(nowS.value - atv.seen_at_s) })}</td>
+      <td class="muted">{atv.software}</td>
     </tr>
   );
 }

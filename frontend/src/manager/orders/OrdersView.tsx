@@ -1,18 +1,30 @@
-import { useComputed } from "@preact/signals";
+import { computed, signal, useComputed } from "@preact/signals";
 import type { OrderView } from "../../api/types";
-import { world } from "../../stream/stream";
+import { nowS, world } from "../../stream/stream";
 import { format, t, word } from "../../text/manager";
 import { Table } from "../../parts/Table";
-import { names } from "../state";
+import { Choice } from "../filters/Choice";
+import { CsvLink } from "../filters/CsvLink";
+import { Only } from "../filters/Only";
+import { Search } from "../filters/Search";
+import { names, plant } from "../state";
+import { isWanted, STATUSES, tableOf, type Wanted } from "./filter";
 import { DueText } from "./DueText";
 import { OrderActions } from "./OrderActions";
 import { OrderProgress } from "./OrderProgress";
 import { inOrder, stateOf } from "./progress";
 import { WaitsText } from "./WaitsText";
 
+const words = signal("");
+const status = signal("");
+const product = signal("");
+const late = signal(false);
+const wanted = computed<Wanted>(() => ({ words: words.value, status: status.value, product: product.value, late: late.value }));
+
 /** All orders that the stream holds: the open ones and the last that closed. */
 export function OrdersView() {
   const orders = useComputed(() => inOrder(world.value?.orders.values() ?? [])).value;
+  const shown = orders.filter((order) => isWanted(order, wanted.value, nowS.value, names.value));
   const heads = [
     t("orders.reference"),
     t("orders.customer"),
@@ -26,17 +38,29 @@ export function OrdersView() {
     <Table
       title={t("orders.title")}
       heads={heads}
-      empty={t("orders.none")}
-      aside={
-        <a class="button" href="/api/orders?format=csv" download title={t("orders.csvTitle")}>
-          {t("orders.csv")}
-        </a>
-      }
+      empty={t(orders.length === 0 ? "orders.none" : "filter.none")}
+      aside={<Filters />}
     >
-      {orders.map((order) => (
+      {shown.map((order) => (
         <Row key={order.id} order={order} />
       ))}
     </Table>
+  );
+}
+
+function Filters() {
+  const statuses = [
+    { id: "open", name: t("filter.open") },
+    ...STATUSES.map((id) => ({ id, name: word("order", id) })),
+  ];
+  return (
+    <>
+      <Search words={words} />
+      <Choice label={t("orders.status")} any={t("filter.any")} value={status.value} options={statuses} onChosen={(id) => (status.value = id)} />
+      <Choice label={t("publish.product")} any={t("filter.any")} value={product.value} options={plant.value?.products ?? []} onChosen={(id) => (product.value = id)} />
+      <Only label={t("orders.late")} wanted={late} />
+      <CsvLink href={tableOf(wanted.value)} />
+    </>
   );
 }
 

@@ -1,23 +1,54 @@
-import { useComputed } from "@preact/signals";
+import { computed, signal, useComputed } from "@preact/signals";
 import type { TaskView } from "../../api/types";
 import { Table } from "../../parts/Table";
-import { world } from "../../stream/stream";
+import { nowS, world } from "../../stream/stream";
 import { format, t, word } from "../../text/manager";
 import { isOpen, latestBids } from "../auction/auction";
 import { PUNCTUAL_S } from "../auction/times";
 import { ShowLink } from "../ShowLink";
-import { names } from "../state";
+import { Choice } from "../filters/Choice";
+import { CsvLink } from "../filters/CsvLink";
+import { Only } from "../filters/Only";
+import { Search } from "../filters/Search";
+import { names, plant } from "../state";
+import { isWanted, STATES, type Wanted } from "./filter";
+
+const words = signal("");
+const state = signal("");
+const item = signal("");
+const late = signal(false);
+const wanted = computed<Wanted>(() => ({ words: words.value, state: state.value, item: item.value, late: late.value }));
 
 /** Every task of the stream with its promise and what became of it. */
 export function TasksView() {
   const tasks = useComputed(() => inOrder(world.value?.tasks.values() ?? [])).value;
+  const shown = tasks.filter((task) => isWanted(task, wanted.value, nowS.value, names.value));
   const heads = ["task", "what", "way", "state", "primary", "secondary", "bids", "promise", "result"] as const;
   return (
-    <Table title={t("tasks.title")} heads={heads.map((head) => t(`tasks.${head}`))} empty={t("tasks.none")}>
-      {tasks.map((task) => (
+    <Table
+      title={t("tasks.title")}
+      heads={heads.map((head) => t(`tasks.${head}`))}
+      empty={t(tasks.length === 0 ? "tasks.none" : "filter.none")}
+      aside={<Filters />}
+    >
+      {shown.map((task) => (
         <Row key={task.id} task={task} />
       ))}
     </Table>
+  );
+}
+
+function Filters() {
+  const states = STATES.map((id) => ({ id, name: word("state", id) }));
+  const items = [...(plant.value?.materials ?? []), ...(plant.value?.products ?? [])];
+  return (
+    <>
+      <Search words={words} />
+      <Choice label={t("tasks.state")} any={t("filter.any")} value={state.value} options={states} onChosen={(id) => (state.value = id)} />
+      <Choice label={t("tasks.what")} any={t("filter.any")} value={item.value} options={items} onChosen={(id) => (item.value = id)} />
+      <Only label={t("orders.late")} wanted={late} />
+      <CsvLink href="/api/tasks?format=csv" />
+    </>
   );
 }
 
