@@ -113,6 +113,25 @@ def test_a_quantity_that_is_no_number_is_refused_beside_its_field(
     expect(page.locator("#publish-quantity-wrong")).not_to_be_empty()
 
 
+def test_orders_and_the_fleet_are_narrowed_down_and_taken_along(
+    busy_factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = open_page(f"{busy_factory}/#fleet")
+    rows = page.locator("tbody tr")
+    expect(rows).to_have_count(8)
+    page.get_by_role("searchbox", name="Find in this list").fill("atv3")
+    expect(rows).to_have_count(1)
+    screenshot(page, "fleet")
+    page.get_by_role("link", name="Orders").click()
+    expect(rows.first).to_be_visible(timeout=BUSY_MS)
+    page.get_by_role("combobox", name="Status").select_option("cancelled")
+    expect(page.get_by_text("Nothing fits.")).to_be_visible()
+    screenshot(page, "orders")
+    with page.expect_download() as download:
+        page.get_by_role("link", name="CSV").click()
+    assert download.value.suggested_filename == "orders.csv"
+
+
 def test_the_traffic_of_the_last_hour_is_a_layer_with_a_legend(
     busy_factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
