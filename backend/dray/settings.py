@@ -119,6 +119,9 @@ class Settings(BaseSettings):
     audit_kept: Annotated[int, Field(ge=1000)] = 1_000_000
     """Lines of the audit log kept, some 300 MB: years of what people do."""
 
+    gateway_name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_.-]{0,31}$")] = "gateway"
+    """On the bus; several gateways of one plant need a name each, and a certificate for it."""
+
     plant_file: Path | None = None
     """None for the default plant of 12 machines and 8 vehicles."""
 

@@ -25,6 +25,10 @@ def gateway(
         typer.Option(min=0, max=65_535, help="Port; 0 for any free one; else DRAY_PORT, else 8000."),
     ] = None,
     db: Database = None,
+    name: Annotated[
+        str | None,
+        typer.Option(help="On the bus, when there are several; else DRAY_GATEWAY_NAME, else gateway."),
+    ] = None,
     demand: Annotated[
         bool, typer.Option("--demand/--no-demand", help="Place orders, so that there is something to see.")
     ] = False,
@@ -37,7 +41,7 @@ def gateway(
     from dray.cli.options import load_settings
     from dray.cli.process import Surroundings
 
-    chosen = load_settings(settings, host=host, port=port, database_url=db)
+    chosen = load_settings(settings, host=host, port=port, database_url=db, gateway_name=name)
     asyncio.run(run_gateway(Surroundings.of(chosen), demand=demand))
 
 

@@ -11,8 +11,8 @@ from dray.cli.newcomers import welcome
 from dray.cli.process import Surroundings, say_ready
 from dray.cli.service import Service, greeting_of, historian_of, serve, with_admin_token
 from dray.cli.serving import address_of, listen, stopped_by_signals
+from dray.errors import UnavailableError
 from dray.gateway.app import create_app
-from dray.gateway.peer import AGENT as GATEWAY
 from dray.store import open_store
 from dray.store.historian import AGENT as HISTORIAN
 
@@ -21,9 +21,11 @@ async def run_gateway(where: Surroundings, *, demand: bool) -> None:
     """Run a gateway until a signal.
 
     Raises:
-        UnavailableError: the port, the bus or the database is not to be had.
+        UnavailableError: the port, the bus or the database is not to be had, or another gateway has taken
+            its name.
     """
     plant = where.plant
+    elsewhere = asyncio.Event()
     service, token = with_admin_token(
         Service(where.settings, plant, speed=where.settings.plant_speed, seed=1, demand=demand)
     )
@@ -31,7 +33,7 @@ async def run_gateway(where: Surroundings, *, demand: bool) -> None:
     with contextlib.closing(listen(settings.host, settings.port)) as listener:
         store = await open_store(settings.database_url)
         try:
-            async with where.bus(GATEWAY) as bus:
+            async with where.bus(settings.gateway_name, lambda _: elsewhere.set()) as bus:
                 app = create_app(
                     settings=settings,
                     plant=plant.file,
@@ -43,9 +45,12 @@ async def run_gateway(where: Surroundings, *, demand: bool) -> None:
                 )
                 url = address_of(listener, settings.host)
                 links = await welcome(store, plant.file, time.time())
-                await serve(service, app, listener, greeting_of(service, url, token, links))
+                await serve(service, app, listener, greeting_of(service, url, token, links), elsewhere.wait)
         finally:
             await store.close()
+    if elsewhere.is_set():
+        remedy = "give every gateway of a plant its own --name"
+        raise UnavailableError(settings.gateway_name, "has been started elsewhere", remedy)
 
 
 async def run_historian(where: Surroundings) -> None:

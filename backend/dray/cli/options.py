@@ -7,7 +7,7 @@ from pathlib import Path
 from dray.errors import SettingsError
 from dray.settings import Settings
 
-OPTIONS = {"--database-url": "--db"}
+OPTIONS = {"--database-url": "--db", "--gateway-name": "--name", "--plant-file": "--plant"}
 """Options whose name is not that of the setting."""
 
 

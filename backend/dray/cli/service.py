@@ -217,7 +217,7 @@ async def serve(
     app: FastAPI,
     listener: socket.socket,
     greeting: str,
-    ended: Callable[[], Awaitable[None]] | None = None,
+    ended: Callable[[], Awaitable[object]] | None = None,
 ) -> None:
     """Answer until a signal.
 
@@ -283,7 +283,7 @@ async def _order(service: Service, app: FastAPI, ready: asyncio.Event) -> None:
         await place_demand(app.state.parts, service.plant, speed=service.speed, seed=service.seed)
 
 
-async def _stop_with(ended: Callable[[], Awaitable[None]], server: Server) -> None:
+async def _stop_with(ended: Callable[[], Awaitable[object]], server: Server) -> None:
     try:
         await ended()
     finally:

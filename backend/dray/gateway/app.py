@@ -94,7 +94,7 @@ def create_app(
             if sender == STRATEGIST:
                 presence.heard()
 
-        peer = Peer(bus, Keys(plant.plant), overhear)
+        peer = Peer(bus, Keys(plant.plant), settings.gateway_name, overhear)
         presence = Presence(peer.send)
         products = frozenset(product.id for product in plant.products)
         floor = Plant(plant)
@@ -119,7 +119,7 @@ def create_app(
                 plant_s=lambda: time.to_plant_s(wall_s()),
                 wall_s=wall_s,
                 speed=time.speed,
-                name=f"gateway.{incarnation}",
+                name=f"{settings.gateway_name}.{incarnation}",
                 timeout_s=settings.command_timeout_s,
             ),
             alerts=AlertDesk(projection, store, wall_s),

@@ -10,9 +10,6 @@ from dray.messages import CancellationTaken, CommandAnswered, Message, OrderTake
 from dray.messages.keys import Keys
 from dray.ports import Bus, Receive, Session
 
-AGENT = "gateway"
-"""Its name on the bus."""
-
 
 class Peer:
     """Takes part in the bus.
@@ -20,11 +17,12 @@ class Peer:
     Args:
         bus: where agents meet.
         keys: the plant's.
+        name: its own on the bus.
         ear: hears everything that is heard.
     """
 
-    def __init__(self, bus: Bus, keys: Keys, ear: Receive) -> None:
-        self._bus, self._keys, self._ear = bus, keys, ear
+    def __init__(self, bus: Bus, keys: Keys, name: str, ear: Receive) -> None:
+        self._bus, self._keys, self._name, self._ear = bus, keys, name, ear
         self._session: Session | None = None
         self.ignored = 0
         """Messages that nobody here waits for. Normal."""
@@ -54,7 +52,7 @@ class Peer:
                 case _:
                     projection.fold(message)
 
-        self._session = self._bus.join(AGENT, receive)
+        self._session = self._bus.join(self._name, receive)
         self._session.subscribe(self._keys.all_heartbeats)
         self._session.subscribe(self._keys.all_events)
 
