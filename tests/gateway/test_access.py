@@ -24,10 +24,12 @@ from login_kit import BROWSER, COOKIE
 from sqlalchemy.exc import OperationalError
 from test_commands import vehicle
 
+from dray.errors import UnavailableError
 from dray.gateway.access.access import STRANGERS_TRIES
 from dray.gateway.access.principal import SCOPES, Role, Scope
 from dray.gateway.access.rules import RULES
 from dray.gateway.access.sessions import LIFE_S
+from dray.store import Store
 from dray.store.audit import Audit
 from dray.store.sessions import Sessions
 
@@ -271,6 +273,51 @@ async def test_a_database_that_is_away_is_said_and_not_taken_for_a_stranger(
     answer = await boss.get("/api/me")
     problem(answer, 503, "not-ready")
     assert answer.headers["retry-after"]
+
+
+async def test_whoever_was_known_may_stop_while_the_database_is_away_and_nothing_else(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    house.bus.say(atv_heartbeat("ATV1"))
+    heard = vehicle(house)
+    boss = await house.log_in("boss")
+    await boss.get("/api/me")
+    gone = await house.log_in("gone")
+    await gone.get("/api/me")
+    left = gone.cookies[COOKIE]
+    await gone.post("/logout")
+    commands = "/api/atvs/ATV1/commands"
+
+    def away(*_all: Any) -> None:
+        raise UnavailableError("database", "connection refused", "start it")
+
+    monkeypatch.setattr(Store, "read", away)
+    monkeypatch.setattr(Store, "write", away)
+    problem(await boss.post(commands, json={"kind": "stop"}), 503, "not-recorded")
+    assert [command.kind.value for command in heard] == ["stop"]
+    problem(await boss.post(commands, json={"kind": "resume"}), 503, "not-recorded")
+    problem(await boss.get("/api/atvs"), 503, "not-ready")
+    gone.cookies.set(COOKIE, left)
+    problem(await gone.post(commands, json={"kind": "stop"}), 503, "not-ready")
+    async with house.visitor() as stranger:
+        stranger.cookies.set(COOKIE, "guess")
+        problem(await stranger.post(commands, json={"kind": "stop"}), 503, "not-ready")
+    assert len(heard) == 1
+
+
+async def test_a_database_that_can_only_be_read_keeps_nobody_out(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    boss = await house.log_in("boss")
+    _, header = await house.key(Scope.ORDERS_READ)
+
+    def full(*_all: Any) -> None:
+        raise UnavailableError("database", "disk full", "make room")
+
+    monkeypatch.setattr(Store, "write", full)
+    house.wall.now_s += 120
+    assert (await boss.get("/api/me")).status_code == 200
+    assert (await boss.get("/api/orders", headers=header)).status_code == 200
 
 
 # --- the audit log -------------------------------------------------------------------------------

@@ -9,7 +9,10 @@ import httpx
 import pytest
 from gateway_kit import NOW_S, PRODUCT, House, draft, gateway, problem
 
+from dray.gateway import intake
+from dray.gateway.access.principal import Scope
 from dray.gateway.intake import KEYS_KEPT_S
+from dray.gateway.parts import Parts
 from dray.messages import OrderReleased
 
 pytestmark = pytest.mark.anyio
@@ -65,13 +68,27 @@ async def test_other_keys_and_no_key_make_other_orders(house: House) -> None:
     assert len({answer.json()["id"] for answer in answers}) == 4
 
 
-async def test_a_key_at_work_is_refused_until_its_request_is_answered(house: House) -> None:
-    async with house.store.write():  # nobody else can write meanwhile
-        requests = [asyncio.create_task(send(house, draft())) for _ in range(2)]
-        ended, waiting = await asyncio.wait(requests, return_when=asyncio.FIRST_COMPLETED)
-    refused, answered = ended.pop().result(), await waiting.pop()
+async def test_a_key_at_work_is_refused_until_its_request_is_answered(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun, go_on = asyncio.Event(), asyncio.Event()
+    place_once = intake.place_once
+
+    async def slowly(gateway: Parts, draft: Any, key: str, render: Any) -> Any:
+        async with intake._alone(gateway.keys_at_work, key):
+            begun.set()
+            await go_on.wait()
+        return await place_once(gateway, draft, key, render)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(intake, "place_once", slowly)
+        first = asyncio.create_task(send(house, draft()))
+        await begun.wait()
+    refused = await send(house, draft())
     problem(refused, 409, "key-at-work")
     assert refused.headers["retry-after"] == "1"
+    go_on.set()
+    answered = await first
     assert answered.status_code == 201
     assert (await send(house, draft())).content == answered.content
     assert await house.orders_kept() == 1
@@ -113,3 +130,13 @@ async def test_a_key_that_nobody_could_read_is_refused(house: House, key: str) -
     refused = problem(await send(house, draft(), {"Idempotency-Key": key}), 422, "unusable-fields")
     assert refused["errors"][0]["field"] == "Idempotency-Key"
     assert await house.orders_kept() == 0
+
+
+async def test_a_key_of_one_caller_is_not_the_key_of_another(house: House) -> None:
+    first = await send(house, draft())
+    _, erp = await house.key(Scope.ORDERS_WRITE)
+    second = await send(house, draft(), KEY | erp)
+    assert second.status_code == 201
+    assert "idempotency-replayed" not in second.headers
+    assert second.json()["id"] != first.json()["id"]
+    assert (await send(house, draft(), KEY | erp)).json()["id"] == second.json()["id"]

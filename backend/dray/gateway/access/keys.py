@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 
+from dray.errors import UnavailableError
 from dray.gateway.access.limits import Limit
 from dray.gateway.access.principal import Principal, Scope
 from dray.store import Store
@@ -40,8 +42,10 @@ class Keys:
             return None
         self._limit.take(key.id)
         if key.used_at_s is None or now_s - key.used_at_s >= USED_AGAIN_S:
-            async with self._store.write() as work:
-                await work.api_keys.use(key.id, now_s)
+            # A database that can only be read still tells whose key it is.
+            with suppress(UnavailableError):
+                async with self._store.write() as work:
+                    await work.api_keys.use(key.id, now_s)
         return principal_of(key)
 
 

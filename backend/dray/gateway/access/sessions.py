@@ -4,17 +4,23 @@ A session ends when it is logged out or taken back, when nothing has used it for
 when its person's working day is over. An open stream uses it: a panel that is watched is not idle.
 
 Stop is never behind a login prompt. An operator's session that has only run out of time may for `GRACE_S`
-more stop vehicles in its areas, and nothing else.
+more stop vehicles in its areas, and nothing else; and so may everybody whom we knew before, while the
+database is away.
 """
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
 from enum import Enum
 
+from dray.errors import UnavailableError
 from dray.gateway.access.principal import SCOPES, Principal, Role, Scope
 from dray.gateway.access.tokens import new_id, new_token
 from dray.store import Store
+from dray.store.digest import digest
 from dray.store.people import Person
 from dray.store.sessions import Session
 
@@ -34,6 +40,9 @@ USED_AGAIN_S = 60.0
 
 KEPT_S = 30 * 24 * HOUR_S
 """Sessions stay readable this long after their end, for whoever looks into the audit log."""
+
+REMEMBERED = 1_000
+"""Sessions that are known without the database, some 1 MB: all people of a large plant."""
 
 STOP_ONLY = frozenset({Scope.VEHICLES_STOP})
 
@@ -69,6 +78,8 @@ class Sessions:
 
     def __init__(self, store: Store, wall_s: Callable[[], float]) -> None:
         self._store, self._wall_s = store, wall_s
+        self._remembered: OrderedDict[str, tuple[Person, Session]] = OrderedDict()
+        """By the token's digest, as the database last told."""
 
     async def begin(self, person: Person, *, before: str = "", station: str = "") -> tuple[str, Session]:
         """Log somebody in; returns the cookie's token, which is always a new one.
@@ -106,15 +117,36 @@ class Sessions:
             person = None if session is None else await work.people.get(session.person_id)
         if session is None or person is None:
             return None
+        self._remember(token, person, session)
         match standing(session, person, now_s):
             case Standing.LIVE:
                 if now_s - session.used_at_s >= USED_AGAIN_S:
-                    async with self._store.write() as work:
-                        await work.sessions.use([session.id], now_s)
+                    # A database that can only be read still tells who somebody is.
+                    with suppress(UnavailableError):
+                        async with self._store.write() as work:
+                            await work.sessions.use([session.id], now_s)
                 return principal_of(person, session)
             case Standing.OVER if may_still_stop(person, session, now_s):
                 return principal_of(person, session, over=True)
         return None
+
+    def remembered(self, token: str) -> Principal | None:
+        """Whose cookie this was when the database was last asked, for as long as it is away: may only stop."""
+        known = self._remembered.get(digest(token))
+        if known is None:
+            return None
+        match standing(known[1], known[0], self._wall_s()):
+            case Standing.LIVE:
+                return replace(principal_of(*known), scopes=STOP_ONLY)
+            case Standing.OVER if may_still_stop(*known, self._wall_s()):
+                return principal_of(*known, over=True)
+        return None
+
+    def _remember(self, token: str, person: Person, session: Session) -> None:
+        self._remembered[digest(token)] = (person, session)
+        self._remembered.move_to_end(digest(token))
+        if len(self._remembered) > REMEMBERED:
+            self._remembered.popitem(last=False)
 
     async def place(self, session_id: str, station: str) -> None:
         """Note at which machine an operator works."""
@@ -123,6 +155,7 @@ class Sessions:
 
     async def end(self, token: str) -> tuple[Person, Session] | None:
         """Log out; returns whose session ended by this, None when none did."""
+        self._remembered.pop(digest(token), None)
         async with self._store.write() as work:
             session = await work.sessions.find(token)
             if session is None or not await work.sessions.end(session.id, self._wall_s()):

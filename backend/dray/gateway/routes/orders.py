@@ -10,6 +10,7 @@ import msgspec
 from fastapi import APIRouter, Depends, Header, Query, Request, Response
 
 from dray.gateway import intake
+from dray.gateway.access.caller import Caller
 from dray.gateway.access.trail import Noted
 from dray.gateway.answers import (
     PAGE,
@@ -32,6 +33,7 @@ from dray.gateway.problems import not_found
 from dray.gateway.projection.orders import order_view
 from dray.gateway.spreadsheet import Format, Row, table, with_csv
 from dray.gateway.views import OrderItemView, OrderView
+from dray.store.digest import digest
 from dray.store.orders import Order
 from dray.store.progress import OrderStatus
 
@@ -127,7 +129,7 @@ DRAFTS = {
     response_class=Json,
 )
 async def place_order(
-    gateway: Gateway, request: Request, note: Noted, draft: OrderDraft, key: Key = None
+    gateway: Gateway, request: Request, caller: Caller, note: Noted, draft: OrderDraft, key: Key = None
 ) -> Json:
     """Place an order."""
     base = str(request.base_url)
@@ -135,8 +137,10 @@ async def place_order(
         placed = await intake.place(gateway, draft)
         note.target = placed.id
         return _created(placed.id, msgspec.json.encode(order_answer(placed, base)))
+    # Each caller has its own keys: another one's order is not to be had by guessing.
+    own = digest(f"{caller.kind} {caller.id} {key}")
     kept, replayed = await intake.place_once(
-        gateway, draft, key, lambda order: msgspec.json.encode(order_answer(order, base))
+        gateway, draft, own, lambda order: msgspec.json.encode(order_answer(order, base))
     )
     note.target = kept.order_id
     return _created(kept.order_id, kept.answer.encode(), {"Idempotency-Replayed": "true"} if replayed else {})
