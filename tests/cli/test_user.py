@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 import pytest
 from argon2 import PasswordHasher
 
+from dray.adapters.signing import TrustedKeys
 from dray.cli import main
 from dray.gateway.access.hasher import Hasher
 from dray.gateway.access.login import BADGE_SALT
@@ -104,6 +105,14 @@ def test_somebody_new_is_kept_and_listed(dray: Run, database: str, ana: None, bo
         ("console", "user.add", "ana", "done"),
         ("console", "user.add", "boss", "done"),
     ]
+
+
+def test_the_public_key_of_gateways_is_printed_and_stays_the_same(dray: Run, database: str) -> None:
+    code, out, _ = dray("key", "signing")
+    assert code == 0
+    assert re.fullmatch(r"[0-9a-f]{64}\n", out)
+    assert dray("key", "signing")[1] == out
+    TrustedKeys(bytes.fromhex(out.strip()))
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,9 @@ from dray.ports import Bus, Receive, Session
 
 SERVICE = "dray"
 
+EXPORT_S = 3.0
+"""For one batch, all attempts together: a collector that is away must not keep a process from ending."""
+
 
 class TracedSession(PassingSession):
     """One agent's place on a traced bus (see `dray.ports.Session`).
@@ -102,4 +105,4 @@ def otlp(url: str) -> SpanProcessor:
     Args:
         url: the collector's, as http://127.0.0.1:4318/v1/traces.
     """
-    return BatchSpanProcessor(OTLPSpanExporter(endpoint=url))
+    return BatchSpanProcessor(OTLPSpanExporter(endpoint=url, timeout=EXPORT_S))

@@ -87,6 +87,25 @@ def list_keys(db: Database = None) -> None:
 
 
 @app.command()
+def signing(db: Database = None) -> None:
+    """Print the public key by which gateways on this database sign people's commands (DRAY_TRUSTED_KEYS)."""
+    import asyncio
+
+    from dray.cli.authority import authority_of
+    from dray.cli.options import load_settings
+    from dray.store import open_store
+
+    async def ask() -> str:
+        store = await open_store(load_settings(database_url=db).database_url)
+        try:
+            return (await authority_of(store)).public.hex()
+        finally:
+            await store.close()
+
+    typer.echo(asyncio.run(ask()))
+
+
+@app.command()
 def revoke(
     key_id: Annotated[str, typer.Argument(metavar="ID", help="As `dray key list` shows it.")],
     db: Database = None,

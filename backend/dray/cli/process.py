@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import logging
 import sys
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, closing
@@ -15,7 +14,9 @@ from dray.adapters.sqlite_journal import SqliteJournal
 from dray.adapters.system_clock import SystemClock
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Identity, Links
+from dray.cli.logs import prepare_logs
 from dray.cli.serving import stopped_by_signals
+from dray.cli.traces import traced, watched
 from dray.errors import UnavailableError
 from dray.gateway.timescale import TimeScale
 from dray.messages.keys import Keys
@@ -49,9 +50,7 @@ class Surroundings:
         Raises:
             PlantError: the plant file cannot be used.
         """
-        logging.basicConfig(
-            level=settings.log_level.upper(), format="%(asctime)s %(levelname)s %(name)s: %(message)s"
-        )
+        prepare_logs(settings)
         plant = default_plant() if settings.plant_file is None else load_plant(settings.plant_file)
         return cls(settings, plant)
 
@@ -125,12 +124,12 @@ async def run_agent(surroundings: Surroundings, name: str, make: MakeAgent) -> N
 
     async with surroundings.bus(name, give_way) as bus:
         journal = SqliteJournal(settings.journal_folder / f"{name}.db", events_kept=HISTORY_FACTS)
-        with closing(journal):
+        with closing(journal), traced(settings) as tracing:
             body = RemoteBody(bus.inner, plant.id, name, journal.incarnation)
             await body.connect()
             worker = Worker(
                 make(journal.incarnation),
-                bus=bus,
+                bus=watched(settings, tracing, surroundings.time.to_wall_s)(bus),
                 clock=surroundings.clock(),
                 keys=Keys(plant.id),
                 body=body,
