@@ -104,6 +104,8 @@ export async function cancelOrder(id: string): Promise<void> {
 
 /** What a person asks of a vehicle. */
 export interface CommandRequest {
+  /** The caller's own name for it, by which the stream tells of it. */
+  readonly command?: string;
   readonly kind: "stop" | "acknowledge" | "resume" | "set_speed" | "promise";
   /** Of `set_speed`: a part of the vehicle's own top speed. */
   readonly speed_frac?: number;

@@ -51,11 +51,10 @@ function Promises({ atv }: { atv: AtvView }) {
           key={minutes}
           type="button"
           class={`button ${promised ? "" : "primary"}`}
-          aria-label={t("help.inLabel", { atv: atv.id, minutes })}
           disabled={disabled}
           onClick={() => void give(atv.id, { kind: "promise", wait_s: minutes * 60 })}
         >
-          {t("help.in", { minutes })}
+          <span class="unseen">{t("help.there", { atv: atv.id })}</span> {t("help.in", { minutes })}
         </button>
       ))}
     </div>

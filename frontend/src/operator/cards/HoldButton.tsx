@@ -8,7 +8,6 @@ const HOLD_MS = 800;
 interface Props {
   class: string;
   disabled: boolean;
-  label: string;
   children: ComponentChildren;
   onHeld: () => void;
 }
@@ -17,7 +16,7 @@ interface Props {
  * A button that is pressed and held, by finger, mouse or key. Who uses a screen reader has chosen it on
  * purpose and need not hold it.
  */
-export function HoldButton({ children, class: name, disabled, label, onHeld }: Props) {
+export function HoldButton({ children, class: name, disabled, onHeld }: Props) {
   const holding = useSignal(false);
   const timer = useRef<number | undefined>(undefined);
   const begin = (): void => {
@@ -43,7 +42,6 @@ export function HoldButton({ children, class: name, disabled, label, onHeld }: P
       type="button"
       class={`hold ${holding.value ? "holding" : ""} ${name}`}
       style={{ "--hold": `${HOLD_MS}ms` }}
-      aria-label={label}
       disabled={disabled}
       onPointerDown={(event) => {
         if (event.button === 0) begin();

@@ -12,7 +12,6 @@ export function Release({ atv }: { atv: AtvView }) {
   const around = circumstancesOf(atv);
   const toAcknowledge = hindranceOf("acknowledge", atv, around);
   const toResume = hindranceOf("resume", atv, around);
-  const resume = t("release.resume");
   return (
     <div class="release" role="group" aria-label={t("release.title", { atv: atv.id })}>
       <ol>
@@ -31,11 +30,9 @@ export function Release({ atv }: { atv: AtvView }) {
           <HoldButton
             class="button act primary"
             disabled={toResume !== null}
-            label={`${resume}, ${t("release.hold")}`}
             onHeld={() => void give(atv.id, { kind: "resume" })}
           >
-            <span>{resume}</span>
-            <small>{t("release.hold")}</small>
+            <span>{t("release.resume")}</span> <small>{t("release.hold")}</small>
           </HoldButton>
         </li>
       </ol>

@@ -16,17 +16,18 @@ export function StopButton({ atv, named = false }: Props) {
     <button
       type="button"
       class="stop"
-      aria-label={t("stop.of", { atv })}
       aria-describedby="stop-not"
       onClick={() => void give(atv, { kind: "stop" })}
     >
       {named ? (
         <>
-          <small>{t("command.stop")}</small>
+          <small>{t("command.stop")}</small>{" "}
           <span>{atv}</span>
         </>
       ) : (
-        <span>{t("stop.label")}</span>
+        <span>
+          {t("stop.label")} <span class="unseen">{atv}</span>
+        </span>
       )}
     </button>
   );

@@ -1,11 +1,12 @@
 /** The commands that were given on this page, and what has become of them. */
 import { computed, signal } from "@preact/signals";
 import { commandAtv, type CommandRequest, newKey, Problem } from "../../api/client";
-import { serverNowS } from "../../stream/stream";
+import type { CommandView } from "../../api/types";
+import { serverNowS, world } from "../../stream/stream";
 import { t } from "../../text/operator";
 import { problemText } from "../problem-text";
 import { me } from "../session/session";
-import { type Command, hear, type Word } from "./life";
+import { type Command, fromPlant, hear, type Word } from "./life";
 
 /** A card shows the last one of its vehicle: more than vehicles in an area are of no use. */
 const KEPT = 100;
@@ -13,18 +14,34 @@ const KEPT = 100;
 /** By id, the oldest first. */
 const given = signal<ReadonlyMap<string, Command>>(new Map());
 
-/** By vehicle, the last one that was given here. */
-const lastGiven = computed(() => new Map([...given.value.values()].map((command) => [command.atv, command])));
+/** Those that the plant tells of, whoever gave them, and those that it has not heard of yet. */
+const all = computed(() => {
+  const told = world.value?.commands ?? new Map<string, CommandView>();
+  const unheard = [...given.value.values()].filter(({ id }) => !told.has(id));
+  return [...[...told.values()].map((view) => fromPlant(view, given.value.get(view.id))), ...unheard];
+});
 
-/** The last command to a vehicle. */
+const lastByAtv = computed(() => {
+  const last = new Map<string, Command>();
+  for (const command of all.value) if (isLater(command, last.get(command.atv))) last.set(command.atv, command);
+  return last;
+});
+
+/** The last command to a vehicle, whoever gave it. */
 export function lastOf(atv: string): Command | undefined {
-  return lastGiven.value.get(atv);
+  return lastByAtv.value.get(atv);
 }
 
-/** The command that something was said about last. */
+/** The command of this page that something was said about last. */
 export const lastSaid = computed(() =>
-  [...given.value.values()].reduce<Command | null>((last, each) => (last && last.atS > each.atS ? last : each), null),
+  all.value
+    .filter(({ id }) => given.value.has(id))
+    .reduce<Command | undefined>((last, each) => (isLater(each, last) ? each : last), undefined),
 );
+
+function isLater(command: Command, than: Command | undefined): boolean {
+  return than === undefined || command.atS >= than.atS;
+}
 
 /** Sends a command once, and never again: a person must know what became of it, and decide anew. */
 export async function give(atv: string, request: CommandRequest): Promise<void> {
@@ -32,7 +49,7 @@ export async function give(atv: string, request: CommandRequest): Promise<void> 
   const { kind, speed_frac: speedFrac = null } = request;
   keep({ id, atv, kind, speedFrac, by: me.value?.name ?? "", stage: "sent", reason: "", atS: serverNowS() });
   try {
-    const answer = await commandAtv(atv, request);
+    const answer = await commandAtv(atv, { ...request, command: id });
     tell(id, answer.done ? "done" : "declined", answer.reason);
   } catch (error) {
     tell(id, ...wordOf(error));

@@ -1,5 +1,6 @@
 import { describe, expect, test } from "vitest";
-import { type Command, hear, isUnderway, type Stage, type Word } from "./life";
+import type { CommandView } from "../../api/types";
+import { type Command, fromPlant, hear, isUnderway, type Stage, type Word } from "./life";
 
 const sent: Command = {
   id: "1", atv: "ATV3", kind: "stop", speedFrac: null, by: "North", stage: "sent", reason: "", atS: 100,
@@ -34,6 +35,22 @@ describe("a command", () => {
       expect(hear(over, second, 200)).toBe(over);
     },
   );
+
+  test("of another page is known by what the plant tells", () => {
+    const view = { id: "2", atv: "ATV4", kind: "set_speed", speed_frac: 0.5, by: "South", at_s: 90, reason: "" } as const;
+    expect(fromPlant({ ...view, state: "sent" }, undefined)).toMatchObject({
+      id: "2", atv: "ATV4", speedFrac: 0.5, by: "South", stage: "accepted", atS: 90,
+    });
+  });
+
+  test("of this page goes by whatever is heard first, the answer or the stream", () => {
+    const view = { id: "1", atv: "ATV3", kind: "stop", speed_frac: null, by: "North", at_s: 90, reason: "no" } as const;
+    const told = (state: CommandView["state"], own: Command) => fromPlant({ ...view, state }, own);
+    expect(told("sent", sent)).toMatchObject({ stage: "accepted", atS: 100 });
+    expect(told("refused", sent)).toMatchObject({ stage: "refused", reason: "no" });
+    expect(told("confirmed", after("silence")).stage).toBe("confirmed");
+    expect(told("sent", after("done")).stage).toBe("confirmed");
+  });
 
   test.each<[Stage, boolean]>([
     ["sent", true], ["accepted", true], ["confirmed", false], ["refused", false], ["not_confirmed", false],

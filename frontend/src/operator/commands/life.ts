@@ -2,6 +2,7 @@
  * The life of a command, as a person follows it: sent, accepted by the plant, confirmed by the vehicle.
  * Pure; the table says all there is.
  */
+import type { CommandView } from "../../api/types";
 
 export type Stage =
   /** On its way to the plant. */
@@ -47,6 +48,19 @@ export type Kind = "stop" | "acknowledge" | "resume" | "set_speed" | "promise";
 export function hear(command: Command, word: Word, atS: number, reason = ""): Command {
   const stage = NEXT[command.stage][word];
   return stage === undefined ? command : { ...command, stage, reason, atS };
+}
+
+const WORDS = { sent: "passed_on", confirmed: "done", refused: "declined", not_confirmed: "silence" } as const;
+
+/**
+ * What the plant tells of a command, together with what is known of it here.
+ *
+ * @param own as this page knows it; undefined where another page gave it
+ */
+export function fromPlant(view: CommandView, own: Command | undefined): Command {
+  const { atv, by, id, kind, reason, speed_frac: speedFrac, at_s: sentS, state } = view;
+  const given = own ?? { id, atv, kind, speedFrac, by, stage: "sent", reason: "", atS: sentS };
+  return hear(given, WORDS[state], given.atS, reason);
 }
 
 /** Whether somebody still waits for a word on it. */

@@ -4,7 +4,7 @@
  * that was ended on purpose is worth nothing any more: the login is all that is left.
  */
 import { signal } from "@preact/signals";
-import { fetchMe, type Me, Problem } from "../../api/client";
+import { fetchMe, logOut, type Me, Problem } from "../../api/client";
 import { onLoggedOut, toLogin } from "../../api/session";
 
 /** The gateway may come up after the page. */
@@ -15,16 +15,31 @@ export const me = signal<Me | null>(null);
 export const ended = signal(false);
 
 let asking = false;
+/** The stream may end before the answer to the logout is here, which is no news then. */
+let leaving = false;
 
 export function beginSession(): void {
   onLoggedOut(() => {
-    if (!ended.value) void lookAgain();
+    if (!ended.value && !leaving) void lookAgain();
   });
   // Somebody may have logged in again in another tab.
   document.addEventListener("visibilitychange", () => {
     if (ended.value && document.visibilityState === "visible") void lookAgain();
   });
   void learnWho();
+}
+
+/** Logs out; where no answer comes the session stays, and so does the panel. */
+export async function leave(): Promise<void> {
+  leaving = true;
+  await logOut().then(
+    () => {
+      location.assign("/login?as=operator");
+    },
+    () => {
+      leaving = false;
+    },
+  );
 }
 
 /** Begins anew with whoever is logged in by now. */

@@ -57,10 +57,9 @@ export const de: Catalogue<typeof en> = {
   "help.onMyWay": "Ich bin unterwegs",
   "help.later": "Es dauert länger",
   "help.in": "{minutes} min",
-  "help.inLabel": "Ich bin unterwegs zu {atv} und in {minutes} Minuten da",
+  "help.there": "Ich bin unterwegs zu {atv}, da in",
 
   "stop.label": "Fahrzeug stoppen",
-  "stop.of": "Fahrzeug {atv} stoppen",
   "stop.not": "Kein Not-Halt: Bei Gefahr den Knopf am Fahrzeug drücken.",
   "stop.dock": "Stopp für jedes Fahrzeug in der Nähe",
 

@@ -55,10 +55,9 @@ export const en = {
   "help.onMyWay": "I am on my way",
   "help.later": "It takes longer",
   "help.in": "{minutes} min",
-  "help.inLabel": "I am on my way to {atv}, there within {minutes} minutes",
+  "help.there": "I am on my way to {atv}, there in",
 
   "stop.label": "Stop vehicle",
-  "stop.of": "Stop vehicle {atv}",
   "stop.not": "Not an emergency stop: use the button on the vehicle in danger.",
   "stop.dock": "Stop, for every vehicle near",
 

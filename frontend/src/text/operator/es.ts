@@ -57,10 +57,9 @@ export const es: Catalogue<typeof en> = {
   "help.onMyWay": "Voy de camino",
   "help.later": "Tardo más",
   "help.in": "{minutes} min",
-  "help.inLabel": "Voy de camino a {atv}; llego en {minutes} minutos",
+  "help.there": "Voy de camino a {atv}, llego en",
 
   "stop.label": "Parar vehículo",
-  "stop.of": "Parar vehículo {atv}",
   "stop.not": "No es una parada de emergencia: en caso de peligro, use el botón del vehículo.",
   "stop.dock": "Parar, para cada vehículo cercano",
 
