@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
 from collections.abc import Callable, Coroutine
 from typing import Any
 
 import pytest
-from zenoh_kit import PATIENCE_S, Row, free_address
+from zenoh_kit import PATIENCE_S, Row, free_address, multicast_works
 
 from dray.adapters.zenoh_bus import FOREIGN, NEWER, UNREADABLE, ZenohBus
 from dray.adapters.zenoh_links import Links
@@ -212,6 +213,26 @@ def test_a_peer_that_is_not_there_yet_is_called_until_it_answers() -> None:
         finally:
             early.close()
             late.close()
+
+    asyncio.run(main())
+
+
+def test_others_on_the_same_network_are_found_by_multicast() -> None:
+    if not multicast_works():
+        pytest.skip("this machine lets no multicast through")
+
+    async def main() -> None:
+        # A plant of its own: whoever else is found on this network speaks of another one.
+        plant = f"p{os.getpid()}"
+        here, there = (
+            ZenohBus(Links(listen=(free_address(),), multicast=True, plain=True), plant) for _ in range(2)
+        )
+        try:
+            here.join("A", lambda *_: None)
+            assert await until_present(there, {"A"}) == {"A"}
+        finally:
+            here.close()
+            there.close()
 
     asyncio.run(main())
 

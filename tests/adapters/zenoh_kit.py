@@ -27,6 +27,24 @@ def free_address() -> str:
         return f"127.0.0.1:{probe.getsockname()[1]}"
 
 
+def multicast_works() -> bool:
+    """Whether this machine lets through what is sent to a multicast group."""
+    group, patience_s = "224.0.0.224", 2.0
+    with (
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as ear,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as mouth,
+    ):
+        try:
+            ear.bind(("", 0))
+            membership = socket.inet_aton(group) + socket.inet_aton("0.0.0.0")
+            ear.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
+            ear.settimeout(patience_s)
+            mouth.sendto(b"?", (group, ear.getsockname()[1]))
+            return ear.recv(1) == b"?"
+        except OSError:
+            return False
+
+
 class Row:
     """Computers in a row, each linked with the one before it: the ends hear each other by relays.
 
