@@ -1,11 +1,12 @@
 /** An alert in words. */
 import type { AlertView } from "../api/types";
-import { format, t, word } from "../text";
+import { format, t } from "../text";
+import { failureText } from "../text/failure";
 
 /** @param speed factory seconds per real second */
 export function whatText(alert: AlertView, nowS: number, speed: number): string {
   const what = kindText(alert, nowS, speed);
-  return alert.problem === "" ? what : `${what}: ${word("failure", alert.problem)}`;
+  return alert.problem === "" ? what : `${what}: ${failureText(alert.problem)}`;
 }
 
 export function asksText(alert: AlertView): string {

@@ -1,5 +1,6 @@
 import { describe, expect, test } from "vitest";
 import type { Table } from "./catalogue";
+import { failureText } from "./failure";
 import { formatsFor } from "./format";
 import { languageOf, localeFor } from "./language";
 import { n, t, word } from "./manager";
@@ -62,6 +63,15 @@ describe("texts", () => {
   test("follow the number", () => {
     expect(n("alerts.alarm", 1)).toBe("1 alarm");
     expect(n("alerts.alarm", 2)).toBe("2 alarms");
+  });
+
+  test("know what agents say of what is wrong, one or several of them", () => {
+    speak("de", managerDe, "de-DE");
+    expect(failureText("the load has shifted")).toBe("die Ladung ist verrutscht");
+    expect(failureText("M1 is silent, M2 is broken")).toBe("M1 ist stumm, M2 ist ausgefallen");
+    speak("en", managerEn, "en-GB");
+    expect(failureText("M1 is silent")).toBe("M1 is silent");
+    expect(failureText("the bridge is up")).toBe("the bridge is up");
   });
 
   test("leave a word of a newer server readable", () => {

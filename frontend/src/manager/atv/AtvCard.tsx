@@ -7,6 +7,7 @@ import { Tag, toneOfAtv } from "../../parts/Tag";
 import { isLost } from "../../plant/silence";
 import { selection } from "../../selection/selection";
 import { nowS, world } from "../../stream/stream";
+import { failureText } from "../../text/failure";
 import { format, t, word } from "../../text/manager";
 import { names, plant } from "../state";
 import { doingText } from "./doing";
@@ -46,7 +47,7 @@ function AtvCard({ atv }: { atv: AtvView }) {
     >
       {atv.problem && (
         <div class="problem">
-          {atv.problem}
+          {failureText(atv.problem)}
           {atv.help && <HelpWanted atv={atv.id} help={atv.help} speed={speed} />}
         </div>
       )}

@@ -4,6 +4,7 @@ import { Card } from "../../parts/Card";
 import { Tag } from "../../parts/Tag";
 import { selection } from "../../selection/selection";
 import { world } from "../../stream/stream";
+import { failureText } from "../../text/failure";
 import { format, n, t, word } from "../../text/manager";
 import { names } from "../state";
 import { auctionOf, shownTask } from "./auction";
@@ -102,7 +103,7 @@ function Bids({ task }: { task: TaskView }) {
       {task.carriers.length > 1 && <Carriers carriers={task.carriers} />}
       <p class="why">
         {why}
-        {task.trouble !== "" && <span class="tone-warn"> {t("why.trouble", { reason: word("failure", task.trouble) })}</span>}
+        {task.trouble !== "" && <span class="tone-warn"> {t("why.trouble", { reason: failureText(task.trouble) })}</span>}
       </p>
       <footer class="bids-foot">
         <span class="legend">

@@ -1,5 +1,6 @@
 import type { RefusalView } from "../../api/types";
 import { Link } from "../../parts/Link";
+import { failureText } from "../../text/failure";
 import { t, word } from "../../text/manager";
 
 /** Who did not bid, and why. */
@@ -9,7 +10,7 @@ export function RefusalLine({ refusal }: { refusal: RefusalView }) {
       <Link kind="atv" id={refusal.agent} />
       <span class="bid-note bid-reason">
         {t("auction.refused", { reason: word("reason", refusal.reason) })}
-        {refusal.detail && <span class="faint"> · {refusal.detail}</span>}
+        {refusal.detail && <span class="faint"> · {failureText(refusal.detail)}</span>}
       </span>
     </li>
   );

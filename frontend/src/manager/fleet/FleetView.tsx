@@ -6,6 +6,7 @@ import { Tag, toneOfAtv } from "../../parts/Tag";
 import { isLost } from "../../plant/silence";
 import { byId } from "../../plant/places";
 import { nowS, world } from "../../stream/stream";
+import { failureText } from "../../text/failure";
 import { format, t, word } from "../../text/manager";
 import { doingText } from "../atv/doing";
 import { helpText } from "../atv/help";
@@ -53,7 +54,7 @@ function Row({ atv }: { atv: AtvView }) {
       </th>
       <td>
         <Tag tone={lost ? "alarm" : toneOfAtv(atv.status)}>{lost ? t("atv.lost") : word("atv", atv.status)}</Tag>{" "}
-        <span class="muted">{atv.problem || (atv.task ? doingText(atv) : "")}</span>
+        <span class="muted">{atv.problem !== "" ? failureText(atv.problem) : atv.task ? doingText(atv) : ""}</span>
         {atv.help && <small class="line">{helpText(atv.help, nowS.value, speed)}</small>}
       </td>
       <td>{atv.task ? atv.task.task : ""}</td>

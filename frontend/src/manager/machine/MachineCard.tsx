@@ -6,6 +6,7 @@ import { Meter } from "../../parts/Meter";
 import { Tag, toneOfMachine } from "../../parts/Tag";
 import { isLost } from "../../plant/silence";
 import { nowS, world } from "../../stream/stream";
+import { failureText } from "../../text/failure";
 import { format, n, t, word } from "../../text/manager";
 import { names } from "../state";
 import { TrialFacts } from "../trials/TrialFacts";
@@ -32,7 +33,7 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
       }
       class={`machine ${lost ? "silent" : ""}`}
     >
-      {machine?.problem && <p class="problem">{machine.problem}</p>}
+      {machine?.problem && <p class="problem">{failureText(machine.problem)}</p>}
       <Facts>
         <TrialFacts agent={spec.id} />
         <Goal machine={machine} />
@@ -85,7 +86,7 @@ function Task({ machine }: { machine: MachineView | undefined }) {
       <Contractors task={task} />
       {task.trouble !== "" && (
         <Fact name={t("machine.trouble")}>
-          <span class="tone-warn">{word("failure", task.trouble)}</span>
+          <span class="tone-warn">{failureText(task.trouble)}</span>
         </Fact>
       )}
     </>

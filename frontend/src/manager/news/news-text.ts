@@ -1,6 +1,7 @@
 /** News in words. */
 import type { NewsView } from "../../api/types";
-import { format, t, word } from "../../text/manager";
+import { failureText } from "../../text/failure";
+import { format, t } from "../../text/manager";
 
 /** What people call what agents know by ids of their own. */
 export interface Called {
@@ -14,7 +15,7 @@ export function newsText(news: NewsView, nowS: number, called: Called): string {
   const { agent, arrived, confirmed, other, successor, task } = news;
   const goal = called.goal(news.goal);
   const silence = format.age(news.silent_s);
-  const reason = word("failure", news.reason);
+  const reason = failureText(news.reason);
   const until = format.due(news.until_at_s ?? nowS, nowS);
   const names = { agent, task, other };
   switch (news.kind) {

@@ -123,6 +123,16 @@ export const de: Catalogue<typeof en> = {
   "phase.handing_over": "übergibt",
   "phase.returning": "bringt die Ware zurück",
 
+  "failure.of": "{agent} ist {what}",
+  "failure.broken": "ausgefallen",
+  "failure.battery empty": "Batterie leer",
+  "failure.the load has shifted": "die Ladung ist verrutscht",
+  "failure.in error, and not helped in time": "gestört, und ohne Hilfe in der Zeit",
+  "failure.another one carries it": "ein anderes führt ihn aus",
+  "failure.has forgotten it": "hat ihn vergessen",
+  "failure.stopped by an operator": "von Hand angehalten",
+  "failure.on the radio mesh": "nur über Funk erreichbar",
+  "failure.a load is on board": "hat eine Ladung an Bord",
   "failure.silent": "stumm",
 
   "alerts.none": "Keine Alarme",

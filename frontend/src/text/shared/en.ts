@@ -120,6 +120,16 @@ export const en = {
   "phase.handing_over": "handing over",
   "phase.returning": "bringing its load back",
 
+  "failure.of": "{agent} is {what}",
+  "failure.broken": "broken",
+  "failure.battery empty": "battery empty",
+  "failure.the load has shifted": "the load has shifted",
+  "failure.in error, and not helped in time": "in error, and not helped in time",
+  "failure.another one carries it": "another one carries it",
+  "failure.has forgotten it": "has forgotten it",
+  "failure.stopped by an operator": "stopped by an operator",
+  "failure.on the radio mesh": "on the radio mesh",
+  "failure.a load is on board": "a load is on board",
   "failure.silent": "silent",
 
   "alerts.none": "No alarms",

@@ -123,6 +123,16 @@ export const es: Catalogue<typeof en> = {
   "phase.handing_over": "entregando",
   "phase.returning": "devolviendo la carga",
 
+  "failure.of": "{agent} está {what}",
+  "failure.broken": "averiada",
+  "failure.battery empty": "batería agotada",
+  "failure.the load has shifted": "la carga se ha movido",
+  "failure.in error, and not helped in time": "averiado y sin ayuda a tiempo",
+  "failure.another one carries it": "otro lo lleva",
+  "failure.has forgotten it": "lo ha olvidado",
+  "failure.stopped by an operator": "parado por un operario",
+  "failure.on the radio mesh": "solo por radio",
+  "failure.a load is on board": "lleva una carga a bordo",
   "failure.silent": "en silencio",
 
   "alerts.none": "Sin alarmas",
