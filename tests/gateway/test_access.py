@@ -13,6 +13,7 @@ from gateway_kit import (
     BEARER,
     HOME,
     NOW_S,
+    PLANT,
     FakeDesk,
     House,
     atv_heartbeat,
@@ -29,6 +30,7 @@ from dray.gateway.access.access import STRANGERS_TRIES
 from dray.gateway.access.principal import SCOPES, Role, Scope
 from dray.gateway.access.rules import RULES
 from dray.gateway.access.sessions import LIFE_S
+from dray.messages import Pose
 from dray.store import Store
 from dray.store.audit import Audit
 from dray.store.sessions import Sessions
@@ -422,7 +424,7 @@ async def test_the_log_is_read_in_pages_and_as_a_table_without_formulas(house: H
     table = await house.client.get("/api/audit", params={"format": "csv"})
     assert table.headers["content-type"].startswith("text/csv")
     lines = table.text.splitlines()
-    assert lines[0].startswith("position,at_s,who,who_kind,from_ip,session,action,target,result,detail")
+    assert lines[0].startswith("position,at,who,who_kind,from_ip,session,action,target,result,detail")
     assert len(lines) == 6
     assert "'=HYPERLINK(1)" in lines[1]
 
@@ -446,6 +448,23 @@ async def test_a_key_that_may_stop_may_not_let_go_on(house: House, visitor: http
     assert (await visitor.post(commands, json={"kind": "stop"}, headers=header)).status_code == 200
     assert [command.kind.value for command in heard] == ["stop"]
     assert heard[0].issued_by == "ERP"
+
+
+async def test_an_operator_whose_time_is_over_stops_a_vehicle_nearby_and_that_is_written_down(
+    house: House,
+) -> None:
+    place = next(node for node in PLANT.nodes if node.id == "m1")
+    house.bus.say(atv_heartbeat("ATV1", pose=Pose(place.x_m, place.y_m, 0.0)))
+    heard = vehicle(house)
+    ana = await house.log_in("ana", Role.OPERATOR, "AREA1")
+    house.wall.now_s += LIFE_S[Role.OPERATOR] + 1
+    commands = "/api/atvs/ATV1/commands"
+    problem(await ana.post(commands, json={"kind": "resume"}), 401, "session-run-out")
+    assert (await ana.post(commands, json={"kind": "stop"})).status_code == 200
+    assert [command.kind.value for command in heard] == ["stop"]
+    stop = (await house.audit(who="ana"))[0]
+    assert (stop.action, stop.target, stop.result) == ("vehicle.command", "ATV1", "done")
+    assert b'"session_over":true' in bytes(stop.detail)
 
 
 # --- the stream ----------------------------------------------------------------------------------
@@ -512,7 +531,7 @@ async def test_a_stranger_may_not_watch_and_is_told_by_the_code(
     await browser.served
     assert [message["type"] for message in browser.heard] == ["websocket.accept", "websocket.close"]
     assert browser.heard[1]["code"] == 4401
-    assert not house.parts.hub._clients
+    assert house.parts.hub.joined == 0
 
 
 async def test_who_lacks_the_scope_may_not_watch(house: House) -> None:
@@ -560,7 +579,7 @@ async def test_a_stream_ends_with_its_session(house: House, end: Callable[..., A
     await end(house, boss)
     assert (await browser.hears("close"))["code"] == 4401
     await browser.served
-    assert len(house.parts.hub._clients) == 1
+    assert house.parts.hub.joined == 1
     await bystander.leave()
     assert (await other.post("/logout")).status_code == 204
 

@@ -65,6 +65,8 @@ class Gate:
         try:
             if not found.rule.public:
                 note.who = await recognise(HTTPConnection(scope), found)
+                if note.who.over:
+                    note.detail["session_over"] = True
                 allow(note.who, found)
         except Problem as problem:
             await _refuse(problem, scope, receive, send)
