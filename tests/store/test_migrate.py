@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
+from alembic.script import ScriptDirectory
 from history import a_day, keep, order, same_clock
 from sqlalchemy import inspect, text
 
@@ -12,7 +13,7 @@ from dray.errors import UnavailableError
 from dray.store import Store, downgrade, open_store, upgrade
 from dray.store.events import EventFilter
 from dray.store.links import Link
-from dray.store.migrate import migrations_folder, newest_revision
+from dray.store.migrate import configuration, migrations_folder, newest_revision
 from dray.store.tables import metadata
 
 pytestmark = pytest.mark.anyio
@@ -42,7 +43,11 @@ async def test_upgrading_twice_keeps_what_is_there(store: Store) -> None:
         assert await work.orders.get("O-1") == order()
 
 
-@pytest.mark.parametrize("revision", ["0001", "0002"])
+OLDER = [each.revision for each in ScriptDirectory.from_config(configuration()).walk_revisions()][1:]
+"""All revisions but the newest."""
+
+
+@pytest.mark.parametrize("revision", OLDER)
 async def test_down_to_an_older_dray_and_up_again_keeps_orders_and_history(
     store: Store, revision: str
 ) -> None:
