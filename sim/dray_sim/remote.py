@@ -4,6 +4,7 @@
     Body.instruct --> {plant}/body/@{agent}/do --> Body.instruct
     Body.attach  <-- {plant}/body/@{agent}/told <-- reports, and the state after them, also with no report
     Body.sense   is the state that was told last
+    put_down      -- query {plant}/floor/@newcomers: a vehicle that the plant file does not know
     connect       -- query {plant}/body/@{agent} -> the state now; from then on this life's word counts
 
 A real vehicle has its body on its own computer. Here a killed agent leaves its body behind as hardware is
@@ -15,7 +16,7 @@ There is no seal on these keys: whoever is on the bus may move simulated bodies.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any, get_args
 
 import msgspec
@@ -25,7 +26,9 @@ from zenoh.handlers import Callback
 from dray.adapters.crossing import Crossing
 from dray.body import BodyState, Instruction, Report
 from dray.errors import UnavailableError
+from dray.plant.model import VehicleSpec
 from dray.ports import Body
+from dray_sim.floor import Floor
 
 TELL_EVERY_S = 0.1
 """How often a body's state is told when nothing happens: as the pose on a panel is refreshed."""
@@ -59,6 +62,7 @@ class _Told(msgspec.Struct, array_like=True, frozen=True):
 
 
 _encode = msgspec.msgpack.Encoder().encode
+_json = msgspec.json.Encoder().encode
 
 
 def _raw(part: object) -> tuple[str, msgspec.Raw]:
@@ -69,9 +73,45 @@ def _part(kind: str, raw: msgspec.Raw) -> Any:
     return msgspec.msgpack.decode(raw, type=_KINDS[kind])
 
 
+def _newcomers(plant: str) -> str:
+    return f"{plant}/floor/@newcomers"
+
+
 def _key(plant: str, agent: str) -> str:
     # No wildcard matches a chunk with an @, so nobody hears this by listening to everything.
     return f"{plant}/body/@{agent}"
+
+
+async def _asked(session: zenoh.Session, key: str, question: bytes, what: str) -> bytes:
+    """The answer of a floor, which may be starting too.
+
+    Raises:
+        UnavailableError: nobody answers.
+    """
+    try:
+        async with asyncio.timeout(PATIENCE_S):
+            answer = await _answer(session, key, question)
+            while answer is None:
+                await asyncio.sleep(AGAIN_S)
+                answer = await _answer(session, key, question)
+    except TimeoutError:
+        raise UnavailableError(what, "nobody answers", "start `dray floor` first") from None
+    return answer
+
+
+async def _answer(session: zenoh.Session, key: str, question: bytes) -> bytes | None:
+    """What is answered now; None when nobody does."""
+    loop, end = asyncio.get_running_loop(), asyncio.Event()
+    answers: list[bytes] = []
+
+    def take(reply: zenoh.Reply) -> None:
+        if reply.ok is not None:
+            answers.append(reply.ok.payload.to_bytes())
+
+    taken = Callback(take, lambda: loop.call_soon_threadsafe(end.set), indirect=False)
+    session.get(key, taken, payload=question, timeout=PATIENCE_S)
+    await end.wait()
+    return answers[0] if answers else None
 
 
 class RemoteBody:
@@ -97,30 +137,10 @@ class RemoteBody:
         Raises:
             UnavailableError: there is no floor, or no such body on it.
         """
-        try:
-            async with asyncio.timeout(PATIENCE_S):
-                answer = await self._ask()
-                while answer is None:
-                    await asyncio.sleep(AGAIN_S)
-                    answer = await self._ask()
-        except TimeoutError:
-            what = f"the body of {self._key.rpartition('@')[2]}"
-            raise UnavailableError(what, "nobody answers", "start `dray floor` first") from None
+        answer = await _asked(
+            self._session, self._key, str(self._life).encode(), f"the body of {self._key.rpartition('@')[2]}"
+        )
         self._state = _part(*msgspec.msgpack.decode(answer, type=tuple[str, msgspec.Raw]))
-
-    async def _ask(self) -> bytes | None:
-        """How the body is; None when nobody answers."""
-        answers: list[bytes] = []
-        end = asyncio.Event()
-
-        def take(reply: zenoh.Reply) -> None:
-            if reply.ok is not None:
-                answers.append(reply.ok.payload.to_bytes())
-
-        taken = Callback(take, lambda: self._crossing.order(end.set), indirect=False)
-        self._session.get(self._key, taken, payload=str(self._life), timeout=PATIENCE_S)
-        await end.wait()
-        return answers[0] if answers else None
 
     def instruct(self, instruction: Instruction) -> None:
         """See `dray.ports.Body`."""
@@ -148,20 +168,29 @@ class RemoteBody:
             self._report(_part(told.kind, told.report))
 
 
+async def put_down(session: zenoh.Session, plant: str, spec: VehicleSpec) -> None:
+    """Put a vehicle on a floor elsewhere, unless it stands there already.
+
+    Raises:
+        UnavailableError: there is no floor.
+    """
+    await _asked(session, _newcomers(plant), _json(spec), "the floor")
+
+
 class FloorServer:
     """Lets agents elsewhere use the bodies of a floor, one agent each.
 
     Args:
         session: of the floor's process.
         plant: the plant's id.
-        bodies: by agent.
+        floor: newcomers are put down here.
     """
 
-    def __init__(self, session: zenoh.Session, plant: str, bodies: Mapping[str, Body]) -> None:
-        crossing = Crossing(asyncio.get_running_loop())
-        self._served = [
-            _Served(session, crossing, _key(plant, agent), body) for agent, body in bodies.items()
-        ]
+    def __init__(self, session: zenoh.Session, plant: str, floor: Floor) -> None:
+        self._session, self._plant, self._floor = session, plant, floor
+        self._crossing = Crossing(asyncio.get_running_loop())
+        self._served = [self._serve(agent, body) for agent, body in floor.bodies.items()]
+        session.declare_queryable(_newcomers(plant), Callback(self._ask, indirect=False))
 
     async def run(self) -> None:
         """Tell how all bodies are, until cancelled."""
@@ -169,6 +198,20 @@ class FloorServer:
             await asyncio.sleep(TELL_EVERY_S)
             for served in self._served:
                 served.tell_state()
+
+    def _serve(self, agent: str, body: Body) -> _Served:
+        return _Served(self._session, self._crossing, _key(self._plant, agent), body)
+
+    def _ask(self, query: zenoh.Query) -> None:
+        self._crossing.order(self._receive, query)
+
+    def _receive(self, query: zenoh.Query) -> None:
+        with query:
+            data = b"" if query.payload is None else query.payload.to_bytes()
+            spec = msgspec.json.decode(data, type=VehicleSpec)
+            if spec.id not in self._floor.vehicles:
+                self._served.append(self._serve(spec.id, self._floor.add_vehicle(spec)))
+            query.reply(_newcomers(self._plant), b"there")
 
 
 class _Served:

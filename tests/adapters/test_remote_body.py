@@ -7,6 +7,7 @@ from collections.abc import Callable, Coroutine
 from typing import Any
 
 import pytest
+from msgspec.structs import replace
 from zenoh_kit import PATIENCE_S, Row
 
 from dray.body import Broken, Drive, NodePassed, Report, VehicleState, WayDone, WorkcellState
@@ -15,7 +16,7 @@ from dray.plant import default_plant
 from dray_sim import remote
 from dray_sim.floor import Floor
 from dray_sim.loop import clock, paced, run
-from dray_sim.remote import FloorServer, RemoteBody
+from dray_sim.remote import FloorServer, RemoteBody, put_down
 
 PLANT = default_plant()
 SPEED = 20.0
@@ -28,7 +29,7 @@ class House:
     def __init__(self, row: Row) -> None:
         self.here, there = (bus.inner for bus in row.buses)
         self.floor = Floor(PLANT, clock(), seed=1)
-        self.server = FloorServer(there, PLANT.id, self.floor.bodies)
+        self.server = FloorServer(there, PLANT.id, self.floor)
 
     async def take_over(self, agent: str, life: int) -> RemoteBody:
         body = RemoteBody(self.here, PLANT.id, agent, life)
@@ -140,4 +141,21 @@ def test_without_a_floor_an_agent_does_not_begin(monkeypatch: pytest.MonkeyPatch
             await stranger.connect()
 
     monkeypatch.setattr(remote, "PATIENCE_S", 0.5)
+    in_a_house(test)
+
+
+def test_a_newcomer_is_put_down_once_and_drives() -> None:
+    spec = replace(PLANT.fleet[ATV], id="ATV99")
+
+    async def test(house: House) -> None:
+        for _ in range(2):
+            await put_down(house.here, PLANT.id, spec)
+        assert len(house.floor.vehicles) == len(PLANT.fleet) + 1
+        nodes = way_of(ATV)
+        body = await house.take_over("ATV99", 1)
+        ear = Ear(body)
+        body.instruct(Drive(order=1, nodes=nodes, released=len(nodes)))
+        await ear.until(WayDone)
+        assert house.floor.vehicles["ATV99"].sense().node == nodes[-1]
+
     in_a_house(test)

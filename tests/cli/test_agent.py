@@ -39,6 +39,19 @@ def test_an_agent_that_is_not_in_the_plant_is_refused(dray: Dray) -> None:
     assert "there is no 'ATV99'; choose one of ATV1" in told
 
 
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (("--type", "zeppelin", "--node", "a1"), "--type: there is no 'zeppelin'"),
+        (("--node", "a1"), "NAME: there is no 'ATV99'"),
+    ],
+)
+def test_a_newcomer_needs_a_type_and_a_place(dray: Dray, options: tuple[str, ...], told: str) -> None:
+    code, error = dray("agent", "atv", "ATV99", *options)
+    assert code == 2
+    assert told in error
+
+
 @pytest.mark.parametrize("command", [("agent", "machine", "M1"), ("strategist",), ("floor",), ("historian",)])
 def test_without_certificates_plain_links_must_be_asked_for(dray: Dray, command: tuple[str, ...]) -> None:
     code, told = dray(*command)

@@ -1,4 +1,4 @@
-"""A factory as processes: an order is delivered, whoever is killed comes back, and all end together."""
+"""A factory as processes: an order is delivered, whoever is killed comes back, newcomers join, all end together."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -29,6 +30,8 @@ from dray_sim.loop import VirtualClock
 PLANT = generate_plant(1, machines=2, vehicles=2)
 
 SPEED = 20.0
+
+NEWCOMER = "ATV99"
 
 START_S = 120.0
 """Eight processes with their imports, on a computer that is busy elsewhere."""
@@ -116,8 +119,32 @@ class Witness:
             await self._came.wait()
 
 
+@contextmanager
+def newcomer(fleet: Fleet) -> Iterator[None]:
+    """A vehicle that the plant file does not know, as long as the context lasts."""
+    spec = next(iter(PLANT.fleet.values()))
+    command = [
+        sys.executable,
+        "-m",
+        "dray",
+        "agent",
+        "atv",
+        NEWCOMER,
+        "--type",
+        spec.type,
+        "--node",
+        spec.node,
+    ]
+    process = subprocess.Popen([*command, "--settings", str(fleet.folder / "fleet.env")], cwd=fleet.folder)
+    try:
+        yield
+    finally:
+        process.terminate()
+        assert process.wait(START_S) == 0
+
+
 @pytest.mark.slow
-def test_an_order_is_delivered_though_a_vehicle_and_the_strategist_are_killed(fleet: Fleet) -> None:
+def test_an_order_is_delivered_whoever_is_killed_and_a_newcomer_joins(fleet: Fleet) -> None:
     product = next(each for each in PLANT.products if PLANT.machines_for(each))
     order = Order("O-1", 0.0, 1e10, (OrderItem(product, PIECES),))
     atv = next(iter(PLANT.fleet))
@@ -150,6 +177,11 @@ def test_an_order_is_delivered_though_a_vehicle_and_the_strategist_are_killed(fl
                         and heard.incarnation == 2
                     )
                 )
+            async with asyncio.timeout(START_S):
+                with newcomer(fleet):
+                    await witness.until(
+                        lambda heard: isinstance(heard, AtvHeartbeat) and heard.atv == NEWCOMER
+                    )
         finally:
             witness.bus.close()
 

@@ -51,33 +51,41 @@ def machine(
 
 @app.command()
 def atv(
-    name: Annotated[str, typer.Argument(help="Its id in the plant, as ATV3.")], settings: SettingsFile = None
+    name: Annotated[str, typer.Argument(help="Its id, as ATV3.")],
+    type_: Annotated[
+        str | None, typer.Option("--type", help="Of a newcomer that the plant file does not know.")
+    ] = None,
+    node: Annotated[str | None, typer.Option(help="Where the newcomer stands.")] = None,
+    settings: SettingsFile = None,
 ) -> None:
-    """Run the agent of a vehicle."""
+    """Run the agent of a vehicle; a newcomer takes part as soon as it is there."""
     import asyncio
 
     from dray import __version__
     from dray.cli.output import one_of
     from dray.cli.process import run_agent
+    from dray.plant.model import VehicleSpec
     from dray.protocol.atv import Atv
 
     where = _surroundings(settings)
-    spec = one_of(where.plant.fleet, name, "NAME")
+    newcomer: VehicleSpec | None = None
+    if type_ is not None and node is not None:
+        one_of(where.plant.vehicle_types, type_, "--type")
+        newcomer = VehicleSpec(name, type_, one_of(where.plant.nodes, node, "--node").id)
+    spec = newcomer or one_of(where.plant.fleet, name, "NAME")
     trusts = _trusted(where)
-    asyncio.run(
-        run_agent(
-            where,
+
+    def make(life: int) -> Atv:
+        return Atv(
             name,
-            lambda life: Atv(
-                name,
-                where.plant,
-                vehicle_type=spec.type,
-                incarnation=life,
-                software=__version__,
-                trusts=trusts,
-            ),
+            where.plant,
+            vehicle_type=spec.type,
+            incarnation=life,
+            software=__version__,
+            trusts=trusts,
         )
-    )
+
+    asyncio.run(run_agent(where, name, make, newcomer))
 
 
 def strategist(settings: SettingsFile = None) -> None:

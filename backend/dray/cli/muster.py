@@ -15,7 +15,7 @@ import os
 import socket
 import sys
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -49,7 +49,7 @@ STOP_S = 10.0
 ROLL_CALL_S = 3.0
 """For the links of whoever asks who is there; they take milliseconds when the computer is not busy."""
 
-ROLL, CERTIFICATES, JOURNALS, LOGS = "fleet.json", "certs", "journals", "logs"
+ROLL, SETTINGS, CERTIFICATES, JOURNALS, LOGS = "fleet.json", "fleet.env", "certs", "journals", "logs"
 """In the fleet's folder."""
 
 GATEWAY = "gateway"
@@ -161,6 +161,7 @@ async def run_muster(muster: Muster) -> None:
             _certify(muster.plant, folder / CERTIFICATES)
     common = await _common_environment(muster, folder)
     posts = _posts(muster, folder, common)
+    _write_settings(folder / SETTINGS, common, posts)
     ledger = _Ledger(folder, muster)
     with stopped_by_signals(stopped.set):
         async with asyncio.TaskGroup() as group:
@@ -208,7 +209,14 @@ def _posts(muster: Muster, folder: Path, common: Mapping[str, str]) -> list[_Pos
         }
         log = folder / LOGS / f"{name}.log"
         posts.append(
-            _Post(name, commands[name], addresses[name], {**common, **links}, log, joins=name != FLOOR)
+            _Post(
+                name,
+                commands[name],
+                addresses[name],
+                {**os.environ, **common, **links},
+                log,
+                joins=name != FLOOR,
+            )
         )
     return posts
 
@@ -222,7 +230,6 @@ async def _common_environment(muster: Muster, folder: Path) -> dict[str, str]:
     finally:
         await store.close()
     environment = {
-        **os.environ,
         f"{PREFIX}DATABASE_URL": settings.database_url,
         f"{PREFIX}HOST": settings.host,
         f"{PREFIX}PORT": str(settings.port),
@@ -237,6 +244,16 @@ async def _common_environment(muster: Muster, folder: Path) -> dict[str, str]:
     if settings.plant_file is not None:
         environment[f"{PREFIX}PLANT_FILE"] = str(settings.plant_file.resolve())
     return environment
+
+
+def _write_settings(file: Path, common: Mapping[str, str], posts: Sequence[_Post]) -> None:
+    """What a newcomer needs: the settings of all, and some addresses to call."""
+    peers = ",".join(post.address for post in posts[: len(DISTANCES)])
+    lines = [f"{name}={value}" for name, value in (*common.items(), (f"{PREFIX}BUS_PEERS", peers))]
+    # The URL of the database may hold a password.
+    file.unlink(missing_ok=True)
+    file.touch(mode=0o600)
+    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def _certify(plant: Plant, folder: Path) -> None:

@@ -21,11 +21,12 @@ from dray.errors import UnavailableError
 from dray.gateway.timescale import TimeScale
 from dray.messages.keys import Keys
 from dray.plant import Plant, default_plant, load_plant
+from dray.plant.model import VehicleSpec
 from dray.protocol.events import Agent
 from dray.settings import Settings
 from dray.worker import HISTORY_FACTS, Worker
 from dray_sim.floor import NEARLY_EMPTY_FRAC, Floor
-from dray_sim.remote import FloorServer, RemoteBody
+from dray_sim.remote import FloorServer, RemoteBody, put_down
 
 READY = "{name} is ready"
 """What a process says when it takes part, on a line of its own."""
@@ -107,8 +108,16 @@ MakeAgent = Callable[[int], Agent]
 """Makes an agent for one life, from its number."""
 
 
-async def run_agent(surroundings: Surroundings, name: str, make: MakeAgent) -> None:
+async def run_agent(
+    surroundings: Surroundings, name: str, make: MakeAgent, newcomer: VehicleSpec | None = None
+) -> None:
     """Run one agent until a signal.
+
+    Args:
+        surroundings: what it begins with.
+        name: its id.
+        make: makes it.
+        newcomer: where it stands, when it is a vehicle that the plant file does not know.
 
     Raises:
         UnavailableError: it has been started elsewhere meanwhile, or something that it needs is not there.
@@ -125,6 +134,8 @@ async def run_agent(surroundings: Surroundings, name: str, make: MakeAgent) -> N
     async with surroundings.bus(name, give_way) as bus:
         journal = SqliteJournal(settings.journal_folder / f"{name}.db", events_kept=HISTORY_FACTS)
         with closing(journal), traced(settings) as tracing:
+            if newcomer is not None:
+                await put_down(bus.inner, plant.id, newcomer)
             body = RemoteBody(bus.inner, plant.id, name, journal.incarnation)
             await body.connect()
             worker = Worker(
@@ -152,7 +163,7 @@ async def serve_floor(surroundings: Surroundings, seed: int) -> None:
     plant = surroundings.plant
     async with surroundings.bus(FLOOR) as bus:
         floor = Floor(plant, surroundings.clock(), seed=seed, stock_frac=NEARLY_EMPTY_FRAC)
-        telling = asyncio.create_task(FloorServer(bus.inner, plant.id, floor.bodies).run())
+        telling = asyncio.create_task(FloorServer(bus.inner, plant.id, floor).run())
         with stopped_by_signals(stopped.set):
             say_ready(FLOOR)
             await stopped.wait()
