@@ -132,6 +132,43 @@ def test_orders_and_the_fleet_are_narrowed_down_and_taken_along(
     assert download.value.suggested_filename == "orders.csv"
 
 
+VIEWS = ("Plant", "Orders", "Fleet", "Tasks", "Watch", "Promises", "Figures", "Audit")
+
+
+def test_at_200_percent_nothing_is_cut_off_sideways(
+    quiet_factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    # What a browser shows of 1280 x 800 when everything is twice as large (WCAG 2.2, 1.4.4 and 1.4.10).
+    page = open_page(quiet_factory, viewport={"width": 640, "height": 400}, locale="de-DE")
+    page.get_by_role("button", name="Management").click()
+    page.get_by_label("Sprache").select_option("English")
+    page.keyboard.press("Escape")
+    for view in VIEWS:
+        link = page.get_by_role("navigation").get_by_role("link", name=view)
+        expect(link).to_be_in_viewport(ratio=1)
+        link.click()
+        expect(link).to_have_attribute("aria-current", "page")
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), view
+    screenshot(page, "manager-200-percent")
+
+
+def test_the_keyboard_alone_chooses_on_the_map_and_leads_to_the_alerts(
+    quiet_factory: str, open_page: OpenPage
+) -> None:
+    page = open_page(quiet_factory)
+    page.get_by_role("combobox", name="Find").focus()
+    page.keyboard.type("ATV3")
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("region", name="ATV3")).to_be_visible()
+    traffic = page.get_by_role("button", name="Traffic")
+    traffic.focus()
+    page.keyboard.press("Space")
+    expect(traffic).to_have_attribute("aria-pressed", "true")
+    page.get_by_role("link", name="No alarms").focus()
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("heading", name="Alerts")).to_be_visible()
+
+
 def test_the_traffic_of_the_last_hour_is_a_layer_with_a_legend(
     busy_factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
