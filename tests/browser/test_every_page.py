@@ -1,0 +1,141 @@
+"""What holds for every page alike: themes, languages, zoom, and the keyboard."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page, expect
+
+OpenPage = Callable[..., Page]
+Screenshot = Callable[..., Path]
+
+LOCALES = {"en": "en-GB", "de": "de-DE", "es": "es-ES"}
+
+THEMES = ("light", "dark")
+
+READY_MS = 30_000
+"""The factory has just been started, and a slow machine has much to do then."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """One page.
+
+    Attributes:
+        path: where it is.
+        who: is logged in, by the beginning of the name; None for nobody.
+        ready: a selector of something that is there when the page has all that it shows.
+    """
+
+    path: str
+    who: str | None
+    ready: str
+
+
+PAGES = {
+    "management": Shown("/", "manager", "#plant-map canvas"),
+    "operator": Shown("/operator", "operator", "canvas"),
+    "login": Shown("/login", None, "h1"),
+    "login-operator": Shown("/login?as=operator", None, "h1"),
+}
+"""The customer's page has tests of its own."""
+
+
+@pytest.fixture(scope="module")
+def factory(start_dray: Callable[..., Any]) -> Iterator[Any]:
+    """A factory in which there is something to see, and which does not hurry."""
+    dray = start_dray("--speed", "4", "--seed", "3")
+    yield dray
+    assert dray.stop() == 0, dray.output()
+
+
+def opened(factory: Any, open_page: OpenPage, shown: Shown, **options: Any) -> Page:
+    who = None if shown.who is None else next(name for name in factory.links if name.startswith(shown.who))
+    page = open_page(factory.url + shown.path, who=who, **options)
+    page.locator(shown.ready).first.wait_for(timeout=READY_MS)
+    return page
+
+
+@pytest.mark.parametrize("theme", THEMES)
+@pytest.mark.parametrize("language", LOCALES)
+@pytest.mark.parametrize("name", PAGES)
+def test_every_page_is_itself_in_every_language_and_theme(
+    factory: Any, open_page: OpenPage, screenshot: Screenshot, name: str, language: str, theme: str
+) -> None:
+    page = opened(factory, open_page, PAGES[name], locale=LOCALES[language], color_scheme=theme)
+    expect(page.locator("html")).to_have_attribute("lang", language)
+    screenshot(page, f"{name}-{language}-{theme}")
+
+
+@pytest.mark.parametrize(("language", "theme"), [("en", "light"), ("de", "dark")])
+def test_every_view_of_the_management_panel_is_fit_for_all(
+    factory: Any, open_page: OpenPage, screenshot: Screenshot, language: str, theme: str
+) -> None:
+    page = opened(factory, open_page, PAGES["management"], locale=LOCALES[language], color_scheme=theme)
+    addresses = page.get_by_role("navigation").get_by_role("link").evaluate_all("all => all.map(a => a.hash)")
+    assert len(addresses) >= 6
+    for address in addresses:
+        page.evaluate("address => { location.hash = address; }", address)
+        expect(page.locator(f'nav a[href="{address}"]')).to_have_attribute("aria-current", "page")
+        screenshot(page, f"management-{address.removeprefix('#')}-{language}-{theme}")
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_at_200_percent_nothing_has_to_be_scrolled_sideways(
+    factory: Any, open_page: OpenPage, screenshot: Screenshot, name: str
+) -> None:
+    # What a browser makes of 1,280 x 800 at this zoom (WCAG 1.4.4 and 1.4.10).
+    zoomed = {"viewport": {"width": 640, "height": 400}, "device_scale_factor": 2}
+    page = opened(factory, open_page, PAGES[name], **zoomed)
+    assert page.evaluate("document.documentElement.scrollWidth") <= 640
+    screenshot(page, f"{name}-at-200-percent", whole=True)
+
+
+REACHABLE = """() => {
+    const all = [...document.querySelectorAll("a[href], button, input, select, textarea, summary, [tabindex='0']")];
+    window.reachable = all.filter((each) => !each.disabled && each.tabIndex >= 0 && each.checkVisibility());
+    return window.reachable.length;
+}"""
+
+FOCUSED = """() => {
+    const here = document.activeElement;
+    // A box to tick is drawn by what stands beside it in its label.
+    const drawn = [here, ...(here.closest("label")?.children ?? [])].map((each) => getComputedStyle(each));
+    const box = here.getBoundingClientRect();
+    return {
+        index: window.reachable.indexOf(here),
+        name: here === document.body ? "" : here.outerHTML.slice(0, 120),
+        ringed: drawn.some((style) => style.outlineStyle !== "none" && parseFloat(style.outlineWidth) >= 2),
+        inSight: box.bottom > 0 && box.top < innerHeight && box.right > 0 && box.left < innerWidth,
+    };
+}"""
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_everything_that_can_be_used_is_reached_by_keyboard_and_seen_to_be(
+    factory: Any, open_page: OpenPage, name: str
+) -> None:
+    page = opened(factory, open_page, PAGES[name])
+    reachable = page.evaluate(REACHABLE)
+    assert reachable > 0
+    reached: set[int] = set()
+    # Lists may grow meanwhile; nothing that was there may be passed over for that.
+    for _ in range(2 * reachable):
+        page.keyboard.press("Tab")
+        focused = page.evaluate(FOCUSED)
+        if not focused["name"]:
+            # All round once: what comes before the field that was focused at first comes now.
+            continue
+        reached.add(focused["index"])
+        assert focused["ringed"], focused
+        assert focused["inSight"], focused
+    names = page.evaluate(
+        "indexes => indexes.map((index) => window.reachable[index]).filter((each) => each.isConnected)"
+        ".map((each) => each.outerHTML.slice(0, 120))",
+        sorted(set(range(reachable)) - reached),
+    )
+    assert names == []
