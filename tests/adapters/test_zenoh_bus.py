@@ -9,11 +9,13 @@ from collections.abc import Callable, Coroutine
 from typing import Any
 
 import pytest
+from prometheus_client import CollectorRegistry
 from zenoh_kit import PATIENCE_S, Row, free_address, multicast_works
 
 from dray.adapters.zenoh_bus import FOREIGN, NEWER, UNREADABLE, ZenohBus
 from dray.adapters.zenoh_links import Links
 from dray.adapters.zenoh_stamp import KNOWN, Stamp, Tally, read_stamp, write_stamp
+from dray.cli.meters import BusMeter
 from dray.codec import encode
 from dray.errors import ProtocolViolation, SettingsError, UnavailableError, WireError
 from dray.messages import WIRE_VERSION, Message, OrderTaken
@@ -114,6 +116,24 @@ def test_what_was_lost_on_the_way_is_counted_by_whoever_should_have_heard_it() -
         await row.settle()
         assert len(agent.heard) == 4
         assert there.missed == 2
+
+    on(2, test)
+
+
+def test_what_is_delivered_and_lost_is_told_to_prometheus() -> None:
+    async def test(row: Row) -> None:
+        here, there = row.buses
+        registry = CollectorRegistry()
+        registry.register(BusMeter(there))
+        Agent(there, "A")
+        await row.settle()
+        for number in (1, 5):
+            here.inner.put("p/agent/@A", TAKEN, attachment=write_stamp(Stamp(1, number)))
+        here.inner.put("p/agent/@A", NEWER_STILL, attachment=STAMP)
+        await row.settle()
+        assert registry.get_sample_value("dray_bus_messages_delivered_total") == 2
+        for reason, count in (("on the way", 3), (NEWER, 1), ("a full queue", 0)):
+            assert registry.get_sample_value("dray_bus_messages_lost_total", {"reason": reason}) == count
 
     on(2, test)
 

@@ -1,6 +1,6 @@
-"""Metrics of what runs beside the gateway in one process: agents and the simulated network.
+"""Metrics of what is beside a gateway: the agents and the simulated network in its process, or the bus.
 
-They live in another thread; reading a number, or copying a small counter, needs no lock.
+They count in other threads; reading a number, or copying a small counter, needs no lock.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from prometheus_client import Metric
 from prometheus_client.core import CounterMetricFamily
 from prometheus_client.registry import Collector
 
+from dray.adapters.zenoh_bus import ZenohBus
 from dray.worker import Worker
 from dray_sim.bridge import BridgedBus
 from dray_sim.factory import SimFactory
@@ -73,6 +74,36 @@ class FactoryMeter(Collector):
         for _, counted in self._lives.values():
             total.update(counted)
         return total
+
+
+class BusMeter(Collector):
+    """What a gateway's place on the bus has counted, by the names that a simulated network's has.
+
+    Args:
+        bus: the gateway's.
+    """
+
+    def __init__(self, bus: ZenohBus) -> None:
+        self._bus = bus
+
+    def describe(self) -> Iterable[Metric]:
+        """Nothing: names are known when they are collected, and are this module's alone."""
+        return ()
+
+    def collect(self) -> Iterator[Metric]:
+        """Everything as of now."""
+        bus = self._bus
+        yield CounterMetricFamily(
+            "dray_bus_messages_delivered", "Messages that reached an agent.", value=bus.delivered
+        )
+        lost = {
+            **dict(bus.refused),
+            "on the way": bus.missed,
+            "said after leaving": bus.unsaid,
+            "an older heartbeat": bus.arrivals.dropped_heartbeats,
+            "a full queue": bus.arrivals.dropped_messages,
+        }
+        yield _labelled("bus_messages_lost", "Messages that reached nobody.", "reason", lost)
 
 
 def _counted(worker: Worker) -> Counts:

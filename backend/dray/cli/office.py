@@ -7,6 +7,7 @@ import contextlib
 import time
 
 from dray.cli.authority import authority_of
+from dray.cli.meters import BusMeter
 from dray.cli.newcomers import welcome
 from dray.cli.process import Surroundings, say_ready
 from dray.cli.service import Service, greeting_of, historian_of, serve, with_admin_token
@@ -42,6 +43,7 @@ async def run_gateway(where: Surroundings, *, demand: bool) -> None:
                     time=where.time,
                     authority=await authority_of(store),
                     incarnation=await store.next_incarnation(plant.id),
+                    collectors=(BusMeter(bus),),
                 )
                 url = address_of(listener, settings.host)
                 links = await welcome(store, plant.file, time.time())
