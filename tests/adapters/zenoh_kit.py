@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import socket
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 import zenoh
@@ -84,8 +85,8 @@ class Row:
             while not self._complete.is_set():
                 for place, bus in enumerate(self.buses):
                     bus.inner.put(f"settle/{place}", str(self._round))
-                with_patience = asyncio.wait_for(self._complete.wait(), AGAIN_S)
-                await asyncio.gather(with_patience, return_exceptions=True)
+                with suppress(TimeoutError):
+                    await asyncio.wait_for(self._complete.wait(), AGAIN_S)
 
     def close(self) -> None:
         for bus in self.buses:
