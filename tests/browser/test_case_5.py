@@ -1,0 +1,114 @@
+"""The paper's case 5 on both panels: a load shifts, and nobody moves before people have seen to it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page, expect
+
+OpenPage = Callable[..., Page]
+Screenshot = Callable[..., Path]
+
+SPEED = 3
+"""Slow enough that a carriage lasts as long as people need to act, some ten seconds."""
+
+LOADED_MS = 90_000
+"""The first vehicle has a load after a minute of the factory's time."""
+
+HEARD_MS = 20_000
+"""A vehicle says at once that something is wrong; a slow machine may take longer to paint."""
+
+DELIVERED_MS = 90_000
+"""What is left of a carriage takes less than two minutes of the factory's time."""
+
+TABLET = {"width": 1024, "height": 768}
+
+HOLD_MS = 1200
+"""Longer than Resume has to be held."""
+
+OPERATORS = {"AREA1": 26.0, "AREA2": 19.0, "AREA3": 12.0, "AREA4": 0.0}
+"""The areas of the default plant, by their southern borders."""
+
+
+@pytest.fixture(scope="module")
+def dray(start_dray: Callable[..., Any]) -> Iterator[Any]:
+    dray = start_dray("--speed", str(SPEED), "--seed", "3")
+    yield dray
+    assert dray.stop() == 0, dray.output()
+
+
+class Loaded:
+    """Waits for a vehicle that has just set off with its load."""
+
+    def __init__(self) -> None:
+        self.atv: dict[str, Any] = {}
+
+    def __call__(self, payload: str | bytes) -> bool:
+        for atv in json.loads(payload).get("atvs", ()):
+            if atv["load"] and atv["task"] and atv["task"]["phase"] == "carrying":
+                self.atv = atv
+        return bool(self.atv)
+
+
+def test_a_load_shifts_and_an_operator_stops_puts_right_acknowledges_and_resumes(
+    dray: Any, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    manager, loaded = open_page("about:blank", visits=dray.url), Loaded()
+    with manager.expect_websocket() as stream:
+        manager.goto(dray.url)
+    stream.value.wait_for_event("framereceived", predicate=loaded, timeout=LOADED_MS)
+    atv, task = loaded.atv["id"], loaded.atv["task"]["task"]
+    finder = manager.get_by_role("combobox", name="Find")
+    finder.fill(atv)
+    finder.press("Enter")
+    overview = manager.locator(".card.atv")
+    overview.get_by_role("button", name="Trials").click()
+    manager.get_by_role("button", name="Shift its load").click()
+    expect(overview).to_contain_text("the load has shifted", timeout=HEARD_MS)
+
+    stands_m = dray.ask(f"/api/atvs/{atv}")["y_m"]
+    area = next(name for name, south_m in OPERATORS.items() if stands_m >= south_m)
+    operator = open_page(
+        f"{dray.url}/operator", who=f"operator-{area.lower()}", viewport=TABLET, has_touch=True
+    )
+    card = operator.locator(f"#vehicle-{atv}")
+    expect(card).to_contain_text("asks for help")
+    expect(card).to_contain_text("the load has shifted")
+    card.get_by_role("button", name="I am on my way").last.tap()
+    expect(card).to_contain_text("is on the way")
+    expect(overview).to_contain_text("is on the way", timeout=HEARD_MS)
+
+    card.get_by_role("button", name="Stop vehicle").tap()
+    expect(card.locator(".command")).to_contain_text("confirmed by the vehicle")
+    acknowledge, resume = (card.get_by_role("button", name=name) for name in ("Fault is gone", "Resume"))
+    expect(acknowledge).to_be_disabled()
+    screenshot(operator, "case-5-stopped")
+    manager.get_by_role("button", name="Bring back: load shifted").click()
+    expect(acknowledge).to_be_enabled(timeout=HEARD_MS)
+    expect(resume).to_be_disabled()
+    card.get_by_role("button", name="At most 50").tap()
+    acknowledge.tap()
+    expect(resume).to_be_enabled()
+    box = resume.bounding_box()
+    assert box is not None
+    operator.mouse.move(box["x"] + 20, box["y"] + 20)
+    operator.mouse.down()
+    operator.wait_for_timeout(HOLD_MS)
+    operator.mouse.up()
+    expect(acknowledge).to_have_count(0)
+    screenshot(operator, "case-5-resumed")
+
+    manager.goto(f"{dray.url}/#tasks")
+    row = manager.get_by_role("row").filter(has_text=task)
+    expect(row).to_contain_text("delivered", timeout=DELIVERED_MS)
+    assert dray.ask(f"/api/tasks/{task}")["primary"] == atv
+    told = [line for line in dray.ask(f"/api/audit?target={atv}")["items"] if line["result"] == "done"]
+    given = [line["detail"].get("kind") for line in reversed(told) if line["action"] == "vehicle.command"]
+    assert given == ["promise", "stop", "set_speed", "acknowledge", "resume"]
+    assert {line["who"] for line in told if line["action"] == "vehicle.command"} == {
+        f"operator-{area.lower()}"
+    }
