@@ -1,6 +1,10 @@
-/** What a person reads when a request failed, and in which words a vehicle complains. */
+/** What a person reads when a request failed, or a vehicle refuses. */
 import { Problem } from "../api/client";
+import { failureText } from "../text/failure";
 import { t, word } from "../text/operator";
+
+/** What a vehicle answers to an acknowledge that comes too early. */
+const STILL_REPORTS = /^its sensors still report: (.+)$/;
 
 export function problemText(error: unknown): string {
   if (!(error instanceof Problem)) return String(error);
@@ -8,12 +12,9 @@ export function problemText(error: unknown): string {
   return error.status === 401 ? t("command.ended") : error.message;
 }
 
-/** A vehicle's own words for what is wrong. */
-export function faultText(problem: string): string {
-  return word("problem", problem);
-}
-
-/** A vehicle's own words for why it refuses. */
+/** A vehicle's reason, in the reader's language. */
 export function refusalText(reason: string): string {
+  const [, problem] = STILL_REPORTS.exec(reason) ?? [];
+  if (problem !== undefined) return t("refusal.faulty", { problem: failureText(problem) });
   return word("refusal", reason);
 }

@@ -1,8 +1,8 @@
 import type { AtvView, HelpView } from "../../api/types";
+import { failureText } from "../../text/failure";
 import { format, t } from "../../text/operator";
 import { give } from "../commands/given";
 import { hindranceOf } from "../commands/hindrance";
-import { faultText } from "../problem-text";
 import { circumstancesOf, moment } from "../state";
 import { patienceS } from "./need";
 
@@ -14,7 +14,7 @@ export function HelpAsk({ atv }: { atv: AtvView }) {
   const leftS = patienceS(atv, moment.value);
   return (
     <div class="help">
-      {atv.problem !== "" && <p class="help-what">{t("help.what", { problem: faultText(atv.problem) })}</p>}
+      {atv.problem !== "" && <p class="help-what">{t("help.what", { problem: failureText(atv.problem) })}</p>}
       {atv.help === null || leftS === null ? (
         <p>{t("help.noTask")}</p>
       ) : leftS <= 0 ? (

@@ -1,9 +1,9 @@
 import type { AtvView } from "../../api/types";
 import { Icon } from "../../parts/Icon";
+import { failureText } from "../../text/failure";
 import { t } from "../../text/operator";
 import { give } from "../commands/given";
 import { hindranceOf } from "../commands/hindrance";
-import { faultText } from "../problem-text";
 import { circumstancesOf } from "../state";
 import { HoldButton } from "./HoldButton";
 
@@ -42,6 +42,6 @@ export function Release({ atv }: { atv: AtvView }) {
 }
 
 function adviceOf({ acknowledged, problem }: AtvView): string {
-  if (problem !== "") return t("release.fault", { problem: faultText(problem) });
+  if (problem !== "") return t("release.fault", { problem: failureText(problem) });
   return t(acknowledged ? "release.next" : "release.first");
 }

@@ -6,6 +6,7 @@ import { isLost } from "../../plant/silence";
 import { filledFrac, isLow } from "../../plant/stock";
 import { selection } from "../../selection/selection";
 import { world } from "../../stream/stream";
+import { failureText } from "../../text/failure";
 import { format, t, word } from "../../text/operator";
 import { moment, names, plant, station } from "../state";
 
@@ -41,8 +42,8 @@ function Station({ machine, spec }: { machine: MachineView | undefined; spec: Ma
       </header>
       {machine ? (
         <>
-          {machine.problem !== "" && <p class="problem">{machine.problem}</p>}
-          <ul class={`stock ${lost ? "past" : ""}`}>
+          {machine.problem !== "" && <p class="problem">{failureText(machine.problem)}</p>}
+          <ul class={`stock ${lost ? "old" : ""}`}>
             {[...machine.buffers, ...machine.goods].map((buffer) => (
               <StockRow key={buffer.item} buffer={buffer} machine={machine} />
             ))}

@@ -93,11 +93,9 @@ export const de: Catalogue<typeof en> = {
   "command.ended": "Ihre Sitzung ist abgelaufen.",
 
   "refusal.acknowledge the stop first": "der Fehler ist noch nicht quittiert",
+  "refusal.faulty": "seine Sensoren melden noch: {problem}",
   "refusal.it is not stopped": "es ist nicht gestoppt",
   "refusal.it has no task that waits for help": "keiner seiner Aufträge wartet auf Hilfe",
-  "problem.the load has shifted": "die Ladung ist verrutscht",
-  "problem.battery empty": "der Akku ist leer",
-  "problem.trial": "ein Ausfall zum Ausprobieren",
 
   "station.title": "Material",
   "station.none": "Wählen Sie im Plan eine Maschine, um ihr Material zu sehen.",

@@ -91,11 +91,9 @@ export const en = {
   "command.ended": "your session has ended.",
 
   "refusal.acknowledge the stop first": "the fault is not acknowledged yet",
+  "refusal.faulty": "its sensors still report: {problem}",
   "refusal.it is not stopped": "it is not stopped",
   "refusal.it has no task that waits for help": "no task of it waits for help",
-  "problem.the load has shifted": "the load has shifted",
-  "problem.battery empty": "its battery is empty",
-  "problem.trial": "a trial of a breakdown",
 
   "station.title": "Material",
   "station.none": "Choose a machine on the map to see its material.",

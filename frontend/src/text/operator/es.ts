@@ -93,11 +93,9 @@ export const es: Catalogue<typeof en> = {
   "command.ended": "su sesión ha terminado.",
 
   "refusal.acknowledge the stop first": "el fallo aún no está confirmado",
+  "refusal.faulty": "sus sensores aún comunican: {problem}",
   "refusal.it is not stopped": "no está parado",
   "refusal.it has no task that waits for help": "ninguna tarea suya espera ayuda",
-  "problem.the load has shifted": "la carga se ha desplazado",
-  "problem.battery empty": "la batería está vacía",
-  "problem.trial": "una avería de prueba",
 
   "station.title": "Material",
   "station.none": "Elija una máquina en el plano para ver su material.",
