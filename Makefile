@@ -98,6 +98,9 @@ format: $(STAMPS)/installed ## Put the Python code into its form
 screenshots: setup ## Pictures of the panels in artifacts/screenshots; the README's in docs/
 	$(PYTEST) tests/browser -q
 	cp artifacts/screenshots/management-panel-light.png docs/management-panel.png
+	cp artifacts/screenshots/live-auction-light.png docs/live-auction.png
+	cp artifacts/screenshots/operator-en-light.png docs/operator-panel.png
+	cp artifacts/screenshots/customer-perhaps-late-phone-light-en.png docs/customer-page.png
 
 sdist-and-wheel: setup ## dist/
 	$(PY) -m build --no-isolation

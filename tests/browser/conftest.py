@@ -105,10 +105,13 @@ def open_page(
 def screenshot(complaints: Complaints) -> Callable[..., Path]:
     """Keep a picture in artifacts/screenshots, and complain of what is not accessible in it."""
 
-    def keep(page: Page, name: str, *, whole: bool = False) -> Path:
+    def keep(page: Page, name: str, *, whole: bool = False, of: str = "") -> Path:
         ARTIFACTS.mkdir(parents=True, exist_ok=True)
         path = ARTIFACTS / f"{name}.png"
-        page.screenshot(path=path, full_page=whole)
+        if of:
+            page.locator(of).screenshot(path=path)
+        else:
+            page.screenshot(path=path, full_page=whole)
         complaints.audit(page)
         return path
 

@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 OpenPage = Callable[..., Page]
-Screenshot = Callable[[Page, str], Path]
+Screenshot = Callable[..., Path]
 
 DELIVERED_MS = 60_000
 """What issue and README promise: an order of a few pieces is delivered within a minute at this speed."""
@@ -309,3 +309,4 @@ def test_a_busy_plant_is_shown_without_complaints_in_both_themes(
     # What the frame tells is on the screen now: figures that need finished transports.
     expect(page.locator("canvas").first).to_be_visible()
     screenshot(page, f"management-panel-{theme}")
+    screenshot(page, f"live-auction-{theme}", of=".auction")
