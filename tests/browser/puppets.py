@@ -87,5 +87,5 @@ class Puppet:
             case CommandKind.SET_SPEED:
                 self.beat(speed_limit_frac=command.speed_frac)
             case CommandKind.PROMISE:
-                until_s = (command.wait_s or 0.0) + 0.0
-                self.beat(help=HelpWanted(until_s=until_s, promised_by=command.issued_by))
+                wanted = HelpWanted(until_s=command.wait_s or 0.0, promised_by=command.issued_by)
+                self.beat(help=wanted)
