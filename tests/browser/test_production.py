@@ -104,5 +104,30 @@ def test_the_figures_are_charts_that_keys_can_read_with_tables_behind_them(
 
     page.get_by_role("button", name="7 d").click()
     expect(card.get_by_role("row")).to_have_count(1 + 159)
-    page.get_by_role("button", name="Dark").click()
+    page.emulate_media(color_scheme="dark")
     screenshot(page, "figures-dark")
+
+
+def test_a_file_of_orders_is_looked_through_and_then_placed(
+    factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = open_page(f"{factory}/#orders")
+    page.get_by_role("button", name="Import").click()
+    dialog = page.get_by_role("dialog", name="Orders from a spreadsheet")
+    choose = dialog.locator("input[type=file]")
+    head = "customer,reference,product,quantity\n"
+
+    def file_of(rows: str) -> Any:
+        return {"name": "orders.csv", "mimeType": "text/csv", "buffer": (head + rows).encode()}
+
+    choose.set_input_files(file_of("Hall 7,A,gear-unit-g1,5\nHall 8,B,nothing,5\n"))
+    expect(dialog).to_contain_text("1 fault")
+    expect(dialog.get_by_role("row").filter(has_text="does not make")).to_contain_text("product")
+    screenshot(page, "orders-import")
+    choose.set_input_files(file_of("Hall 7,A,gear-unit-g1,5\nHall 8,B,pump-p3,5\n"))
+    expect(dialog).to_contain_text("2 orders, nothing wrong")
+    dialog.get_by_role("button", name="Place them").click()
+    expect(dialog).to_contain_text("2 orders placed")
+    dialog.get_by_role("button", name="Close").click()
+    for customer in ("Hall 7", "Hall 8"):
+        expect(page.get_by_role("row").filter(has_text=customer)).to_be_visible()

@@ -13,6 +13,7 @@ from dray.gateway.preview import MachineOffer, MaterialNeed, OrderPreview, Stora
 from dray.gateway.routes.alerts import EXAMPLE as ALERT
 from dray.gateway.routes.events import EventAnswer
 from dray.gateway.routes.orders import EXAMPLE as ORDER
+from dray.gateway.routes.orders import ImportAnswer, ImportedOrder
 from dray.gateway.routes.products import ProductAnswer
 from dray.gateway.tracking.answer import TrackAnswer, TrackEta, TrackStage
 from dray.gateway.tracking.track import StageName, TrackedItem
@@ -158,6 +159,12 @@ _STRUCTS = (
         on_time_within_s=ON_TIME_S,
         fleet=PROMISES,
         items=(msgspec.structs.replace(PROMISES, atv="ATV2"),),
+    ),
+    ImportAnswer(
+        orders=(
+            ImportedOrder(id=ORDER.id, customer=ORDER.customer, reference=ORDER.reference, items=1, pieces=5),
+        ),
+        faults=(),
     ),
     OrderPreview(
         materials=(

@@ -7,7 +7,7 @@ an order that was answered is on disk, and one that was not can be sent again un
 from __future__ import annotations
 
 import hashlib
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from datetime import UTC, datetime
 from http import HTTPStatus
@@ -135,7 +135,7 @@ async def place(gateway: Parts, draft: OrderDraft) -> Order:
         Problem: what the order names does not exist or is past, or too many are open.
     """
     async with gateway.store.write() as work:
-        order = await _written(gateway, work, draft)
+        [order] = await _written(gateway, work, [draft])
     _announce(gateway, order)
     return order
 
@@ -157,17 +157,33 @@ async def place_once(
     Raises:
         Problem: as `place`; or the key was used for another body, or is at work.
     """
-    fingerprint = hashlib.sha256(draft.model_dump_json().encode()).hexdigest()
+    return await place_all_once(gateway, [draft], key, lambda orders: render(orders[0]))
+
+
+async def place_all_once(
+    gateway: Parts, drafts: Sequence[OrderDraft], key: str, render: Callable[[Sequence[Order]], bytes]
+) -> tuple[KeptAnswer, bool]:
+    """Take some orders, all or none, as `place_once` takes one.
+
+    Args:
+        gateway: where to.
+        drafts: at least one.
+        key: the Idempotency-Key.
+        render: writes the answer.
+    """
+    fingerprint = hashlib.sha256("\n".join(draft.model_dump_json() for draft in drafts).encode()).hexdigest()
     async with _alone(gateway.keys_at_work, key), gateway.store.write() as work:
         kept = await work.keys.get(key)
         if kept is not None:
             _refuse_other_body(kept, fingerprint)
             return kept, True
-        order = await _written(gateway, work, draft)
-        answer = KeptAnswer(key, fingerprint, order.id, render(order).decode(), order.created_at_s)
-        await work.keys.forget_before(order.created_at_s - KEYS_KEPT_S)
+        orders = await _written(gateway, work, drafts)
+        first = orders[0]
+        answer = KeptAnswer(key, fingerprint, first.id, render(orders).decode(), first.created_at_s)
+        await work.keys.forget_before(first.created_at_s - KEYS_KEPT_S)
         await work.keys.add(answer)
-    _announce(gateway, order)
+    for order in orders:
+        _announce(gateway, order)
     return answer, False
 
 
@@ -290,10 +306,11 @@ def _refuse_other_body(kept: KeptAnswer, fingerprint: str) -> None:
         )
 
 
-async def _written(gateway: Parts, work: Work, draft: OrderDraft) -> Order:
+async def _written(gateway: Parts, work: Work, drafts: Sequence[OrderDraft]) -> list[Order]:
     now_s = gateway.wall_s()
-    _refuse_nonsense(gateway, draft, now_s)
-    if gateway.projection.orders.open >= MAX_OPEN_ORDERS:
+    for draft in drafts:
+        _refuse_nonsense(gateway, draft, now_s)
+    if gateway.projection.orders.open + len(drafts) > MAX_OPEN_ORDERS:
         raise Problem(
             HTTPStatus.SERVICE_UNAVAILABLE,
             "too-many-orders",
@@ -301,7 +318,16 @@ async def _written(gateway: Parts, work: Work, draft: OrderDraft) -> Order:
             f"{MAX_OPEN_ORDERS} orders have not ended; cancel some, or try again later",
             headers={"Retry-After": "600"},
         )
-    order = Order(
+    # A millisecond apart: their ids differ by that, and they are listed in this order.
+    orders = [_order(draft, now_s + index / 1000) for index, draft in enumerate(drafts)]
+    for order in orders:
+        await work.orders.add(order)
+        await work.links.add(order.token, Link(order.id, order.created_at_s))
+    return orders
+
+
+def _order(draft: OrderDraft, now_s: float) -> Order:
+    return Order(
         id=new_order_id(now_s),
         status=OrderStatus.RELEASED if draft.release else OrderStatus.STORED,
         customer=draft.customer,
@@ -313,9 +339,6 @@ async def _written(gateway: Parts, work: Work, draft: OrderDraft) -> Order:
         released_at_s=now_s if draft.release else None,
         releases=int(draft.release),
     )
-    await work.orders.add(order)
-    await work.links.add(order.token, Link(order.id, now_s))
-    return order
 
 
 def _refuse_nonsense(gateway: Parts, draft: WorkDraft, now_s: float) -> None:
@@ -324,6 +347,13 @@ def _refuse_nonsense(gateway: Parts, draft: WorkDraft, now_s: float) -> None:
     Raises:
         Problem: names every field.
     """
+    errors = nonsense(gateway, draft, now_s)
+    if errors:
+        raise unusable(*errors)
+
+
+def nonsense(gateway: Parts, draft: WorkDraft, now_s: float) -> list[FieldError]:
+    """What has the right shape and still means nothing here."""
     known = {product.id for product in gateway.plant.products}
     errors = [
         FieldError(
@@ -336,8 +366,7 @@ def _refuse_nonsense(gateway: Parts, draft: WorkDraft, now_s: float) -> None:
     if draft.due_at is not None and draft.due_at.timestamp() <= now_s:
         now = datetime.fromtimestamp(now_s, UTC).isoformat(timespec="seconds")
         errors.append(FieldError("due_at", f"it is past: here it is {now}; give a later time"))
-    if errors:
-        raise unusable(*errors)
+    return errors
 
 
 def _ended(order: Order, what_to_do: str) -> Problem:

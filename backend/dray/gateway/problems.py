@@ -146,7 +146,7 @@ async def _on_validation(request: Request, error: Exception) -> Response:
     for fault in faults:
         if fault["type"] == "json_invalid":
             return _not_json(fault).response(request.url.path)
-    errors = [FieldError(_field(fault["loc"]), _reason(fault)) for fault in faults[:MAX_FIELD_ERRORS]]
+    errors = [FieldError(_field(fault["loc"][1:]), _reason(fault)) for fault in faults[:MAX_FIELD_ERRORS]]
     return unusable(*errors).response(request.url.path)
 
 
@@ -190,6 +190,11 @@ async def on_bug(request: Request, error: Exception) -> Response:
     ).response(request.url.path)
 
 
+def field_error(fault: Mapping[str, Any]) -> FieldError:
+    """One of pydantic's errors, as it is told."""
+    return FieldError(_field(fault["loc"]), _reason(fault))
+
+
 def _allowed(request: Request) -> list[str]:
     """All methods that this path knows: the router names those of the first match only."""
     # A mount has moved the root of the scope to itself.
@@ -220,8 +225,7 @@ def _not_json(fault: Mapping[str, Any]) -> Problem:
 
 def _field(location: Sequence[str | int]) -> str:
     """The place of a fault, as `items[0].quantity`."""
-    _where, *path = location
-    text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
+    text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location)
     return text.removeprefix(".") or "body"
 
 

@@ -88,6 +88,18 @@ export async function releaseOrder(id: string): Promise<void> {
   await request("POST", `/api/orders/${encodeURIComponent(id)}/release`);
 }
 
+/** What is in a file of orders, and what is wrong with it by row. */
+export interface OrdersFile {
+  readonly orders: readonly { readonly id: string; readonly customer: string; readonly pieces: number }[];
+  readonly faults: readonly { readonly row: number; readonly column: string; readonly reason: string }[];
+}
+
+/** @param key the same for every try at the same file: however often it is sent, it is placed once */
+export async function importOrders(csv: string, dryRun: boolean, key: string): Promise<OrdersFile> {
+  const headers: Record<string, string> = dryRun ? {} : { "Idempotency-Key": key };
+  return (await request("POST", "/api/orders/import", { csv, dry_run: dryRun }, headers)) as OrdersFile;
+}
+
 /** What an order would need if it were published now; nothing is kept. */
 export async function previewOrder(order: Pick<NewOrder, "items" | "due_at">): Promise<OrderPreview> {
   return (await request("POST", "/api/orders/preview", order)) as OrderPreview;

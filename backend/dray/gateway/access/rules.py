@@ -79,6 +79,7 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("GET", "/api/kpis/history"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/orders"): Rule(Scope.ORDERS_READ),
     ("POST", "/api/orders"): Rule(Scope.ORDERS_WRITE, action="order.place"),
+    ("POST", "/api/orders/import"): Rule(Scope.ORDERS_WRITE, action="order.import"),
     ("POST", "/api/orders/preview"): Rule(Scope.ORDERS_READ),
     ("GET", "/api/orders/{order}"): Rule(Scope.ORDERS_READ),
     ("POST", "/api/orders/{order}/release"): Rule(Scope.ORDERS_WRITE, action="order.release"),

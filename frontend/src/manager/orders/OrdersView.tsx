@@ -10,6 +10,7 @@ import { Search } from "../filters/Search";
 import { names, plant } from "../state";
 import { isWanted, STATUSES, tableOf, type Wanted } from "./filter";
 import { DueText } from "./DueText";
+import { ImportButton, ImportDialog } from "./ImportDialog";
 import { OrderActions } from "./OrderActions";
 import { OrderProgress } from "./OrderProgress";
 import { inOrder, stateOf } from "./progress";
@@ -39,7 +40,13 @@ export function OrdersView() {
       title={t("orders.title")}
       heads={heads}
       empty={t(orders.length === 0 ? "orders.none" : "filter.none")}
-      aside={<Filters />}
+      aside={
+        <>
+          <Filters />
+          <ImportButton />
+        </>
+      }
+      below={<ImportDialog />}
     >
       {shown.map((order) => (
         <Row key={order.id} order={order} />

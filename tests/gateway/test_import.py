@@ -1,0 +1,119 @@
+"""Orders out of a spreadsheet: all of them or none, and every fault with its row."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from gateway_kit import OTHER_PRODUCT, PRODUCT, House, problem
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dray.gateway import orderfile as orderfile_module
+from dray.gateway.orderfile import COLUMNS, read_orders
+
+HEAD = "customer,reference,product,quantity,due_at,release\n"
+
+GOOD = (
+    HEAD
+    + f"Hall 3,4711,{PRODUCT},5,2030-05-01T12:00:00Z,\n"
+    + f"Hall 3,4711,{OTHER_PRODUCT},2,2030-05-01T12:00:00Z,\n"
+    + f"Hall 4,,{PRODUCT},1,,no\n"
+    + f"Hall 4,,{PRODUCT},1,,no\n"
+)
+
+
+def faults(text: str) -> list[tuple[int, str]]:
+    return [(fault.row, fault.column) for fault in read_orders(text)[1]]
+
+
+def test_rows_with_one_reference_are_one_order_and_rows_without_are_each_their_own() -> None:
+    orders, wrong = read_orders(GOOD)
+    assert wrong == []
+    assert [(each.row, each.draft.reference, len(each.draft.items)) for each in orders] == [
+        (2, "4711", 2),
+        (4, None, 1),
+        (5, None, 1),
+    ]
+    assert [each.draft.release for each in orders] == [True, False, False]
+
+
+@pytest.mark.parametrize("change", [lambda t: t.replace(",", ";"), lambda t: "\ufeff" + t.upper()])
+def test_semicolons_capitals_and_a_byte_order_mark_are_read_too(change: Any) -> None:
+    text = f"customer,product,quantity\nHALL,{PRODUCT},5\n"
+    orders, wrong = read_orders(change(text))
+    assert (len(orders), wrong) == (1, [])
+
+
+@pytest.mark.parametrize(
+    ("text", "where"),
+    [
+        ("", [(1, "")]),
+        (HEAD, [(1, "")]),
+        ("customer,product\nc,p\n", [(1, "quantity")]),
+        ("customer,product,quantity,colour\nc,p,1,red\n", [(1, "colour")]),
+        ("customer,product,quantity,product\nc,p,1,p\n", [(1, "product"), (1, "product")]),
+        (HEAD + "\n" + "c,,p,many,,\n", [(3, "quantity")]),
+        (HEAD + ",,p,1,,\nc,,p,1,soon,\nc,,p,1,,perhaps\n", [(2, "customer"), (3, "due_at"), (4, "release")]),
+        (HEAD + "c,r,p,1,,\nc,r,p,0,,\n", [(3, "quantity")]),
+        (HEAD + "c,r,p,1,2030-05-01T12:00:00Z,\nc,r,p,1,,\n", [(3, "due_at")]),
+        (HEAD + "c,r,p,1,,\n" * 51, [(52, ""), (2, "items")]),
+        ("customer,product,quantity\n" + "x" * 140_000, [(2, "")]),
+    ],
+)
+def test_a_fault_is_told_with_its_row_and_column(text: str, where: list[tuple[int, str]]) -> None:
+    assert faults(text) == where
+
+
+def test_a_file_is_no_longer_than_a_person_can_look_through(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(orderfile_module, "MAX_ROWS", 2)
+    assert faults(HEAD + "c,,p,1,,\n" * 3) == [(4, "")]
+
+
+@settings(deadline=None)
+@given(st.text(max_size=200) | st.text(",;\n\"'abc1", max_size=200).map(lambda rows: HEAD + rows))
+def test_no_text_is_too_odd_to_be_read(text: str) -> None:
+    orders, wrong = read_orders(text)
+    assert orders or wrong
+    assert all(fault.row >= 1 and fault.reason for fault in wrong)
+    assert all(fault.column in ("", "items", *COLUMNS) or fault.row == 1 for fault in wrong)
+
+
+# --- over REST -----------------------------------------------------------------------------------
+
+
+async def send(house: House, text: str, *, dry_run: bool = False, key: str = "") -> Any:
+    headers = {"Idempotency-Key": key} if key else {}
+    body = {"csv": text, "dry_run": dry_run}
+    return await house.client.post("/api/orders/import", json=body, headers=headers)
+
+
+@pytest.mark.anyio
+async def test_a_dry_run_tells_what_is_there_and_keeps_nothing(house: House) -> None:
+    answer = (
+        await send(
+            house, GOOD + f"Hall 5,,nothing,1,,\nHall 6,,{PRODUCT},1,2020-01-01T00:00:00Z,\n", dry_run=True
+        )
+    ).json()
+    assert [(fault["row"], fault["column"]) for fault in answer["faults"]] == [(6, "product"), (7, "due_at")]
+    assert [order["pieces"] for order in answer["orders"]] == [7, 1, 1, 1, 1]
+    assert {order["id"] for order in answer["orders"]} == {""}
+    assert await house.orders_kept() == 0
+
+
+@pytest.mark.anyio
+async def test_a_file_is_placed_whole_and_once_under_its_key(house: House) -> None:
+    first, again = [(await send(house, GOOD, key="k1")).json() for _ in range(2)]
+    assert first == again
+    assert len({order["id"] for order in first["orders"]}) == await house.orders_kept() == 3
+    listed = await house.get("/api/orders")
+    assert [order["id"] for order in listed["items"]] == [order["id"] for order in reversed(first["orders"])]
+    assert sorted(order["status"] for order in listed["items"]) == ["released", "stored", "stored"]
+    problem(await send(house, GOOD + f"Hall 5,,{PRODUCT},1,,\n", key="k1"), 422, "key-used")
+
+
+@pytest.mark.anyio
+async def test_one_fault_refuses_the_whole_file(house: House) -> None:
+    refused = problem(await send(house, GOOD + "Hall 5,,nothing,1,,\n"), 422, "unusable-fields")
+    assert [error["field"] for error in refused["errors"]] == ["row 6, product"]
+    assert await house.orders_kept() == 0
