@@ -102,6 +102,35 @@ def postgresql_url(postgres: Postgres) -> Iterator[str]:
     postgres.drop(url)
 
 
+SQLITE_ONLY = frozenset(
+    f"test_{noun}"
+    for noun in (
+        "access",
+        "commands",
+        "faults",
+        "live",
+        "login_pages",
+        "metrics",
+        "pages",
+        "shields",
+        "stream",
+        "why",
+    )
+)
+"""Modules of the gateway in which the kind of database has no part: on both, they would take a minute for
+nothing."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    items[:] = [item for item in items if not _needless(item)]
+
+
+def _needless(item: pytest.Item) -> bool:
+    callspec = getattr(item, "callspec", None)
+    on_postgresql = callspec is not None and callspec.params.get("url") == "postgresql"
+    return on_postgresql and item.path.parent.name == "gateway" and item.path.stem in SQLITE_ONLY
+
+
 @pytest.fixture(params=["sqlite", "postgresql"])
 def url(request: pytest.FixtureRequest) -> str:
     """An empty database; a test that asks for one runs on each kind."""
