@@ -86,6 +86,7 @@ class Postgres:
         self.port = 0
         if self._user is not None:
             os.chown(self._home, self._user.pw_uid, self._user.pw_gid)
+        self._guard = self._keep_guard()
         try:
             data = str(self._home / "data")
             self._run("initdb", "-D", data, "-U", "dray", "-A", "trust", "-E", "UTF8", "--no-locale", "-N")
@@ -128,8 +129,22 @@ class Postgres:
 
     def close(self) -> None:
         """Stop the server and remove all that it has kept."""
-        self._run("pg_ctl", "stop", "-w", "-m", "immediate", check=False)
-        shutil.rmtree(self._home)
+        self._guard.communicate()
+
+    def _keep_guard(self) -> subprocess.Popen[bytes]:
+        """A process that cleans up when this one has ended, in whatever way: then the pipe between them ends."""
+        script = 'cat; "$0" stop --mode=immediate --pgdata="$1/data"; rm -r "$1"'
+        return subprocess.Popen(
+            ["/bin/sh", "-c", script, str(self._bin / "pg_ctl"), str(self._home)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            user=None if self._user is None else self._user.pw_uid,
+            group=None if self._user is None else self._user.pw_gid,
+            extra_groups=None if self._user is None else [],
+            # Not ended with us by the terminal.
+            start_new_session=True,
+        )
 
     def _run(self, program: str, *args: str, check: bool = True) -> subprocess.CompletedProcess[str]:
         user = self._user
