@@ -22,6 +22,7 @@ from gateway_kit import (
 
 from dray.messages import OrderCancelled, OrderReleased, OrderTaken
 from dray.messages.fact import GoalContracted, GoodsDelivered, OrderAccepted, OrderDropped
+from dray.plant.model import PlantFile
 from dray.store.progress import OrderStatus
 
 pytestmark = pytest.mark.anyio
@@ -223,16 +224,27 @@ async def test_an_order_for_what_the_plant_no_longer_makes_waits_and_says_so(
 ) -> None:
     async with gateway(url) as before:
         order = await before.place()
-    other = msgspec.structs.replace(
-        PLANT, products=tuple(product for product in PLANT.products if product.id != PRODUCT)
-    )
-    async with gateway(url, plant=other, bus=FakeBus()) as after:
+    async with gateway(url, plant=without(PRODUCT), bus=FakeBus()) as after:
         assert (await after.get(f"/api/orders/{order['id']}"))["status"] == "released"
         assert after.bus.sent == []
     assert f"order {order['id']} waits: this plant does not make {PRODUCT}" in caplog.text
 
 
 # --- helpers -------------------------------------------------------------------------------------
+
+
+def without(product: str) -> PlantFile:
+    """The plant, in which nobody makes this product any more, and nobody knows it."""
+    replace = msgspec.structs.replace
+    machines = tuple(
+        replace(machine, makes=tuple(making for making in machine.makes if making.product != product))
+        for machine in PLANT.machines
+    )
+    return replace(
+        PLANT,
+        products=tuple(each for each in PLANT.products if each.id != product),
+        machines=tuple(machine for machine in machines if machine.makes),
+    )
 
 
 async def in_pages(house: House, limit: int) -> list[list[str]]:
