@@ -1,9 +1,10 @@
-/** What is shown before anybody has chosen: a carriage under way, so that the panel explains itself. */
+/** What is shown before anybody has chosen: a carriage that several have bid for, so that the panel explains itself. */
 import { effect } from "@preact/signals";
+import type { TaskView } from "../api/types";
 import { NOTHING, selection } from "../selection/selection";
 import { world } from "../stream/stream";
 import type { World } from "../stream/world";
-import { newest } from "./auction/auction";
+import { latestBids, newest } from "./auction/auction";
 
 export function chooseAtFirst(): void {
   const stop = effect(() => {
@@ -20,12 +21,12 @@ export function chooseAtFirst(): void {
 }
 
 export function firstLook(world: World) {
-  const task = newest(
-    [...world.tasks.values()].filter(
-      ({ coordinator, primary, state }) =>
-        state === "contracted" && world.machines.has(coordinator) && world.atvs.has(primary),
-    ),
+  const tasks = [...world.tasks.values()].filter(
+    ({ coordinator, primary, state }) =>
+      state === "contracted" && world.machines.has(coordinator) && world.atvs.has(primary),
   );
+  const most = Math.max(...tasks.map(bidders));
+  const task = newest(tasks.filter((each) => bidders(each) === most));
   if (!task) return null;
   return {
     atv: task.primary,
@@ -33,4 +34,8 @@ export function firstLook(world: World) {
     task: null,
     latest: "atv" as const,
   };
+}
+
+function bidders(task: TaskView): number {
+  return latestBids(task.bids).length;
 }

@@ -124,14 +124,20 @@ describe("choosing", () => {
     expect(withChosen(task, { kind: "atv", id: "ATV1" }).task).toBeNull();
   });
 
-  test("begins with the newest carriage under way", () => {
-    const carriage = (id: string, opened_at_s: number) =>
-      ({ id, opened_at_s, state: "contracted", coordinator: "M1", primary: "ATV1" }) as TaskView;
+  test("begins with the carriage under way for which most have bid, the newest of these", () => {
+    const carriage = (opened_at_s: number, primary: string, ...bidders: string[]) => ({
+      id: `T${opened_at_s}`, opened_at_s, state: "contracted", coordinator: "M1", primary,
+      bids: bidders.map((bidder) => ({ bidder, role: "primary", epoch: 1, round: 1, total_s: 1 })),
+    }) as unknown as TaskView;
+    const tasks = [
+      carriage(1, "ATV1", "ATV1", "ATV2"), carriage(2, "ATV2", "ATV1", "ATV2"),
+      carriage(3, "ATV1", "ATV1"), carriage(4, "gone", "ATV1", "ATV2", "gone"),
+    ];
     const world = {
-      tasks: new Map([["1", carriage("1", 1)], ["2", { ...carriage("2", 2), primary: "gone" }]]),
-      atvs: new Map([["ATV1", {}]]), machines: new Map([["M1", {}]]),
+      tasks: new Map(tasks.map((task) => [task.id, task])),
+      atvs: new Map([["ATV1", {}], ["ATV2", {}]]), machines: new Map([["M1", {}]]),
     } as unknown as World;
-    expect(firstLook(world)).toMatchObject({ atv: "ATV1", place: { id: "M1" } });
+    expect(firstLook(world)).toMatchObject({ atv: "ATV2", place: { id: "M1" } });
     expect(firstLook({ ...world, tasks: new Map() })).toBeNull();
   });
 });
