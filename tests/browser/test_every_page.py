@@ -81,6 +81,7 @@ def test_every_view_of_the_management_panel_is_fit_for_all(
     for address in addresses:
         page.evaluate("address => { location.hash = address; }", address)
         expect(page.locator(f'nav a[href="{address}"]')).to_have_attribute("aria-current", "page")
+        expect(page.locator("[aria-busy=true]")).to_have_count(0)
         screenshot(page, f"management-{address.removeprefix('#')}-{language}-{theme}")
 
 

@@ -13,6 +13,8 @@ interface Props {
   title: string;
   heads: readonly string[];
   empty: string;
+  /** While it is not known yet whether there are rows. */
+  busy?: boolean;
   /** How many there are, where not every row is one. */
   count?: number;
   /** What the figures mean, in a line below the title. */
@@ -25,9 +27,9 @@ interface Props {
   children: readonly VNode[];
 }
 
-export function Table({ aside, below, children, count, empty, heads, hint, sorting, title }: Props): ComponentChildren {
+export function Table({ aside, below, busy = false, children, count, empty, heads, hint, sorting, title }: Props): ComponentChildren {
   return (
-    <main class="table-view" id="content" tabIndex={-1}>
+    <main class="table-view" id="content" tabIndex={-1} aria-busy={busy}>
       <section class="card">
         <header class="card-head">
           <h1>{title}</h1>

@@ -20,6 +20,7 @@ export function AuditView() {
       heads={HEADS.map((head) => t(`audit.${head}`))}
       hint={t("audit.hint")}
       empty={emptyText()}
+      busy={page.value === null && failed.value === ""}
       aside={<Filters />}
       below={<Pages />}
     >

@@ -18,7 +18,7 @@ export function KpiView() {
   });
   if (Charts.value) return <Charts.value />;
   return (
-    <main class="table-view" id="content" tabIndex={-1}>
+    <main class="table-view" id="content" tabIndex={-1} aria-busy={!failed.value}>
       <section class="card">
         <header class="card-head">
           <h1>{t("kpis.title")}</h1>

@@ -30,6 +30,7 @@ export function PromisesView() {
       heads={COLUMNS.map((column) => t(`promises.${column}`))}
       {...(ledger.value ? { hint: t("promises.hint", { within }) } : {})}
       empty={emptyText(ledger.value, failed.value)}
+      busy={ledger.value === null && failed.value === null}
       count={lines.length}
       aside={<Aside failed={failed.value} />}
       sorting={{

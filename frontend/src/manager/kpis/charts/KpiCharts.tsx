@@ -22,7 +22,7 @@ export function KpiCharts() {
   const found = history.value;
   const since = new Date((nowS.peek() - spanS) * 1000).toISOString();
   return (
-    <main class="kpi-view" id="content" tabIndex={-1}>
+    <main class="kpi-view" id="content" tabIndex={-1} aria-busy={!found && failed.value === null}>
       <header class="kpi-head">
         <h1>{t("kpis.title")}</h1>
         <p class="muted">{t("kpis.hint")}</p>
