@@ -130,7 +130,7 @@ def transports_per_hour(plant: Plant, machine: str) -> float:
     for making in plant.machines[machine].makes:
         product = plant.products[making.product]
         containers = 1 / product.lot + sum(
-            line.quantity / plant.lot_of(line.material) for line in product.bill
+            line.quantity / plant.materials[line.material].lot for line in product.bill
         )
         rates.append(SECONDS_PER_HOUR / making.cycle_s * containers)
     return sum(rates) / len(rates)

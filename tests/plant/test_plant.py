@@ -56,8 +56,8 @@ def test_a_machine_needs_the_materials_of_all_that_it_makes(plant: Plant) -> Non
 
 
 def test_materials_and_products_have_lots_and_abilities(plant: Plant) -> None:
-    assert (plant.lot_of("housing"), plant.ability_of("housing")) == (24, "pallet")
-    assert (plant.lot_of("motor-e4"), plant.ability_of("motor-e4")) == (20, "tote")
+    assert (plant.materials["housing"].lot, plant.ability_of("housing")) == (24, "pallet")
+    assert (plant.products["motor-e4"].lot, plant.ability_of("motor-e4")) == (20, "tote")
 
 
 def test_warehouses_are_told_apart_by_what_they_are_for(plant: Plant) -> None:

@@ -13,7 +13,7 @@ from dray.errors import UnavailableError
 from dray.store import Store, downgrade, open_store, upgrade
 from dray.store.events import EventFilter
 from dray.store.links import Link
-from dray.store.migrate import configuration, migrations_folder, newest_revision
+from dray.store.migrate import configuration, migrations_folder
 from dray.store.tables import metadata
 
 pytestmark = pytest.mark.anyio
@@ -74,4 +74,4 @@ async def test_a_database_of_a_newer_dray_is_left_alone(store: Store, url: str) 
 
 def test_the_migrations_are_found_and_have_one_head() -> None:
     assert (migrations_folder() / "env.py").is_file()
-    assert newest_revision() == "0006"
+    assert ScriptDirectory.from_config(configuration()).get_current_head() == "0006"

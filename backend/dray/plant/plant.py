@@ -139,10 +139,6 @@ class Plant:
         """What a vehicle must be able to carry for a material or product."""
         return self._items[item].ability
 
-    def lot_of(self, item: str) -> int:
-        """Pieces of a material or product in one container."""
-        return self._items[item].lot
-
     def cell_of(self, x_m: float, y_m: float) -> str:
         """The grid cell of a point, as ``2_1``: column, then row."""
         return self._grid.cell_of(x_m, y_m)

@@ -10,7 +10,6 @@ from pathlib import Path
 
 from alembic import command
 from alembic.config import Config
-from alembic.script import ScriptDirectory
 from alembic.util import CommandError
 from sqlalchemy import Connection
 
@@ -53,11 +52,6 @@ async def upgrade(database: Database, revision: str = "head") -> None:
 async def downgrade(database: Database, revision: str) -> None:
     """Take the tables back to `revision`; ``base`` removes them all."""
     await _run(database, lambda config: command.downgrade(config, revision))
-
-
-def newest_revision() -> str | None:
-    """The revision that this software was written for."""
-    return ScriptDirectory.from_config(configuration()).get_current_head()
 
 
 async def _run(database: Database, order: Callable[[Config], None]) -> None:

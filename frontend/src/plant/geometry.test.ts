@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
 import {
-  boxOnScreen, centredOn, contains, fitView, overlaps, scaleBar, toFloor, toScreenX, toScreenY, wholeOf, zoomed,
+  boxOnScreen, centredOn, contains, fitView, overlaps, scaleBar, toScreenX, toScreenY, wholeOf, zoomed,
 } from "./geometry";
 
 const floor = wholeOf({ width_m: 60, height_m: 40 });
@@ -31,13 +31,6 @@ describe("the fitted view", () => {
   test("survives a map without room", () => {
     expect(fitView(floor, { width: 0, height: 0 }, pad).scale).toBeGreaterThan(0);
   });
-});
-
-test("a point on the screen leads back to its place on the floor, at any zoom", () => {
-  const view = zoomed(fit, { k: 3.5, x: -120, y: 44 });
-  const back = toFloor(view, toScreenX(view, 12.3), toScreenY(view, 7.8));
-  expect(back.x).toBeCloseTo(12.3);
-  expect(back.y).toBeCloseTo(7.8);
 });
 
 test("centring brings a point into the middle", () => {

@@ -68,10 +68,6 @@ export function toScreenY(view: View, yM: number): number {
   return view.y0 - yM * view.scale;
 }
 
-export function toFloor(view: View, x: number, y: number): { x: number; y: number } {
-  return { x: (x - view.x0) / view.scale, y: (view.y0 - y) / view.scale };
-}
-
 /** The zoom that brings a point of the floor to the middle, at a scale of the fitted view. */
 export function centredOn(fit: View, size: Size, point: { x: number; y: number }, k: number): Zoom {
   return {

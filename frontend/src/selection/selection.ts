@@ -37,7 +37,3 @@ export function withChosen(before: Selection, chosen: Chosen): Selection {
 export function choose(chosen: Chosen): void {
   selection.value = withChosen(selection.value, chosen);
 }
-
-export function chooseNothing(): void {
-  selection.value = NOTHING;
-}
