@@ -9,8 +9,8 @@ import "../styles/cards.css";
 import "../styles/alerts.css";
 import { effect } from "@preact/signals";
 import { render } from "preact";
-import { fetchPlant } from "../api/client";
 import { onLoggedOut, toLogin } from "../api/session";
+import { loadPlant } from "../plant/load";
 import { start } from "../stream/stream";
 import { t, tables } from "../text/manager";
 import { beginToSpeak } from "../text/speech";
@@ -22,19 +22,6 @@ import { learnWho } from "./session/session";
 import { plant, plantFailed } from "./state";
 import { followAddress } from "./views";
 
-/** The gateway may come up after the page. */
-const RETRY_MS = 3000;
-
-async function loadPlant(): Promise<void> {
-  try {
-    plant.value = await fetchPlant();
-    plantFailed.value = null;
-  } catch (error) {
-    plantFailed.value = problemText(error);
-    setTimeout(() => void loadPlant(), RETRY_MS);
-  }
-}
-
 await beginToSpeak(tables);
 effect(() => {
   document.title = t("app.title");
@@ -45,7 +32,7 @@ followTheme();
 followAddress();
 chooseAtFirst();
 start();
-void loadPlant();
+void loadPlant(plant, plantFailed, problemText);
 
 const root = document.getElementById("app");
 if (root) render(<App />, root);

@@ -7,7 +7,7 @@ import "../styles/plant.css";
 import "./operator.css";
 import { effect } from "@preact/signals";
 import { render } from "preact";
-import { fetchPlant } from "../api/client";
+import { loadPlant } from "../plant/load";
 import { start } from "../stream/stream";
 import { t, tables } from "../text/operator";
 import { beginToSpeak } from "../text/speech";
@@ -19,19 +19,6 @@ import { installShell } from "./shell/install";
 import { keepAwake } from "./shell/wake-lock";
 import { plant, plantFailed } from "./state";
 
-/** The gateway may come up after the page. */
-const RETRY_MS = 3000;
-
-async function loadPlant(): Promise<void> {
-  try {
-    plant.value = await fetchPlant();
-    plantFailed.value = null;
-  } catch (error) {
-    plantFailed.value = problemText(error);
-    setTimeout(() => void loadPlant(), RETRY_MS);
-  }
-}
-
 await beginToSpeak(tables);
 effect(() => {
   document.title = t("app.title");
@@ -41,7 +28,7 @@ keepAwake();
 installShell();
 beginSession();
 start();
-void loadPlant();
+void loadPlant(plant, plantFailed, problemText);
 
 const root = document.getElementById("app");
 if (root) render(<App />, root);

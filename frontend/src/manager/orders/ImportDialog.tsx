@@ -1,4 +1,5 @@
 import { format, n, t } from "../../text/manager";
+import { Sheet } from "../Sheet";
 import { busy, choose, failed, fileName, found, place, placed, ready } from "./import";
 
 const ID = "orders-import";
@@ -15,15 +16,7 @@ export function ImportButton() {
 export function ImportDialog() {
   const faults = found.value?.faults ?? [];
   return (
-    <div id={ID} popover="auto" class="needs import" role="dialog" aria-label={t("import.title")}>
-      <header class="card-head">
-        <h2>{t("import.title")}</h2>
-        <div class="card-aside">
-          <button type="button" class="button small" popovertarget={ID} popovertargetaction="hide">
-            {t("needs.close")}
-          </button>
-        </div>
-      </header>
+    <Sheet id={ID} title={t("import.title")}>
       <p class="muted">{t("import.hint")}</p>
       <p>
         <label class="button import-file">
@@ -76,6 +69,6 @@ export function ImportDialog() {
           </button>
         </p>
       )}
-    </div>
+    </Sheet>
   );
 }

@@ -1,10 +1,10 @@
-import { signal, useComputed, useSignal, useSignalEffect } from "@preact/signals";
+import { signal, useComputed } from "@preact/signals";
 import { fetchPromises, type PromiseLedger, type PromiseLine } from "../../api/client";
 import { Meter } from "../../parts/Meter";
 import { Table } from "../../parts/Table";
 import { world } from "../../stream/stream";
 import { format, t } from "../../text/manager";
-import { problemText } from "../problem-text";
+import { useRefreshed } from "../refreshed";
 import { ShowLink } from "../ShowLink";
 import { AT_FIRST, COLUMNS, next, type Order, sorted } from "./ledger";
 
@@ -19,7 +19,7 @@ const order = signal<Order>(AT_FIRST);
 
 /** The promise ledger: promised against real, per vehicle. */
 export function PromisesView() {
-  const { ledger, failed } = useLedger();
+  const { answer: ledger, failed } = useRefreshed(fetchPromises, AGAIN_MS);
   const lines = useComputed(() => (ledger.value ? sorted(ledger.value.items, order.value) : [])).value;
   const rows = lines.map((line) => <Row key={line.atv} line={line} within={ledger.value?.on_time_within_s ?? 0} />);
   const fleet = ledger.value?.fleet;
@@ -44,32 +44,6 @@ export function PromisesView() {
       {fleet && rows.length > 0 ? [<Row key="" line={fleet} within={ledger.value?.on_time_within_s ?? 0} />, ...rows] : rows}
     </Table>
   );
-}
-
-/** The ledger, asked for again and again while this view is shown. */
-function useLedger() {
-  const ledger = useSignal<PromiseLedger | null>(null);
-  const failed = useSignal<string | null>(null);
-  useSignalEffect(() => {
-    let timer: ReturnType<typeof setTimeout> | undefined;
-    let shown = true;
-    const ask = async (): Promise<void> => {
-      try {
-        const answer = await fetchPromises();
-        ledger.value = answer;
-        failed.value = null;
-      } catch (error) {
-        failed.value = problemText(error);
-      }
-      if (shown) timer = setTimeout(() => void ask(), AGAIN_MS);
-    };
-    void ask();
-    return () => {
-      shown = false;
-      clearTimeout(timer);
-    };
-  });
-  return { ledger, failed };
 }
 
 function emptyText(ledger: PromiseLedger | null, failed: string | null): string {

@@ -1,5 +1,6 @@
 import type { MachineOffer, MaterialNeed, OrderPreview } from "../../api/types";
 import { format, t, word } from "../../text/manager";
+import { Sheet } from "../Sheet";
 import { names } from "../state";
 
 const ID = "publish-needs";
@@ -16,15 +17,7 @@ export function NeedsButton() {
 /** What the order would need, in full: machines and their queues, material against stock and demand. */
 export function Needs({ found }: { found: OrderPreview }) {
   return (
-    <div id={ID} popover="auto" class="needs" role="dialog" aria-label={t("needs.title")}>
-      <header class="card-head">
-        <h2>{t("needs.title")}</h2>
-        <div class="card-aside">
-          <button type="button" class="button small" popovertarget={ID} popovertargetaction="hide">
-            {t("needs.close")}
-          </button>
-        </div>
-      </header>
+    <Sheet id={ID} title={t("needs.title")}>
       <h3>{t("needs.machines")}</h3>
       <table>
         <thead>
@@ -59,7 +52,7 @@ export function Needs({ found }: { found: OrderPreview }) {
         </tbody>
       </table>
       <p class="faint">{t("needs.hint")}</p>
-    </div>
+    </Sheet>
   );
 }
 

@@ -7,6 +7,7 @@ import { boundS } from "../../plant/silence";
 import { nowS, world } from "../../stream/stream";
 import { format, t, word } from "../../text/manager";
 import { linkText } from "../atv/link";
+import { Search } from "../filters/Search";
 import { ShowLink } from "../ShowLink";
 import { names } from "../state";
 import { type Filter, FILTERS, type Guarding, guardings, isFound, passes, type WatchState } from "./watch";
@@ -41,16 +42,7 @@ export function WatchView() {
 function Filters({ all }: { all: readonly Guarding[] }) {
   return (
     <>
-      <input
-        class="filter"
-        type="search"
-        aria-label={t("watch.find")}
-        placeholder={t("watch.find")}
-        value={words.value}
-        onInput={(event) => {
-          words.value = event.currentTarget.value;
-        }}
-      />
+      <Search words={words} />
       <div class="segments" role="group" aria-label={t("watch.show")}>
         {FILTERS.map((each) => (
           <button

@@ -1,9 +1,9 @@
-import { signal, useSignal, useSignalEffect } from "@preact/signals";
+import { signal } from "@preact/signals";
 import { fetchKpiHistory } from "../../../api/client";
 import type { KpiHistory } from "../../../api/types";
 import { nowS } from "../../../stream/stream";
 import { t } from "../../../text/manager";
-import { problemText } from "../../problem-text";
+import { useRefreshed } from "../../refreshed";
 import { CHARTS } from "../charts";
 import { type Range, RANGES } from "../history";
 import { ChartCard } from "./ChartCard";
@@ -17,7 +17,7 @@ const range = signal<Range>("hour");
 
 /** Charts of the factory's figures, with the same figures in tables behind them. */
 export function KpiCharts() {
-  const { history, failed } = useHistory();
+  const { answer: history, failed } = useRefreshed(askHistory, AGAIN_MS);
   const { spanS, stepS } = RANGES[range.value];
   const found = history.value;
   const since = new Date((nowS.peek() - spanS) * 1000).toISOString();
@@ -71,29 +71,7 @@ export function KpiCharts() {
   );
 }
 
-/** The history of the chosen range, asked for again and again while this view is shown. */
-function useHistory() {
-  const history = useSignal<KpiHistory | null>(null);
-  const failed = useSignal<string | null>(null);
-  useSignalEffect(() => {
-    const { spanS, stepS } = RANGES[range.value];
-    let timer: ReturnType<typeof setTimeout> | undefined;
-    let shown = true;
-    const ask = async (): Promise<void> => {
-      try {
-        const answer = await fetchKpiHistory(nowS.peek() - spanS, stepS);
-        if (shown) history.value = answer;
-        failed.value = null;
-      } catch (error) {
-        failed.value = problemText(error);
-      }
-      if (shown) timer = setTimeout(() => void ask(), AGAIN_MS);
-    };
-    void ask();
-    return () => {
-      shown = false;
-      clearTimeout(timer);
-    };
-  });
-  return { history, failed };
+function askHistory(): Promise<KpiHistory> {
+  const { spanS, stepS } = RANGES[range.value];
+  return fetchKpiHistory(nowS.peek() - spanS, stepS);
 }
