@@ -54,8 +54,8 @@ def status(folder: Folder = DEFAULT_FOLDER) -> None:
     """Show the processes: who runs, who is on the bus, how often each was started."""
     import asyncio
 
-    from dray.cli.muster import read_roll, roll_call
     from dray.cli.output import table
+    from dray.cli.roll import read_roll, roll_call
 
     roll = read_roll(folder)
     present = asyncio.run(roll_call(roll, folder))
@@ -82,8 +82,8 @@ def kill(
     import os
     import signal
 
-    from dray.cli.muster import read_roll
     from dray.cli.output import one_of
+    from dray.cli.roll import read_roll
     from dray.errors import UnavailableError
 
     member = one_of({member.name: member for member in read_roll(folder).members}, name, "NAME")

@@ -1,10 +1,9 @@
-"""What `dray fleet` knows of its processes: which there are, how each is started, and which run.
+"""What `dray fleet up` starts: which processes there are, how each is started, and that each is kept running.
 
 Every process calls three others, at distances of 1, 2 and 4 in a ring, so that no single one is between
 any two others, and the number of links grows with the factory and not with its square.
 
-A process that ends is started again, as a service manager does. Who runs is written to a file after every
-change; `dray fleet status` and `dray fleet kill` read it.
+A process that ends is started again, as a service manager does. Who runs stands in the roll (`dray.cli.roll`).
 """
 
 from __future__ import annotations
@@ -19,15 +18,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import msgspec
 import typer
 
 from dray.adapters.certificates import Authority
 from dray.adapters.sqlite_journal import SqliteJournal
-from dray.adapters.zenoh_bus import ZenohBus
-from dray.adapters.zenoh_links import Identity, Links
 from dray.cli.authority import authority_of
 from dray.cli.process import FLOOR
+from dray.cli.roll import CERTIFICATES, GATEWAY, RollKeeper
 from dray.cli.serving import stopped_by_signals
 from dray.errors import UnavailableError
 from dray.messages.speakers import Kind
@@ -46,83 +43,8 @@ REST_S = 1.0
 STOP_S = 10.0
 """To end in peace; then it is killed."""
 
-ROLL_CALL_S = 3.0
-"""For the links of whoever asks who is there; they take milliseconds when the computer is not busy."""
-
-ROLL, SETTINGS, CERTIFICATES, JOURNALS, LOGS = "fleet.json", "fleet.env", "certs", "journals", "logs"
+SETTINGS, JOURNALS, LOGS = "fleet.env", "journals", "logs"
 """In the fleet's folder."""
-
-GATEWAY = "gateway"
-
-
-class Member(msgspec.Struct, frozen=True):
-    """One process.
-
-    Attributes:
-        name: of its agent.
-        pid: of its last start.
-        address: where it is called.
-        joins: it is an agent on the bus.
-        starts: how often it was started.
-    """
-
-    name: str
-    pid: int
-    address: str
-    joins: bool
-    starts: int
-
-    @property
-    def runs(self) -> bool:
-        """Whether the process is there."""
-        try:
-            os.kill(self.pid, 0)
-        except ProcessLookupError:
-            return False
-        return True
-
-
-class Roll(msgspec.Struct, frozen=True):
-    """All processes of a fleet.
-
-    Attributes:
-        plant: the plant's id.
-        plain: links have no certificates.
-    """
-
-    plant: str
-    plain: bool
-    members: tuple[Member, ...]
-
-
-def read_roll(folder: Path) -> Roll:
-    """The fleet of a folder.
-
-    Raises:
-        UnavailableError: there is none.
-    """
-    try:
-        return msgspec.json.decode((folder / ROLL).read_bytes(), type=Roll)
-    except (OSError, msgspec.MsgspecError) as error:
-        raise UnavailableError(str(folder / ROLL), str(error), "start a fleet with `dray fleet up`") from None
-
-
-async def roll_call(roll: Roll, folder: Path) -> frozenset[str]:
-    """Who of a fleet is on the bus at this moment; waits a little for those whose process runs."""
-    running = [member for member in roll.members if member.runs]
-    identity = None if roll.plain else Identity.in_folder(folder / CERTIFICATES, GATEWAY)
-    peers = tuple(member.address for member in running)
-    expected = {member.name for member in running if member.joins}
-    bus = ZenohBus(Links(peers=peers, identity=identity, plain=roll.plain), roll.plant)
-    present: frozenset[str] = frozenset()
-    try:
-        with contextlib.suppress(TimeoutError):
-            async with asyncio.timeout(ROLL_CALL_S):
-                while not expected <= present:
-                    present = await bus.roll_call()
-    finally:
-        bus.close()
-    return present
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,15 +84,15 @@ async def run_muster(muster: Muster) -> None:
     common = await _common_environment(muster, folder)
     posts = _posts(muster, folder, common)
     _write_settings(folder / SETTINGS, common, posts)
-    ledger = _Ledger(folder, muster)
+    roll = RollKeeper(folder, muster.plant.id, plain=muster.plain)
     with stopped_by_signals(stopped.set):
         async with asyncio.TaskGroup() as group:
-            keepers = [group.create_task(_keep(post, ledger), name=post.name) for post in posts]
-            keepers.append(group.create_task(_tell_started(muster.folder, len(posts), ledger)))
+            keepers = [group.create_task(_keep(post, roll), name=post.name) for post in posts]
+            keepers.append(group.create_task(_tell_started(muster.folder, len(posts), roll)))
             await stopped.wait()
             for keeper in keepers:
                 keeper.cancel()
-    (folder / ROLL).unlink(missing_ok=True)
+    roll.close()
 
 
 # --- what is started ---------------------------------------------------------------------------------
@@ -298,43 +220,16 @@ def _kept_in(folder: Path) -> Iterator[None]:
         raise UnavailableError(str(folder), reason, "choose another --folder") from None
 
 
-# --- who runs ----------------------------------------------------------------------------------------
+# --- and kept running --------------------------------------------------------------------------------
 
 
-class _Ledger:
-    """Who runs, written down after every change."""
-
-    def __init__(self, folder: Path, muster: Muster) -> None:
-        self._file, self._muster = folder / ROLL, muster
-        self._members: dict[str, Member] = {}
-        self._grown = asyncio.Event()
-
-    async def has(self, count: int) -> None:
-        """Wait until so many processes were started."""
-        while len(self._members) < count:
-            self._grown.clear()
-            await self._grown.wait()
-
-    def started(self, post: _Post, pid: int) -> None:
-        """A process was started."""
-        before = self._members.get(post.name)
-        starts = 1 if before is None else before.starts + 1
-        self._members[post.name] = Member(post.name, pid, post.address, post.joins, starts)
-        roll = Roll(self._muster.plant.id, self._muster.plain, tuple(self._members.values()))
-        # Replaced as a whole: a reader sees the old list or the new one.
-        fresh = self._file.with_suffix(".new")
-        fresh.write_bytes(msgspec.json.encode(roll))
-        fresh.replace(self._file)
-        self._grown.set()
-
-
-async def _tell_started(folder: Path, count: int, ledger: _Ledger) -> None:
-    await ledger.has(count)
+async def _tell_started(folder: Path, count: int, roll: RollKeeper) -> None:
+    await roll.has(count)
     typer.echo(f"{count} processes; `dray fleet status --folder {folder}` shows them")
     sys.stdout.flush()
 
 
-async def _keep(post: _Post, ledger: _Ledger) -> None:
+async def _keep(post: _Post, roll: RollKeeper) -> None:
     """Keep one process running until cancelled; then let it end."""
     while True:
         # The gateway tells on the terminal where the panels are.
@@ -350,7 +245,7 @@ async def _keep(post: _Post, ledger: _Ledger) -> None:
                 # Ctrl-C is for us; we tell them.
                 start_new_session=True,
             )
-        ledger.started(post, process.pid)
+        roll.started(post.name, process.pid, post.address, joins=post.joins)
         try:
             await process.wait()
         except asyncio.CancelledError:
