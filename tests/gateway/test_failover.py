@@ -6,8 +6,8 @@ import pytest
 from gateway_kit import NOW_S, PLANT, atv_heartbeat, events, machine_heartbeat
 
 from dray.gateway.projection import Projection
+from dray.gateway.projection.carriers import MAX_CARRIERS
 from dray.gateway.projection.news import NEWS_KEPT
-from dray.gateway.projection.tasks import MAX_CARRIERS
 from dray.gateway.timescale import TimeScale
 from dray.gateway.views import NewsView, OrderView, TaskView
 from dray.messages import HelpWanted, Link, Phase, Production, Role, TaskBrief, Transport

@@ -12,8 +12,9 @@ from dray.gateway.projection import Projection
 from dray.gateway.projection import atvs as atvs_module
 from dray.gateway.projection import machines as machines_module
 from dray.gateway.projection import tasks as tasks_module
+from dray.gateway.projection.bids import MAX_BIDS
 from dray.gateway.projection.orders import ENDED_KEPT
-from dray.gateway.projection.tasks import CLOSED_KEPT, EARLY_KEPT, MAX_BIDS
+from dray.gateway.projection.tasks import CLOSED_KEPT, EARLY_KEPT
 from dray.gateway.timescale import TimeScale
 from dray.gateway.views import Delta, TaskView
 from dray.messages import (

@@ -12,13 +12,13 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from dray.gateway.projection.atvs import plain
+from dray.gateway.projection.bids import add_bid, add_refusal, last_bid, note_award
+from dray.gateway.projection.carriers import add_carrier, begin_again, give_to, undo_takeover
 from dray.gateway.projection.changes import Changes
 from dray.gateway.projection.transports import Transports
 from dray.gateway.projection.why import why_of
-from dray.gateway.views import BidView, CarrierView, RefusalView, TaskView
+from dray.gateway.views import CarrierView, TaskView
 from dray.messages import (
-    Cost,
     Event,
     MachineHeartbeat,
     Production,
@@ -26,7 +26,6 @@ from dray.messages import (
     Role,
     TaskBrief,
     Transport,
-    TransportCost,
 )
 from dray.messages.fact import (
     AwardAnswered,
@@ -51,13 +50,6 @@ CLOSED_KEPT = 50
 
 MAX_OPEN = 5_000
 """Open tasks at once: five per vehicle of the largest plant. The oldest leaves first."""
-
-MAX_BIDS = 64
-"""Bids kept per task, newest last, and as many refusals: a person reads no more, and a task that waits
-for days would gather them without end."""
-
-MAX_CARRIERS = 16
-"""Changes of a task's carrier that are kept, newest last: more than one task sees while somebody looks."""
 
 MAX_BOUND = 10_000
 """Contractors whose contract is remembered: as many as vehicles."""
@@ -86,16 +78,16 @@ class Tasks:
         self._unexplained: set[str] = set()
         """Tasks that have changed since `why` was computed."""
         self._on: dict[type, Callable[[TaskView, Event, Any], bool]] = {
-            BidReceived: self._bid,
-            BidRefused: _refusal,
-            AwardGiven: _award,
+            BidReceived: lambda task, _event, fact: add_bid(task, fact, to_wall_s),
+            BidRefused: add_refusal,
+            AwardGiven: note_award,
             AwardAnswered: self._answer,
             RoundFailed: _failed,
             WatchLost: _watch_lost,
             CarrierChanged: self._carrier_changed,
             TookOver: self._took_over,
             ContractTaken: self._taken,
-            ContractEnded: _contract_ended,
+            ContractEnded: undo_takeover,
             PhaseEntered: _phase,
             GoalWaits: _waits,
         }
@@ -192,7 +184,7 @@ class Tasks:
         if fact.role is Role.SECONDARY or fact.epoch < task.epoch:
             return False
         if fact.epoch > task.epoch:
-            _begin_again(task)
+            begin_again(task)
         elif fact.round <= task.round:
             # Doubled, or overtaken by what came of it.
             return False
@@ -221,28 +213,10 @@ class Tasks:
             for early in waiting:
                 self.fold(early)
 
-    def _bid(self, task: TaskView, _event: Event, fact: BidReceived) -> bool:
-        if fact.epoch < task.epoch:
-            return False
-        bid = BidView(
-            bidder=fact.bidder,
-            role=plain(fact.role),
-            epoch=fact.epoch,
-            round=fact.round,
-            total_s=fact.total_s,
-            parts_s=_parts(fact.cost),
-            finish_at_s=self._to_wall_s(fact.finish_s),
-            source=fact.source,
-        )
-        same = (fact.bidder, bid.role, fact.epoch, fact.round)
-        others = [o for o in task.bids if (o.bidder, o.role, o.epoch, o.round) != same]
-        task.bids = (*others[1 - MAX_BIDS :], bid)
-        return True
-
     def _answer(self, task: TaskView, event: Event, fact: AwardAnswered) -> bool:
         if fact.epoch < task.epoch:
             return False
-        bid = _last_bid(task, fact.bidder, fact.role, fact.epoch)
+        bid = last_bid(task, fact.bidder, fact.role, fact.epoch)
         if bid is not None:
             bid.answer = fact.answer
             bound = self._bound.get(fact.bidder)
@@ -265,7 +239,7 @@ class Tasks:
         if before is not None and before.epoch == fact.epoch and before.how == "announced_anew":
             # Who failed before it, and why, is still a part of the answer.
             won.replaced, won.reason, won.silent_s = before.replaced, before.reason, before.silent_s
-        _carried(task, won)
+        add_carrier(task, won)
         return True
 
     def _adopted(self, task: TaskView, brief: TaskBrief, heartbeat: MachineHeartbeat) -> None:
@@ -274,14 +248,14 @@ class Tasks:
             return
         if heartbeat.incarnation <= self._lives[task.id]:
             return  # The life that has announced it tells itself who has accepted, in an event.
-        _give_to(task, brief.primary, brief.epoch)
+        give_to(task, brief.primary, brief.epoch)
         carrier = CarrierView(
             carrier=brief.primary,
             epoch=brief.epoch,
             since_at_s=self._to_wall_s(heartbeat.at_s),
             how="adopted",
         )
-        _carried(task, carrier)
+        add_carrier(task, carrier)
         self._mark(task.id)
 
     def _carrier_changed(self, task: TaskView, event: Event, fact: CarrierChanged) -> bool:
@@ -289,35 +263,35 @@ class Tasks:
         if fact.epoch < task.epoch:
             return False
         if fact.carrier:
-            _give_to(task, fact.carrier, fact.epoch)
+            give_to(task, fact.carrier, fact.epoch)
         else:
-            _begin_again(task)
+            begin_again(task)
             # The announcement that follows begins with round 1 of the new epoch.
             task.epoch, task.round = fact.epoch, 0
         changed = self._carrier(event, fact.carrier, fact.epoch)
         changed.how = "took_over" if fact.carrier else "announced_anew"
         changed.replaced, changed.reason, changed.silent_s = fact.replaced, fact.reason, fact.silent_s
-        _carried(task, changed)
+        add_carrier(task, changed)
         return True
 
     def _took_over(self, task: TaskView, event: Event, fact: TookOver) -> bool:
         """A secondary carries the task: it may say so before the coordinator does."""
         if fact.epoch < task.epoch or (fact.epoch == task.epoch and task.primary != event.agent):
             return False
-        _give_to(task, event.agent, fact.epoch)
+        give_to(task, event.agent, fact.epoch)
         taken = self._carrier(event, event.agent, fact.epoch)
         taken.replaced, taken.reason, taken.silent_s = fact.primary, fact.reason, fact.silent_s
         taken.how, taken.confirmed = "took_over", False
         known = task.carriers[-1] if task.carriers else None
         if known is None or (known.carrier, known.epoch) != (taken.carrier, taken.epoch):
-            _carried(task, taken)
+            add_carrier(task, taken)
         return True
 
     def _taken(self, task: TaskView, event: Event, fact: ContractTaken) -> bool:
         """A carrier with a higher epoch has taken over: it may say so before the coordinator does."""
         if fact.role is Role.SECONDARY or fact.epoch <= task.epoch:
             return False
-        _give_to(task, event.agent, fact.epoch)
+        give_to(task, event.agent, fact.epoch)
         return True
 
     def _carrier(self, event: Event, carrier: str, epoch: int) -> CarrierView:
@@ -373,55 +347,6 @@ def _new_task(event: Event, fact: TaskOpened, to_wall_s: ToWall) -> TaskView:
     return task
 
 
-def _begin_again(task: TaskView) -> None:
-    """Nobody carries it any more: another one is sought, in a new epoch."""
-    task.trouble = ""
-    task.state, task.primary, task.phase, task.source = "bidding", "", "", ""
-    task.contracted_at_s = task.promised_at_s = None
-
-
-def _give_to(task: TaskView, carrier: str, epoch: int) -> None:
-    """Somebody else carries it."""
-    if carrier != task.primary:
-        # What the one before has promised binds nobody any more.
-        task.phase, task.promised_at_s = "", None
-    task.epoch, task.primary, task.state = epoch, carrier, "contracted"
-    if task.secondary == carrier:
-        task.secondary = ""
-
-
-def _carried(task: TaskView, carrier: CarrierView) -> None:
-    """Add to the list of carriers, which has one line per epoch."""
-    others = [other for other in task.carriers if other.epoch != carrier.epoch]
-    task.carriers = (*others[1 - MAX_CARRIERS :], carrier)
-
-
-def _parts(cost: Cost) -> dict[str, float]:
-    if isinstance(cost, TransportCost):
-        return {
-            "empty_way": cost.empty_way_s,
-            "loaded_way": cost.loaded_way_s,
-            "energy": cost.energy_s,
-            "suitability": cost.suitability_s,
-        }
-    return {"queue": cost.queue_s, "material": cost.material_s, "making": cost.making_s}
-
-
-def _last_bid(task: TaskView, bidder: str, role: Role, epoch: int) -> BidView | None:
-    for bid in reversed(task.bids):
-        if (bid.bidder, bid.role, bid.epoch) == (bidder, role.value, epoch):
-            return bid
-    return None
-
-
-def _award(task: TaskView, _event: Event, fact: AwardGiven) -> bool:
-    bid = _last_bid(task, fact.bidder, fact.role, fact.epoch)
-    if fact.epoch < task.epoch or bid is None:
-        return False
-    bid.answer = "asked"
-    return True
-
-
 def _failed(task: TaskView, _event: Event, fact: RoundFailed) -> bool:
     if fact.epoch < task.epoch or fact.role is Role.SECONDARY:
         return False
@@ -441,43 +366,6 @@ def _watch_lost(task: TaskView, _event: Event, fact: WatchLost) -> bool:
     if fact.epoch < task.epoch or task.secondary != fact.secondary:
         return False
     task.secondary = ""
-    return True
-
-
-# --- a contractor's facts ------------------------------------------------------------------------
-
-
-def _refusal(task: TaskView, event: Event, fact: BidRefused) -> bool:
-    if fact.epoch < task.epoch:
-        return False
-    refusal = RefusalView(
-        agent=event.agent,
-        role=plain(fact.role),
-        epoch=fact.epoch,
-        round=task.round,
-        reason=fact.reason.value,
-        detail=fact.detail,
-    )
-    same = (refusal.agent, refusal.role, refusal.epoch, refusal.round)
-    others = [o for o in task.refusals if (o.agent, o.role, o.epoch, o.round) != same]
-    task.refusals = (*others[1 - MAX_BIDS :], refusal)
-    return True
-
-
-def _contract_ended(task: TaskView, event: Event, fact: ContractEnded) -> bool:
-    """A takeover that its coordinator has refused is undone: the carrier before it still carries."""
-    last = task.carriers[-1] if task.carriers else None
-    if last is None or last.confirmed or (last.carrier, last.epoch) != (event.agent, fact.epoch):
-        return False
-    if fact.reason == "handed_over":
-        return False
-    task.carriers = task.carriers[:-1]
-    before = task.carriers[-1] if task.carriers else None
-    if before is None or not before.carrier:
-        _begin_again(task)
-    else:
-        task.primary, task.phase = before.carrier, ""
-    task.epoch = fact.epoch - 1 if before is None else before.epoch
     return True
 
 
