@@ -10,9 +10,9 @@ import json
 
 import msgspec
 
+from dray.gateway.frames import Delta, Snapshot
 from dray.gateway.kpis import KpiHistory
 from dray.gateway.preview import OrderPreview
-from dray.gateway.views import Delta, Snapshot
 from dray.plant.model import PlantFile
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from gateway_kit import NOW_S, PLANT, atv_heartbeat, events, machine_heartbeat
 
+from dray.gateway.frames import Delta
 from dray.gateway.projection import Projection
 from dray.gateway.projection import atvs as atvs_module
 from dray.gateway.projection import machines as machines_module
@@ -16,7 +17,7 @@ from dray.gateway.projection.bids import MAX_BIDS
 from dray.gateway.projection.orders import ENDED_KEPT
 from dray.gateway.projection.tasks import CLOSED_KEPT, EARLY_KEPT
 from dray.gateway.timescale import TimeScale
-from dray.gateway.views import Delta, TaskView
+from dray.gateway.views import TaskView
 from dray.messages import (
     AtvStatus,
     Brief,

@@ -14,11 +14,12 @@ from gateway_kit import BEARER, NOW_S, PLANT, House, Wall, atv_heartbeat, draft,
 
 from dray.gateway.access.gate import COOKIE
 from dray.gateway.access.principal import ADMIN, Role
+from dray.gateway.frames import Delta, Snapshot
 from dray.gateway.projection import Projection
 from dray.gateway.routes.stream import INCOMING_MESSAGES, POLICY, TRY_LATER
 from dray.gateway.stream import FACTORY_S, QUIET_S, Client, Hub
 from dray.gateway.timescale import TimeScale
-from dray.gateway.views import AudienceView, Delta, Snapshot
+from dray.gateway.views import AudienceView
 from dray.messages import AtvStatus, Pose
 from dray.plant import Plant
 from dray_sim.loop import run

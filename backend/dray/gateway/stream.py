@@ -17,10 +17,11 @@ from dataclasses import dataclass
 import msgspec
 
 from dray.gateway.access.principal import Principal
+from dray.gateway.frames import Delta
 from dray.gateway.projection import Projection
 from dray.gateway.projection.scenes import AreaScene, Scene, WholeScene
 from dray.gateway.projection.sight import AreaSight
-from dray.gateway.views import AudienceView, Delta, FactoryView
+from dray.gateway.views import AudienceView, FactoryView
 from dray.plant import Plant
 
 QUIET_S = 1.0

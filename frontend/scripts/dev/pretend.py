@@ -1,7 +1,7 @@
 """A pretended factory for work on the panels: plausible motion, auctions and orders, no agents.
 
-It speaks in the very structs of `dray.gateway.views`, so that a panel which works here reads the real
-stream. What it pretends is coarse: vehicles drive evenly, never wait for one another, and material
+It speaks in the very structs of `dray.gateway.frames` and `views`, so that a panel which works here reads
+the real stream. What it pretends is coarse: vehicles drive evenly, never wait for one another, and material
 appears when it is needed.
 """
 
@@ -15,12 +15,12 @@ from dataclasses import dataclass, field
 
 import msgspec
 
+from dray.gateway.frames import Delta, Snapshot
 from dray.gateway.views import (
     AtvView,
     BidView,
     BriefView,
     BufferView,
-    Delta,
     FactoryView,
     GoalView,
     MachineView,
@@ -28,7 +28,6 @@ from dray.gateway.views import (
     OrderItemView,
     OrderView,
     RefusalView,
-    Snapshot,
     TaskView,
 )
 from dray.plant.model import PlantFile

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from dray.gateway.frames import Delta, Snapshot
 from dray.gateway.projection import troubles
 from dray.gateway.projection.alerts import Alerts
 from dray.gateway.projection.atvs import Atvs
@@ -18,7 +19,7 @@ from dray.gateway.projection.timeuse import SILENT
 from dray.gateway.projection.traffic import LaneTraffic, Traffic
 from dray.gateway.projection.trials import Trials
 from dray.gateway.timescale import TimeScale
-from dray.gateway.views import Delta, FactoryView, Snapshot, UseView
+from dray.gateway.views import FactoryView, UseView
 from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, Message
 from dray.plant.model import PlantFile
 from dray.store.kpis import KpiSample

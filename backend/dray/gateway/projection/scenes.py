@@ -10,9 +10,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Protocol
 
+from dray.gateway.frames import Delta, Snapshot
 from dray.gateway.projection.projection import Projection
 from dray.gateway.projection.sight import AreaSight
-from dray.gateway.views import Delta, FactoryView, Snapshot
+from dray.gateway.views import FactoryView
 
 Show = Callable[[Any], Any]
 """A view as it is seen from the areas; None when it is not."""
