@@ -19,13 +19,12 @@ from gateway_kit import (
     machine_heartbeat,
     problem,
 )
-from sqlalchemy.exc import OperationalError
 
 from dray.gateway.kpis import KpiPoint, points
 from dray.gateway.sampler import KEPT_S, SAMPLE_S, Sampler
 from dray.messages import AtvStatus, GoalBrief, MachineStatus, Pose
 from dray.messages.fact import CommandObeyed, GoodsDelivered
-from dray.store.kpis import KpiSample
+from dray.store.kpis import Kpis, KpiSample
 
 pytestmark = pytest.mark.anyio
 
@@ -158,12 +157,12 @@ async def test_what_cannot_be_written_is_in_the_next_sample(
 ) -> None:
     sampler = Sampler(house.parts.projection, house.store, house.wall)
 
-    def fail() -> Any:
-        raise OperationalError("INSERT", {}, Exception("the disk is full"))
+    async def fail(_kpis: Kpis, _sample: Any) -> None:
+        raise ConnectionRefusedError
 
     house.wall.now_s += 60.0
     with monkeypatch.context() as patch:
-        patch.setattr(house.store, "write", fail)
+        patch.setattr(Kpis, "add", fail)
         await sampler.sample()
     assert await kept(house) == []
     house.wall.now_s += 60.0

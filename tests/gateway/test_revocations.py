@@ -10,6 +10,7 @@ from gateway_kit import OTHER_PRODUCT, PRODUCT, House, events, gateway, problem
 from dray.gateway.desk import STRATEGIST
 from dray.messages import OrderReleased, OrderRevoked, OrderTaken, RevocationTaken
 from dray.messages.fact import GoalContracted, GoalWithdrawn, GoodsDelivered, OrderAccepted, PieceMade
+from dray.store.orders import Orders
 
 pytestmark = pytest.mark.anyio
 
@@ -148,3 +149,18 @@ async def test_an_order_that_is_being_taken_back_may_be_cancelled(house: House) 
     assert (await post(house, order, "cancel"))["status"] == "cancelled"
     house.bus.tell(STRATEGIST, "gateway", RevocationTaken(order, 1, (5,)))
     assert (await house.get(f"/api/orders/{order}"))["status"] == "cancelled"
+
+
+async def test_an_answer_that_cannot_be_written_is_asked_for_again(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def fail(_orders: Orders, *_answer: Any) -> None:
+        raise ConnectionRefusedError
+
+    order = (await house.place())["id"]
+    await post(house, order, "revoke")
+    with monkeypatch.context() as patch:
+        patch.setattr(Orders, "store", fail)
+        assert (await confirmed(house, order, 1, 5))["status"] == "released"
+    assert house.parts.desk.revokes(order, 1)
+    assert (await confirmed(house, order, 1, 5))["status"] == "stored"

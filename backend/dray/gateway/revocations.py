@@ -9,8 +9,7 @@ from __future__ import annotations
 import asyncio
 import logging
 
-from sqlalchemy.exc import InterfaceError, OperationalError
-
+from dray.errors import UnavailableError
 from dray.gateway.desk import Desk
 from dray.gateway.projection import Projection
 from dray.messages import RevocationTaken
@@ -57,11 +56,9 @@ class Revocations:
                 _, answer = self._heard.popitem()
                 try:
                     await self._write(answer)
-                except (OperationalError, InterfaceError) as error:
+                except UnavailableError as error:
                     # The desk asks again in some seconds.
-                    _log.warning(
-                        "order %s is taken back, which cannot be written: %s", answer.order, error.orig
-                    )
+                    _log.warning("order %s is taken back, which cannot be written: %s", answer.order, error)
             self._written.set()
 
     async def _write(self, answer: RevocationTaken) -> None:

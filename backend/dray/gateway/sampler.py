@@ -7,8 +7,8 @@ import logging
 from collections.abc import Callable
 
 import msgspec
-from sqlalchemy.exc import InterfaceError, OperationalError
 
+from dray.errors import UnavailableError
 from dray.gateway.projection import Projection
 from dray.store import Store
 from dray.store.kpis import KpiSample
@@ -55,8 +55,8 @@ class Sampler:
             async with self._store.write() as work:
                 await work.kpis.add(sample)
                 await work.kpis.forget_before(totals.at_s - KEPT_S)
-        except (OperationalError, InterfaceError) as error:
-            _log.warning("the factory's figures cannot be written: %s", error.orig)
+        except UnavailableError as error:
+            _log.warning("the factory's figures cannot be written: %s", error)
         else:
             self._before = totals
 
