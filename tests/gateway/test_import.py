@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+import msgspec
 import pytest
 from gateway_kit import OTHER_PRODUCT, PRODUCT, House, problem
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dray.gateway import orderfile as orderfile_module
+from dray.gateway.access.principal import Scope
 from dray.gateway.orderfile import COLUMNS, read_orders
 
 HEAD = "customer,reference,product,quantity,due_at,release\n"
@@ -117,3 +119,29 @@ async def test_one_fault_refuses_the_whole_file(house: House) -> None:
     refused = problem(await send(house, GOOD + "Hall 5,,nothing,1,,\n"), 422, "unusable-fields")
     assert [error["field"] for error in refused["errors"]] == ["row 6, product"]
     assert await house.orders_kept() == 0
+
+
+@pytest.mark.anyio
+async def test_a_file_is_written_down_with_its_orders_and_a_dry_run_as_such(house: House) -> None:
+    await send(house, GOOD, dry_run=True)
+    first = (await send(house, GOOD, key="k1")).json()["orders"][0]["id"]
+    placed, tried = await house.audit(action="order.import")
+    assert (tried.target, msgspec.json.decode(tried.detail)) == ("", {"orders": 3, "dry_run": True})
+    assert (placed.target, msgspec.json.decode(placed.detail)) == (first, {"orders": 3, "dry_run": False})
+
+
+@pytest.mark.anyio
+async def test_a_key_of_one_caller_is_not_the_key_of_another_and_not_of_a_single_order(house: House) -> None:
+    text = f"customer,product,quantity\nHall 3,{PRODUCT},5\n"
+    first = (await send(house, text, key="k1")).json()
+    _, erp = await house.key(Scope.ORDERS_WRITE)
+    answers = [
+        await house.client.post(path, json=body, headers={"Idempotency-Key": "k1"} | who)
+        for path, body, who in (
+            ("/api/orders/import", {"csv": text}, erp),
+            ("/api/orders", {"customer": "Hall 3", "items": [{"product": PRODUCT, "quantity": 5}]}, {}),
+        )
+    ]
+    assert [answer.status_code for answer in answers] == [200, 201]
+    ids = {first["orders"][0]["id"], answers[0].json()["orders"][0]["id"], answers[1].json()["id"]}
+    assert len(ids) == await house.orders_kept() == 3

@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from dray.gateway import intake
 from dray.gateway.access.caller import Caller
+from dray.gateway.access.principal import Principal
 from dray.gateway.access.trail import Noted
 from dray.gateway.answers import (
     PAGE,
@@ -181,10 +182,8 @@ async def place_order(
         placed = await intake.place(gateway, draft)
         note.target = placed.id
         return _created(placed.id, msgspec.json.encode(order_answer(placed, base)))
-    # Each caller has its own keys: another one's order is not to be had by guessing.
-    own = digest(f"{caller.kind} {caller.id} {key}")
     kept, replayed = await intake.place_once(
-        gateway, draft, own, lambda order: msgspec.json.encode(order_answer(order, base))
+        gateway, draft, _own(caller, key), lambda order: msgspec.json.encode(order_answer(order, base))
     )
     note.target = kept.order_id
     return _created(kept.order_id, kept.answer.encode(), {"Idempotency-Replayed": "true"} if replayed else {})
@@ -202,7 +201,9 @@ async def place_order(
     },
     response_class=Json,
 )
-async def import_orders(gateway: Gateway, file: ImportRequest, key: Key = None) -> Json:
+async def import_orders(
+    gateway: Gateway, caller: Caller, note: Noted, file: ImportRequest, key: Key = None
+) -> Json:
     """Place the orders of a spreadsheet, all of them or none.
 
     The first row names the columns: `customer`, `reference`, `product`, `quantity`, `due_at`, `release`. Rows
@@ -215,6 +216,7 @@ async def import_orders(gateway: Gateway, file: ImportRequest, key: Key = None) 
         faults += [place(error, each.row) for error in intake.nonsense(gateway, each.draft, now_s)]
     faults.sort(key=lambda fault: fault.row)
     drafts = [each.draft for each in read]
+    note.detail |= {"orders": len(drafts), "dry_run": file.dry_run}
     if file.dry_run:
         return Json(_imported([(draft, "") for draft in drafts], faults[:MAX_FIELD_ERRORS]))
     if faults:
@@ -227,8 +229,11 @@ async def import_orders(gateway: Gateway, file: ImportRequest, key: Key = None) 
         pairs = zip(drafts, (order.id for order in orders), strict=True)
         return msgspec.json.encode(_imported(list(pairs), []))
 
-    # Without a key of its own every request is another one.
-    kept, _replayed = await intake.place_all_once(gateway, drafts, key or new_token(), render)
+    # Without a key of its own every request is another one. An order and a file of that order alone are
+    # answered differently, so a key stands for another thing here.
+    own = _own(caller, f"import {key or new_token()}")
+    kept, _replayed = await intake.place_all_once(gateway, drafts, own, render)
+    note.target = kept.order_id
     return Json(kept.answer.encode())
 
 
@@ -332,6 +337,11 @@ async def revoke_order(gateway: Gateway, request: Request, order: str) -> Json:
 async def cancel_order(gateway: Gateway, request: Request, order: str) -> Json:
     """Cancel an order; doing it twice is harmless. What is made already is not taken apart."""
     return _answer(gateway, await intake.cancel(gateway, order), order, request)
+
+
+def _own(caller: Principal, key: str) -> str:
+    """Each caller has its own keys: another one's order is not to be had by guessing."""
+    return digest(f"{caller.kind} {caller.id} {key}")
 
 
 def order_answer(order: Order, base_url: str, waits: str = "") -> OrderAnswer:
