@@ -148,6 +148,16 @@ async def test_a_name_that_could_not_be_said_is_refused(house: House, name: str)
     assert house.bus.sent == []
 
 
+async def test_a_name_like_one_of_ours_takes_no_command_away(house: House) -> None:
+    heard = vehicle(house)
+    await ask(house, STOP)
+    start, _, number = heard[0].command.rpartition("-")
+    await ask(house, STOP | {"command": f"{start}-{int(number) + 1}"})
+    for _ in range(2):
+        assert (await ask(house, STOP)).status_code == 200
+    assert len({command.command for command in heard}) == 4
+
+
 async def test_panels_show_the_last_commands_only(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("dray.gateway.projection.given.GIVEN_KEPT", 2)
     vehicle(house)

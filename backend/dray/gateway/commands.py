@@ -112,8 +112,7 @@ class Commands:
             Problem: 504 when the vehicle does not answer in time, 503 when too many are waiting, 409 when
                 another command has this name.
         """
-        self._count += command is None
-        name = command or f"{self._name}-{self._count}"
+        name = command or self._new_name()
         said = VehicleCommand(
             command=name, kind=kind, speed_frac=speed_frac, wait_s=wait_s, issued_by=by.name
         )
@@ -140,6 +139,14 @@ class Commands:
             answer.command, "confirmed" if answer.done else "refused", answer.reason
         )
         return True
+
+    def _new_name(self) -> str:
+        """A name that no command has: callers may have chosen one that looks like ours."""
+        while True:
+            self._count += 1
+            name = f"{self._name}-{self._count}"
+            if name not in self._sent:
+                return name
 
     def _say(self, atv: str, said: VehicleCommand, person: str, by: Principal) -> Sent:
         if self._waiting >= PENDING:
