@@ -29,7 +29,7 @@ from gateway_kit import NOW_S, PLANT, FakeDesk, House, Wall, atv_heartbeat, gate
 from dray.gateway.access.principal import ADMIN, SCOPES, Principal, Role
 from dray.gateway.access.rules import RULES
 from dray.gateway.projection import Projection
-from dray.gateway.projection.sight import ELSEWHERE
+from dray.gateway.projection.sight import ELSEWHERE, AreaSight
 from dray.gateway.stream import Client, Hub
 from dray.gateway.timescale import TimeScale
 from dray.gateway.views import CommandView
@@ -440,6 +440,27 @@ async def test_an_operator_commands_what_stands_in_the_area_and_nothing_else(url
             assert command.grant is not None
             assert (command.grant.areas, command.grant.everywhere) == ((area,), False)
             assert command.grant.person == f"person:operator-{area.lower()}"
+
+
+async def test_a_vehicles_refusal_names_none_that_stands_elsewhere(url: str) -> None:
+    area, other = AREAS[0], ATV[after(AREAS[0])]
+    async with gateway(url) as house:
+        await busy(house)
+
+        def refuse(sender: str, message: Message) -> None:
+            if isinstance(message, VehicleCommand):
+                why = f"its sensors still report: blocked by {other}"
+                house.bus.tell(ATV[area], sender, CommandAnswered(message.command, done=False, reason=why))
+
+        house.bus.join(ATV[area], refuse)
+        client = await operator_of(house, area)
+        answer = await client.post(f"/api/atvs/{ATV[area]}/commands", json={"kind": "acknowledge"})
+        shown = AreaSight(FLOOR, house.parts.projection, frozenset({area}))
+        (command,) = house.parts.projection.commands.views()
+        seen = shown.command(command)
+    assert other in command.reason
+    assert seen is not None
+    assert answer.json()["reason"] == seen.reason == "its sensors still report: blocked by *"
 
 
 async def test_a_stop_reaches_a_vehicle_that_has_just_crossed_the_border(url: str) -> None:

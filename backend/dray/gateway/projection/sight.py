@@ -3,7 +3,7 @@
 Seen are the vehicles that stand in the areas at this moment, the machines whose docks lie there, the
 transports that concern these, and what is wrong with them. Of a transport its way through the plant is
 seen and nothing of its auction: no bids, no prices, no orders. A vehicle that stands elsewhere is never
-named: where there is one it says `ELSEWHERE`.
+named: where there is one it says `ELSEWHERE`. Only commands that were given to it in the areas stay seen.
 """
 
 from __future__ import annotations
@@ -68,6 +68,10 @@ class WholeSight:
         """What is wrong."""
         return view
 
+    def words(self, text: str) -> str:
+        """Words for people."""
+        return text
+
 
 class AreaSight:
     """What is seen in some areas.
@@ -129,7 +133,7 @@ class AreaSight:
             via=tuple(self._who(atv) for atv in view.via),
             watches=tuple(brief for brief in view.watches if self._concerned(brief)),
             berth=view.berth if view.berth in self._places else "",
-            problem=self._words(view.problem),
+            problem=self.words(view.problem),
         )
 
     def machine(self, view: MachineView) -> MachineView | None:
@@ -141,7 +145,7 @@ class AreaSight:
             view,
             goals=goals,
             tasks=tuple(self._open_task(task) for task in view.tasks),
-            problem=self._words(view.problem),
+            problem=self.words(view.problem),
         )
 
     def task(self, view: TaskView) -> TaskView | None:
@@ -154,7 +158,7 @@ class AreaSight:
             secondary=self._who(view.secondary),
             order="",
             goal="",
-            trouble=self._words(view.trouble),
+            trouble=self.words(view.trouble),
             carriers=(),
             bids=(),
             refusals=(),
@@ -168,7 +172,7 @@ class AreaSight:
         if view.kind in OF_TAKEOVERS:
             return self._takeover(view)
         if view.kind in OF_VEHICLES:
-            return replace(view, reason=self._words(view.reason))
+            return replace(view, reason=self.words(view.reason))
         return None
 
     def alert(self, view: AlertView) -> AlertView | None:
@@ -177,15 +181,19 @@ class AreaSight:
             task = self._projection.tasks.view(view.task)
             if task is None or not self._concerns(task):
                 return None
-            return replace(view, agent=self._who(view.agent), problem=self._words(view.problem))
+            return replace(view, agent=self._who(view.agent), problem=self.words(view.problem))
         if not view.agent or not self.has(view.agent):
             return None
-        return replace(view, problem=self._words(view.problem))
+        return replace(view, problem=self.words(view.problem))
 
     def command(self, view: CommandView) -> CommandView | None:
         """A command to a vehicle that was there when it was given."""
         there = self._projection.commands.areas_of(view.id)
-        return None if there.isdisjoint(self._areas) else replace(view)
+        return None if there.isdisjoint(self._areas) else replace(view, reason=self.words(view.reason))
+
+    def words(self, text: str) -> str:
+        """Words for people, in which no vehicle is named that stands elsewhere."""
+        return _WORDS.sub(self._word, text) if text else text
 
     # --- parts of views ---
 
@@ -193,7 +201,7 @@ class AreaSight:
         task = self._projection.tasks.view(view.task)
         if task is None or not self._concerns(task):
             return None
-        return replace(view, other=self._who(view.other), reason=self._words(view.reason))
+        return replace(view, other=self._who(view.other), reason=self.words(view.reason))
 
     def _concerns(self, task: TaskView) -> bool:
         if task.kind != "transport":
@@ -210,7 +218,7 @@ class AreaSight:
             task,
             primary=self._who(task.primary),
             secondary=self._who(task.secondary),
-            trouble=self._words(task.trouble),
+            trouble=self.words(task.trouble),
         )
 
     def _who(self, agent: str) -> str:
@@ -222,10 +230,6 @@ class AreaSight:
             if node not in self._nodes:
                 return way[:count]
         return way
-
-    def _words(self, text: str) -> str:
-        """Words for people, in which no vehicle is named that stands elsewhere."""
-        return _WORDS.sub(self._word, text) if text else text
 
     def _word(self, found: re.Match[str]) -> str:
         word = found[0]

@@ -123,7 +123,7 @@ async def get_atv(gateway: Gateway, seen: Seen, atv: str) -> Json:
     response_class=Json,
 )
 async def command_atv(
-    gateway: Gateway, caller: Caller, note: Noted, atv: str, command: CommandRequest
+    gateway: Gateway, caller: Caller, seen: Seen, note: Noted, atv: str, command: CommandRequest
 ) -> Json:
     """Stop a vehicle, acknowledge, let it go on, limit its speed, or promise help; waits for its word."""
     note.detail |= command.model_dump(mode="json", exclude_none=True)
@@ -141,7 +141,7 @@ async def command_atv(
     note.detail["command"] = answer.command
     if not answer.done:
         note.result, note.detail["reason"] = "refused", answer.reason
-    return Json(CommandAnswer(answer.command, answer.done, answer.reason))
+    return Json(CommandAnswer(answer.command, answer.done, seen.words(answer.reason)))
 
 
 def area_rule(gateway: Parts, caller: Principal, atv: str, kind: CommandKind) -> None:
