@@ -363,6 +363,7 @@ async def test_a_cursor_that_is_not_from_this_list_is_refused(house: House, noun
         ("/api/events?newest_first=maybe", "newest_first"),
         ("/api/events?task=" + "x" * 129, "task"),
         ("/api/events?task=%00", "task"),
+        ("/api/audit?who=%00", "who"),
         ("/api/events?kind=" + "x" * 129, "kind[0]"),
         ("/api/events?" + "&".join(["agent=a"] * 51), "agent"),
     ],

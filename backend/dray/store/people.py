@@ -50,6 +50,8 @@ class People:
 
     async def get(self, person_id: str) -> Person | None:
         """Who has this id, disabled or not."""
+        if "\0" in person_id:  # PostgreSQL has no such texts, and refuses to look for one.
+            return None
         return await self._one(people.c.id == person_id)
 
     async def with_badge(self, badge_hash: str) -> Person | None:

@@ -74,10 +74,6 @@ class Principal:
             scope is Scope.VEHICLES_STOP and Scope.VEHICLES_COMMAND in self.scopes
         )
 
-    def covers(self, area: str) -> bool:
-        """Whether it may act in this area."""
-        return self.areas is None or area in self.areas
-
 
 ADMIN = Principal(kind="admin", id="admin", name="Administrator", scopes=EVERYTHING)
 """Whoever has the administrator's token (`DRAY_ADMIN_TOKEN`)."""

@@ -34,14 +34,12 @@ class Note:
         detail: what else is worth knowing; no secret.
         result: when the answer's status does not tell it.
         who: whom it was, where nobody was recognised before.
-        silent: nothing is to be kept of it.
     """
 
     target: str = ""
     detail: dict[str, Any] = field(default_factory=dict)
     result: Result | None = None
     who: Principal | None = None
-    silent: bool = False
 
 
 class Trail:
@@ -74,7 +72,8 @@ class Trail:
             from_ip=address,
             session="" if who is None else who.session,
             action=action,
-            target=target[:TARGET_CHARS],
+            # A path may hold a NUL, which PostgreSQL has in no text.
+            target=target.replace("\0", "")[:TARGET_CHARS],
             result=result,
             detail=detail,
         )

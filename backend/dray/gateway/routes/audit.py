@@ -28,7 +28,7 @@ LAST_S = 1e12
 """Some 30,000 years."""
 
 Moment = Annotated[float | None, Query(ge=0, le=LAST_S, description="Seconds since 1970")]
-Word = Annotated[str, Query(max_length=128)]
+Word = Annotated[str, Query(max_length=128, pattern=r"^[^\x00]*$")]
 
 
 @router.get(

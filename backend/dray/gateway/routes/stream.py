@@ -9,14 +9,11 @@ from http import HTTPStatus
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 
 from dray.gateway.access.caller import Caller
-from dray.gateway.access.gate import CLOSE_CODES
+from dray.gateway.access.gate import CLOSE_CODES, TRY_LATER
 from dray.gateway.parts import Gateway
 from dray.gateway.stream import Client
 
 router = APIRouter()
-
-TRY_LATER = 1013
-"""RFC 6455's registry: the server is full."""
 
 POLICY = 1008
 """RFC 6455: the client does what it should not."""
