@@ -2,33 +2,26 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from dray.cli import main
 from dray.settings import Settings
 
 Dray = Callable[..., tuple[int, str]]
 
 
 @pytest.fixture
-def dray(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Dray:
+def dray(call: Callable[..., tuple[int, str, str]], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Dray:
     """Run `dray` in an empty folder; its exit code and what it says is wrong."""
     monkeypatch.chdir(tmp_path)
 
     def run(*args: str, **environment: str) -> tuple[int, str]:
         for name, value in environment.items():
             monkeypatch.setenv(name, value)
-        monkeypatch.setattr(sys, "argv", ["dray", *args])
-        code = 0
-        try:
-            main()
-        except SystemExit as end:
-            code = end.code if isinstance(end.code, int) else 0
-        return code, capsys.readouterr().err
+        code, _, told = call(*args)
+        return code, told
 
     return run
 

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import stat
-import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 from dray.adapters.seals import Seals
 from dray.adapters.zenoh_links import Identity
-from dray.cli import main
 from dray.messages.speakers import Kind
 from dray.plant import default_plant
 
@@ -19,20 +18,9 @@ Dray = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture
-def dray(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Dray:
+def dray(call: Dray) -> Dray:
     """Run `dray certs`; its exit code and what it printed."""
-
-    def run(*args: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["dray", "certs", *map(str, args)])
-        code = 0
-        try:
-            main()
-        except SystemExit as end:
-            code = end.code if isinstance(end.code, int) else 0
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
-
-    return run
+    return partial(call, "certs")
 
 
 def test_every_agent_of_the_plant_gets_its_certificate(dray: Dray, tmp_path: Path) -> None:

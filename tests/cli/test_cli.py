@@ -14,7 +14,6 @@ from pathlib import Path
 import pytest
 
 from dray import __version__
-from dray.cli import main
 from dray_sim import scenarios
 from dray_sim.evidence import Check, Evidence
 
@@ -27,21 +26,13 @@ class Outcome:
 
 
 @pytest.fixture
-def dray(monkeypatch, capsys, tmp_path):
+def dray(call, monkeypatch, tmp_path):
     """Run the command line in this process, in an empty folder."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "160")
 
     def run(*args: str | Path) -> Outcome:
-        monkeypatch.setattr(sys, "argv", ["dray", *map(str, args)])
-        try:
-            main()
-        except SystemExit as end:
-            code = end.code if isinstance(end.code, int) else 0
-        else:
-            code = 0
-        captured = capsys.readouterr()
-        return Outcome(code, captured.out, captured.err)
+        return Outcome(*call(*args))
 
     return run
 

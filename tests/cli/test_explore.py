@@ -3,32 +3,19 @@
 from __future__ import annotations
 
 import json
-import sys
+from functools import partial
 
 import pytest
 
-from dray.cli import main
 from dray_sim.explore.patience import Patience
 
 
 @pytest.fixture
-def explore(monkeypatch, capsys, tmp_path):
+def explore(call, monkeypatch, tmp_path):
     """Run the command in this process; returns its exit code, stdout and stderr."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "160")
-
-    def run(*args: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["dray", "sim", "explore", *args])
-        try:
-            main()
-        except SystemExit as end:
-            code = end.code if isinstance(end.code, int) else 0
-        else:
-            code = 0
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
-
-    return run
+    return partial(call, "sim", "explore")
 
 
 @pytest.fixture

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import json
 import socket
-import sys
 import threading
 from collections.abc import Callable, Iterator
+from functools import partial
 from http.server import BaseHTTPRequestHandler, HTTPServer
 from typing import Any
 
 import pytest
-
-from dray.cli import main
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -24,21 +22,10 @@ KINDS = [
 
 
 @pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
+def run(call: Run, monkeypatch: pytest.MonkeyPatch) -> Run:
     """Run `dray fault ...` in this process: exit code, stdout, stderr."""
     monkeypatch.setenv("COLUMNS", "160")
-
-    def call(*args: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["dray", "fault", *args])
-        code = 0
-        try:
-            main()
-        except SystemExit as end:
-            code = end.code if isinstance(end.code, int) else 0
-        out, err = capsys.readouterr()
-        return code, out, err
-
-    return call
+    return partial(call, "fault")
 
 
 class FakeGateway(HTTPServer):

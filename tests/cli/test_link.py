@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-import sys
 from pathlib import Path
 
 import pytest
 
-from dray.cli import main
 from dray.plant.model import BillLine, Product
 from dray.store import open_store
 from dray.store.links import Link
@@ -44,18 +42,11 @@ def database(tmp_path: Path) -> str:
 
 
 @pytest.fixture
-def dray(monkeypatch, capsys, database):
+def dray(call, database):
     """Run `dray link` on that database; its exit code and what it printed."""
 
     def run(*args: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["dray", "link", *args, "--db", database])
-        code = 0
-        try:
-            main()
-        except SystemExit as end:
-            code = end.code if isinstance(end.code, int) else 0
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
+        return call("link", *args, "--db", database)
 
     return run
 

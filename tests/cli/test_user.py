@@ -15,7 +15,6 @@ import pytest
 from argon2 import PasswordHasher
 
 from dray.adapters.signing import TrustedKeys
-from dray.cli import main
 from dray.gateway.access.hasher import Hasher
 from dray.gateway.access.login import BADGE_SALT
 from dray.store import Work, open_store
@@ -39,21 +38,14 @@ def database(tmp_path: Path) -> str:
 
 
 @pytest.fixture
-def dray(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], database: str) -> Run:
+def dray(call: Callable[..., tuple[int, str, str]], monkeypatch: pytest.MonkeyPatch, database: str) -> Run:
     """Run a command on that database, with this on its standard input: exit code, stdout, stderr."""
     monkeypatch.setenv("COLUMNS", "160")
     monkeypatch.setattr("dray.gateway.access.hasher.PasswordHasher", lambda: CHEAP)
 
     def run(*args: str, typed: str = "") -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["dray", *args, "--db", database])
         monkeypatch.setattr(sys, "stdin", io.StringIO(typed))
-        code = 0
-        try:
-            main()
-        except SystemExit as end:
-            code = end.code if isinstance(end.code, int) else 0
-        out, err = capsys.readouterr()
-        return code, out, err
+        return call(*args, "--db", database)
 
     return run
 
