@@ -55,4 +55,6 @@ class Complaints(list[str]):
             self.append(f"{page_url} asked another host: {url}")
 
     def _failed(self, request: Request) -> None:
-        self.append(f"request failed: {request.method} {request.url}: {request.failure}")
+        # A page that leaves lets go of what it was asking.
+        if request.failure != "net::ERR_ABORTED":
+            self.append(f"request failed: {request.method} {request.url}: {request.failure}")
