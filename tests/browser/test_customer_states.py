@@ -27,7 +27,6 @@ PHONE, DESK = {"width": 390, "height": 844}, {"width": 1280, "height": 800}
 
 LOOKS = {
     "phone-light-en": {"viewport": PHONE, "color_scheme": "light", "locale": "en-GB"},
-    "phone-dark-es": {"viewport": PHONE, "color_scheme": "dark", "locale": "es-ES"},
     "desk-dark-de": {"viewport": DESK, "color_scheme": "dark", "locale": "de-DE"},
 }
 
