@@ -16,7 +16,7 @@ import pytest
 
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Links
-from dray.cli.roll import Roll, read_roll
+from dray.cli.fleet.roll import Roll, read_roll
 from dray.messages import AtvHeartbeat, Event, Message, OrderItem
 from dray.messages.fact import OrderFulfilled
 from dray.messages.keys import Keys

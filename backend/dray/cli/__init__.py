@@ -32,7 +32,8 @@ from typing import Annotated
 import typer
 
 from dray import __version__
-from dray.cli import agent, bench, certs, db, fault, fleet, front, key, link, plant, sim, up, user, wire
+from dray.cli import agent, bench, certs, db, fault, front, key, link, plant, sim, up, user, wire
+from dray.cli.fleet.commands import app as fleet
 from dray.errors import DrayError, InputError
 
 app = typer.Typer(
@@ -43,7 +44,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.command("up")(up.up)
-app.add_typer(fleet.app, name="fleet")
+app.add_typer(fleet, name="fleet")
 app.add_typer(agent.app, name="agent")
 app.command("strategist")(agent.strategist)
 app.command("floor")(agent.floor)

@@ -1,4 +1,4 @@
-"""`dray fleet`: a whole factory as processes on this computer."""
+"""`dray fleet`: what a person types to start a factory of processes, to look at it, and to kill some of it."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def up(
     """Start every agent of a plant as a process; whatever ends is started again. Ctrl-C stops all."""
     import asyncio
 
-    from dray.cli.muster import Muster, run_muster
+    from dray.cli.fleet.muster import Muster, run_muster
     from dray.cli.options import load_settings
     from dray.cli.plant import chosen_plant
 
@@ -54,8 +54,8 @@ def status(folder: Folder = DEFAULT_FOLDER) -> None:
     """Show the processes: who runs, who is on the bus, how often each was started."""
     import asyncio
 
+    from dray.cli.fleet.roll import read_roll, roll_call
     from dray.cli.output import table
-    from dray.cli.roll import read_roll, roll_call
 
     roll = read_roll(folder)
     present = asyncio.run(roll_call(roll, folder))
@@ -82,8 +82,8 @@ def kill(
     import os
     import signal
 
+    from dray.cli.fleet.roll import read_roll
     from dray.cli.output import one_of
-    from dray.cli.roll import read_roll
     from dray.errors import UnavailableError
 
     member = one_of({member.name: member for member in read_roll(folder).members}, name, "NAME")

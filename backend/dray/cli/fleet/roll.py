@@ -11,15 +11,11 @@ import msgspec
 
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Identity, Links
+from dray.cli.fleet.folder import CERTIFICATES, GATEWAY, ROLL
 from dray.errors import UnavailableError
 
 ROLL_CALL_S = 3.0
 """For the links of whoever asks who is there; they take milliseconds when the computer is not busy."""
-
-ROLL, CERTIFICATES = "fleet.json", "certs"
-"""In the fleet's folder."""
-
-GATEWAY = "gateway"
 
 
 class Member(msgspec.Struct, frozen=True):

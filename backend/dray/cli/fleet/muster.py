@@ -1,0 +1,96 @@
+"""What `dray fleet up` does: it prepares a fleet, starts it, and keeps it running until a signal."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import typer
+
+from dray.cli.authority import authority_of
+from dray.cli.fleet.folder import CERTIFICATES, JOURNALS, prepare, write_settings
+from dray.cli.fleet.keeper import keep
+from dray.cli.fleet.posts import DISTANCES, posts_of
+from dray.cli.fleet.roll import RollKeeper
+from dray.cli.serving import stopped_by_signals
+from dray.plant import Plant
+from dray.settings import PREFIX, Settings
+from dray.store import open_store
+
+
+@dataclass(frozen=True, slots=True)
+class Muster:
+    """A fleet that is to be started.
+
+    Attributes:
+        settings: of the gateway: its port and its database.
+        plant: the factory.
+        folder: where everything is kept.
+        speed: factory seconds per real second.
+        plain: links without certificates.
+        demand: let orders be placed.
+    """
+
+    settings: Settings
+    plant: Plant
+    folder: Path
+    speed: float
+    plain: bool
+    demand: bool
+
+
+async def run_muster(muster: Muster) -> None:
+    """Run a fleet until a signal.
+
+    Raises:
+        UnavailableError: the folder or the database is not to be had.
+    """
+    stopped = asyncio.Event()
+    folder = muster.folder.resolve()
+    prepare(folder, muster.plant, plain=muster.plain)
+    common = await _common_environment(muster, folder)
+    posts = posts_of(muster.plant, folder, common, demand=muster.demand)
+    write_settings(folder, common, [post.address for post in posts[: len(DISTANCES)]])
+    roll = RollKeeper(folder, muster.plant.id, plain=muster.plain)
+    with stopped_by_signals(stopped.set):
+        async with asyncio.TaskGroup() as group:
+            running = [group.create_task(keep(post, roll), name=post.name) for post in posts]
+            running.append(group.create_task(_tell_started(muster.folder, len(posts), roll)))
+            await stopped.wait()
+            for each in running:
+                each.cancel()
+    roll.close()
+
+
+async def _common_environment(muster: Muster, folder: Path) -> dict[str, str]:
+    settings = muster.settings
+    # Opened here first, so that no two processes make its tables at once.
+    store = await open_store(settings.database_url)
+    try:
+        trusted = (await authority_of(store)).public.hex()
+    finally:
+        await store.close()
+    environment = {
+        f"{PREFIX}DATABASE_URL": settings.database_url,
+        f"{PREFIX}HOST": settings.host,
+        f"{PREFIX}PORT": str(settings.port),
+        f"{PREFIX}JOURNAL_FOLDER": str(folder / JOURNALS),
+        f"{PREFIX}TRUSTED_KEYS": trusted,
+        f"{PREFIX}PLANT_SPEED": str(muster.speed),
+        f"{PREFIX}PLANT_EPOCH_S": str(time.time()),
+        f"{PREFIX}BUS_PLAIN": str(muster.plain),
+    }
+    if not muster.plain:
+        environment[f"{PREFIX}BUS_CERTIFICATES"] = str(folder / CERTIFICATES)
+    if settings.plant_file is not None:
+        environment[f"{PREFIX}PLANT_FILE"] = str(settings.plant_file.resolve())
+    return environment
+
+
+async def _tell_started(folder: Path, count: int, roll: RollKeeper) -> None:
+    await roll.has(count)
+    typer.echo(f"{count} processes; `dray fleet status --folder {folder}` shows them")
+    sys.stdout.flush()

@@ -1,0 +1,93 @@
+"""The posts of a fleet: which processes there are, and how each is started.
+
+Every process calls three others, at distances of 1, 2 and 4 in a ring, so that no single one is between
+any two others, and the number of links grows with the factory and not with its square.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import socket
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from dray.cli.fleet.folder import GATEWAY, HISTORIAN, LOGS
+from dray.cli.process import FLOOR
+from dray.plant import Plant
+from dray.protocol.strategist import STRATEGIST
+from dray.settings import PREFIX
+
+DISTANCES = (1, 2, 4)
+"""In the ring. Any two neighbours may be gone, and all others still hear one another."""
+
+
+@dataclass(frozen=True, slots=True)
+class Post:
+    """One process to be kept running.
+
+    Attributes:
+        name: of its agent.
+        command: what follows `dray`.
+        address: where others call it.
+        environment: all of it.
+        log: the file that its words are added to.
+        joins: it is an agent on the bus.
+    """
+
+    name: str
+    command: tuple[str, ...]
+    address: str
+    environment: Mapping[str, str]
+    log: Path
+    joins: bool
+
+
+def posts_of(plant: Plant, folder: Path, common: Mapping[str, str], *, demand: bool) -> list[Post]:
+    """All posts of a plant.
+
+    Args:
+        plant: the factory.
+        folder: the fleet's.
+        common: the settings of all.
+        demand: the gateway places orders, too.
+    """
+    commands = {
+        FLOOR: (FLOOR,),
+        HISTORIAN: (HISTORIAN,),
+        STRATEGIST: (STRATEGIST,),
+        **{machine: ("agent", "machine", machine) for machine in plant.machines},
+        **{atv: ("agent", "atv", atv) for atv in plant.fleet},
+        GATEWAY: (GATEWAY, "--demand" if demand else "--no-demand"),
+    }
+    names = tuple(commands)
+    addresses = dict(zip(names, _free_addresses(len(names)), strict=True))
+    posts = []
+    for place, name in enumerate(names):
+        called = {names[(place + distance) % len(names)] for distance in DISTANCES} - {name}
+        links = {
+            f"{PREFIX}BUS_LISTEN": addresses[name],
+            f"{PREFIX}BUS_PEERS": ",".join(sorted(addresses[each] for each in called)),
+        }
+        posts.append(
+            Post(
+                name,
+                commands[name],
+                addresses[name],
+                {**os.environ, **common, **links},
+                folder / LOGS / f"{name}.log",
+                joins=name != FLOOR,
+            )
+        )
+    return posts
+
+
+def _free_addresses(count: int) -> list[str]:
+    """Addresses on this computer where nobody listens."""
+    with contextlib.ExitStack() as stack:
+        # All of them at once, so that none is given twice.
+        sockets = [stack.enter_context(socket.socket()) for _ in range(count)]
+        for each in sockets:
+            each.bind(("127.0.0.1", 0))
+        return [f"127.0.0.1:{each.getsockname()[1]}" for each in sockets]
