@@ -30,6 +30,8 @@ from dray.protocol.events import (
     Event,
     Heard,
     Instruct,
+    Leave,
+    Leaving,
     Publish,
     Record,
     Reported,
@@ -595,6 +597,45 @@ def test_a_worker_that_ends_leaves_the_bus_and_its_body(way: str) -> None:
     play(story)
 
 
+def test_an_agent_that_is_asked_to_leave_ends_when_it_says_so() -> None:
+    def answer(event: Event, _: float) -> list[Effect]:
+        if isinstance(event, Leaving):
+            agent.wake_at_s = 5.0
+        if isinstance(event, Woke):
+            agent.wake_at_s = NEVER_S
+            return [Publish("p/last", say("word")), Leave()]
+        return []
+
+    agent = Scripted("A1", answer)
+
+    async def story(stage: Stage) -> None:
+        listener = Listener(stage, "p/last")
+        worker = stage.start(agent)
+        await asyncio.sleep(1.0)
+        worker.leave()
+        await asyncio.sleep(1.0)
+        assert is_there(stage, "A1")
+        assert not worker.ended
+        await stage.tasks["A1"]
+        assert clock().now_s() == 5.0
+        assert worker.ended
+        assert not is_there(stage, "A1")
+        await asyncio.sleep(1.0)
+        assert listener.others == [say("word")]
+
+    play(story)
+
+
+def test_an_agent_that_is_asked_to_leave_before_its_first_turn_is_born_first() -> None:
+    async def story(stage: Stage) -> None:
+        agent = Scripted("A1", lambda event, _: [Leave()] if isinstance(event, Leaving) else [])
+        stage.start(agent).leave()
+        await stage.tasks["A1"]
+        assert [type(event) for _, event in agent.events] == [Started, Leaving]
+
+    play(story)
+
+
 def test_a_killed_agent_does_not_even_finish_what_it_had_begun() -> None:
     workers: list[Worker] = []
 
@@ -620,7 +661,7 @@ def test_a_killed_agent_does_not_even_finish_what_it_had_begun() -> None:
         workers.append(stage.start(agent, cell, journal))
         await asyncio.sleep(5.0)
         workers[0].kill()
-        assert workers[0].killed
+        assert workers[0].ended
         assert stage.tasks["M1"].done()
         assert stranger.others == [say("before")]
         assert stranger.events == []

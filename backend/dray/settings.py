@@ -146,6 +146,10 @@ class Settings(BaseSettings):
     journal_folder: Path = Path("journals")
     """Where agents write down what binds them; in service a folder that outlives an update."""
 
+    leave_s: Annotated[float, Field(ge=0, le=3600)] = 330.0
+    """Real seconds in which an agent may leave in order (SIGTERM); then it ends at once. A vehicle with a load
+    needs up to 300, at real time; the service manager's own patience must be longer."""
+
     trusted_keys: Several = ()
     """Public keys of gateways in hex, several with commas: whose grants of people's commands vehicles believe."""
 

@@ -29,6 +29,8 @@ from dray.protocol.events import (
     Heard,
     Ignore,
     Instruct,
+    Leave,
+    Leaving,
     Publish,
     Record,
     Reported,
@@ -116,9 +118,10 @@ class Worker:
         """Its place on the bus while it lives."""
         self._stopping = False
         self._killed = False
+        self._ended = False
 
     async def run(self) -> None:
-        """Live: join the bus, handle events until `stop`, `kill` or cancellation, leave the bus.
+        """Live: join the bus, handle events until the agent leaves, `stop`, `kill` or cancellation; leave the bus.
 
         Raises:
             whatever the agent raises: an agent with a bug ends, and says so.
@@ -140,7 +143,13 @@ class Worker:
                     # Let others have their turn before whatever came in meanwhile.
                     await asyncio.sleep(0)
         finally:
-            self._leave()
+            self._end()
+
+    def leave(self) -> None:
+        """Ask the agent to leave in order; `run` returns when nothing holds it any more. Twice is harmless."""
+        self._inbox.append(Leaving())
+        if self._waiter is not None:
+            self._wake_task()
 
     def stop(self) -> None:
         """Let `run` return after the event in hand. Twice is harmless."""
@@ -148,9 +157,9 @@ class Worker:
         self._wake_task()
 
     @property
-    def killed(self) -> bool:
-        """Whether `kill` was called."""
-        return self._killed
+    def ended(self) -> bool:
+        """Whether this life is over."""
+        return self._ended
 
     def kill(self) -> None:
         """End now, as a process does that is killed: between two effects, if need be.
@@ -158,13 +167,13 @@ class Worker:
         After the return nothing more is said, instructed or written, and another worker may run the
         agent's next life; `run` returns in its own time. Twice is harmless.
         """
-        self._killed = self._stopping = True
-        self._leave()
+        self._killed = True
+        self._end()
         self._wake_task()
 
-    def _leave(self) -> None:
+    def _end(self) -> None:
         """Leave bus and body; what is left already may belong to the next life."""
-        self._stopping = True
+        self._stopping = self._ended = True
         session, self._session = self._session, None
         if session is not None:
             session.leave()
@@ -293,6 +302,8 @@ class Worker:
             session.unsubscribe(effect.key)
         elif isinstance(effect, Ignore):
             self.ignored[effect.reason] += 1
+        elif isinstance(effect, Leave):
+            self.stop()
         elif not isinstance(effect, Commit):  # which is written down already
             assert_never(effect)
 

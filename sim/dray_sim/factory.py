@@ -1,8 +1,8 @@
 """One whole simulated factory: bodies, network and one worker per agent, from a plant and a seed.
 
 Everything is built here and nothing starts by itself: `run` starts it, and ends with it. While it runs,
-agents may be crashed and restarted one by one. A crash ends an agent's process between two effects; its
-body and its journal stay, and the next life starts from them. Without power the body stands too.
+agents may be crashed, asked to leave, and restarted one by one. A crash ends an agent's process between two
+effects; its body and its journal stay, and the next life starts from them. Without power the body stands too.
 """
 
 from __future__ import annotations
@@ -56,8 +56,9 @@ class Ears:
             ear.hear(at_s, sender, address, message)
 
 
-MakeAgent = Callable[[int, str], Agent]
-"""Makes an agent for one life, from the number of that life and the version of its software."""
+MakeAgent = Callable[[int, str, int], Agent]
+"""Makes an agent for one life, from the number of that life, the version of its software, and the transports
+that it has to do well on trial."""
 
 
 @dataclass(slots=True)
@@ -140,6 +141,8 @@ class SimFactory:
         self.in_hands = floor.in_hands
         self.workers: dict[str, Worker] = {}
         self._posts: dict[str, Post] = {}
+        self._lives: dict[str, asyncio.Task[None]] = {}
+        """What runs the workers, by agent id."""
         self._incarnation = incarnation
         self._group: asyncio.TaskGroup | None = None
         for machine, workcell in self.workcells.items():
@@ -175,7 +178,24 @@ class SimFactory:
         Raises:
             KeyError: there is no such agent.
         """
-        return not self.workers[agent].killed
+        return not self.workers[agent].ended
+
+    def ask_to_leave(self, agent: str) -> None:
+        """Let an agent leave in order, in its own time; its body and its journal stay. Twice is harmless.
+
+        Raises:
+            KeyError: there is no such agent.
+        """
+        self.workers[agent].leave()
+
+    async def leave(self, agent: str) -> None:
+        """Let an agent leave in order, and wait until it has left.
+
+        Raises:
+            KeyError: there is no such agent, or it was never started.
+        """
+        self.ask_to_leave(agent)
+        await asyncio.wait({self._lives[agent]})
 
     def crash(self, agent: str) -> None:
         """End an agent's process now; its body goes on without it, as bodies do. Twice is harmless.
@@ -185,12 +205,13 @@ class SimFactory:
         """
         self.workers[agent].kill()
 
-    def restart(self, agent: str, software: str = "") -> None:
+    def restart(self, agent: str, software: str = "", *, trial: int = 0) -> None:
         """Begin an agent's next life; one that still lives ends first, one without power waits for it.
 
         Args:
             agent: a machine, a vehicle or the strategist.
             software: the version that it runs from now on; empty for the one that it has.
+            trial: transports that this life has to do well before it takes long tasks.
 
         Raises:
             KeyError: there is no such agent.
@@ -200,7 +221,7 @@ class SimFactory:
         self.workers[agent].kill()
         if agent == STRATEGIST or not self._powered(agent).off:
             post.journal.begin_life()
-            self._enliven(agent)
+            self._enliven(agent, trial)
             self._start(agent)
 
     def power_off(self, agent: str) -> None:
@@ -251,19 +272,22 @@ class SimFactory:
         return self.vehicles[agent] if agent in self.vehicles else self.workcells[agent]
 
     def _machine(self, machine: str) -> MakeAgent:
-        return lambda life, software: Machine(machine, self.plant, incarnation=life, software=software)
+        return lambda life, software, trial: Machine(
+            machine, self.plant, incarnation=life, software=software, trial=trial
+        )
 
     def _atv(self, spec: VehicleSpec) -> MakeAgent:
-        return lambda life, software: Atv(
+        return lambda life, software, trial: Atv(
             spec.id,
             self.plant,
             vehicle_type=spec.type,
             incarnation=life,
             software=software,
+            trial=trial,
             trusts=self.trusts,
         )
 
-    def _strategist(self, life: int, _software: str) -> Agent:
+    def _strategist(self, life: int, _software: str, _trial: int) -> Agent:
         return Strategist(self.plant, incarnation=life)
 
     def _employ(self, agent: str, make: MakeAgent, body: Body | None) -> None:
@@ -271,11 +295,11 @@ class SimFactory:
         self._posts[agent] = Post(make, body, journal, __version__)
         self._enliven(agent)
 
-    def _enliven(self, agent: str) -> None:
+    def _enliven(self, agent: str, trial: int = 0) -> None:
         """Give an agent its worker, which is not started yet."""
         post = self._posts[agent]
         self.workers[agent] = Worker(
-            post.make(post.journal.incarnation, post.software),
+            post.make(post.journal.incarnation, post.software, trial),
             bus=self._meet,
             clock=self.clock,
             keys=self.keys,
@@ -286,4 +310,4 @@ class SimFactory:
     def _start(self, agent: str) -> None:
         """Let an agent's worker run, in a factory that does."""
         if self._group is not None:
-            self._group.create_task(self.workers[agent].run(), name=agent)
+            self._lives[agent] = self._group.create_task(self.workers[agent].run(), name=agent)

@@ -67,6 +67,8 @@ from dray.protocol.events import (
     Heard,
     Ignore,
     Instruct,
+    Leave,
+    Leaving,
     Publish,
     Record,
     Reported,
@@ -298,6 +300,14 @@ class Rig:
         self.now_s = max(self.now_s, until_s)
         return effects
 
+    def leave(self) -> list[Effect]:
+        """It is asked to leave."""
+        return self.handle(Leaving())
+
+    @property
+    def has_left(self) -> bool:
+        return any(isinstance(effect, Leave) for effect in self.all)
+
     def heartbeats(self, kind: type[T]) -> list[T]:
         """All heartbeats so far."""
         return published(self.all, kind)
@@ -307,9 +317,15 @@ class VehicleRig(Rig):
     """A vehicle that stands where it was put until the test lets it arrive."""
 
     def __init__(
-        self, atv: str = "ATV1", *, kind: str = "light", node: str = "p3", battery_frac: float = 0.9
+        self,
+        atv: str = "ATV1",
+        *,
+        kind: str = "light",
+        node: str = "p3",
+        battery_frac: float = 0.9,
+        **options: Any,
     ) -> None:
-        super().__init__(Atv(atv, PLANT, vehicle_type=kind, trusts=trusts_seals))
+        super().__init__(Atv(atv, PLANT, vehicle_type=kind, trusts=trusts_seals, **options))
         self.node = node
         self.battery_frac = battery_frac
         self.load = ("", 0)

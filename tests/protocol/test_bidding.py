@@ -13,6 +13,7 @@ from dray.messages.fact import BidRefused, BidSent
 from dray.protocol.bidding import MAX_WATCHES, Bidder, Standing
 from dray.protocol.events import Effect, Record, Send
 from dray.protocol.pricing import Quote, Unable
+from dray.protocol.trial import Trial
 
 SPOT = PLANT.nodes["p3"]
 FREE = Standing(
@@ -34,12 +35,12 @@ def standing(**changes: Any) -> Standing:
 def hear(circumstances: Standing = FREE, *, kind: str = "light", **changes: Any) -> list[Effect]:
     """What a vehicle does about an announcement."""
     out: list[Effect] = []
-    Bidder("ATV1", PLANT, kind, out).hear(announcement(**changes), circumstances, 0.0)
+    Bidder("ATV1", PLANT, kind, Trial(0), out).hear(announcement(**changes), circumstances, 0.0)
     return out
 
 
 def review(circumstances: Standing = FREE, **changes: Any) -> Quote | Unable:
-    return Bidder("ATV1", PLANT, "light", []).review(award(**changes), circumstances, 0.0)
+    return Bidder("ATV1", PLANT, "light", Trial(0), []).review(award(**changes), circumstances, 0.0)
 
 
 def test_a_free_vehicle_bids_straight_to_the_coordinator_with_its_breakdown() -> None:

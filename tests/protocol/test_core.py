@@ -13,7 +13,7 @@ class Clerk(Core):
     """Counts its lives, and says so before and after it wants to have that written down."""
 
     def __init__(self, *, diligent: bool = True) -> None:
-        super().__init__("clerk", 1)
+        super().__init__("clerk", 1, leaves_within_s=1.0)
         self.diligent = diligent
         self.lives = 0
 

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections import Counter
 from collections.abc import Callable
+from itertools import filterfalse
 from random import Random
 
 import pytest
@@ -15,6 +16,7 @@ import pytest
 from dray.plant import default_plant
 from dray_sim.factory import SimFactory
 from dray_sim.faults import (
+    LEAVING,
     WEIGHTS,
     AccessPointDown,
     Cast,
@@ -30,6 +32,7 @@ from dray_sim.faults import (
     Partition,
     PoweredOff,
     RadioCut,
+    SentAway,
     Timed,
     VehicleBroken,
     WlanCut,
@@ -58,6 +61,7 @@ ONE_OF_EACH: tuple[Fault, ...] = (
     AccessPointDown("AP1"),
     PoweredOff("ATV3"),
     Crashed("strategist"),
+    SentAway("M5", trial=2),
     MachineBroken("M4", "no oil"),
     VehicleBroken("ATV4"),
     LoadShifted("ATV5"),
@@ -120,10 +124,14 @@ class FakeWorld:
         self.dead.add(agent)
         self.done.append(f"crash {agent}")
 
-    def restart(self, agent: str) -> None:
+    def ask_to_leave(self, agent: str) -> None:
+        self.dead.add(agent)
+        self.done.append(f"send {agent} away")
+
+    def restart(self, agent: str, *, trial: int = 0) -> None:
         if agent not in self.off:
             self.dead.discard(agent)
-            self.done.append(f"restart {agent}")
+            self.done.append(f"restart {agent}" + (f" on trial for {trial}" if trial else ""))
 
     def pass_time(self, until_s: float) -> None:
         while self.clock.heap and self.clock.heap[0][0] <= until_s:
@@ -158,6 +166,8 @@ def faults(world: FakeWorld) -> Faults:
         (AccessPointDown("AP1"), "begin access_point_down", "end access_point_down"),
         (PoweredOff("M1"), "off M1", "on M1"),
         (Crashed("strategist"), "crash strategist", "restart strategist"),
+        (SentAway("ATV1"), "send ATV1 away", "restart ATV1"),
+        (SentAway("M1", trial=3), "send M1 away", "restart M1 on trial for 3"),
         (MachineBroken("M2", "no oil"), "break M2: no oil", "repair M2"),
         (VehicleBroken("ATV2", "blocked"), "break ATV2: blocked", "repair ATV2"),
         (LoadShifted("ATV1"), "shift ATV1", "repair ATV1"),
@@ -208,6 +218,24 @@ def test_who_was_switched_on_by_hand_and_crashes_is_started_again(world: FakeWor
     crashed = faults.begin(Crashed("ATV1"))
     faults.end(crashed)
     assert world.running("ATV1")
+
+
+def test_who_was_sent_away_stays_away_whatever_else_ends(world: FakeWorld, faults: Faults) -> None:
+    away, crashed, off = (
+        faults.begin(fault) for fault in (SentAway("ATV1"), Crashed("ATV1"), PoweredOff("ATV1"))
+    )
+    faults.end(crashed)
+    faults.end(off)
+    assert not world.running("ATV1")
+    faults.end(away)
+    assert world.running("ATV1")
+
+
+def test_who_has_not_left_in_time_is_started_anew(world: FakeWorld, faults: Faults) -> None:
+    away = faults.begin(SentAway("ATV1"))
+    world.dead.discard("ATV1")
+    faults.end(away)
+    assert world.done[-1] == "restart ATV1"
 
 
 def test_a_vehicle_is_repaired_when_its_last_problem_ends(world: FakeWorld, faults: Faults) -> None:
@@ -429,13 +457,21 @@ def test_a_random_schedule_is_in_order_about_the_plant_and_over_in_time() -> Non
 def test_random_schedules_have_all_kinds_as_often_as_they_weigh_and_overlap() -> None:
     schedule = [timed for seed in range(40) for timed in random_schedule(PLANT, Random(seed), 3600.0, 2.0)]
     counts = Counter(type(timed.fault) for timed in schedule)
-    assert set(counts) == set(KINDS) == set(WEIGHTS)
+    assert set(counts) == {*KINDS} - {*LEAVING} == set(WEIGHTS)
     total = sum(WEIGHTS.values())
     for kind, weight in WEIGHTS.items():
         assert counts[kind] / len(schedule) == pytest.approx(weight / total, abs=0.015)
     assert len(schedule) / 40 == pytest.approx(2.0 * 60.0, rel=0.05)
     ends = [(timed.until_s or 0.0) - timed.at_s for timed in schedule]
     assert sum(ends) / len(ends) > 30.0
+
+
+def test_agents_that_leave_are_drawn_apart_some_for_a_trial() -> None:
+    schedule = random_schedule(PLANT, Random(1), 3600.0, 2.0, weights=LEAVING)
+    leaving = [timed.fault for timed in schedule]
+    assert {type(fault) for fault in leaving} == {SentAway}
+    assert len({fault.agent for fault in leaving if isinstance(fault, SentAway)}) > 10
+    assert {fault.trial for fault in leaving if isinstance(fault, SentAway)} == {0, 1, 2, 3}
 
 
 def test_intensity_and_weights_are_obeyed() -> None:
@@ -497,12 +533,14 @@ def test_each_kind_can_begin_and_end_in_a_real_factory() -> None:
         for number in range(1, len(schedule) + 1):
             factory.clock.call_at(10.0 * number + 5.0, lambda: seen.update(map(type, faults.active.values())))
         factory.clock.call_at(175.0, lambda: left.update(faults.active))
+        factory.clock.call_at(175.0, lambda: away.update(filterfalse(factory.running, factory.workers)))
 
     seen: set[type[Fault]] = set()
     left: dict[str, Fault] = {}
+    away: set[str] = set()
     factory = in_factory(story, 3.0)
     # Nothing is carried in an idle factory, so no load can shift.
     assert seen == {*KINDS} - {LoadShifted}
     assert not left
-    assert all(factory.running(agent) for agent in factory.workers)
+    assert not away
     assert factory.bus.relayed > 0

@@ -23,6 +23,14 @@ SettingsFile = Annotated[
 ]
 
 
+Trial = Annotated[
+    int,
+    typer.Option(
+        "--trial", min=0, help="On trial: take short tasks only until so many transports were done well."
+    ),
+]
+
+
 @app.callback()
 def agent() -> None:
     """One agent of a plant as a process of its own."""
@@ -30,9 +38,11 @@ def agent() -> None:
 
 @app.command()
 def machine(
-    name: Annotated[str, typer.Argument(help="Its id in the plant, as M8.")], settings: SettingsFile = None
+    name: Annotated[str, typer.Argument(help="Its id in the plant, as M8.")],
+    trial: Trial = 0,
+    settings: SettingsFile = None,
 ) -> None:
-    """Run the agent of a machine."""
+    """Run the agent of a machine; SIGTERM lets it leave in order."""
     import asyncio
 
     from dray import __version__
@@ -42,11 +52,11 @@ def machine(
 
     where = _surroundings(settings)
     one_of(where.plant.machines, name, "NAME")
-    asyncio.run(
-        run_agent(
-            where, name, lambda life: Machine(name, where.plant, incarnation=life, software=__version__)
-        )
-    )
+
+    def make(life: int) -> Machine:
+        return Machine(name, where.plant, incarnation=life, software=__version__, trial=trial)
+
+    asyncio.run(run_agent(where, name, make))
 
 
 @app.command()
@@ -56,9 +66,10 @@ def atv(
         str | None, typer.Option("--type", help="Of a newcomer that the plant file does not know.")
     ] = None,
     node: Annotated[str | None, typer.Option(help="Where the newcomer stands.")] = None,
+    trial: Trial = 0,
     settings: SettingsFile = None,
 ) -> None:
-    """Run the agent of a vehicle; a newcomer takes part as soon as it is there."""
+    """Run the agent of a vehicle; a newcomer takes part as soon as it is there. SIGTERM lets it leave in order."""
     import asyncio
 
     from dray import __version__
@@ -82,6 +93,7 @@ def atv(
             vehicle_type=spec.type,
             incarnation=life,
             software=__version__,
+            trial=trial,
             trusts=trusts,
         )
 

@@ -15,7 +15,7 @@ from dray.adapters.system_clock import SystemClock
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Identity, Links
 from dray.cli.logs import prepare_logs
-from dray.cli.serving import stopped_by_signals
+from dray.cli.serving import asked_by_signals, stopped_by_signals
 from dray.cli.traces import traced, watched
 from dray.errors import UnavailableError
 from dray.gateway.timescale import TimeScale
@@ -111,7 +111,7 @@ MakeAgent = Callable[[int], Agent]
 async def run_agent(
     surroundings: Surroundings, name: str, make: MakeAgent, newcomer: VehicleSpec | None = None
 ) -> None:
-    """Run one agent until a signal.
+    """Run one agent until a signal: SIGTERM asks it to leave in order, Ctrl-C ends it at once.
 
     Args:
         surroundings: what it begins with.
@@ -146,7 +146,7 @@ async def run_agent(
                 body=body,
                 journal=journal,
             )
-            with stopped_by_signals(worker.stop):
+            with asked_by_signals(worker.leave, worker.stop, settings.leave_s):
                 say_ready(name)
                 await worker.run()
     if elsewhere:

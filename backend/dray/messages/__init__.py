@@ -51,6 +51,7 @@ from dray.messages.heartbeat import (
     Pose,
     Role,
     TaskBrief,
+    TrialBrief,
 )
 from dray.messages.order import (
     CancellationTaken,
@@ -155,6 +156,7 @@ __all__ = [
     "TaskBrief",
     "Transport",
     "TransportCost",
+    "TrialBrief",
     "VehicleCommand",
     "Withdrawn",
     "Work",

@@ -144,7 +144,7 @@ class Refusal(StrEnum):
     DEADLINE = "deadline"
     NO_WAY = "no_way"
     NOT_FIT = "not_fit"
-    """Stopped, in error or on the radio mesh."""
+    """Stopped, in error, on the radio mesh, leaving, or on trial and this is not for it."""
     IS_PRIMARY = "is_primary"
     """Asked to watch itself."""
 

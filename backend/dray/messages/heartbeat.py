@@ -112,6 +112,14 @@ class HelpWanted(Part, frozen=True):
     """Who has said to be on the way; empty while nobody has."""
 
 
+class TrialBrief(Part, frozen=True):
+    """How far an agent on trial has come."""
+
+    of: Count
+    """Transports that it has to do well."""
+    done: Count = 0
+
+
 class AtvHeartbeat(Message, frozen=True):
     """RHB: what an ATV tells everybody (paper, 3.2).
 
@@ -152,6 +160,10 @@ class AtvHeartbeat(Message, frozen=True):
     help: HelpWanted | None = None
     """Set while a person could still save the task."""
     software: Text = ""
+    leaving: bool = False
+    """It was asked to leave: it takes nothing new, and goes when nothing holds it any more."""
+    trial: TrialBrief | None = None
+    """Set while it is on trial: it takes short tasks only."""
 
 
 class BufferLevel(Part, frozen=True):
@@ -218,3 +230,7 @@ class MachineHeartbeat(Message, frozen=True):
     """Finished products that wait to be carried away."""
     problem: Text = ""
     software: Text = ""
+    leaving: bool = False
+    """It was asked to leave: it takes nothing new, and goes when nothing holds it any more."""
+    trial: TrialBrief | None = None
+    """Set while it is on trial: it takes short goals only."""

@@ -11,6 +11,9 @@ The state machine of the paper, as everybody sees it:
 STOPPED and ERROR end no contract: the carriage waits inside them and goes on when they are over. How long
 it can wait is in the heartbeat (`trouble`); after that another vehicle takes the task, and this one hears
 so when it speaks again. A vehicle that is left with its radio keeps its task too, and takes nothing else.
+
+One that is asked to leave gives its watches back, and its task too while the load is not on board; with a load
+it leaves after the handover. Where it cannot move it leaves as it is.
 """
 
 from __future__ import annotations
@@ -58,7 +61,7 @@ from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.authority import Authority, Trusts, trusts_nobody
 from dray.protocol.bidding import Bidder, Standing
-from dray.protocol.carriage import ASK, CLAIM_TASK, Carriage
+from dray.protocol.carriage import ASK, CLAIM_TASK, HANDED_OVER, Carriage
 from dray.protocol.core import Core
 from dray.protocol.driving import Driver
 from dray.protocol.events import (
@@ -69,11 +72,13 @@ from dray.protocol.events import (
     Subscribe,
     Unsubscribe,
 )
+from dray.protocol.leaving import CARRIER_LEAVES_WITHIN_S, LEAVES
 from dray.protocol.obedience import Obedience
 from dray.protocol.pricing import Quote, Unable
 from dray.protocol.resting import CLAIM, SETTLE, Rest
 from dray.protocol.supervision import Following
 from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
+from dray.protocol.trial import Trial
 from dray.protocol.trouble import Trouble
 from dray.protocol.watching import WATCH_VIGIL, Watches
 
@@ -92,6 +97,7 @@ class Atv(Core):
         vehicle_type: id of its type; by default that of the fleet's entry.
         incarnation: how often it has been started.
         software: the version it runs, for its heartbeat.
+        trial: transports that it has to do well before it takes long ones; 0 for an agent that is known to be good.
         trusts: whose grants count when people command it.
     """
 
@@ -103,9 +109,10 @@ class Atv(Core):
         vehicle_type: str = "",
         incarnation: int = 1,
         software: str = "",
+        trial: int = 0,
         trusts: Trusts = trusts_nobody,
     ) -> None:
-        super().__init__(atv, incarnation)
+        super().__init__(atv, incarnation, leaves_within_s=CARRIER_LEAVES_WITHIN_S)
         self._plant = plant
         self._type = vehicle_type or plant.fleet[atv].type
         self._software = software
@@ -114,7 +121,8 @@ class Atv(Core):
         self._driver = Driver(plant, self._type, self._out, first_order=incarnation * ORDERS_PER_LIFE)
         self._following = Following(self._keys.atv_heartbeat, self._out)
         self._watches = Watches(self._following, self._timers, self._out)
-        self._bidder = Bidder(atv, plant, self._type, self._out)
+        self._trial = Trial(trial)
+        self._bidder = Bidder(atv, plant, self._type, self._trial, self._out)
         self._rest = Rest(atv, plant, self._type, self._keys, self._driver, self._timers, self._out)
         self._trouble = Trouble(self._out)
         self._obedience = Obedience(Authority(atv, plant, trusts), self._trouble, self._out)
@@ -217,6 +225,13 @@ class Atv(Core):
 
     def _beat(self, _about: None, now_s: float) -> None:
         self._bring_back(now_s)
+        self._say_status(now_s)
+        interval_s = IDLE_INTERVAL_S if self._carriage is None else WORKING_INTERVAL_S
+        self._timers.set(BEAT, now_s + (self._spread(interval_s) if self._seq == 1 else interval_s))
+        if self._carriage is None:
+            self._rest.check_battery(self._battery_frac, now_s)
+
+    def _say_status(self, now_s: float) -> None:
         self._seq += 1
         load, load_quantity = self._load
         carriage = self._carriage
@@ -242,12 +257,30 @@ class Atv(Core):
             problem=self._trouble.problem,
             help=self._trouble.help,
             software=self._software,
+            leaving=self._departure.begun,
+            trial=self._trial.brief(),
         )
         self._out.append(Publish(self._beat_key, heartbeat))
-        interval_s = IDLE_INTERVAL_S if carriage is None else WORKING_INTERVAL_S
-        self._timers.set(BEAT, now_s + (self._spread(interval_s) if self._seq == 1 else interval_s))
-        if carriage is None:
-            self._rest.check_battery(self._battery_frac, now_s)
+
+    # --- the end ---
+
+    def _prepare_to_leave(self, now_s: float) -> None:
+        self._watches.resign(LEAVES)
+        if self._carriage is None:
+            self._rest.stay(now_s)
+        else:
+            self._carriage.give_back(LEAVES, now_s)
+        self._timers.set(BEAT, now_s)
+
+    def _is_held(self) -> bool:
+        if self._carriage is not None and self._carriage.is_given_back:
+            return True
+        if self._is_stuck:
+            return False
+        return self._carriage is not None or bool(self._driver.way)
+
+    def _take_leave(self, now_s: float) -> None:
+        self._say_status(now_s)
 
     # --- the body reports ---
 
@@ -304,7 +337,7 @@ class Atv(Core):
 
     def _end_trouble(self, now_s: float) -> None:
         """One reason to stand is gone; it goes on when no other is left."""
-        if self._trouble.problem or self._obedience.stopped:
+        if self._is_stuck:
             return
         self._trouble.over()
         if self._carriage is None:
@@ -344,6 +377,8 @@ class Atv(Core):
             return "stopped by an operator"
         if self._link is Link.MESH:
             return "on the radio mesh"
+        if self._departure.begun:
+            return LEAVES
         return "a load is on board" if self._carriage is None and self._load[0] else ""
 
     def _hear_announced(self, _sender: str, message: TaskAnnounced, now_s: float) -> None:
@@ -486,6 +521,8 @@ class Atv(Core):
             return
         phase = carriage.phase
         step(carriage)
+        if self._departure.begun:
+            carriage.give_back(LEAVES, now_s)
         self._timers.set(BEAT, now_s)
         if carriage.ended:
             self._end_carriage(carriage, now_s)
@@ -499,6 +536,8 @@ class Atv(Core):
         self._out.append(Record(ended))
         self._carriage = None
         self._commit()
+        if carriage.ended == HANDED_OVER:
+            self._trial.note_done()
         self._trouble.over()
         self._update_status(now_s, carriage.ended)
         self._rest.soon(now_s)
@@ -515,7 +554,12 @@ class Atv(Core):
             self._timers.set(BEAT, now_s)
 
     def _may_rest(self) -> bool:
-        return self._carriage is None and not self._obedience.stopped and not self._trouble.problem
+        return self._carriage is None and not self._is_stuck and not self._departure.begun
+
+    @property
+    def _is_stuck(self) -> bool:
+        """Whether it stands until a person has seen to it."""
+        return self._obedience.stopped or bool(self._trouble.problem)
 
     def _hear_claim(self, _sender: str, message: BerthClaimed, now_s: float) -> None:
         self._rest.hear_claim(message, now_s)

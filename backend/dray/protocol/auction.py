@@ -135,6 +135,11 @@ class Auction:
         """Rounds in which nobody has bid."""
 
     @property
+    def awaits_answers(self) -> bool:
+        """Whether bids are collected or somebody is asked."""
+        return self.stage is Stage.COLLECTING or self.stage is Stage.ASKING
+
+    @property
     def radius_m(self) -> float:
         """How far the present round reaches."""
         grown_m = self._rules.radius_m * _growth(self._rules.radius_growth, self.round)

@@ -9,9 +9,13 @@ from dray.messages.fact import BidRefused, BidSent
 from dray.plant import Plant
 from dray.protocol.events import Effect, Record, Send
 from dray.protocol.pricing import Pricer, Quote, Unable
+from dray.protocol.trial import ON_TRIAL, Trial
 
 MAX_WATCHES = 3
 """Tasks that one vehicle watches at most: it can take over only one of them."""
+
+SHORT_S = 90.0
+"""A transport that one on trial may take: every second one of the default plant, which take 83 s in the middle."""
 
 
 class Standing(msgspec.Struct, frozen=True):
@@ -37,12 +41,14 @@ class Bidder:
         atv: the vehicle.
         plant: where the ways are.
         vehicle_type: id of the vehicle's type.
+        trial: of the vehicle.
         out: where effects go.
     """
 
-    def __init__(self, atv: str, plant: Plant, vehicle_type: str, out: list[Effect]) -> None:
+    def __init__(self, atv: str, plant: Plant, vehicle_type: str, trial: Trial, out: list[Effect]) -> None:
         self._atv = atv
         self._pricer = Pricer(plant, vehicle_type)
+        self._trial = trial
         self._out = out
 
     def hear(self, message: TaskAnnounced, standing: Standing, now_s: float) -> None:
@@ -53,6 +59,10 @@ class Bidder:
         answer = self._consider(
             message.work, message.role, message.primary, message.deadline_s, standing, now_s
         )
+        if isinstance(answer, Quote):
+            takes_s = answer.finish_s - now_s
+            if self._trial.bars(short=takes_s <= SHORT_S, round_number=message.round):
+                answer = Unable(Refusal.NOT_FIT, f"{ON_TRIAL}: it would take {takes_s:.0f} s")
         if isinstance(answer, Unable):
             refused = BidRefused(
                 task=message.task,
@@ -104,6 +114,9 @@ class Bidder:
         if role is Role.SECONDARY:
             if primary in ("", self._atv):
                 return Unable(Refusal.IS_PRIMARY, "")
+            if self._trial.lasts:
+                # A watch is a promise to carry what somebody else has taken, short or long.
+                return Unable(Refusal.NOT_FIT, "on trial, and watches nobody")
             if standing.watches >= MAX_WATCHES:
                 return Unable(Refusal.WATCHING_ENOUGH, f"{standing.watches} tasks")
             # A watch is taken over only when its primary fails, and late is better than never then.

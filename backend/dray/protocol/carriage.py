@@ -11,7 +11,8 @@ until they are answered, so a lost message costs seconds and no load; a coordina
 for GIVE_UP_AFTER questions has failed, and the load goes back.
 
 Who has taken a task over from a failed vehicle says so until its coordinator has confirmed it, and drives
-meanwhile.
+meanwhile. Who gives a task back that is not on board yet stands, and says so until its coordinator has
+superseded it: until then it is bound.
 """
 
 from __future__ import annotations
@@ -117,6 +118,8 @@ class Carriage:
         self._loaded = False
         self._cancelled = contract.cancelled
         """Why it is to end as soon as the running manoeuvre is over."""
+        self._given_back = ""
+        """Why the coordinator is asked to let another one carry it; empty while it is carried."""
         self._may_be_dropping = False
         """An earlier life had come to the unloading: its drop may still be under way."""
         self._station = contract.source
@@ -150,6 +153,11 @@ class Carriage:
     def is_void(self) -> bool:
         """Whether it is over but for the load, which is on its way back."""
         return bool(self._cancelled)
+
+    @property
+    def is_given_back(self) -> bool:
+        """Whether it ends as soon as the coordinator has answered."""
+        return bool(self._given_back)
 
     @property
     def slack_s(self) -> float:
@@ -195,6 +203,8 @@ class Carriage:
 
     def arrived(self, now_s: float) -> None:
         """The vehicle stands where it was sent."""
+        if self._given_back:
+            return
         if self.phase is Phase.APPROACHING:
             self._enter(Phase.LOADING, self.source)
             self._ask_to_load(now_s)
@@ -250,7 +260,7 @@ class Carriage:
     def hear(self, message: Message, now_s: float) -> None:
         """Take an answer of the coordinator; what is late or doubled changes nothing."""
         if isinstance(message, Superseded) and not 0 < message.epoch < self.epoch:
-            self.cancel("superseded", now_s)
+            self.cancel(self._given_back or "superseded", now_s)
         elif isinstance(message, Withdrawn):
             self.cancel("withdrawn", now_s)
         elif isinstance(message, Confirmed) and self._claim is not None:
@@ -284,6 +294,19 @@ class Carriage:
             self._out.append(Send(self.coordinator, resigned))
         self.cancel(reason, now_s)
 
+    def give_back(self, reason: str, now_s: float) -> None:
+        """Stand, and ask the coordinator to let another one carry it.
+
+        Harmless when the load is on board, or a manoeuvre runs: that nobody else can finish.
+        """
+        is_on_its_way = self.phase is Phase.APPROACHING or self.phase is Phase.LOADING
+        if self._given_back or self._cancelled or self._action or not is_on_its_way:
+            return
+        self._given_back, self._asked = reason, 0
+        if self._driver.way:
+            self._driver.go(self._driver.next_node, now_s)
+        self._say_given_back(now_s)
+
     def claim_again(self, now_s: float) -> None:
         """The coordinator has not confirmed the takeover yet."""
         if self._claim is not None:
@@ -303,11 +326,13 @@ class Carriage:
             # An earlier life has picked it up; whoever carries this task must be empty.
             self.resign(f"{load} is on board", now_s)
         elif bool(load) != self._loaded:
-            self._loaded = bool(load)
+            self._loaded, self._given_back = bool(load), ""
             if self._loaded:
                 self._carry(now_s)
             else:
                 self._miss_load(now_s)
+        elif self._given_back:
+            self._say_given_back(now_s)
         elif self.phase is Phase.LOADING:
             self._ask_to_load(now_s)
         elif self.phase is Phase.UNLOADING:
@@ -373,6 +398,10 @@ class Carriage:
         self._out.append(Send(self.coordinator, question))
         self._timers.set(ASK, now_s + ASK_AGAIN_S)
 
+    def _say_given_back(self, now_s: float) -> None:
+        resigned = Resigned(task=self.task, epoch=self.epoch, role=Role.PRIMARY, reason=self._given_back)
+        self._ask(resigned, now_s)
+
     def _say_claim(self, now_s: float) -> None:
         if self._claim is not None:
             self._out.append(Send(self.coordinator, self._claim))
@@ -380,7 +409,7 @@ class Carriage:
 
     def _waits_at(self, station: str) -> bool:
         asking = self.phase is Phase.LOADING or self.phase is Phase.UNLOADING
-        return asking and station == self._station and not self._action
+        return asking and station == self._station and not self._action and not self._given_back
 
     def _transfer(self) -> None:
         if self.phase is Phase.LOADING:

@@ -7,7 +7,8 @@ when it fails (`failover`).
     AUCTION --accepted--> CARRIED --delivered, withdrawn--> closed
        ^                    |  ^
        |                    |  +-- taken over: epoch + 1, another carrier
-       +--- epoch + 1 ------+ nobody carries it any more
+       +--- epoch + 1 ------+ nobody carries it any more; where its primary has given it
+                              back, the secondary is asked before anything is announced
 """
 
 from __future__ import annotations
@@ -114,6 +115,11 @@ class Coordinator:
     def __len__(self) -> int:
         return len(self._open)
 
+    @property
+    def awaits_answers(self) -> bool:
+        """Whether a carrier is sought for any task, and somebody may be about to answer."""
+        return any(task.auction.awaits_answers for task in self)
+
     def get(self, task: str) -> OpenTask | None:
         return self._open.get(task)
 
@@ -159,9 +165,19 @@ class Coordinator:
 
     def reopen(self, task: OpenTask, reason: str, now_s: float) -> None:
         """Announce a task anew, with a higher epoch; whoever carried it is superseded."""
+        self._replace(task, (), reason, now_s)
+
+    def pass_on(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """Ask the secondary of a task to carry it, with a higher epoch; announce it when that will not."""
+        heir = self._secondaries.heir(task) if self._secondaries is not None else ()
+        self._replace(task, heir, reason, now_s)
+
+    def _replace(
+        self, task: OpenTask, candidates: tuple[tuple[str, Bid], ...], reason: str, now_s: float
+    ) -> None:
         replaced, silent_s = self._supersede(task, task.epoch + 1, reason, now_s)
         deadline_s = _prolonged_s(task.due_s, task.opened_s, now_s)
-        task.auction = self._auction(task.id, task.epoch, task.work, deadline_s)
+        task.auction = self._auction(task.id, task.epoch, task.work, deadline_s, candidates)
         self._note_change(task, replaced, reason, silent_s)
         self._announce(task, now_s)
         self._contracted(task, now_s)
@@ -265,14 +281,19 @@ class Coordinator:
             self._secondaries.hear_declined(task, sender, answer, now_s)
 
     def hear_resigned(self, sender: str, message: Resigned, now_s: float) -> None:
-        """A secondary leaves, or a primary gives its task back: another one is sought at once."""
+        """A secondary leaves, or a primary gives its task back: another one is sought at once.
+
+        A primary may say so until it hears that its contract is over.
+        """
         task = self._open.get(message.task)
         if task is None or message.epoch != task.epoch:
             self._out.append(Ignore("resigned from a contract that has ended"))
+            if message.role is Role.PRIMARY:
+                self._out.append(Send(sender, self.superseded(message.task, message.epoch)))
         elif message.role is Role.SECONDARY and sender == task.secondary and self._secondaries is not None:
             self._secondaries.lose(task, message.reason, now_s)
         elif message.role is Role.PRIMARY and sender == task.primary and self._failover is not None:
-            self._failover.replace(task, message.reason, now_s)
+            self._failover.give_back(task, message.reason, now_s)
         else:
             self._out.append(Ignore("resigned from a contract that it does not have"))
 
@@ -300,9 +321,16 @@ class Coordinator:
 
     # --- how it is done ---
 
-    def _auction(self, task: str, epoch: int, work: Work, deadline_s: float) -> Auction:
+    def _auction(
+        self,
+        task: str,
+        epoch: int,
+        work: Work,
+        deadline_s: float,
+        candidates: tuple[tuple[str, Bid], ...] = (),
+    ) -> Auction:
         terms = Terms(task=task, epoch=epoch, role=Role.PRIMARY, work=work, deadline_s=deadline_s)
-        return self._auctions.prepare(terms, self._rules)
+        return self._auctions.prepare(terms, self._rules, candidates)
 
     def _announce(self, task: OpenTask, now_s: float) -> None:
         task.auction.open(now_s)

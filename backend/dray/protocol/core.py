@@ -17,10 +17,13 @@ from dray.protocol.events import (
     Event,
     Heard,
     Ignore,
+    Leave,
+    Leaving,
     Reported,
     Started,
     Woke,
 )
+from dray.protocol.leaving import Departure
 from dray.protocol.timers import Timers
 
 Hear = Callable[[str, Any, float], None]
@@ -40,21 +43,23 @@ class Core:
     Args:
         agent: its name on the bus.
         incarnation: how often it has been started, 1 for the first time.
+        leaves_within_s: so long after it was asked to leave it does, whatever holds it.
     """
 
-    def __init__(self, agent: str, incarnation: int) -> None:
+    def __init__(self, agent: str, incarnation: int, *, leaves_within_s: float) -> None:
         self.id = agent
         self.incarnation = incarnation
         self._out: list[Effect] = []
         self._unwritten = False
         self._timers = Timers()
+        self._departure = Departure(leaves_within_s)
         self._on_message: Mapping[type[Message], Hear] = {}
         self._on_report: Mapping[type[Report], Callable[[Any, float], None]] = {}
         self._on_alarm: Mapping[str, Alarm] = {}
 
     @property
     def wake_at_s(self) -> float:
-        return self._timers.next_s
+        return min(self._timers.next_s, self._departure.latest_s)
 
     def handle(self, event: Event, now_s: float) -> list[Effect]:
         """Take one step; see `dray.protocol.events.Agent`."""
@@ -69,9 +74,13 @@ class Core:
             self._sound_alarms(now_s)
         elif kind is Reported:
             self._hear_report(cast(Reported, event).report, now_s)
+        elif kind is Leaving:
+            self._hear_leaving(now_s)
         else:
             started = cast(Started, event)
             self._start(started.body, started.memory, now_s)
+        if self._departure.lasts:
+            self._leave_if_free(now_s)
         effects = self._out[:]
         self._out.clear()
         if self._unwritten:
@@ -97,6 +106,16 @@ class Core:
     def _sense(self, body: BodyState | None, now_s: float) -> None:
         """Take note of what the body senses, before anything else is done."""
 
+    def _prepare_to_leave(self, now_s: float) -> None:
+        """The agent was asked to leave: give back what others can do as well."""
+
+    def _is_held(self) -> bool:
+        """Whether the agent has something in hand that nobody else can finish, or waits to be let go."""
+        return False
+
+    def _take_leave(self, now_s: float) -> None:
+        """Say how things stand, for the last time in this life."""
+
     def _spread(self, interval_s: float) -> float:
         """A part of an interval, from half to all of it, that follows from the agent's name.
 
@@ -116,6 +135,18 @@ class Core:
         if hear is None:
             raise ProtocolViolation(f"{self.id} has no body that could report {report}")
         hear(report, now_s)
+
+    def _hear_leaving(self, now_s: float) -> None:
+        if not self._departure.begun:
+            self._departure.begin(now_s)
+            self._prepare_to_leave(now_s)
+
+    def _leave_if_free(self, now_s: float) -> None:
+        if now_s < self._departure.latest_s and self._is_held():
+            return
+        self._departure.end()
+        self._take_leave(now_s)
+        self._out.append(Leave())
 
     def _sound_alarms(self, now_s: float) -> None:
         for name in self._timers.due(now_s):

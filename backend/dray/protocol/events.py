@@ -61,7 +61,11 @@ class Reported(Value, frozen=True):
     report: Report
 
 
-Event = Started | Heard | Woke | Reported
+class Leaving(Value, frozen=True):
+    """The agent is asked to leave in order; see `dray.protocol.leaving`. Twice is harmless."""
+
+
+Event = Started | Heard | Woke | Reported | Leaving
 
 # --- effects -------------------------------------------------------------------------------------
 
@@ -123,7 +127,11 @@ class Ignore(Value, frozen=True):
     reason: str
 
 
-Effect = Publish | Send | Subscribe | Unsubscribe | Instruct | Record | Commit | Ignore
+class Leave(Value, frozen=True):
+    """End this life: the agent was asked to leave, and nothing holds it any more. The last effect of its step."""
+
+
+Effect = Publish | Send | Subscribe | Unsubscribe | Instruct | Record | Commit | Ignore | Leave
 
 
 class Agent(Protocol):

@@ -7,7 +7,8 @@ believes to be it.
     CARRIED --failed, with a secondary--> GRACE --TakenOver--> CARRIED by another, epoch + 1
        |  ^                                 |  |
        |  +------- heard again -------------+  +-- nobody takes over --> announced anew, epoch + 1
-       +-- failed without a secondary, resigned, restarted without it --> announced anew, epoch + 1
+       +-- failed without a secondary, restarted without it --> announced anew, epoch + 1
+       +-- given back --> the secondary is asked, epoch + 1; else announced anew
 
 Goods that have left their machine exist only once: nobody else can carry them, so their task waits for
 its carrier, and is given up after ASTRAY_S. A load that was seen in the buffer is delivered, whether or
@@ -42,6 +43,10 @@ class Remedies(Protocol):
 
     def reopen(self, task: OpenTask, reason: str, now_s: float) -> None:
         """Announce it anew, with a higher epoch."""
+        ...
+
+    def pass_on(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """Ask its secondary to carry it, with a higher epoch."""
         ...
 
     def wait(self, task: OpenTask, trouble: str, now_s: float) -> None:
@@ -148,6 +153,13 @@ class Failover:
             self._remedies.reopen(task, reason, now_s)
         else:
             self._wait_for_goods(task, reason, now_s)
+
+    def give_back(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """The primary has said that it carries a task no more: it is there to be relieved."""
+        if task.unloaded or task.loaded:
+            self.replace(task, reason, now_s)
+        else:
+            self._remedies.pass_on(task, reason, now_s)
 
     def silent_s(self, task: OpenTask, now_s: float) -> float:
         """How long nothing has been heard of the primary."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from dray.messages import (
     Accepted,
@@ -23,6 +23,7 @@ from dray.protocol.events import Effect, Record, Send
 from dray.protocol.production import Goal, GoalBook
 from dray.protocol.supply import Supply
 from dray.protocol.timers import Timers
+from dray.protocol.trial import ON_TRIAL, Trial
 
 CONFIRM = "confirm"
 
@@ -40,9 +41,10 @@ class GoalBidder:
     """Bids for one machine.
 
     Args:
-        products: what the machine can make.
+        lots: pieces in a container of each product that the machine can make.
         goals: what it has taken.
         supply: what is at hand.
+        trial: of the machine. A goal of one container is short: more is not spoilt by a bad one.
         timers: the machine's alarms; this class uses names ``(CONFIRM, goal)``.
         out: where effects go.
         commit: called when the machine is bound to something else than before.
@@ -50,16 +52,18 @@ class GoalBidder:
 
     def __init__(
         self,
-        products: tuple[str, ...],
+        lots: Mapping[str, int],
         goals: GoalBook,
         supply: Supply,
+        trial: Trial,
         timers: Timers,
         out: list[Effect],
         commit: Callable[[], None],
     ) -> None:
-        self._products = products
+        self._lots = lots
         self._goals = goals
         self._supply = supply
+        self._trial = trial
         self._timers = timers
         self._out = out
         self._commit = commit
@@ -73,12 +77,15 @@ class GoalBidder:
 
         Args:
             message: the announcement.
-            unfit: why the machine cannot work at all; empty when it can.
+            unfit: why the machine takes no goals at all; empty when it does.
             now_s: the present time.
         """
         work = message.work
-        if not isinstance(work, Production) or work.product not in self._products:
+        if not isinstance(work, Production) or work.product not in self._lots:
             return
+        is_short = work.quantity <= self._lots[work.product]
+        if not unfit and self._trial.bars(short=is_short, round_number=message.round):
+            unfit = ON_TRIAL
         if unfit:
             refused = BidRefused(
                 task=message.task,
@@ -106,7 +113,7 @@ class GoalBidder:
     def hear_award(self, sender: str, award: Award, unfit: str, now_s: float) -> bool:
         """Take a goal or decline it; True when it was taken just now."""
         work = award.work
-        if not isinstance(work, Production) or work.product not in self._products:
+        if not isinstance(work, Production) or work.product not in self._lots:
             self._decline(sender, award, Refusal.ABILITY)
             return False
         known = self._goals.get(award.task)

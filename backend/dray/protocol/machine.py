@@ -4,6 +4,10 @@ It is a contractor towards the strategist, whose goals it bids for (`goal_biddin
 of all its transports (`coordinator`, `docking`). It watches its buffers (`supply`); everything else
 follows from `_pursue`, which is asked after every change: start the next cycle, order what runs low,
 have finished goods fetched, say so.
+
+One that is asked to leave takes no goal and announces nothing. It stays while somebody may be about to answer
+it, or is at its dock. Its goals are its own if its next life speaks within GOAL_SILENCE_S (`machine_watch`);
+the body goes on with its cycle meanwhile.
 """
 
 from __future__ import annotations
@@ -61,11 +65,13 @@ from dray.protocol.events import (
 )
 from dray.protocol.goal_bidding import CONFIRM, GoalBidder
 from dray.protocol.goods import Goods
+from dray.protocol.leaving import COORDINATOR_LEAVES_WITHIN_S, LEAVES
 from dray.protocol.production import Goal, GoalBook
 from dray.protocol.supervision import Following
 from dray.protocol.supply import Supply
 from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
 from dray.protocol.tasks import OpenTask
+from dray.protocol.trial import Trial
 
 BEAT = "beat"
 
@@ -81,6 +87,8 @@ class Machine(Core):
         plant: the plant it stands in.
         incarnation: how often it has been started.
         software: the version it runs, for its heartbeat.
+        trial: transports to or from it that have to be done well before it takes long goals; 0 for a
+            machine that is known to be good.
         rules: patience and reach of its auctions.
     """
 
@@ -91,9 +99,10 @@ class Machine(Core):
         *,
         incarnation: int = 1,
         software: str = "",
+        trial: int = 0,
         rules: AuctionRules | None = None,
     ) -> None:
-        super().__init__(machine, incarnation)
+        super().__init__(machine, incarnation, leaves_within_s=COORDINATOR_LEAVES_WITHIN_S)
         self._plant = plant
         self._spec = plant.machines[machine]
         self._software = software
@@ -102,8 +111,10 @@ class Machine(Core):
         self._products = tuple(making.product for making in self._spec.makes)
         self._goals = GoalBook(machine, plant)
         self._supply = Supply(machine, plant, self._goals)
+        self._trial = Trial(trial)
+        lots = {product: plant.products[product].lot for product in self._products}
         self._bidder = GoalBidder(
-            self._products, self._goals, self._supply, self._timers, self._out, self._commit
+            lots, self._goals, self._supply, self._trial, self._timers, self._out, self._commit
         )
         x_m, y_m = plant.position_of(machine)
         self._tasks = Coordinator(
@@ -149,7 +160,7 @@ class Machine(Core):
             TakenOver: self._tasks.hear_taken_over,
             Docked: self._hear_docked,
             Handover: self._hear_handover,
-            TaskAnnounced: lambda _sender, message, now_s: self._bidder.hear(message, self._problem, now_s),
+            TaskAnnounced: lambda _sender, message, now_s: self._bidder.hear(message, self._unfit(), now_s),
             Award: self._hear_award,
             Confirmed: self._hear_confirmed,
             Release: self._hear_goal_over,
@@ -221,6 +232,12 @@ class Machine(Core):
             self._pursue(now_s)
 
     def _beat(self, _about: None, now_s: float) -> None:
+        self._say_status(now_s)
+        # Whoever holds goals is relied on, also while all that is left of them is on the way.
+        interval_s = WORKING_INTERVAL_S if len(self._goals) else IDLE_INTERVAL_S
+        self._timers.set(BEAT, now_s + (self._spread(interval_s) if self._seq == 1 else interval_s))
+
+    def _say_status(self, now_s: float) -> None:
         self._seq += 1
         heartbeat = MachineHeartbeat(
             machine=self.id,
@@ -242,11 +259,21 @@ class Machine(Core):
             ),
             problem=self._problem,
             software=self._software,
+            leaving=self._departure.begun,
+            trial=self._trial.brief(),
         )
         self._out.append(Publish(self._beat_key, heartbeat))
-        # Whoever holds goals is relied on, also while all that is left of them is on the way.
-        interval_s = WORKING_INTERVAL_S if len(self._goals) else IDLE_INTERVAL_S
-        self._timers.set(BEAT, now_s + (self._spread(interval_s) if self._seq == 1 else interval_s))
+
+    # --- the end ---
+
+    def _prepare_to_leave(self, now_s: float) -> None:
+        self._timers.set(BEAT, now_s)
+
+    def _is_held(self) -> bool:
+        return self._tasks.awaits_answers or any(task.is_changing_hands for task in self._tasks)
+
+    def _take_leave(self, now_s: float) -> None:
+        self._say_status(now_s)
 
     # --- the workcell reports ---
 
@@ -298,12 +325,17 @@ class Machine(Core):
         """Do whatever the present state asks for."""
         self._share_spare()
         self._start_cycle()
+        if not self._departure.begun:
+            self._announce_needs(now_s)
+        self._update_status(now_s)
+
+    def _announce_needs(self, now_s: float) -> None:
+        """Have material brought, and goods fetched."""
         while (order := self._supply.next_order(self._cycling, now_s)) is not None:
             work, deadline_s = order
             self._supply.ordered(work)
             self._open(work, deadline_s, now_s)
         self._goods.dispatch(now_s)
-        self._update_status(now_s)
 
     def _share_spare(self) -> None:
         """Finished pieces of goals that ended early serve the next ones."""
@@ -401,6 +433,7 @@ class Machine(Core):
 
     def _settle(self, task: OpenTask, now_s: float) -> None:
         """A transport was delivered."""
+        self._trial.note_done()
         self._commit()
         work = cast(Transport, task.work)
         goal = self._goals.get(work.goal)
@@ -413,8 +446,12 @@ class Machine(Core):
 
     # --- goals ---
 
+    def _unfit(self) -> str:
+        """Why it takes no goals at all; empty when it does."""
+        return self._problem or (LEAVES if self._departure.begun else "")
+
     def _hear_award(self, sender: str, message: Award, now_s: float) -> None:
-        if self._bidder.hear_award(sender, message, self._problem, now_s):
+        if self._bidder.hear_award(sender, message, self._unfit(), now_s):
             self._goals_changed(now_s)
 
     def _hear_confirmed(self, _sender: str, message: Confirmed, now_s: float) -> None:

@@ -89,6 +89,13 @@ class Rest:
         """There is no work: look for a place in a moment."""
         self._timers.set(SETTLE, now_s + SETTLE_S)
 
+    def stay(self, now_s: float) -> None:
+        """Look for no place any more; a vehicle on its way to one stops at the next node."""
+        self._timers.clear(SETTLE)
+        self._timers.clear(CLAIM)
+        if self._driver.way:
+            self._driver.go(self._driver.next_node, now_s)
+
     def stop(self) -> None:
         """There is work."""
         self._berths.leave()

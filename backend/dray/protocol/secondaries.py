@@ -87,11 +87,15 @@ class Secondaries:
         self.end(task)
         self.seek(task, (), now_s)
 
+    def heir(self, task: OpenTask) -> tuple[tuple[str, Bid], ...]:
+        """Whom to ask first when the primary gives a task back: its secondary, if there is one, with its bid."""
+        return () if task.watch_bid is None else ((task.secondary, task.watch_bid),)
+
     def end(self, task: OpenTask) -> None:
         """Follow a task's secondary no longer, and say nothing: it knows."""
         self._following.end(task.secondary)
         self._timers.clear((SECONDARY_VIGIL, task.id))
-        task.secondary, task.guard = "", None
+        task.secondary, task.watch_bid, task.guard = "", None, None
 
     # --- what is heard ---
 
@@ -148,7 +152,9 @@ class Secondaries:
     # --- how it is done ---
 
     def _bind(self, task: OpenTask, atv: str, now_s: float) -> None:
-        task.secondary, task.watch, task.unwatched_s = atv, None, NEVER_S
+        watch, task.watch = task.watch, None
+        task.secondary, task.unwatched_s = atv, NEVER_S
+        task.watch_bid = watch.winning_bid if watch is not None else None
         self._timers.clear((WATCH_AUCTION, task.id))
         self._following.begin(atv)
         task.guard = Vigil(atv, IDLE_INTERVAL_S, now_s, self._following.hearing)

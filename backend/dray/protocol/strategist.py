@@ -14,6 +14,9 @@ An order whose start is revoked ends in the same way: the gate is shut for its g
 counted by then is the last word. Only when all of them were counted is the answer given, with what is
 outstanding, so that another release orders that and no piece more.
 
+One that is asked to leave takes no order and puts nothing up; it stays while a machine may be about to
+answer it.
+
     UNCLAIMED --accepted--> MADE BY A MACHINE --all has arrived--> closed
         ^                      |
         |                      +-- not named for GOAL_SILENCE_S, or broken for BREAKDOWN_S,
@@ -64,6 +67,7 @@ from dray.protocol.auction import AuctionRules, Place
 from dray.protocol.coordinator import Coordinator
 from dray.protocol.core import Core
 from dray.protocol.events import Ignore, Instruct, Record, Send, Subscribe
+from dray.protocol.leaving import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.machine_watch import GOAL_SILENCE_S, MachineWatch
 from dray.protocol.order_book import OpenGoal, OrderBook, OrderInWork
 from dray.protocol.tasks import OpenTask, Outcome
@@ -98,7 +102,7 @@ class Strategist(Core):
     """
 
     def __init__(self, plant: Plant, *, agent: str = STRATEGIST, incarnation: int = 1) -> None:
-        super().__init__(agent, incarnation)
+        super().__init__(agent, incarnation, leaves_within_s=COORDINATOR_LEAVES_WITHIN_S)
         self._plant = plant
         self._keys = Keys(plant.id)
         self._book = OrderBook(plant, "" if incarnation == 1 else f"r{incarnation}")
@@ -163,9 +167,16 @@ class Strategist(Core):
     def _memory(self) -> Memory:
         return self._book.memory()
 
+    def _is_held(self) -> bool:
+        return self._auctions.awaits_answers
+
     # --- orders ---
 
     def _hear_released(self, sender: str, message: OrderReleased, now_s: float) -> None:
+        if self._departure.begun:
+            # Unanswered, it is sent again, to the next life.
+            self._out.append(Ignore("an order that came while the strategist was leaving"))
+            return
         if any(item.product not in self._plant.products for item in message.items):
             self._out.append(Ignore("an order for a product that this plant does not make"))
             return
@@ -267,8 +278,8 @@ class Strategist(Core):
         return (self._keys.goals(cast(Production, work).product),)
 
     def _ask_next(self, product: str, now_s: float) -> None:
-        """Put the next goal of a product up for auction, unless one is."""
-        if product in self._asking:
+        """Put the next goal of a product up for auction, unless one is, or it would be left alone."""
+        if product in self._asking or self._departure.begun:
             return
         goal = next(self._book.unclaimed(product), None)
         if goal is None:

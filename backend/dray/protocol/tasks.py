@@ -5,12 +5,14 @@ from __future__ import annotations
 from typing import Literal, cast
 
 from dray.memory import TaskMemory
-from dray.messages import Transport, Work
+from dray.messages import Bid, Phase, Transport, Work
 from dray.protocol.auction import Auction
 from dray.protocol.events import NEVER_S
 from dray.protocol.supervision import Vigil
 
 Outcome = Literal["delivered", "withdrawn"]
+
+_AT_THE_END = frozenset({Phase.UNLOADING, Phase.HANDING_OVER})
 
 
 class OpenTask:
@@ -36,6 +38,7 @@ class OpenTask:
         "unwatched_s",
         "vigil",
         "watch",
+        "watch_bid",
         "work",
     )
 
@@ -49,6 +52,8 @@ class OpenTask:
         """The auction for a secondary, while one is sought."""
         self.primary = ""
         self.secondary = ""
+        self.watch_bid: Bid | None = None
+        """What the secondary would carry it for, when it was asked to watch."""
         self.source = ""
         self.promised_s = 0.0
         """When the primary has promised to be done."""
@@ -82,6 +87,15 @@ class OpenTask:
     def is_of_goods(self) -> bool:
         """Whether products are carried away, of which each piece exists once."""
         return isinstance(self.work, Transport) and bool(self.work.goal)
+
+    @property
+    def is_changing_hands(self) -> bool:
+        """Whether its carrier takes goods, puts material down or hands over, as it has told last."""
+        last = self.vigil.last if self.vigil is not None else None
+        brief = last.task if last is not None else None
+        if brief is None or brief.task != self.id:
+            return False
+        return brief.phase in _AT_THE_END or (self.is_of_goods and brief.phase is Phase.LOADING)
 
     @property
     def work_item(self) -> str:

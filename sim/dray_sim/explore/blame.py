@@ -1,7 +1,8 @@
 """Invariant 6, the other way round: nobody loses a contract without a reason.
 
 Where a carrier is replaced or a goal is taken from its machine, a fault must have touched one of
-those who are concerned not long before. So a failure that spreads to others is seen.
+those who are concerned not long before. So a failure that spreads to others is seen. That a vehicle was asked
+to leave is no such fault: it gives its task back itself, or finishes it, and nobody need miss it.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from typing import NamedTuple
 
 from dray.messages import AtvStatus, Event, Message
 from dray.messages.fact import AtvStatusChanged, CarrierChanged, GoalLost
+from dray.protocol.leaving import LEAVES
 from dray.protocol.strategist import STRATEGIST
 from dray_sim.broken import InvariantBroken
 from dray_sim.faults import (
@@ -21,6 +23,7 @@ from dray_sim.faults import (
     MachineBroken,
     PoweredOff,
     RadioCut,
+    SentAway,
     VehicleBroken,
     WlanCut,
 )
@@ -50,22 +53,22 @@ class Blame:
         self._spells: dict[str, _Spell] = {}
         """By id of the fault. A trial has some dozens."""
         self._touched_s: dict[str, float] = {}
-        """Until when an agent was in trouble last; `EVERYBODY` stands for the network."""
+        """Until when an agent was in trouble last, or away (`_away`); `EVERYBODY` stands for the network."""
         self._stands: dict[str, None] = {}
         """Vehicles that are stopped or in error, whoever did that to them."""
 
     def begin(self, name: str, fault: Fault, at_s: float) -> None:
         """A fault has begun."""
         self._spells[name] = _Spell(fault, at_s, float("inf"))
-        self._touched_s[_agent(fault)] = float("inf")
+        self._touched_s[_touched(fault)] = float("inf")
 
     def end(self, name: str, at_s: float) -> None:
         """A fault has ended."""
         fault = self._spells[name].fault
         self._spells[name] = self._spells[name]._replace(ended_s=at_s)
-        agent = _agent(fault)
-        still = any(_agent(each.fault) == agent and each.ended_s > at_s for each in self._spells.values())
-        self._touched_s[agent] = float("inf") if still else at_s
+        touched = _touched(fault)
+        still = any(_touched(each.fault) == touched and each.ended_s > at_s for each in self._spells.values())
+        self._touched_s[touched] = float("inf") if still else at_s
 
     def may_have_lost(self, sender: str, receiver: str, since_s: float) -> bool:
         """Whether what one agent said to another since then may not have arrived."""
@@ -100,11 +103,15 @@ class Blame:
             elif self._stands.pop(sender, "") is None:
                 self._touched_s[sender] = at_s
         elif type(fact) is CarrierChanged:
-            if not self._any_in_trouble((sender, fact.replaced, fact.carrier), at_s):
+            concerned: tuple[str, ...] = (sender, _away(sender), fact.replaced, fact.carrier)
+            if fact.reason == LEAVES:
+                concerned = (_away(fact.replaced),)
+            if not self._any_in_trouble(concerned, at_s):
                 seen = f"{fact.replaced} lost {fact.task} ({fact.reason}), and nothing was wrong with it"
                 raise InvariantBroken(6, at_s, seen)
         elif type(fact) is GoalLost:
-            if not self._any_in_trouble((fact.machine, STRATEGIST), at_s):
+            concerned = (fact.machine, _away(fact.machine), STRATEGIST, _away(STRATEGIST))
+            if not self._any_in_trouble(concerned, at_s):
                 seen = f"{fact.machine} lost {fact.goal}, and nothing was wrong with it"
                 raise InvariantBroken(6, at_s, seen)
 
@@ -115,9 +122,18 @@ class Blame:
         )
 
 
+def _away(agent: str) -> str:
+    """What stands for an agent's being away in order: that is trouble to those only who rely on its answers."""
+    return f"{agent} away"
+
+
+def _touched(fault: Fault) -> str:
+    return _away(fault.agent) if isinstance(fault, SentAway) else _agent(fault)
+
+
 def _agent(fault: Fault) -> str:
-    """Whom a fault touches; `EVERYBODY` for one that may touch anybody."""
-    if isinstance(fault, PoweredOff | Crashed | WlanCut | RadioCut):
+    """Whom a fault is about; `EVERYBODY` for one that may touch anybody."""
+    if isinstance(fault, PoweredOff | Crashed | SentAway | WlanCut | RadioCut):
         return fault.agent
     if isinstance(fault, MachineBroken):
         return fault.machine

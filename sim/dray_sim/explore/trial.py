@@ -18,6 +18,7 @@ from dray.plant import MachineSpec, Making, Material, Plant, Product, VehicleSpe
 from dray_sim import demand
 from dray_sim.explore.revision import Revised
 from dray_sim.faults import (
+    LEAVING,
     WEIGHTS,
     CoverageHole,
     Crashed,
@@ -68,6 +69,8 @@ class Profile:
         battery_frac: of the vehicles at the beginning.
         intensity: faults in a minute.
         weights: which kinds of faults, and how often each against the others.
+        leaving_frac: the part of the trials in which agents leave in order and come back.
+        leaving: how many of them in a minute.
         operators_frac: the part of the trials with operators.
         passerby_frac: the part in which somebody presses buttons at random.
         cancelled_frac: the part of the orders that customers cancel.
@@ -84,6 +87,8 @@ class Profile:
     battery_frac: tuple[float, float] = (0.6, 1.0)
     intensity: tuple[float, float] = (0.2, 4.0)
     weights: Mapping[type[Fault], float] = field(default_factory=lambda: WEIGHTS)
+    leaving_frac: float = 0.0
+    leaving: tuple[float, float] = (0.2, 2.0)
     operators_frac: float = 0.7
     passerby_frac: float = 0.4
     cancelled_frac: float = 0.1
@@ -92,7 +97,7 @@ class Profile:
 
 
 PROFILES: Mapping[str, Profile] = {
-    "all": Profile(),
+    "all": Profile(leaving_frac=0.3),
     "deaths": Profile(weights={PoweredOff: 2.0, Crashed: 1.0}, passerby_frac=0.0),
     "links": Profile(weights={WlanCut: 2.0, LinkTrouble: 4.0, Partition: 2.0, CoverageHole: 1.0}),
     "answers": Profile(
@@ -100,6 +105,7 @@ PROFILES: Mapping[str, Profile] = {
     ),
     "hands": Profile(weights={VehicleBroken: 1.0, LoadShifted: 2.0}, operators_frac=1.0, passerby_frac=1.0),
     "revisions": Profile(revising_frac=1.0, revised_frac=0.8),
+    "updates": Profile(intensity=(0.0, 1.0), leaving_frac=1.0, leaving=(0.5, 4.0), passerby_frac=0.2),
     "calm": Profile(intensity=(0.0, 0.0), passerby_frac=0.0),
 }
 """By name, as `dray sim explore --profile` takes them."""
@@ -184,16 +190,22 @@ def draw(seed: int, profile: str = "all") -> Trial:
         habits=_habits(random) if random.random() < ranges.operators_frac else None,
         passerby=random.random() < ranges.passerby_frac,
         orders=orders,
-        schedule=random_schedule(
-            plant,
-            Random(f"{seed} faults"),
-            FAULTS_UNTIL_S,
-            random.uniform(*ranges.intensity),
-            weights=ranges.weights,
-        ),
+        schedule=_schedule(seed, plant, ranges, random.uniform(*ranges.intensity)),
         cancelled=_cancelled(orders, ranges.cancelled_frac, Random(f"{seed} regret")),
         revised=_revised(orders, ranges, Random(f"{seed} revised")),
     )
+
+
+def _schedule(seed: int, plant: Plant, ranges: Profile, intensity: float) -> tuple[Timed, ...]:
+    """Mishaps, and agents that leave and come back, in the order in which they begin."""
+    mishaps = random_schedule(
+        plant, Random(f"{seed} faults"), FAULTS_UNTIL_S, intensity, weights=ranges.weights
+    )
+    random = Random(f"{seed} sent away")
+    if random.random() >= ranges.leaving_frac:
+        return mishaps
+    leaving = random_schedule(plant, random, FAULTS_UNTIL_S, random.uniform(*ranges.leaving), weights=LEAVING)
+    return tuple(sorted((*mishaps, *leaving), key=lambda timed: timed.at_s))
 
 
 def _cancelled(

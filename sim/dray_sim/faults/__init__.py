@@ -7,7 +7,7 @@ reads them from JSON, `chance` draws whole schedules, `active` begins and ends t
 from __future__ import annotations
 
 from dray_sim.faults.active import Faults, World, play
-from dray_sim.faults.chance import WEIGHTS, random_schedule
+from dray_sim.faults.chance import LEAVING, WEIGHTS, random_schedule
 from dray_sim.faults.kinds import (
     AccessPointDown,
     CoverageHole,
@@ -20,6 +20,7 @@ from dray_sim.faults.kinds import (
     Partition,
     PoweredOff,
     RadioCut,
+    SentAway,
     VehicleBroken,
     WlanCut,
     describe,
@@ -29,6 +30,7 @@ from dray_sim.faults.names import Cast, FaultError
 from dray_sim.faults.schedule import Timed, read_fault, read_schedule, write_schedule
 
 __all__ = [
+    "LEAVING",
     "WEIGHTS",
     "AccessPointDown",
     "Cast",
@@ -44,6 +46,7 @@ __all__ = [
     "Partition",
     "PoweredOff",
     "RadioCut",
+    "SentAway",
     "Timed",
     "VehicleBroken",
     "WlanCut",

@@ -19,6 +19,7 @@ from dray_sim.faults.kinds import (
     MachineBroken,
     NetworkFault,
     PoweredOff,
+    SentAway,
     VehicleBroken,
 )
 from dray_sim.faults.names import Cast, FaultError
@@ -79,7 +80,8 @@ class World(Protocol):
     def power_off(self, agent: str) -> None: ...
     def power_on(self, agent: str) -> None: ...
     def crash(self, agent: str) -> None: ...
-    def restart(self, agent: str) -> None: ...
+    def ask_to_leave(self, agent: str) -> None: ...
+    def restart(self, agent: str, *, trial: int = 0) -> None: ...
 
 
 class Faults:
@@ -156,6 +158,8 @@ class Faults:
                 world.power_off(agent)
             case Crashed(agent):
                 world.crash(agent)
+            case SentAway(agent):
+                world.ask_to_leave(agent)
             case MachineBroken(machine, reason):
                 world.workcells[machine].break_down(reason)
             case VehicleBroken(atv, reason):
@@ -174,8 +178,11 @@ class Faults:
                 self._put_on(agent)
             case Crashed(agent):
                 # Without power it comes with the power, which somebody may have given by hand meanwhile.
-                if not self._holds(agent, Crashed) and not world.running(agent):
+                if not self._holds(agent, Crashed, SentAway) and not world.running(agent):
                     world.restart(agent)
+            case SentAway(agent, trial):
+                if not self._holds(agent, Crashed, SentAway):
+                    world.restart(agent, trial=trial)
             case MachineBroken(machine):
                 if not self._holds(machine, MachineBroken):
                     world.workcells[machine].repair()
@@ -189,7 +196,7 @@ class Faults:
         if self._holds(agent, PoweredOff):
             return
         self.world.power_on(agent)
-        if self._holds(agent, Crashed):
+        if self._holds(agent, Crashed, SentAway):
             self.world.crash(agent)
 
     def _holds(self, name: str, *kinds: type[Fault]) -> bool:
@@ -200,7 +207,9 @@ class Faults:
 def _subject(fault: Fault) -> str:
     """Whom a fault in one body or process is about."""
     match fault:
-        case PoweredOff(name) | Crashed(name) | MachineBroken(name) | VehicleBroken(name) | LoadShifted(name):
+        case PoweredOff(name) | Crashed(name) | SentAway(name):
+            return name
+        case MachineBroken(name) | VehicleBroken(name) | LoadShifted(name):
             return name
         case _:
             return ""

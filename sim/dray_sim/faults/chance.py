@@ -22,6 +22,7 @@ from dray_sim.faults.kinds import (
     Partition,
     PoweredOff,
     RadioCut,
+    SentAway,
     VehicleBroken,
     WlanCut,
 )
@@ -48,6 +49,12 @@ WEIGHTS: Mapping[type[Fault], float] = {
     AccessPointDown: 1.0,
 }
 """How often each kind is drawn against the others: most often what strikes a transport in the middle."""
+
+LEAVING: Mapping[type[Fault], float] = {SentAway: 1.0}
+"""Agents that leave and come back are no mishap, and drawn apart."""
+
+LONGEST_TRIAL = 3
+"""Transports; more than that hardly anybody does in a short run."""
 
 SHORT_S, LONG_S = 2.0, 240.0
 """How long a fault lasts, evenly on a logarithmic scale: below every bound of suspicion, and above."""
@@ -167,6 +174,7 @@ _DRAW: Mapping[type[Fault], Callable[[Plant, Random], Fault]] = {
     AccessPointDown: lambda plant, random: AccessPointDown(random.choice(access_points_of(plant)).id),
     PoweredOff: lambda plant, random: PoweredOff(_body(plant, random)),
     Crashed: lambda plant, random: Crashed(_agent(plant, random)),
+    SentAway: lambda plant, random: SentAway(_agent(plant, random), random.randint(0, LONGEST_TRIAL)),
     MachineBroken: lambda plant, random: MachineBroken(_machine(plant, random)),
     VehicleBroken: lambda plant, random: VehicleBroken(_vehicle(plant, random)),
     LoadShifted: lambda plant, random: LoadShifted(_vehicle(plant, random)),

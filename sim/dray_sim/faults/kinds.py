@@ -12,7 +12,7 @@ from typing import Annotated, get_args
 import msgspec
 from msgspec import Meta
 
-from dray.messages.base import Fraction, Id, Metres, Text
+from dray.messages.base import Count, Fraction, Id, Metres, Text
 
 Delay = Annotated[float, Meta(ge=0.0, le=600.0)]
 """Seconds on top of what the network takes; more than ten minutes is a cut, not a delay."""
@@ -102,6 +102,17 @@ class Crashed(_Kind, frozen=True):
     agent: Id
 
 
+class SentAway(_Kind, frozen=True):
+    """An agent was asked to leave in order, for other software say; it is started again at the end.
+
+    Who has not left by then is ended.
+    """
+
+    agent: Id
+    trial: Count = 0
+    """Transports that its next life has to do well before it takes long tasks."""
+
+
 # --- bodies ----------------------------------------------------------------------------------------
 
 
@@ -125,7 +136,7 @@ class LoadShifted(_Kind, frozen=True):
     atv: Id
 
 
-Fault = NetworkFault | PoweredOff | Crashed | MachineBroken | VehicleBroken | LoadShifted
+Fault = NetworkFault | PoweredOff | Crashed | SentAway | MachineBroken | VehicleBroken | LoadShifted
 
 KINDS: tuple[type[Fault], ...] = get_args(Fault)
 KIND_NAMES: tuple[str, ...] = tuple(_snake(kind.__name__) for kind in KINDS)

@@ -20,6 +20,7 @@ from dray_sim.faults.kinds import (
     Partition,
     PoweredOff,
     RadioCut,
+    SentAway,
     VehicleBroken,
     WlanCut,
 )
@@ -87,7 +88,7 @@ class Cast:
                 _find(agent, self.vehicles, f"{where}.agent", "vehicle")
             case PoweredOff(agent):
                 _find(agent, (*self.machines, *self.vehicles), f"{where}.agent", "machine or vehicle")
-            case Crashed(agent):
+            case Crashed(agent) | SentAway(agent):
                 _find(agent, self.agents, f"{where}.agent", "agent of the factory")
             case MachineBroken(machine=machine):
                 _find(machine, self.machines, f"{where}.machine", "machine")
