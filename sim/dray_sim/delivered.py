@@ -6,10 +6,11 @@ often a machine or the strategist has failed meanwhile, makes no difference.
 
 from __future__ import annotations
 
-from dray.messages import Event, Message, OrderReleased, Production, TaskAnnounced
-from dray.messages.fact import GoodsDelivered, OrderDropped, OrderFulfilled, TaskClosed
+from collections.abc import Callable
+
+from dray.messages import Event, Message, OrderReleased, Production
+from dray.messages.fact import GoodsDelivered, OrderDropped, OrderFulfilled, TaskClosed, TaskOpened
 from dray_sim.broken import InvariantBroken
-from dray_sim.factory import SimFactory
 
 
 class Ordered:
@@ -23,10 +24,14 @@ class Ordered:
 
 
 class DeliveredExactly:
-    """Never more than was ordered, and exactly that when an order is fulfilled."""
+    """Never more than was ordered, and exactly that when an order is fulfilled.
 
-    def __init__(self, factory: SimFactory) -> None:
-        self._gate = factory.gate
+    Args:
+        arrived: how many pieces of a goal are in.
+    """
+
+    def __init__(self, arrived: Callable[[str], int]) -> None:
+        self._arrived = arrived
         self._orders: dict[str, Ordered] = {}
         """Orders that have not ended; bounded by what is in work."""
         self._work: dict[str, Production] = {}
@@ -39,6 +44,9 @@ class DeliveredExactly:
                 self._check_count(fact, at_s)
             elif type(fact) is TaskClosed and fact.task in self._work and fact.outcome == "delivered":
                 self._check_goal(fact.task, at_s)
+            elif type(fact) is TaskOpened:
+                if type(fact.work) is Production:
+                    self._note_goal(fact.task, fact.work)
             elif type(fact) is OrderFulfilled:
                 self._check_order(fact.order, at_s)
                 self._forget(fact.order)
@@ -47,17 +55,12 @@ class DeliveredExactly:
         elif type(message) is OrderReleased:
             # It is repeated until it is answered, and later holds less than was ordered.
             self._orders.setdefault(message.order, Ordered([item.quantity for item in message.items]))
-        elif type(message) is TaskAnnounced and type(message.work) is Production:
-            self._note_goal(message.task, message.work)
 
     def _note_goal(self, goal: str, work: Production) -> None:
         order = self._orders.get(work.order)
         if order is not None:
             order.goals[work.item][goal] = None
             self._work[goal] = work
-
-    def _arrived(self, goal: str) -> int:
-        return self._gate.sense().arrived.get(goal, 0)
 
     def _check_count(self, fact: GoodsDelivered, at_s: float) -> None:
         arrived = self._arrived(fact.goal)
@@ -80,8 +83,7 @@ class DeliveredExactly:
                 self._check_item(name, order, item, at_s, exactly=True)
 
     def _check_item(self, name: str, order: Ordered, item: int, at_s: float, *, exactly: bool) -> None:
-        gate = self._gate.sense().arrived
-        arrived, ordered = sum(gate.get(goal, 0) for goal in order.goals[item]), order.quantities[item]
+        arrived, ordered = sum(map(self._arrived, order.goals[item])), order.quantities[item]
         if arrived > ordered or (exactly and arrived != ordered):
             seen = f"item {item + 1} of {name}: {arrived} pieces are in, {ordered} were ordered"
             raise InvariantBroken(4, at_s, seen)

@@ -10,6 +10,8 @@ from collections import Counter
 from collections.abc import Mapping
 from random import Random
 
+import msgspec
+
 from dray.plant import Plant
 from dray.plant.model import VehicleSpec
 from dray.ports import Body, Clock
@@ -26,6 +28,20 @@ FIRST_STOCK_FRAC = (0.4, 1.0)
 NEARLY_EMPTY_FRAC = (0.02, 0.15)
 """Buffers of a plant to look at, so that vehicles are hired with the first orders: with full ones the first
 minutes in real time would show none that moves."""
+
+
+class Pieces(msgspec.Struct, frozen=True):
+    """All pieces of a floor, counted at one moment.
+
+    Attributes:
+        balance: pieces in sight less pieces that came in, plus those used up, by item: constant for ever.
+        delivered: pieces in the delivery warehouses, by product.
+        arrived: pieces that the gate has let in, by goal.
+    """
+
+    balance: dict[str, int]
+    delivered: dict[str, int]
+    arrived: dict[str, int]
 
 
 class Floor:
@@ -84,6 +100,32 @@ class Floor:
     def bodies(self) -> dict[str, Body]:
         """By the agent that acts with it."""
         return {**self.workcells, **self.vehicles, STRATEGIST: self.gate}
+
+    def count(self) -> Pieces:
+        """Count all pieces.
+
+        On board means of dead vehicles, too; goods that were set aside and what people carry are in sight.
+        """
+        balance: Counter[str] = Counter(dict.fromkeys((*self._plant.materials, *self._plant.products), 0))
+        delivered: Counter[str] = Counter()
+        for storage in self.storages.values():
+            balance.update(storage.stock)
+        for workcell in self.workcells.values():
+            balance.update(workcell.sense().stock)
+            balance.update(workcell.consumed)
+            balance.subtract(workcell.made)
+        for warehouse in self.delivery.values():
+            delivered.update(warehouse.arrived)
+            balance.update(warehouse.aside)
+        balance.update(delivered)
+        balance.update(self.in_hands)
+        for vehicle in self.vehicles.values():
+            state = vehicle.sense()
+            if state.load:
+                balance[state.load] += state.load_quantity
+        for material in self._plant.materials:
+            balance[material] -= self.source.supplied(material)
+        return Pieces(dict(balance), dict(delivered), self.gate.sense().arrived)
 
 
 def _first_stock(plant: Plant, machine: str, frac: tuple[float, float], random: Random) -> dict[str, int]:

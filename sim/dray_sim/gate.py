@@ -70,6 +70,11 @@ class Gate:
 
     # --- the world -------------------------------------------------------------------------------
 
+    def arrived(self, goal: str) -> int:
+        """How many pieces of a goal are in; 0 for one that it does not know."""
+        permit = self._permits.get(goal)
+        return 0 if permit is None else permit.arrived
+
     def enter(self, goal: str, quantity: int) -> str:
         """Let pieces of a goal in, wholly or not at all. Returns "" when they are in, else why not."""
         permit = self._permits.get(goal)

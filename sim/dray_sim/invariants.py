@@ -7,10 +7,9 @@ ends the run and names the invariant, the moment and what was seen.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
-from dray.body import VehicleState
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
@@ -29,6 +28,7 @@ from dray.messages.fact import (
     TaskClosed,
     TaskOpened,
 )
+from dray.protocol.carriage import HANDED_OVER
 from dray_sim.broken import InvariantBroken
 from dray_sim.company import ReplacedInTime, SpeaksOn
 from dray_sim.delivered import DeliveredExactly
@@ -73,25 +73,37 @@ repeated for longer than that has no receiver any more."""
 
 
 class HandedOverOnce:
-    """Invariant 2, first half: a task is handed over once, and to one carrier only."""
+    """Invariant 2, first half: a task is handed over once, and by one carrier only.
+
+    Who that is, is told by the answer to the handover and by the carrier's own history.
+    """
 
     def __init__(self) -> None:
         self._carrier: dict[str, str] = {}
         self._delivered: dict[str, None] = {}
 
-    def hear(self, at_s: float, _sender: str, address: str, message: Message) -> None:
+    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
         if type(message) is HandoverAccepted:
-            before = self._carrier.setdefault(message.task, address)
-            _forget_oldest(self._carrier)
-            if before != address:
-                seen = f"{message.task} was handed over by {before} and by {address}"
-                raise InvariantBroken(2, at_s, seen)
-        elif type(message) is Event and type(message.fact) is TaskClosed:
-            if message.fact.outcome == "delivered":
-                if message.fact.task in self._delivered:
-                    raise InvariantBroken(2, at_s, f"{message.fact.task} was delivered twice")
-                self._delivered[message.fact.task] = None
-                _forget_oldest(self._delivered)
+            self._note_carrier(message.task, address.removeprefix(">"), at_s)
+        elif type(message) is Event:
+            fact = message.fact
+            if type(fact) is ContractEnded:
+                if fact.reason == HANDED_OVER:
+                    self._note_carrier(fact.task, sender, at_s)
+            elif type(fact) is TaskClosed and fact.outcome == "delivered":
+                self._note_delivered(fact.task, at_s)
+
+    def _note_carrier(self, task: str, carrier: str, at_s: float) -> None:
+        before = self._carrier.setdefault(task, carrier)
+        _forget_oldest(self._carrier)
+        if before != carrier:
+            raise InvariantBroken(2, at_s, f"{task} was handed over by {before} and by {carrier}")
+
+    def _note_delivered(self, task: str, at_s: float) -> None:
+        if task in self._delivered:
+            raise InvariantBroken(2, at_s, f"{task} was delivered twice")
+        self._delivered[task] = None
+        _forget_oldest(self._delivered)
 
 
 class OnePrimaryEach:
@@ -162,16 +174,17 @@ class StoppedStands:
 class MaterialConserved:
     """Invariant 2, second half: storage + on board + buffers + consumed + scrapped = supplied.
 
-    On board means of dead vehicles, too; goods that were set aside and what people carry are in sight.
+    Args:
+        balance: counts (see `dray_sim.floor.Pieces`).
     """
 
     INTERVAL_S = 60.0
     """Counting the whole plant takes a while, and what is lost stays lost."""
 
-    def __init__(self, factory: SimFactory) -> None:
-        self._factory = factory
+    def __init__(self, balance: Callable[[], Mapping[str, int]]) -> None:
+        self._balance = balance
         self._next_s = 0.0
-        self._first = self._count()
+        self._first = balance()
 
     def hear(self, at_s: float, _sender: str, _address: str, _message: Message) -> None:
         if at_s >= self._next_s:
@@ -180,32 +193,10 @@ class MaterialConserved:
 
     def check(self, at_s: float) -> None:
         """Count everything now."""
-        for item, (first, now) in _both(self._first, self._count()).items():
+        for item, (first, now) in _both(self._first, self._balance()).items():
             if first != now:
                 seen = f"{abs(now - first)} pieces of {item} {'appeared' if now > first else 'are lost'}"
                 raise InvariantBroken(2, at_s, seen)
-
-    def _count(self) -> dict[str, int]:
-        """Pieces in sight less pieces that came in, plus those used up, by item: constant for ever."""
-        factory = self._factory
-        total: dict[str, int] = dict.fromkeys((*factory.plant.materials, *factory.plant.products), 0)
-        for storage in factory.storages.values():
-            _add(total, storage.stock)
-        for workcell in factory.workcells.values():
-            _add(total, workcell.sense().stock)
-            _add(total, workcell.consumed)
-            _add(total, workcell.made, sign=-1)
-        for warehouse in factory.delivery.values():
-            _add(total, warehouse.arrived)
-            _add(total, warehouse.aside)
-        _add(total, factory.in_hands)
-        for vehicle in factory.vehicles.values():
-            state: VehicleState = vehicle.sense()
-            if state.load:
-                total[state.load] += state.load_quantity
-        for material in factory.plant.materials:
-            total[material] -= factory.source.supplied(material)
-        return total
 
 
 class Invariants:
@@ -225,12 +216,12 @@ class Invariants:
     def __init__(self, factory: SimFactory, *more: Ear) -> None:
         self.broken: InvariantBroken | None = None
         self._broke = asyncio.Event()
-        self._conservation = MaterialConserved(factory)
+        self._conservation = MaterialConserved(lambda: factory.floor.count().balance)
         self._checks: tuple[Ear, ...] = (
             TasksEnd(),
             HandedOverOnce(),
             OnePrimaryEach(),
-            DeliveredExactly(factory),
+            DeliveredExactly(factory.gate.arrived),
             StoppedStands(factory),
             SpeaksOn(factory),
             ReplacedInTime(factory),
@@ -272,10 +263,5 @@ def _forget_oldest(tasks: dict[str, Any]) -> None:
         del tasks[next(iter(tasks))]
 
 
-def _add(total: dict[str, int], pieces: Mapping[str, int], sign: int = 1) -> None:
-    for item, count in pieces.items():
-        total[item] = total.get(item, 0) + sign * count
-
-
-def _both(first: dict[str, int], now: dict[str, int]) -> dict[str, tuple[int, int]]:
+def _both(first: Mapping[str, int], now: Mapping[str, int]) -> dict[str, tuple[int, int]]:
     return {item: (first.get(item, 0), now.get(item, 0)) for item in {**first, **now}}

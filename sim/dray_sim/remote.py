@@ -5,6 +5,7 @@
     Body.attach  <-- {plant}/body/@{agent}/told <-- reports, and the state after them, also with no report
     Body.sense   is the state that was told last
     put_down      -- query {plant}/floor/@newcomers: a vehicle that the plant file does not know
+    count_pieces  -- query {plant}/floor/@pieces -> all pieces that are there now
     connect       -- query {plant}/body/@{agent} -> the state now; from then on this life's word counts
 
 A real vehicle has its body on its own computer. Here a killed agent leaves its body behind as hardware is
@@ -28,7 +29,7 @@ from dray.body import BodyState, Instruction, Report
 from dray.errors import UnavailableError
 from dray.plant.model import VehicleSpec
 from dray.ports import Body
-from dray_sim.floor import Floor
+from dray_sim.floor import Floor, Pieces
 
 TELL_EVERY_S = 0.1
 """How often a body's state is told when nothing happens: as the pose on a panel is refreshed."""
@@ -75,6 +76,10 @@ def _part(kind: str, raw: msgspec.Raw) -> Any:
 
 def _newcomers(plant: str) -> str:
     return f"{plant}/floor/@newcomers"
+
+
+def _pieces(plant: str) -> str:
+    return f"{plant}/floor/@pieces"
 
 
 def _key(plant: str, agent: str) -> str:
@@ -177,6 +182,16 @@ async def put_down(session: zenoh.Session, plant: str, spec: VehicleSpec) -> Non
     await _asked(session, _newcomers(plant), _json(spec), "the floor")
 
 
+async def count_pieces(session: zenoh.Session, plant: str) -> Pieces:
+    """Count all pieces of a floor elsewhere.
+
+    Raises:
+        UnavailableError: there is no floor.
+    """
+    answer = await _asked(session, _pieces(plant), b"", "the floor")
+    return msgspec.msgpack.decode(answer, type=Pieces)
+
+
 class FloorServer:
     """Lets agents elsewhere use the bodies of a floor, one agent each.
 
@@ -190,7 +205,8 @@ class FloorServer:
         self._session, self._plant, self._floor = session, plant, floor
         self._crossing = Crossing(asyncio.get_running_loop())
         self._served = [self._serve(agent, body) for agent, body in floor.bodies.items()]
-        session.declare_queryable(_newcomers(plant), Callback(self._ask, indirect=False))
+        session.declare_queryable(_newcomers(plant), Callback(self._ask_in, indirect=False))
+        session.declare_queryable(_pieces(plant), Callback(self._ask_count, indirect=False))
 
     async def run(self) -> None:
         """Tell how all bodies are, until cancelled."""
@@ -202,8 +218,11 @@ class FloorServer:
     def _serve(self, agent: str, body: Body) -> _Served:
         return _Served(self._session, self._crossing, _key(self._plant, agent), body)
 
-    def _ask(self, query: zenoh.Query) -> None:
+    def _ask_in(self, query: zenoh.Query) -> None:
         self._crossing.order(self._receive, query)
+
+    def _ask_count(self, query: zenoh.Query) -> None:
+        self._crossing.order(self._count, query)
 
     def _receive(self, query: zenoh.Query) -> None:
         with query:
@@ -212,6 +231,10 @@ class FloorServer:
             if spec.id not in self._floor.vehicles:
                 self._served.append(self._serve(spec.id, self._floor.add_vehicle(spec)))
             query.reply(_newcomers(self._plant), b"there")
+
+    def _count(self, query: zenoh.Query) -> None:
+        with query:
+            query.reply(_pieces(self._plant), _encode(self._floor.count()))
 
 
 class _Served:

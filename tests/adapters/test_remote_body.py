@@ -10,13 +10,13 @@ import pytest
 from msgspec.structs import replace
 from zenoh_kit import PATIENCE_S, Row
 
-from dray.body import Broken, Drive, NodePassed, Report, VehicleState, WayDone, WorkcellState
+from dray.body import Admit, Broken, Drive, NodePassed, Report, VehicleState, WayDone, WorkcellState
 from dray.errors import UnavailableError
 from dray.plant import default_plant
 from dray_sim import remote
 from dray_sim.floor import Floor
 from dray_sim.loop import clock, paced, run
-from dray_sim.remote import FloorServer, RemoteBody, put_down
+from dray_sim.remote import FloorServer, RemoteBody, count_pieces, put_down
 
 PLANT = default_plant()
 SPEED = 20.0
@@ -157,5 +157,18 @@ def test_a_newcomer_is_put_down_once_and_drives() -> None:
         body.instruct(Drive(order=1, nodes=nodes, released=len(nodes)))
         await ear.until(WayDone)
         assert house.floor.vehicles["ATV99"].sense().node == nodes[-1]
+
+    in_a_house(test)
+
+
+def test_the_pieces_of_a_floor_are_counted_from_elsewhere() -> None:
+    async def test(house: House) -> None:
+        there = house.floor
+        assert await count_pieces(house.here, PLANT.id) == there.count()
+        there.gate.instruct(Admit(goal="G1", quantity=5))
+        warehouse, product = next(iter(there.delivery.values())), next(iter(PLANT.products))
+        assert warehouse.put(ATV, product, 5, "G1") == ""
+        pieces = await count_pieces(house.here, PLANT.id)
+        assert (pieces.arrived, pieces.delivered) == ({"G1": 5}, {product: 5})
 
     in_a_house(test)

@@ -26,7 +26,6 @@ from dray.messages import (
     Pose,
     Production,
     Role,
-    TaskAnnounced,
     Transport,
     VehicleCommand,
 )
@@ -82,10 +81,7 @@ class Watched:
     def put_up(self, goal: str, quantity: int) -> None:
         """The strategist asks who makes pumps for order O1."""
         work = Production(product="pump-p3", quantity=quantity, order="O1", item=0)
-        announced = TaskAnnounced(
-            task=goal, epoch=1, role=Role.PRIMARY, coordinator="strategist", work=work, deadline_s=1.0
-        )
-        self.say("strategist", announced, "goal/pump-p3")
+        self.say("strategist", replace(OPENED, task=goal, work=work))
 
     def bring(self, goal: str, pieces: int) -> None:
         """Pumps of a goal get in at the gate, and the strategist counts them."""
@@ -169,6 +165,15 @@ def test_a_task_that_ends_twice_is_noticed(watched: Watched) -> None:
 def test_a_handover_to_two_carriers_is_noticed(watched: Watched) -> None:
     watched.say("M8", HandoverAccepted(task="M8-1", epoch=1), ">ATV2")
     watched.say("M8", HandoverAccepted(task="M8-1", epoch=2), ">ATV3")
+    assert watched.broken == 2
+
+
+def test_what_two_carriers_have_written_down_as_theirs_is_noticed(watched: Watched) -> None:
+    ended = ContractEnded(task="M8-1", epoch=1, role=Role.PRIMARY, reason="handed_over")
+    watched.say("ATV2", ended)
+    watched.say("M8", HandoverAccepted(task="M8-1", epoch=1), ">ATV2")
+    assert watched.broken == 0
+    watched.say("ATV3", ended)
     assert watched.broken == 2
 
 
