@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from dray.adapters.sqlite_journal import SqliteJournal
+from dray.adapters.sqlite_journal import SqliteJournal, read_events
 from dray.errors import UnavailableError
 from dray.memory import AtvMemory
 from dray.messages import Event
@@ -56,8 +56,21 @@ def test_a_file_that_is_no_journal_is_named(tmp_path: Path, content: bytes) -> N
         file.write_bytes(content)
     else:
         file.mkdir()
-    with pytest.raises(UnavailableError, match=rf"the journal {file}: .*move the file away"):
-        SqliteJournal(file, events_kept=10)
+    for read in (lambda: SqliteJournal(file, events_kept=10), lambda: read_events(file)):
+        with pytest.raises(UnavailableError, match=rf"the journal {file}: .*move the file away"):
+            read()
+
+
+def test_a_history_is_read_over_all_lives_and_begins_none(tmp_path: Path) -> None:
+    file = tmp_path / "journal.db"
+    told = [Event("A", life, number, 0.0, OrderFulfilled("O")) for life in (1, 2) for number in (1, 2, 3)]
+    for life in (1, 2):
+        with closing(SqliteJournal(file, events_kept=5)) as journal:
+            journal.write([event for event in told if event.incarnation == life], None)
+    assert read_events(file) == told[1:]
+    with closing(SqliteJournal(file, events_kept=5)) as journal:
+        assert journal.incarnation == 3
+        assert read_events(file) == told[1:]
 
 
 def test_a_write_that_fails_leaves_what_was_there(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sqlite3
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, closing, contextmanager
 from pathlib import Path
 
 import msgspec
@@ -38,6 +38,17 @@ CREATE TABLE IF NOT EXISTS event (
 _encode = msgspec.json.Encoder().encode
 _read_memory: msgspec.json.Decoder[Memory] = msgspec.json.Decoder(Memory)
 _read_event = msgspec.json.Decoder(Event)
+
+
+def read_events(file: Path) -> list[Event]:
+    """All that a journal still has of its agent's history, in order; begins no life.
+
+    Raises:
+        UnavailableError: the file cannot be read, or is no journal.
+    """
+    with _told(file), closing(sqlite3.connect(f"file:{file}?mode=ro", uri=True, timeout=BUSY_S)) as base:
+        rows = base.execute("SELECT line FROM event ORDER BY place")
+        return [_read_event.decode(line) for (line,) in rows]
 
 
 class SqliteJournal:
@@ -130,11 +141,17 @@ class SqliteJournal:
             raise
         self._base.execute("COMMIT")
 
-    @contextmanager
-    def _told(self) -> Iterator[None]:
-        """Tell what is wrong with the file in words of ours."""
-        try:
-            yield
-        except (sqlite3.Error, OSError, msgspec.MsgspecError) as error:
-            remedy = "make room and let the agent write there, or move the file away: it then forgets its contracts"
-            raise UnavailableError(f"the journal {self._file}", str(error), remedy) from error
+    def _told(self) -> AbstractContextManager[None]:
+        return _told(self._file)
+
+
+@contextmanager
+def _told(file: Path) -> Iterator[None]:
+    """Tell what is wrong with the file in words of ours."""
+    try:
+        yield
+    except (sqlite3.Error, OSError, msgspec.MsgspecError) as error:
+        remedy = (
+            "make room and let the agent write there, or move the file away: it then forgets its contracts"
+        )
+        raise UnavailableError(f"the journal {file}", str(error), remedy) from error

@@ -1,0 +1,215 @@
+"""A campaign: a factory of processes under load is left alone, then killed one by one, then asked what is left."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from random import Random
+
+from dray.errors import UnavailableError
+from dray.plant import Plant
+from dray.store import Store, open_store
+from dray.store.orders import Order
+from dray.store.progress import OrderStatus
+from dray_sim import demand
+from dray_sim.bench.losses.cost import Kill
+from dray_sim.bench.losses.customer import Customer
+from dray_sim.bench.losses.fleet import Fleet, running
+from dray_sim.bench.losses.history import History, read_database, read_journals
+from dray_sim.bench.losses.judgement import Aftermath
+from dray_sim.bench.losses.victims import OFFICES, Rota, Victim, machine, vehicle
+from dray_sim.bench.losses.watch import WATCH, Watch
+from dray_sim.remote import count_pieces
+
+JOIN_S = 240.0
+"""For two dozen processes with their imports, on a computer that is busy elsewhere."""
+
+LOOK_S = 1.0
+"""How often it is looked whether all orders have been delivered."""
+
+
+@dataclass(frozen=True, slots=True)
+class Campaign:
+    """What is done.
+
+    Attributes:
+        plant: the factory.
+        speed: factory seconds per real second.
+        plain: links without certificates.
+        load: part of the machines' time that the demand takes.
+        warm_s: real seconds before anything is measured: buffers fill, and vehicles find their rhythm.
+        calm_s: real seconds in which nobody is killed: the baseline.
+        each: kills of every kind in turn.
+        kills: of these and of random ones together.
+        pause_s: real seconds from one kill to the next.
+        drain_s: real seconds for the last orders, at most.
+        seed: of the demand, and of who is killed.
+    """
+
+    plant: Plant
+    speed: float
+    plain: bool
+    load: float
+    warm_s: float
+    calm_s: float
+    each: int
+    kills: int
+    pause_s: float
+    drain_s: float
+    seed: int
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What has come of it.
+
+    Attributes:
+        kills: all of them, in order.
+        calm_s, killing_s: when nobody was killed, and when everybody was: from and to (plant clock).
+        answered_s: until the slowest order was answered, in real seconds.
+        after: what is left.
+    """
+
+    kills: list[Kill]
+    calm_s: tuple[float, float]
+    killing_s: tuple[float, float]
+    answered_s: float
+    after: Aftermath
+
+
+async def play(campaign: Campaign, folder: Path) -> Outcome:
+    """Play it.
+
+    Args:
+        campaign: what is done.
+        folder: an empty one.
+
+    Raises:
+        UnavailableError: the fleet does not start.
+    """
+    plant = campaign.plant
+    async with running(folder, plant, speed=campaign.speed, plain=campaign.plain) as fleet:
+        store = await open_store(fleet.database_url)
+        try:
+            with fleet.bus(WATCH) as bus:
+                watch = Watch(bus)
+                await _until_all_are_there(watch, fleet)
+                first = await count_pieces(bus.inner, plant.id)
+                field = _Field(campaign, fleet, watch, store)
+                calm_s, killing_s = await field.play()
+                last = await count_pieces(bus.inner, plant.id)
+                kills, roll = field.kills, fleet.roll
+                heartbeats = list(watch.heard.machines.values())
+        finally:
+            await store.close()
+    store = await open_store(fleet.database_url)
+    try:
+        history = History()
+        history.add(await read_database(store))
+        history.add(read_journals(fleet.journals))
+        orders = await _all_orders(store)
+    finally:
+        await store.close()
+    after = Aftermath(
+        history=history,
+        heartbeats=heartbeats,
+        accepted=field.customer.accepted,
+        refused=field.customer.refused,
+        orders=orders,
+        first=first,
+        last=last,
+        starts={member.name: member.starts for member in roll.members},
+        kills=Counter(kill.victim.name for kill in kills),
+    )
+    return Outcome(kills, calm_s, killing_s, field.customer.waited_s, after)
+
+
+async def _until_all_are_there(watch: Watch, fleet: Fleet) -> None:
+    names = frozenset(member.name for member in fleet.roll.members if member.joins)
+    try:
+        async with asyncio.timeout(JOIN_S):
+            await watch.until_joined(names)
+    except TimeoutError:
+        missing = ", ".join(sorted(names - watch.lives.keys()))
+        raise UnavailableError(missing, f"not on the bus in {JOIN_S:.0f} s", "see the fleet's logs") from None
+
+
+class _Field:
+    """A campaign under way."""
+
+    def __init__(self, campaign: Campaign, fleet: Fleet, watch: Watch, store: Store) -> None:
+        self._campaign, self._fleet, self._watch, self._store = campaign, fleet, watch, store
+        self.customer = Customer(fleet.url, fleet.token, fleet.time)
+        self._killed: list[tuple[Victim, float]] = []
+        """Each with its moment (wall clock)."""
+
+    async def play(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Play it; when nobody was killed, and when everybody was (plant clock)."""
+        campaign = self._campaign
+        orders = demand.orders(
+            campaign.plant, Random(f"{campaign.seed} demand"), load=campaign.load, until_s=float("inf")
+        )
+        async with asyncio.TaskGroup() as group:
+            group.create_task(self.customer.place(orders, self._now_s()))
+            await asyncio.sleep(campaign.warm_s)
+            began_s = self._now_s()
+            await asyncio.sleep(campaign.calm_s)
+            kill_s = self._now_s()
+            await self._kill_all()
+            ended_s = self._now_s()
+            self.customer.stop()
+        await self._drain()
+        return (began_s, kill_s), (kill_s, ended_s)
+
+    @property
+    def kills(self) -> list[Kill]:
+        """All of them, in order, with what is known of the next lives."""
+        to_plant_s = self._fleet.time.to_plant_s
+        return [Kill(victim, to_plant_s(at_s), self._away_s(victim, at_s)) for victim, at_s in self._killed]
+
+    async def _kill_all(self) -> None:
+        campaign = self._campaign
+        rota = Rota(Random(f"{campaign.seed} victims"), campaign.each)
+        while len(self._killed) < campaign.kills:
+            victim = rota.choose(self._living())
+            if victim is not None:
+                self._fleet.kill(victim.name)
+                self._killed.append((victim, time.time()))
+            await asyncio.sleep(campaign.pause_s)
+
+    def _living(self) -> Iterator[Victim]:
+        """Those whose last life is on the bus."""
+        heard = self._watch.heard
+        said = (*map(vehicle, heard.atvs.values()), *map(machine, heard.machines.values()))
+        offices = (Victim(name, kind) for name, kind in OFFICES.items())
+        killed_s = {victim.name: at_s for victim, at_s in self._killed}
+        for victim in (*said, *offices):
+            at_s = killed_s.get(victim.name)
+            if at_s is None or self._away_s(victim, at_s) is not None:
+                yield victim
+
+    def _away_s(self, victim: Victim, at_s: float) -> float | None:
+        joined_s = self._watch.joined_since(victim.name, at_s)
+        return None if joined_s is None else joined_s - at_s
+
+    async def _drain(self) -> None:
+        """Wait for the last orders and the last lives; what is not there by then is judged as lost."""
+        deadline_s = time.time() + self._campaign.drain_s
+        while time.time() < deadline_s:
+            orders = await _all_orders(self._store)
+            there = all(kill.away_s is not None for kill in self.kills)
+            if there and all(order.status is OrderStatus.DELIVERED for order in orders):
+                return
+            await asyncio.sleep(LOOK_S)
+
+    def _now_s(self) -> float:
+        return self._fleet.time.to_plant_s(time.time())
+
+
+async def _all_orders(store: Store) -> list[Order]:
+    async with store.read() as work:
+        return await work.orders.page((), None, None)

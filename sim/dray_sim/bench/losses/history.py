@@ -1,0 +1,76 @@
+"""The history of a fleet: all facts of all agents, each once, from wherever they are kept.
+
+The database has what the historian has heard or asked for, the journals what agents have told last. Facts
+are journalled before they are told, so both together have what a kill has kept anybody from hearing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import msgspec
+
+from dray.adapters.sqlite_journal import read_events
+from dray.messages import Event
+from dray.messages.fact import AnyFact
+from dray.store import Store
+from dray.store.events import EventFilter, EventRow
+
+PAGE = 1_000
+"""Rows that are read at once."""
+
+_read_fact: msgspec.json.Decoder[AnyFact] = msgspec.json.Decoder(AnyFact)
+
+
+class History:
+    """All that agents have told."""
+
+    def __init__(self) -> None:
+        self._events: dict[tuple[str, int, int], Event] = {}
+
+    def add(self, events: Iterable[Event]) -> None:
+        """Take these in; what is there already stays."""
+        for event in events:
+            self._events.setdefault((event.agent, event.incarnation, event.number), event)
+
+    @property
+    def events(self) -> list[Event]:
+        """In the order of time; those of one agent in the order in which it has numbered them."""
+        numbered = [self._events[place] for place in sorted(self._events)]
+        return sorted(numbered, key=lambda event: event.at_s)
+
+    @property
+    def holes(self) -> list[str]:
+        """Where a number is missing before one that is there: "ATV1, life 2: 7, 8"."""
+        numbers: dict[tuple[str, int], set[int]] = {}
+        for agent, life, number in self._events:
+            numbers.setdefault((agent, life), set()).add(number)
+        missing = {
+            place: sorted(set(range(1, max(there))) - there) for place, there in sorted(numbers.items())
+        }
+        return [
+            f"{agent}, life {life}: {', '.join(map(str, lacking))}"
+            for (agent, life), lacking in missing.items()
+            if lacking
+        ]
+
+
+async def read_database(store: Store) -> list[Event]:
+    """All that the historian has written."""
+    found: list[Event] = []
+    after: int | None = None
+    async with store.read() as work:
+        while rows := await work.events.page(EventFilter(), after, PAGE, newest_first=False):
+            found += map(_event, rows)
+            after = rows[-1].position
+    return found
+
+
+def read_journals(folder: Path) -> list[Event]:
+    """All that the journals of a folder still have."""
+    return [event for file in sorted(folder.glob("*.db")) for event in read_events(file)]
+
+
+def _event(row: EventRow) -> Event:
+    return Event(row.agent, row.incarnation, row.number, row.plant_s, _read_fact.decode(row.fact))

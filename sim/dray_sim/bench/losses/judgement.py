@@ -1,0 +1,173 @@
+"""The judgement over a factory whose processes were killed: what must not be, and whether it was seen.
+
+The checks are the simulator's invariants (`dray_sim.invariants`), told afterwards what was said, and counts
+of what the floor and the database hold in the end. Pure.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from dray.messages import Event, MachineHeartbeat, Message, OrderItem, OrderReleased
+from dray.messages.fact import ContractTaken, TaskClosed, TaskOpened
+from dray.store.orders import Order
+from dray.store.progress import OrderStatus
+from dray_sim.bench.losses.history import History
+from dray_sim.broken import InvariantBroken
+from dray_sim.delivered import DeliveredExactly
+from dray_sim.factory import Ear
+from dray_sim.floor import Pieces
+from dray_sim.invariants import HandedOverOnce, MaterialConserved, OnePrimaryEach, TasksEnd
+
+
+@dataclass(frozen=True, slots=True)
+class Aftermath:
+    """All that is known when everything is over.
+
+    Attributes:
+        history: of all agents.
+        heartbeats: the last one of every machine.
+        accepted: the ids of orders that were answered with 201, by the customer's reference.
+        refused: why other orders were not.
+        orders: all that the database has.
+        first, last: all pieces on the floor, at the beginning and in the end.
+        starts: how often each process was started.
+        kills: how often each was killed.
+    """
+
+    history: History
+    heartbeats: Sequence[MachineHeartbeat]
+    accepted: Mapping[str, str]
+    refused: Mapping[str, str]
+    orders: Sequence[Order]
+    first: Pieces
+    last: Pieces
+    starts: Mapping[str, int]
+    kills: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """Something that must not be.
+
+    Attributes:
+        what: in the plural, as "tasks lost".
+        of: how many could have been.
+        of_what: what these are.
+        seen: every case of it, in words.
+    """
+
+    what: str
+    of: int
+    of_what: str
+    seen: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Utterance:
+    at_s: float
+    sender: str
+    message: Message
+
+
+def judge(after: Aftermath) -> list[Finding]:
+    """Look for everything that must not be."""
+    events = after.history.events
+    said = sorted(_said(events, after.heartbeats), key=lambda utterance: utterance.at_s)
+    released = [_Utterance(0.0, "gateway", _release(order)) for order in after.orders]
+    facts = Counter(type(event.fact) for event in events)
+    pieces = sum(sum(order.quantities) for order in after.orders)
+    arrived = after.last.arrived
+    return [
+        Finding("tasks lost", facts[TaskOpened], "announcements", _broken(TasksEnd(), said)),
+        Finding("handovers doubled", facts[TaskClosed], "tasks ended", _broken(HandedOverOnce(), said)),
+        Finding(
+            "vehicles with two tasks", facts[ContractTaken], "contracts", _broken(OnePrimaryEach(), said)
+        ),
+        Finding(
+            "pieces too many or too few",
+            pieces,
+            "pieces ordered",
+            (
+                *_broken(DeliveredExactly(lambda goal: arrived.get(goal, 0)), [*released, *said]),
+                *_not_as_ordered(after),
+            ),
+        ),
+        Finding("accepted orders lost", len(after.accepted), "orders accepted", tuple(_lost_orders(after))),
+        Finding("orders doubled", len(after.orders), "orders", tuple(_doubled_orders(after))),
+        Finding("orders refused", len(after.accepted), "orders accepted", tuple(_refusals(after))),
+        Finding("pieces lost or made of nothing", pieces, "pieces ordered", _unbalanced(after)),
+        Finding("processes ended by themselves", len(after.starts), "processes", tuple(_fallen(after))),
+        Finding("holes in histories", len(events), "facts", tuple(after.history.holes)),
+    ]
+
+
+def _said(events: Iterable[Event], heartbeats: Iterable[MachineHeartbeat]) -> Iterable[_Utterance]:
+    for event in events:
+        yield _Utterance(event.at_s, event.agent, event)
+    for heartbeat in heartbeats:
+        yield _Utterance(heartbeat.at_s, heartbeat.machine, heartbeat)
+
+
+def _release(order: Order) -> OrderReleased:
+    items = tuple(OrderItem(item.product, item.quantity) for item in order.items)
+    return OrderReleased(order=order.id, items=items, due_s=0.0)
+
+
+def _broken(check: Ear, said: Iterable[_Utterance]) -> tuple[str, ...]:
+    """What an invariant finds first."""
+    try:
+        for utterance in said:
+            check.hear(utterance.at_s, utterance.sender, "", utterance.message)
+    except InvariantBroken as broken:
+        return (str(broken),)
+    return ()
+
+
+def _not_as_ordered(after: Aftermath) -> Iterable[str]:
+    """The floor's own count at the delivery warehouses, which knows neither goals nor orders."""
+    ordered: Counter[str] = Counter()
+    for order in after.orders:
+        for item in order.items:
+            ordered[item.product] += item.quantity
+    for product in sorted(ordered.keys() | after.last.delivered.keys()):
+        delivered = after.last.delivered.get(product, 0) - after.first.delivered.get(product, 0)
+        if delivered != ordered[product]:
+            yield f"{delivered} pieces of {product} arrived, {ordered[product]} were ordered"
+
+
+def _lost_orders(after: Aftermath) -> Iterable[str]:
+    status = {order.id: order.status for order in after.orders}
+    for reference, order in after.accepted.items():
+        if order not in status:
+            yield f"{reference} was accepted as {order}, which nobody knows"
+        elif status[order] is not OrderStatus.DELIVERED:
+            yield f"{reference} was accepted as {order}, which is {status[order].value}"
+
+
+def _doubled_orders(after: Aftermath) -> Iterable[str]:
+    times = Counter(order.reference for order in after.orders)
+    return (f"{reference} is there {count} times" for reference, count in times.items() if count > 1)
+
+
+def _refusals(after: Aftermath) -> Iterable[str]:
+    return (f"{reference}: {reason}" for reference, reason in after.refused.items())
+
+
+def _unbalanced(after: Aftermath) -> tuple[str, ...]:
+    counts = iter((after.first.balance, after.last.balance))
+    try:
+        MaterialConserved(lambda: next(counts)).check(0.0)
+    except InvariantBroken as broken:
+        return (broken.seen,)
+    return ()
+
+
+def _fallen(after: Aftermath) -> Iterable[str]:
+    """An agent never ends by itself (invariant 8), so it is started once more than it was killed."""
+    for name, starts in after.starts.items():
+        kills = after.kills.get(name, 0)
+        if starts != kills + 1:
+            yield f"{name} was killed {kills} times and started {starts} times"

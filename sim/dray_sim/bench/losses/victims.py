@@ -1,0 +1,93 @@
+"""Victims: which process is killed next, and what it was doing at that moment."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from random import Random
+
+from dray.cli.fleet.folder import GATEWAY, HISTORIAN
+from dray.messages import AtvHeartbeat, MachineHeartbeat, Phase
+from dray.protocol.strategist import STRATEGIST
+
+
+class Kind(StrEnum):
+    """What a process was when it was killed."""
+
+    IDLE = "vehicle without a task"
+    FETCHING = "vehicle before its load"
+    LOADED = "vehicle with a load"
+    WATCHING = "secondary"
+    MACHINE = "machine"
+    STRATEGIST = "strategist"
+    HISTORIAN = "historian"
+    GATEWAY = "gateway"
+
+
+OFFICES: Mapping[str, Kind] = {
+    STRATEGIST: Kind.STRATEGIST,
+    HISTORIAN: Kind.HISTORIAN,
+    GATEWAY: Kind.GATEWAY,
+}
+"""The processes of which there is one."""
+
+_BEFORE_THE_LOAD = frozenset({Phase.APPROACHING, Phase.LOADING})
+
+
+@dataclass(frozen=True, slots=True)
+class Victim:
+    """A process that may be killed.
+
+    Attributes:
+        name: its agent's.
+        kind: what it does at this moment, by its own word.
+        work: the task that it carries, the tasks that it watches, or the goals that it makes.
+    """
+
+    name: str
+    kind: Kind
+    work: tuple[str, ...] = ()
+
+
+def vehicle(heartbeat: AtvHeartbeat) -> Victim:
+    """A vehicle, by its last word."""
+    task = heartbeat.task
+    if task is not None:
+        before = task.phase in _BEFORE_THE_LOAD and not heartbeat.load
+        return Victim(heartbeat.atv, Kind.FETCHING if before else Kind.LOADED, (task.task,))
+    if heartbeat.watches:
+        return Victim(heartbeat.atv, Kind.WATCHING, tuple(brief.task for brief in heartbeat.watches))
+    return Victim(heartbeat.atv, Kind.IDLE)
+
+
+def machine(heartbeat: MachineHeartbeat) -> Victim:
+    """A machine, by its last word."""
+    return Victim(heartbeat.machine, Kind.MACHINE, tuple(brief.goal for brief in heartbeat.goals))
+
+
+class Rota:
+    """Whose turn it is: every kind so many times in turn, then whoever chance names.
+
+    Args:
+        random: the only source of chance.
+        each: how often it is every kind's turn.
+    """
+
+    def __init__(self, random: Random, each: int) -> None:
+        self._random = random
+        self._turns = [kind for _ in range(each) for kind in Kind]
+
+    def choose(self, living: Iterable[Victim]) -> Victim | None:
+        """The next one; None when nobody lives."""
+        chosen = self._of_the_next_kind(there := sorted(living, key=lambda victim: victim.name))
+        return chosen or (self._random.choice(there) if there else None)
+
+    def _of_the_next_kind(self, there: Sequence[Victim]) -> Victim | None:
+        """Of the first kind that waits for its turn and that somebody is of now."""
+        for place, kind in enumerate(self._turns):
+            of_kind = [victim for victim in there if victim.kind is kind]
+            if of_kind:
+                del self._turns[place]
+                return self._random.choice(of_kind)
+        return None

@@ -1,0 +1,66 @@
+"""A peer on a fleet's bus that notes who lives since when, and what each has said last."""
+
+from __future__ import annotations
+
+import asyncio
+
+import zenoh
+from zenoh.handlers import Callback
+
+from dray.adapters.zenoh_bus import ZenohBus
+from dray.messages import Message
+from dray_sim.witness import Witness
+
+WATCH = "watch"
+"""Its name on the bus, and of its certificate."""
+
+
+class Watch:
+    """Listens, and takes no part.
+
+    What it hears is good for choosing whom to kill and for telling when a life has begun. What must be exact
+    is taken from histories: a word that is said while links break does not reach everybody.
+
+    Args:
+        bus: joined by this call.
+
+    Attributes:
+        heard: the last heartbeat of each.
+        lives: when each of an agent's lives has joined the bus (wall clock), in order.
+    """
+
+    def __init__(self, bus: ZenohBus) -> None:
+        self.heard = Witness()
+        self.lives: dict[str, list[float]] = {}
+        self._bus = bus
+        self._joined = asyncio.Event()
+        session = bus.join(WATCH, self._hear)
+        session.subscribe(bus.keys.all_heartbeats)
+        tokens = bus.keys.alive("*", "*")
+        bus.inner.liveliness().declare_subscriber(tokens, Callback(self._see, indirect=False), history=True)
+
+    def joined_since(self, agent: str, since_s: float) -> float | None:
+        """When the first life of an agent has joined that began after this moment (wall clock)."""
+        return next((life_s for life_s in self.lives.get(agent, ()) if life_s > since_s), None)
+
+    async def until_joined(self, agents: frozenset[str]) -> None:
+        """Wait until all of these are on the bus."""
+        while not agents <= self.lives.keys():
+            self._joined.clear()
+            await self._joined.wait()
+
+    def _hear(self, sender: str, message: Message) -> None:
+        self.heard.hear(0.0, sender, "", message)
+
+    def _see(self, token: zenoh.Sample) -> None:
+        """On a thread of Zenoh's."""
+        if token.kind == zenoh.SampleKind.PUT:
+            agent, life = str(token.key_expr).split("/")[-2:]
+            self._bus.arrivals.order(self._note_life, agent, int(life) / 1e9)
+
+    def _note_life(self, agent: str, joined_s: float) -> None:
+        lives = self.lives.setdefault(agent, [])
+        if joined_s not in lives:
+            lives.append(joined_s)
+            lives.sort()
+        self._joined.set()

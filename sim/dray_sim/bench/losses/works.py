@@ -1,0 +1,60 @@
+"""Works: tasks and goals, and all that was told about each. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from dray.messages import Event, Transport
+from dray.messages.fact import TaskClosed, TaskOpened
+
+
+@dataclass(slots=True)
+class Span:
+    """One transport from its first announcement to its handover (plant clock)."""
+
+    opened_s: float
+    delivered_s: float | None = None
+
+    @property
+    def took_s(self) -> float | None:
+        """None for one that was not delivered."""
+        return None if self.delivered_s is None else self.delivered_s - self.opened_s
+
+
+class Works:
+    """What became of everything.
+
+    Args:
+        events: all facts, in the order of time.
+
+    Attributes:
+        transports: by task.
+    """
+
+    def __init__(self, events: Iterable[Event]) -> None:
+        self.transports: dict[str, Span] = {}
+        self._about: dict[str, list[Event]] = {}
+        for event in events:
+            fact = event.fact
+            work = getattr(fact, "task", "") or getattr(fact, "goal", "")
+            if work:
+                self._about.setdefault(work, []).append(event)
+            if isinstance(fact, TaskOpened) and isinstance(fact.work, Transport):
+                self.transports.setdefault(fact.task, Span(event.at_s))
+            elif (
+                isinstance(fact, TaskClosed) and fact.outcome == "delivered" and fact.task in self.transports
+            ):
+                self.transports[fact.task].delivered_s = event.at_s
+
+    def after(self, work: str, at_s: float) -> Sequence[Event]:
+        """What was told about a task or a goal after this moment (plant clock)."""
+        return [event for event in self._about.get(work, ()) if event.at_s > at_s]
+
+    def durations_s(self, since_s: float, until_s: float) -> list[float]:
+        """How long each transport took that was delivered in this time (plant clock)."""
+        return [
+            span.delivered_s - span.opened_s
+            for span in self.transports.values()
+            if span.delivered_s is not None and since_s <= span.delivered_s < until_s
+        ]

@@ -1,0 +1,385 @@
+"""The benchmark that kills: its judgement finds what is planted, and a small fleet survives a few kills."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+from random import Random
+
+import msgspec
+import pytest
+
+from dray.messages import (
+    AtvHeartbeat,
+    AtvStatus,
+    Brief,
+    Event,
+    MachineHeartbeat,
+    MachineStatus,
+    Phase,
+    Pose,
+    Production,
+    Role,
+    Transport,
+)
+from dray.messages.fact import (
+    CarrierChanged,
+    ContractEnded,
+    ContractTaken,
+    Fact,
+    GoalLost,
+    GoodsDelivered,
+    OrderFulfilled,
+    PhaseEntered,
+    PieceMade,
+    TaskClosed,
+    TaskOpened,
+    WatchLost,
+)
+from dray.store.orders import Item, Order
+from dray.store.progress import OrderStatus
+from dray_sim.bench import losses
+from dray_sim.bench.losses import campaign
+from dray_sim.bench.losses.campaign import Campaign, Outcome
+from dray_sim.bench.losses.cost import (
+    ANNOUNCED,
+    GIVEN_AWAY,
+    KEPT,
+    TAKEN_OVER,
+    WATCHED_ANEW,
+    Fate,
+    Kill,
+    fates,
+)
+from dray_sim.bench.losses.history import History
+from dray_sim.bench.losses.judgement import Aftermath, judge
+from dray_sim.bench.losses.victims import Kind, Rota, Victim, machine, vehicle
+from dray_sim.bench.losses.works import Works
+from dray_sim.explore.trial import draw
+from dray_sim.floor import Pieces
+
+WORK = Transport(item="shaft", quantity=40, sources=("S3",), destination="M8", ability="tote")
+GOAL = Production(product="pump-p3", quantity=24, order="O-1", item=0)
+ORDER = Order(
+    id="O-1",
+    status=OrderStatus.DELIVERED,
+    customer="Benchmark",
+    token="t",
+    items=(Item("pump-p3", 24),),
+    created_at_s=0.0,
+    reference="D1",
+    due_at_s=900.0,
+    delivered_at_s=600.0,
+)
+PIECES = Pieces(balance={"shaft": 100, "pump-p3": 0}, delivered={}, arrived={})
+
+
+class Told:
+    """Facts, one second after the other, numbered as agents number them."""
+
+    def __init__(self) -> None:
+        self.events: list[Event] = []
+        self._numbers: Counter[tuple[str, int]] = Counter()
+
+    def by(self, agent: str, *facts: Fact, life: int = 1) -> None:
+        for fact in facts:
+            self._numbers[agent, life] += 1
+            at_s = 1.0 + len(self.events)
+            self.events.append(Event(agent, life, self._numbers[agent, life], at_s, fact))
+
+    @property
+    def history(self) -> History:
+        history = History()
+        history.add(self.events)
+        return history
+
+
+def opened(task: str, work: Transport | Production = WORK) -> TaskOpened:
+    return TaskOpened(
+        task=task,
+        epoch=1,
+        role=Role.PRIMARY,
+        round=1,
+        work=work,
+        radius_m=25.0,
+        deadline_s=100.0,
+        bids_until_s=1.0,
+    )
+
+
+def taken(task: str, role: Role = Role.PRIMARY) -> ContractTaken:
+    return ContractTaken(task=task, epoch=1, role=role, coordinator="M8")
+
+
+def handed_over(task: str) -> ContractEnded:
+    return ContractEnded(task=task, epoch=1, role=Role.PRIMARY, reason="handed_over")
+
+
+def closed(task: str, carrier: str = "ATV2") -> TaskClosed:
+    return TaskClosed(task=task, epoch=1, outcome="delivered", carrier=carrier)
+
+
+def changed(carrier: str) -> CarrierChanged:
+    return CarrierChanged(task="M8-1", epoch=2, replaced="ATV2", carrier=carrier, reason="silent")
+
+
+def arrived(goal: str, pieces: int) -> GoodsDelivered:
+    return GoodsDelivered(
+        goal=goal, order="O-1", item=0, product="pump-p3", quantity=pieces, delivered=pieces
+    )
+
+
+def heartbeat(**fields: object) -> MachineHeartbeat:
+    return MachineHeartbeat(
+        machine="M8", incarnation=1, seq=1, at_s=1000.0, status=MachineStatus.IDLE, **fields
+    )
+
+
+def whole() -> Told:
+    """One order, made and delivered, with one transport of material."""
+    told = Told()
+    told.by("strategist", opened("G1", GOAL))
+    told.by("M8", opened("M8-1"))
+    told.by("ATV2", taken("M8-1"), handed_over("M8-1"))
+    told.by("M8", closed("M8-1"))
+    told.by("strategist", arrived("G1", 24), closed("G1", "M8"), OrderFulfilled(order="O-1"))
+    return told
+
+
+def aftermath(told: Told) -> Aftermath:
+    """Of a factory in which nothing went wrong, but for what was told."""
+    return Aftermath(
+        history=told.history,
+        heartbeats=[heartbeat()],
+        accepted={"D1": "O-1"},
+        refused={},
+        orders=[ORDER],
+        first=PIECES,
+        last=Pieces(balance=PIECES.balance, delivered={"pump-p3": 24}, arrived={"G1": 24}),
+        starts={"M8": 2, "ATV2": 1},
+        kills={"M8": 1},
+    )
+
+
+def found(after: Aftermath) -> set[str]:
+    return {finding.what for finding in judge(after) if finding.seen}
+
+
+def test_where_nothing_is_wrong_nothing_is_found() -> None:
+    after = aftermath(whole())
+    assert found(after) == set()
+    assert all(finding.of for finding in judge(after))
+
+
+def test_a_task_that_its_machine_has_forgotten_is_found() -> None:
+    told = whole()
+    told.by("M8", opened("M8-2"))
+    assert found(aftermath(told)) == {"tasks lost"}
+
+
+def test_a_task_that_two_vehicles_have_handed_over_is_found() -> None:
+    told = whole()
+    told.by("ATV3", taken("M8-1"), handed_over("M8-1"))
+    assert found(aftermath(told)) == {"handovers doubled"}
+
+
+def test_a_vehicle_that_was_primary_of_two_tasks_is_found_over_its_lives() -> None:
+    told = whole()
+    told.by("ATV3", taken("M8-1"))
+    told.by("ATV3", taken("M9-1"), life=2)
+    assert found(aftermath(told)) == {"vehicles with two tasks"}
+
+
+def test_an_accepted_order_that_is_not_delivered_is_found() -> None:
+    after = aftermath(whole())
+    in_work = msgspec.structs.replace(ORDER, status=OrderStatus.IN_PRODUCTION)
+    assert found(replace(after, orders=[in_work])) == {"accepted orders lost"}
+
+
+def test_an_accepted_order_that_nobody_knows_is_found() -> None:
+    after = aftermath(whole())
+    assert found(replace(after, accepted={"D1": "O-1", "D2": "O-2"})) == {"accepted orders lost"}
+
+
+def test_an_order_that_is_there_twice_is_found() -> None:
+    after = aftermath(whole())
+    twin = msgspec.structs.replace(ORDER, id="O-2", items=())
+    assert found(replace(after, orders=[ORDER, twin])) == {"orders doubled"}
+
+
+def test_an_order_that_was_refused_is_found() -> None:
+    assert found(replace(aftermath(whole()), refused={"D2": "no"})) == {"orders refused"}
+
+
+@pytest.mark.parametrize("pieces", [23, 25])
+def test_a_piece_too_few_or_too_many_at_the_gate_is_found(pieces: int) -> None:
+    after = aftermath(whole())
+    last = Pieces(balance=PIECES.balance, delivered={"pump-p3": pieces}, arrived={"G1": pieces})
+    assert found(replace(after, last=last)) == {"pieces too many or too few"}
+
+
+def test_pieces_that_arrived_beside_the_gate_are_found() -> None:
+    after = aftermath(whole())
+    last = msgspec.structs.replace(after.last, delivered={"pump-p3": 25})
+    assert found(replace(after, last=last)) == {"pieces too many or too few"}
+
+
+@pytest.mark.parametrize("pieces", [99, 101])
+def test_material_that_is_lost_or_made_of_nothing_is_found(pieces: int) -> None:
+    after = aftermath(whole())
+    last = msgspec.structs.replace(after.last, balance={"shaft": pieces, "pump-p3": 0})
+    assert found(replace(after, last=last)) == {"pieces lost or made of nothing"}
+
+
+def test_a_process_that_ended_by_itself_is_found() -> None:
+    after = aftermath(whole())
+    assert found(replace(after, starts={"M8": 3, "ATV2": 1})) == {"processes ended by themselves"}
+
+
+def test_a_hole_in_a_history_is_found() -> None:
+    told = whole()
+    del told.events[2]
+    assert found(aftermath(told)) == {"holes in histories"}
+    assert told.history.holes == ["ATV2, life 1: 1"]
+
+
+def test_what_the_database_and_a_journal_both_have_is_told_once() -> None:
+    told = whole()
+    history = told.history
+    history.add(told.events)
+    assert history.events == told.events
+
+
+# --- what it costs ----------------------------------------------------------------------------------
+
+
+def fate_of(kind: Kind, name: str, work: str, told: Told) -> list[Fate]:
+    return fates(Kill(Victim(name, kind, (work,)), at_s=1.5, away_s=2.0), Works(told.events))
+
+
+def test_a_task_is_taken_over_when_its_secondary_has_it() -> None:
+    told = Told()
+    told.by("M8", opened("M8-1"), changed("ATV3"))
+    assert fate_of(Kind.FETCHING, "ATV2", "M8-1", told) == [Fate(TAKEN_OVER, 2.0)]
+
+
+def test_a_task_that_was_announced_anew_goes_on_when_somebody_has_taken_it() -> None:
+    told = Told()
+    told.by("M8", opened("M8-1"), changed(""))
+    told.by("ATV3", taken("M8-1"))
+    assert fate_of(Kind.LOADED, "ATV2", "M8-1", told) == [Fate(ANNOUNCED, 3.0)]
+
+
+def test_a_vehicle_that_comes_back_in_time_keeps_its_task() -> None:
+    told = Told()
+    told.by("M8", opened("M8-1"))
+    told.by("ATV2", PhaseEntered(task="M8-1", epoch=1, phase=Phase.LOADING), life=2)
+    assert fate_of(Kind.FETCHING, "ATV2", "M8-1", told) == [Fate(KEPT, 2.0)]
+
+
+def test_a_task_without_its_secondary_is_watched_anew() -> None:
+    told = Told()
+    told.by("M8", opened("M8-1"), WatchLost(task="M8-1", epoch=1, secondary="ATV4", reason="silent"))
+    told.by("ATV5", taken("M8-1", Role.SECONDARY))
+    assert fate_of(Kind.WATCHING, "ATV4", "M8-1", told) == [Fate(WATCHED_ANEW, 3.0)]
+
+
+def test_a_goal_is_given_to_another_machine_or_kept() -> None:
+    told = Told()
+    told.by("strategist", opened("G1", GOAL), GoalLost(goal="G1", machine="M8", arrived=0, successor="G2"))
+    assert fate_of(Kind.MACHINE, "M8", "G1", told) == [Fate(GIVEN_AWAY, 2.0)]
+    told = Told()
+    told.by("strategist", opened("G1", GOAL))
+    told.by("M8", PieceMade(goal="G1", product="pump-p3", made=7), life=2)
+    assert fate_of(Kind.MACHINE, "M8", "G1", told) == [Fate(KEPT, 2.0)]
+
+
+def test_what_was_over_before_the_kill_has_no_fate() -> None:
+    told = Told()
+    told.by("M8", closed("M8-1"))
+    assert fate_of(Kind.LOADED, "ATV2", "M8-1", told) == []
+
+
+# --- who is next ------------------------------------------------------------------------------------
+
+
+def beat(**fields: object) -> AtvHeartbeat:
+    return AtvHeartbeat(
+        atv="ATV2",
+        incarnation=1,
+        seq=1,
+        at_s=0.0,
+        status=AtvStatus.WORKING,
+        pose=Pose(0.0, 0.0, 0.0),
+        node="c3",
+        speed_mps=0.0,
+        battery_frac=1.0,
+        **fields,
+    )
+
+
+def brief(role: Role, phase: Phase | None = None) -> Brief:
+    return Brief(task="M8-1", epoch=1, role=role, coordinator="M8", phase=phase)
+
+
+def test_a_victim_is_what_it_says_of_itself() -> None:
+    approaching = brief(Role.PRIMARY, Phase.APPROACHING)
+    assert vehicle(beat()) == Victim("ATV2", Kind.IDLE)
+    assert vehicle(beat(task=approaching)) == Victim("ATV2", Kind.FETCHING, ("M8-1",))
+    assert vehicle(beat(task=brief(Role.PRIMARY, Phase.CARRYING), load="shaft")).kind is Kind.LOADED
+    assert vehicle(beat(task=brief(Role.PRIMARY, Phase.LOADING), load="shaft")).kind is Kind.LOADED
+    assert vehicle(beat(watches=(brief(Role.SECONDARY),))) == Victim("ATV2", Kind.WATCHING, ("M8-1",))
+    assert vehicle(beat(task=approaching, watches=(brief(Role.SECONDARY),))).kind is Kind.FETCHING
+    assert machine(heartbeat()) == Victim("M8", Kind.MACHINE)
+
+
+def test_every_kind_has_its_turns_before_chance_does() -> None:
+    living = [Victim(kind.value, kind) for kind in Kind]
+    rota = Rota(Random(1), each=2)
+    assert [rota.choose(living) for _ in range(2 * len(living))] == [*living, *living]
+    assert rota.choose(living) in living
+
+
+def test_a_kind_that_nobody_is_of_waits_for_its_turn() -> None:
+    rota = Rota(Random(1), each=1)
+    idle, loaded = Victim("ATV1", Kind.IDLE), Victim("ATV2", Kind.LOADED)
+    assert rota.choose([loaded]) == loaded
+    assert rota.choose([idle, loaded]) == idle
+    assert rota.choose([loaded]) == loaded
+    assert rota.choose([]) is None
+
+
+# --- a small fleet ----------------------------------------------------------------------------------
+
+SMALL = Campaign(
+    # Small containers and short cycles: much is carried in little time.
+    plant=draw(24).plant,
+    speed=20.0,
+    plain=True,
+    load=0.8,
+    warm_s=0.0,
+    calm_s=15.0,
+    each=1,
+    kills=8,
+    pause_s=2.0,
+    drain_s=240.0,
+    seed=1,
+)
+
+
+@pytest.mark.slow
+def test_a_small_fleet_loses_nothing_when_one_of_every_kind_is_killed(tmp_path: Path) -> None:
+    outcome: Outcome = asyncio.run(campaign.play(SMALL, tmp_path))
+    assert len(outcome.kills) == SMALL.kills
+    assert all(kill.away_s is not None for kill in outcome.kills)
+    assert {Kind.MACHINE, Kind.STRATEGIST, Kind.HISTORIAN, Kind.GATEWAY} <= {
+        kill.victim.kind for kill in outcome.kills
+    }
+    findings = judge(outcome.after)
+    assert {finding.what: finding.seen for finding in findings if finding.seen} == {}
+    assert all(finding.of for finding in findings)
+    rows = losses.rows(outcome)
+    assert all(row.met for row in rows)
+    assert {f"losses: {kill.victim.kind}, away" for kill in outcome.kills} <= {row.name for row in rows}
