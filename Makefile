@@ -84,7 +84,7 @@ pytest: setup ## Python's tests: units, simulation, gateway, store, packaging, b
 	$(call stage,PostgreSQL)
 	@tools/postgres.sh || true
 	$(call stage,pytest)
-	$(PYTEST) $(ARGS)
+	$(PYTEST) -n auto --maxprocesses 4 --dist worksteal --durations 20 $(ARGS)
 
 bench: setup ## Benchmarks, each a ratio against a baseline of the same run
 	@$(BIN)/dray bench $(ARGS)

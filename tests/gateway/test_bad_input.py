@@ -17,8 +17,16 @@ from dray.messages import OrderReleased
 pytestmark = pytest.mark.anyio
 
 LINE = {"product": PRODUCT, "quantity": 5}
-MISSING = object()
-"""Stands for a field that is left out."""
+
+
+class _Missing:
+    """Stands for a field that is left out."""
+
+    def __repr__(self) -> str:
+        return "MISSING"  # The same in every worker, for it names the test.
+
+
+MISSING = _Missing()
 
 JSON = {"Content-Type": "application/json"}
 
