@@ -22,6 +22,8 @@ from dray.messages import (
 )
 from dray.messages.fact import (
     AtvStatusChanged,
+    AwardAnswered,
+    CarrierChanged,
     CommandObeyed,
     ContractEnded,
     ContractTaken,
@@ -104,6 +106,30 @@ class HandedOverOnce:
             raise InvariantBroken(2, at_s, f"{task} was delivered twice")
         self._delivered[task] = None
         _forget_oldest(self._delivered)
+
+
+class EpochsRise:
+    """What keeps invariant 2: whenever a task changes its carrier its epoch is higher than before."""
+
+    def __init__(self) -> None:
+        self._epochs: dict[str, int] = {}
+        """By open task, that of the last carrier."""
+
+    def hear(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
+        if type(message) is not Event:
+            return
+        fact = message.fact
+        if type(fact) is AwardAnswered:
+            if fact.role is Role.PRIMARY and fact.answer == "accepted":
+                self._epochs[fact.task] = fact.epoch
+        elif type(fact) is CarrierChanged:
+            before = self._epochs.get(fact.task, 0)
+            if fact.epoch <= before:
+                seen = f"{fact.task} left {fact.replaced} with epoch {fact.epoch}, and had {before} before"
+                raise InvariantBroken(2, at_s, seen)
+            self._epochs[fact.task] = fact.epoch
+        elif type(fact) is TaskClosed:
+            self._epochs.pop(fact.task, None)
 
 
 class OnePrimaryEach:
@@ -220,6 +246,7 @@ class Invariants:
         self._checks: tuple[Ear, ...] = (
             TasksEnd(),
             HandedOverOnce(),
+            EpochsRise(),
             OnePrimaryEach(),
             DeliveredExactly(factory.gate.arrived),
             StoppedStands(factory),

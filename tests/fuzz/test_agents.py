@@ -18,6 +18,7 @@ from dray.codec import decode, encode
 from dray.errors import WireError
 from dray.messages import Event, Message
 from dray.protocol.events import Effect, Publish, Record, Send
+from dray.protocol.leaving import CARRIER_LEAVES_WITHIN_S
 
 UTTERANCES = Utterances(NAMES)
 
@@ -98,6 +99,22 @@ def test_no_talk_ends_an_agent(situation: Callable[[], Played]) -> None:
         listen(situation(), talk)
 
     hears()
+
+
+@pytest.mark.parametrize("situation", SITUATIONS, ids=lambda situation: situation.__name__)
+def test_no_talk_keeps_an_agent_from_leaving(situation: Callable[[], Played]) -> None:
+    @settings(max_examples=10)
+    @given(TALKS, TALKS)
+    def hears_and_leaves(before: Talk, meanwhile: Talk) -> None:
+        actor = situation()
+        listen(actor, before)
+        asked_s = actor.now_s
+        actor.leave(asked_s)
+        listen(actor, meanwhile)
+        actor.run(asked_s + CARRIER_LEAVES_WITHIN_S)
+        assert actor.agent is None
+
+    hears_and_leaves()
 
 
 @settings(max_examples=60)

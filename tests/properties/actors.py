@@ -18,6 +18,8 @@ from dray.protocol.events import (
     Event,
     Heard,
     Instruct,
+    Leave,
+    Leaving,
     Publish,
     Reported,
     Send,
@@ -39,6 +41,7 @@ class Actor:
 
     Attributes:
         agent: the living agent; None while it is down.
+        leaving: it was asked to leave in this life.
         now_s: the time of the last step.
         memory: what it has committed last, in whatever life.
         busiest: the most effects that one event has had.
@@ -54,6 +57,7 @@ class Actor:
         self._watch = watch
         self.body = body
         self.agent: Agent | None = None
+        self.leaving = False
         self.now_s = 0.0
         self.incarnation = 0
         self.memory: Memory | None = None
@@ -65,6 +69,7 @@ class Actor:
         """A life begins."""
         self._move(now_s)
         self.incarnation += 1
+        self.leaving = False
         self.agent = self._create(self.incarnation)
         body = None if self.body is None else self.body.sense()
         self._handle(Started(body, self.memory))
@@ -72,6 +77,12 @@ class Actor:
     def crash(self) -> None:
         """The life ends; the body goes on with what it was told to do."""
         self.agent = None
+
+    def leave(self, now_s: float) -> None:
+        """It is asked to leave; the life ends when it says so."""
+        self._move(now_s)
+        self.leaving = True
+        self._handle(Leaving())
 
     def hear(self, sender: str, message: Message, now_s: float) -> None:
         """A message arrives."""
@@ -129,6 +140,8 @@ class Actor:
             self.memory = effect.memory
         elif isinstance(effect, Instruct) and self.body is not None:
             self._queue.extend(map(Reported, self.body.instruct(effect.instruction, self.now_s)))
+        elif isinstance(effect, Leave):
+            self.agent = None
 
 
 def said(effects: Iterable[Effect]) -> list[Message]:

@@ -1,8 +1,8 @@
 """A small world under an adversary: whatever fails and comes back, the invariants hold, and all ends well.
 
 The adversary cuts agents off, loses, doubles, delays and reorders messages, lets software crash and vehicles
-lose power, breaks vehicles down, lets forks slip, and stops vehicles. When it has had its fun, everything is
-brought back, and what was ordered must be delivered.
+lose power, asks agents to leave, breaks vehicles down, lets forks slip, and stops vehicles. When it has had its
+fun, everything is brought back, and what was ordered must be delivered.
 """
 
 from __future__ import annotations
@@ -83,6 +83,19 @@ class Adversary(RuleBasedStateMachine):
         self.passes(down_s)
         self.starts(agent)
 
+    @rule(agent=AGENTS)
+    def is_asked_to_leave(self, agent: str) -> None:
+        if self.world.is_up(agent):
+            self.world.leave(agent)
+
+    @rule(agent=AGENTS, away_s=st.sampled_from([0.1, 3.0, 10.0, 45.0]))
+    def leaves_and_starts(self, agent: str, away_s: float) -> None:
+        """Its next life begins so much later; one that has not left by then is ended, as a service manager does."""
+        self.is_asked_to_leave(agent)
+        self.passes(away_s)
+        self.crashes(agent)
+        self.starts(agent)
+
     @rule(atv=ATVS, away_s=st.sampled_from([2.0, 6.0, 30.0]))
     def is_out_of_touch_for_a_while(self, atv: str, away_s: float) -> None:
         """It goes on as if nothing were, and comes back when others have taken its task."""
@@ -139,7 +152,9 @@ class Adversary(RuleBasedStateMachine):
         """All faults end."""
         world = self.world
         world.network.heal()
-        for agent in world.actors:
+        for agent, actor in world.actors.items():
+            if actor.leaving and world.is_up(agent):
+                world.crash(agent)
             if not world.is_up(agent):
                 world.start(agent)
         for atv in VEHICLES:

@@ -39,7 +39,7 @@ from dray.messages import (
 )
 from dray.messages.fact import ContractEnded, ContractTaken, OrderFulfilled, TaskClosed, TaskOpened
 from dray.protocol.atv import Atv
-from dray.protocol.events import Effect, Instruct, Publish, Record, Send, Subscribe, Unsubscribe
+from dray.protocol.events import Effect, Instruct, Leave, Publish, Record, Send, Subscribe, Unsubscribe
 from dray.protocol.machine import Machine
 from dray.protocol.strategist import STRATEGIST, Strategist
 
@@ -139,8 +139,12 @@ class World:
         """Its software ends; its body goes on."""
         self._note(f"{agent} crashes")
         self.actors[agent].crash()
-        for listeners in self._listeners.values():
-            listeners.pop(agent, None)
+        self._forget_listener(agent)
+
+    def leave(self, agent: str) -> None:
+        """Its software is asked to leave, and ends in its own time."""
+        self._note(f"{agent} is asked to leave")
+        self.actors[agent].leave(self.now_s)
 
     def power_off(self, atv: str) -> None:
         """A vehicle is switched off, its software too."""
@@ -240,8 +244,15 @@ class World:
             self._listeners.setdefault(effect.key, {})[agent] = None
         elif isinstance(effect, Unsubscribe):
             self._listeners.get(effect.key, {}).pop(agent, None)
+        elif isinstance(effect, Leave):
+            self._forget_listener(agent)
+            self._note(f"{agent} leaves")
         elif isinstance(effect, Instruct | Record):
             self._note(f"{agent}: {effect}")
+
+    def _forget_listener(self, agent: str) -> None:
+        for listeners in self._listeners.values():
+            listeners.pop(agent, None)
 
     def _audience(self, key: str) -> dict[str, None]:
         """Who listens on a key. Wildcards stand at the end only: `*` for one chunk, `**` for any number."""

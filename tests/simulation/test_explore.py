@@ -58,6 +58,7 @@ from dray.messages.fact import (
 )
 from dray.plant import default_plant
 from dray.plant.check import faults as plant_faults
+from dray.protocol.leaving import LEAVES
 from dray.protocol.strategist import Strategist
 from dray_sim.broken import InvariantBroken
 from dray_sim.demand import Order
@@ -74,7 +75,7 @@ from dray_sim.explore.search import search
 from dray_sim.explore.story import Story
 from dray_sim.explore.trial import FAULTS_UNTIL_S, PROFILES, draw
 from dray_sim.factory import SimFactory
-from dray_sim.faults import Crashed, LinkTrouble, PoweredOff, RadioCut, WlanCut
+from dray_sim.faults import Crashed, LinkTrouble, PoweredOff, RadioCut, SentAway, WlanCut
 from dray_sim.loop import JUMP, VirtualClock, clock, run
 from dray_sim.network import SimNetwork
 from dray_sim.people import Habits
@@ -454,6 +455,30 @@ def test_a_stopped_vehicle_may_lose_its_contract() -> None:
     blame.hear(1000.0, "M8", "*", event("M8", LOST))
     blame.hear(1000.0, "ATV3", "*", event("ATV3", AtvStatusChanged(status=AtvStatus.WORKING)))
     blame.hear(1001.0, "M8", "*", event("M8", LOST))
+
+
+GIVEN_BACK = CarrierChanged(task=TASK, epoch=2, replaced="ATV3", carrier="", reason=LEAVES)
+
+
+def test_a_vehicle_that_was_asked_to_leave_may_give_its_task_back_and_need_not_be_missed() -> None:
+    blame = Blame()
+    blame.begin("F1", SentAway("ATV3"), 10.0)
+    blame.hear(20.0, "M8", "*", event("M8", GIVEN_BACK))
+    with pytest.raises(InvariantBroken, match=r"ATV3 lost M8-1 \(silent\)"):
+        blame.hear(20.0, "M8", "*", event("M8", LOST))
+
+
+def test_whoever_was_not_asked_to_leave_does_not() -> None:
+    blame = Blame()
+    blame.begin("F1", Crashed("ATV3"), 10.0)
+    with pytest.raises(InvariantBroken, match="ATV3 lost M8-1"):
+        blame.hear(20.0, "M8", "*", event("M8", GIVEN_BACK))
+
+
+def test_a_machine_that_is_away_answers_nobody() -> None:
+    blame = Blame()
+    blame.begin("F1", SentAway("M8"), 10.0)
+    blame.hear(60.0, "M8", "*", event("M8", LOST))
 
 
 def test_a_goal_that_is_lost_for_nothing_is_noticed() -> None:

@@ -31,6 +31,8 @@ from dray.messages import (
 )
 from dray.messages.fact import (
     AtvStatusChanged,
+    AwardAnswered,
+    CarrierChanged,
     CommandObeyed,
     ContractEnded,
     ContractTaken,
@@ -174,6 +176,18 @@ def test_what_two_carriers_have_written_down_as_theirs_is_noticed(watched: Watch
     watched.say("M8", HandoverAccepted(task="M8-1", epoch=1), ">ATV2")
     assert watched.broken == 0
     watched.say("ATV3", ended)
+    assert watched.broken == 2
+
+
+def test_a_task_that_changes_its_carrier_within_an_epoch_is_noticed(watched: Watched) -> None:
+    watched.say("M8", OPENED)
+    answered = AwardAnswered(task="M8-1", epoch=1, role=Role.PRIMARY, bidder="ATV2", answer="accepted")
+    watched.say("M8", answered)
+    changed = CarrierChanged(task="M8-1", epoch=2, replaced="ATV2", carrier="", reason="silent")
+    watched.say("M8", changed)
+    watched.say("M8", replace(answered, epoch=2, bidder="ATV3"))
+    assert watched.broken == 0
+    watched.say("M8", replace(changed, replaced="ATV3"))
     assert watched.broken == 2
 
 

@@ -13,9 +13,10 @@ import pytest
 
 from dray.body import OpenDock
 from dray.messages import CommandKind, Docked, DockOpened, Grant, Handover, Transport, VehicleCommand
+from dray.protocol.atv import Atv
 from dray.protocol.auction import Auction
 from dray.protocol.authority import Authority
-from dray.protocol.coordinator import OpenTask
+from dray.protocol.coordinator import Coordinator, OpenTask
 from dray.protocol.docking import Dock
 from dray.protocol.events import Instruct, Send
 from dray.protocol.obedience import Obedience
@@ -116,12 +117,34 @@ def that_believes_every_signature(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Authority, "doubts", lambda *_: "")
 
 
+def that_passes_tasks_on_within_an_epoch(patch: pytest.MonkeyPatch) -> None:
+    """A coordinator asks the secondary in a planned takeover, and lets the epoch be."""
+    pass_on = Coordinator.pass_on
+
+    def pass_on_unfenced(self: Coordinator, task: OpenTask, reason: str, now_s: float) -> None:
+        task.epoch -= 1
+        pass_on(self, task, reason, now_s)
+
+    patch.setattr(Coordinator, "pass_on", pass_on_unfenced)
+
+
+def that_leaves_with_a_load(patch: pytest.MonkeyPatch) -> None:
+    """A vehicle that is asked to leave does so with a load on board."""
+
+    def is_held(self: Atv) -> bool:
+        return self._carriage is not None and self._carriage.is_given_back
+
+    patch.setattr(Atv, "_is_held", is_held)
+
+
 MUTANTS = [
     pytest.param(without_the_fence, "links", 0, "invariant 2", id="no-fence"),
     pytest.param(with_handovers_that_count_twice, "answers", 0, "ended twice", id="handover-twice"),
     pytest.param(without_release_after_silence, "answers", 17, "invariant 3|still works", id="no-release"),
     pytest.param(that_resumes_unacknowledged, "hands", 0, "invariant 5", id="no-acknowledge"),
     pytest.param(that_gives_orders_back_with_an_open_gate, "revisions", 0, "invariant 4", id="open-gate"),
+    pytest.param(that_passes_tasks_on_within_an_epoch, "updates", 0, "invariant 2", id="no-higher-epoch"),
+    pytest.param(that_leaves_with_a_load, "updates", 0, "invariant 6", id="leaves-with-a-load"),
     pytest.param(that_obeys_everywhere, "hands", 0, "invariant 9", id="no-areas"),
     pytest.param(that_believes_every_signature, "hands", 0, "invariant 9", id="no-signature"),
 ]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import heapq
 from itertools import count
+from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -32,6 +33,8 @@ from dray.protocol.events import (
     Event,
     Heard,
     Instruct,
+    Leave,
+    Leaving,
     Publish,
     Record,
     Reported,
@@ -57,10 +60,19 @@ class ScriptedVehicle:
         self._type = stage.plant.vehicle_types[vehicle_type]
         self._routes = stage.plant.routes(vehicle_type)
         self._node = node
+        self._goal = node
+        self._arrives_s = 0.0
+        self._way = 0
+        """The number of the newest one."""
         self._battery_frac = battery_frac
         self._load = ("", 0)
 
+    def forgets(self, report: Report) -> bool:
+        """Whether it was sent elsewhere since, and does not come to this."""
+        return isinstance(report, NodePassed | WayDone) and report.order != self._way
+
     def sense(self) -> VehicleState:
+        self._move()
         spot = self._stage.plant.nodes[self._node]
         return VehicleState(
             pose=Pose(x_m=spot.x_m, y_m=spot.y_m, heading_rad=0.0),
@@ -77,9 +89,10 @@ class ScriptedVehicle:
 
     def instruct(self, instruction: object) -> None:
         if isinstance(instruction, Drive):
+            self._move()
             goal = instruction.nodes[-1]
             took_s = self._routes.duration_s(self._node, goal)
-            self._node = goal
+            self._goal, self._arrives_s, self._way = goal, self._stage.now_s + took_s, instruction.order
             last = len(instruction.nodes) - 1
             passed = NodePassed(
                 order=instruction.order, node=goal, index=last, battery_frac=self._battery_frac
@@ -96,6 +109,10 @@ class ScriptedVehicle:
             self._stage.report(instruction.station, self._type.unload_s, arrived)
             self._stage.report(self._atv, self._type.unload_s, ActionDone(order=instruction.order))
 
+    def _move(self) -> None:
+        if self._stage.now_s >= self._arrives_s:
+            self._node = self._goal
+
 
 class ScriptedWorkcell:
     """Has a stock and never finishes a cycle."""
@@ -108,6 +125,9 @@ class ScriptedWorkcell:
 
     def instruct(self, instruction: object) -> None:
         """Cycles and docks need nothing here."""
+
+    def forgets(self, _report: Report) -> bool:
+        return False
 
 
 class Stage:
@@ -139,6 +159,10 @@ class Stage:
         self._voices[number] = sender
         heapq.heappush(self._heap, (at_s, number, to, Heard(sender, message)))
 
+    def ask_to_leave(self, agent: str, *, at_s: float) -> None:
+        """Let an agent leave in order."""
+        heapq.heappush(self._heap, (at_s, next(self._numbers), agent, Leaving()))
+
     def report(self, agent: str, after_s: float, report: Report) -> None:
         if agent in self._agents:
             if isinstance(report, StockChanged):
@@ -149,6 +173,12 @@ class Stage:
         """Play on until a moment."""
         while self._heap and self._heap[0][0] <= until_s:
             self.now_s, number, agent, event = heapq.heappop(self._heap)
+            if agent not in self._agents:
+                continue
+            if isinstance(event, Reported) and self._bodies[agent].forgets(event.report):
+                continue
+            if type(event) is Leaving:
+                self.lines.append(f"{self.now_s:8.3f}  {agent:>5} is asked to leave")
             if number in self._voices and isinstance(event, Heard):
                 self._write(self._voices.pop(number), agent, event.message)
             if type(event) is Woke:
@@ -180,11 +210,20 @@ class Stage:
                 self._bodies[agent].instruct(effect.instruction)
             elif isinstance(effect, Record):
                 self.facts.append((agent, effect.fact))
+            elif isinstance(effect, Leave):
+                self._let_go(agent)
+                return
         wake_s = self._agents[agent].wake_at_s
         if wake_s < float("inf"):
             wake_s = max(wake_s, self.now_s)
             self._wake_s[agent] = wake_s
             self._later(wake_s, agent, Woke(None))
+
+    def _let_go(self, agent: str) -> None:
+        self.lines.append(f"{self.now_s:8.3f}  {agent:>5} leaves")
+        del self._agents[agent]
+        for listeners in self._listeners.values():
+            listeners.pop(agent, None)
 
     def _later(self, at_s: float, agent: str, event: Event) -> None:
         heapq.heappush(self._heap, (at_s, next(self._numbers), agent, event))
@@ -212,6 +251,12 @@ class Stage:
         line = f"{self.now_s:8.3f}  {sender:>5} -> {to:<6} {name} {' '.join(shown)}".rstrip()
         if self.lines[-1:] != [line]:  # One announcement goes to several grid cells.
             self.lines.append(line)
+
+
+def rewritten(golden: Path, stage: Stage) -> str:
+    """A golden file as it would be now: its own prose, and what was said on the stage."""
+    prose, _, _ = golden.read_text(encoding="utf-8").partition("\n\n")
+    return prose + "\n\n" + "\n".join(stage.lines) + "\n"
 
 
 def _short(value: Any) -> str:

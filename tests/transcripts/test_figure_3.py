@@ -12,7 +12,7 @@ from dray.protocol.atv import Atv
 from dray.protocol.machine import Machine
 
 sys.path.insert(0, str(Path(__file__).parent))
-from stage import ScriptedVehicle, ScriptedWorkcell, Stage
+from stage import ScriptedVehicle, ScriptedWorkcell, Stage, rewritten
 
 GOLDEN = Path(__file__).parent / "figure_3.txt"
 
@@ -40,9 +40,7 @@ def _award(task: str, work: Production | Transport) -> Award:
 
 def test_figure_3_is_played_message_by_message() -> None:
     """Compare with the golden file; its prose says what it proves. Rewrite it by running this file."""
-    golden = GOLDEN.read_text(encoding="utf-8")
-    prose = golden[: golden.index("\n\n") + 2]
-    assert prose + "\n".join(play().lines) + "\n" == golden
+    assert rewritten(GOLDEN, play()) == GOLDEN.read_text(encoding="utf-8")
 
 
 def test_the_cheapest_bidder_is_asked_first_and_the_next_best_wins() -> None:
@@ -61,5 +59,4 @@ def test_the_cheapest_bidder_is_asked_first_and_the_next_best_wins() -> None:
 
 
 if __name__ == "__main__":
-    head = GOLDEN.read_text(encoding="utf-8").partition("\n\n")[0]
-    GOLDEN.write_text(head + "\n\n" + "\n".join(play().lines) + "\n", encoding="utf-8")
+    GOLDEN.write_text(rewritten(GOLDEN, play()), encoding="utf-8")
