@@ -12,7 +12,7 @@ import pytest
 import yaml
 
 from dray.plant import default_plant
-from dray.settings import PREFIX, Settings
+from dray.settings import PREFIX, Settings, host_and_port
 
 ROOT = Path(__file__).parents[1]
 SECRETS = "/run/secrets/"
@@ -144,7 +144,7 @@ def test_no_secret_stands_in_a_file(compose: dict[str, Any], services: dict[str,
     )
     for name, secret in compose["secrets"].items():
         assert list(secret) == ["environment"], name
-        assert example[secret["environment"]] in {"", "none-yet"}
+        assert example[secret["environment"]] == ""
     for name, service in services.items():
         for variable, value in service.get("environment", {}).items():
             if re.search("PASSWORD|TOKEN|SECRET", variable):
@@ -159,16 +159,25 @@ def test_no_secret_stands_in_a_file(compose: dict[str, Any], services: dict[str,
         assert ".env" in (ROOT / ignored).read_text().splitlines()
 
 
-def test_prometheus_asks_the_gateway_with_its_key(services: dict[str, dict[str, Any]]) -> None:
+def test_prometheus_asks_every_process_where_it_listens(
+    compose: dict[str, Any], services: dict[str, dict[str, Any]]
+) -> None:
     folder = ROOT / "deploy/prometheus"
     configuration = yaml.safe_load((folder / "prometheus.yml").read_text())
     (job,) = configuration["scrape_configs"]
-    (target,) = job["static_configs"][0]["targets"]
-    name, port = target.split(":")
-    assert name in services
-    assert f"EXPOSE {port}" in stages()[-1]
-    key = job["authorization"]["credentials_file"].removeprefix(SECRETS)
-    assert key in services["prometheus"]["secrets"]
+    ours = {name: service for name, service in services.items() if "build" in service}
+    listens = {
+        f"{name}:{host_and_port(service['environment']['DRAY_METRICS_LISTEN'])[1]}"
+        for name, service in ours.items()
+    }
+    assert set(job["static_configs"][0]["targets"]) == listens
+    assert len(listens) == len(ours)
+    # Nobody logs in there, so the network is for nothing else.
+    shared = {name for name, service in services.items() if "metrics" in service.get("networks", ())}
+    assert shared == {*ours, "prometheus"}
+    assert compose["networks"]["metrics"] == {"internal": True}
+    (relabelled,) = job["relabel_configs"]
+    assert re.fullmatch(relabelled["regex"], "machine-m1:9101")[1] == "machine-m1"  # type: ignore[index]
     for rules in configuration["rule_files"]:
         assert (folder / rules).is_file()
 
@@ -194,6 +203,8 @@ def test_the_unit_of_a_vehicle_brings_its_agent_back_and_may_do_little() -> None
     unit.read(ROOT / "deploy/systemd/dray-atv@.service")
     service = unit["Service"]
     assert service["ExecStart"] == "/opt/dray/bin/dray agent atv %i"
+    # Whoever wants it known elsewhere says so in the file, which wins.
+    assert service["Environment"] == "DRAY_METRICS_LISTEN=127.0.0.1:9101"
     assert service["Restart"] == "always"
     assert unit["Unit"]["StartLimitIntervalSec"] == "0"
     assert service["User"] not in {"", "root"}

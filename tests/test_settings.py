@@ -8,7 +8,7 @@ import pytest
 
 from dray import settings as settings_module
 from dray.errors import SettingsError
-from dray.settings import Settings
+from dray.settings import Settings, host_and_port
 
 
 @pytest.fixture(autouse=True)
@@ -56,3 +56,18 @@ def test_a_password_that_cannot_be_put_anywhere_is_refused_and_not_told(url: str
     with pytest.raises(SettingsError, match="DRAY_DATABASE_URL must name a user and no password") as raised:
         Settings.load(database_url=url, database_password="hunter2")
     assert "hunter2" not in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("address", "parts"),
+    [("127.0.0.1:9101", ("127.0.0.1", 9101)), ("[::1]:0", ("::1", 0)), ("m1.plant:80", ("m1.plant", 80))],
+)
+def test_an_address_has_a_host_and_a_port(address: str, parts: tuple[str, int]) -> None:
+    assert host_and_port(Settings.load(metrics_listen=address).metrics_listen) == parts
+
+
+@pytest.mark.parametrize("address", ["9101", ":9101", "here:", "here:http", "here:65536", "::1:9101", "[]:1"])
+def test_an_address_that_is_none_is_refused_by_name(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("DRAY_METRICS_LISTEN", address)
+    with pytest.raises(SettingsError, match=r"DRAY_METRICS_LISTEN: .*:9101"):
+        Settings.load()

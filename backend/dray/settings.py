@@ -42,6 +42,28 @@ def _database_url(url: str) -> str:
     return f"{driver}://{rest}"
 
 
+def host_and_port(address: str) -> tuple[str, int]:
+    """The parts of HOST:PORT; an IPv6 address as host stands in brackets, as [::1]:9101.
+
+    Raises:
+        ValueError: it is no such thing.
+    """
+    host, _, port = address.rpartition(":")
+    if host.startswith("[") and host.endswith("]"):
+        host = host[1:-1]
+    elif ":" in host:
+        raise ValueError("put an IPv6 address into brackets, as [::1]:9101")
+    if not host or not port.isdecimal() or int(port) >= 2**16:
+        raise ValueError("write it as HOST:PORT, as 127.0.0.1:9101")
+    return host, int(port)
+
+
+def _address(text: str) -> str:
+    if text:
+        host_and_port(text)
+    return text
+
+
 def _several(text: object) -> object:
     return tuple(part.strip() for part in text.split(",") if part.strip()) if isinstance(text, str) else text
 
@@ -78,6 +100,10 @@ class Settings(BaseSettings):
 
     trace_share_frac: Annotated[float, Field(ge=0, le=1)] = 1.0
     """This part of all tasks is traced, and each of them wholly; a plant of hundreds of vehicles wants less."""
+
+    metrics_listen: Annotated[str, AfterValidator(_address)] = ""
+    """HOST:PORT where this process tells Prometheus its metrics, with no login; empty: nowhere. Port 0 is any free
+    one, which the log names."""
 
     admin_token: SecretStr | None = None
     """The administrator's bearer token, which may do everything; `dray up` makes one when it is absent."""

@@ -157,6 +157,11 @@ class Worker:
         self._wake_task()
 
     @property
+    def waiting(self) -> int:
+        """Events that have come in and wait for the agent."""
+        return len(self._inbox)
+
+    @property
     def ended(self) -> bool:
         """Whether this life is over."""
         return self._ended

@@ -15,7 +15,7 @@ from zenoh_kit import PATIENCE_S, Row, free_address, multicast_works
 from dray.adapters.zenoh_bus import FOREIGN, NEWER, UNREADABLE, ZenohBus
 from dray.adapters.zenoh_links import Links
 from dray.adapters.zenoh_stamp import KNOWN, Stamp, Tally, read_stamp, write_stamp
-from dray.cli.meters import BusMeter
+from dray.cli.meters.bus import BusMeter
 from dray.codec import encode
 from dray.errors import ProtocolViolation, SettingsError, UnavailableError, WireError
 from dray.messages import WIRE_VERSION, Message, OrderTaken

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import os
 import re
 import signal
@@ -11,6 +12,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from urllib.request import urlopen
 
 import pytest
 
@@ -50,7 +52,17 @@ class Fleet:
         self.folder = folder
         plant = folder / "plant.yaml"
         plant.write_text(plant_yaml(PLANT), encoding="utf-8")
-        options = ("--plain", "--no-demand", "--port", "0", "--speed", str(SPEED), "--plant", str(plant))
+        options = (
+            "--plain",
+            "--no-demand",
+            "--metrics",
+            "--port",
+            "0",
+            "--speed",
+            str(SPEED),
+            "--plant",
+            str(plant),
+        )
         self.process = subprocess.Popen(
             [sys.executable, "-m", "dray", "fleet", "up", "--folder", str(folder), *options],
             stdout=subprocess.PIPE,
@@ -69,6 +81,15 @@ class Fleet:
     @property
     def roll(self) -> Roll:
         return read_roll(self.folder)
+
+    def metrics(self) -> dict[str, str]:
+        """What every process tells Prometheus, by its name."""
+        told = {}
+        for group in json.loads((self.folder / "metrics.json").read_text()):
+            (address,) = group["targets"]
+            with urlopen(f"http://{address}/metrics", timeout=START_S) as answer:
+                told[group["labels"]["instance"]] = answer.read().decode()
+        return told
 
     def run(self, *command: str) -> str:
         """Another `dray fleet` command, on this fleet."""
@@ -143,6 +164,17 @@ def newcomer(fleet: Fleet) -> Iterator[None]:
         assert process.wait(START_S) == 0
 
 
+def assert_each_tells_its_own(told: dict[str, str]) -> None:
+    assert set(told) == {*PLANT.machines, *PLANT.fleet, STRATEGIST, "floor", "historian", "gateway"}
+    for name, text in told.items():
+        assert "process_resident_memory_bytes" in text, name
+        assert ("dray_bus_messages_lost_total" in text) == (name != "floor"), name
+        acts = name in PLANT.machines or name in PLANT.fleet or name == STRATEGIST
+        assert ("dray_journal_write_seconds_count" in text) == acts, name
+    assert "dray_historian_up 1.0" in told["historian"]
+    assert "dray_database_up 1.0" in told["gateway"]
+
+
 @pytest.mark.slow
 def test_an_order_is_delivered_whoever_is_killed_and_a_newcomer_joins(fleet: Fleet) -> None:
     product = next(each for each in PLANT.products if PLANT.machines_for(each))
@@ -161,6 +193,7 @@ def test_an_order_is_delivered_whoever_is_killed_and_a_newcomer_joins(fleet: Fle
                         for name in PLANT.fleet
                     )
                 )
+            assert_each_tells_its_own(await asyncio.to_thread(fleet.metrics))
             async with asyncio.timeout(DELIVERED_S):
                 await Desk(witness.bus, VirtualClock()).order(order)
                 for name in (atv, STRATEGIST):

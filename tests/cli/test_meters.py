@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 import asyncio
+from contextlib import closing
+from pathlib import Path
+from random import Random
 
 from prometheus_client import CollectorRegistry
 
-from dray.cli.meters import FactoryMeter
+from dray.adapters.sqlite_journal import SqliteJournal
+from dray.cli.meters.agent import AgentMeter
+from dray.cli.meters.factory import FactoryMeter
+from dray.messages.keys import Keys
 from dray.plant import default_plant
+from dray.protocol.machine import Machine
+from dray.worker import Worker
 from dray_sim.bridge import BridgedBus
 from dray_sim.factory import SimFactory
+from dray_sim.floor import Floor
 from dray_sim.loop import clock, run
+from dray_sim.network import SimNetwork
 
 
 def test_counts_go_on_when_an_agent_begins_another_life() -> None:
@@ -43,3 +53,42 @@ def test_counts_go_on_when_an_agent_begins_another_life() -> None:
     assert told == sorted(told)
     assert told[0] > 100
     assert told[0] == told[1], "a new life has counted nothing yet, and the old one is not forgotten"
+
+
+def test_an_agent_in_a_process_of_its_own_tells_what_it_has_handled_and_written(tmp_path: Path) -> None:
+    plant = default_plant()
+    registry = CollectorRegistry()
+
+    def told(name: str, **labels: str) -> float | None:
+        return registry.get_sample_value(f"dray_{name}", labels)
+
+    async def play() -> None:
+        floor, now = Floor(plant, clock(), seed=1), clock()
+        with closing(SqliteJournal(tmp_path / "M1.db", events_kept=100)) as journal:
+            worker = Worker(
+                Machine("M1", plant, incarnation=journal.incarnation),
+                bus=SimNetwork(now, Random(1)),
+                clock=now,
+                keys=Keys(plant.id),
+                body=floor.bodies["M1"],
+                journal=journal,
+            )
+            registry.register(AgentMeter(worker, journal))
+            assert told("agent_events_handled_total") == told("journal_write_seconds_count") == 0
+            life = asyncio.create_task(worker.run())
+            await asyncio.sleep(10.0)
+            floor.workcells["M1"].break_down("a belt has torn")
+            await asyncio.sleep(10.0)
+            worker.stop()
+            await life
+
+    run(play())
+    handled, written = told("agent_events_handled_total"), told("journal_write_seconds_count")
+    assert handled is not None
+    assert written is not None
+    assert handled > written > 0
+    seconds = told("journal_write_seconds_sum")
+    assert seconds is not None
+    assert 0 < seconds / written < 60.0
+    assert told("agent_events_waiting") == 0
+    assert told("agent_messages_dropped_total", kind="other") == 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import re
+from contextlib import closing
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -12,9 +13,12 @@ from typing import Any
 import pytest
 import yaml
 from gateway_kit import gateway
+from prometheus_client import CollectorRegistry, generate_latest
 from prometheus_client.parser import text_string_to_metric_families
 
-from dray.cli.meters import FactoryMeter
+from dray.adapters.sqlite_journal import SqliteJournal
+from dray.cli.meters.agent import AgentMeter
+from dray.cli.meters.factory import FactoryMeter
 from dray.plant import default_plant
 from dray_sim.bridge import BridgedBus
 from dray_sim.factory import SimFactory
@@ -22,7 +26,12 @@ from dray_sim.loop import VirtualClock
 
 DEPLOY = Path(__file__).parents[2] / "deploy"
 
-SUFFIXES = {"counter": ("_total",), "gauge": ("",), "histogram": ("_bucket", "_sum", "_count")}
+SUFFIXES = {
+    "counter": ("_total",),
+    "gauge": ("",),
+    "histogram": ("_bucket", "_sum", "_count"),
+    "summary": ("_sum", "_count"),
+}
 
 LABELS = {"le", "job", "route", "status"}
 """Those that are everywhere, or that only a request has."""
@@ -60,23 +69,28 @@ def expressions(panels: list[dict[str, Any]], rules: list[dict[str, Any]]) -> li
 
 @pytest.mark.anyio
 async def test_whatever_is_asked_for_is_told(
-    sqlite_url: str, panels: list[dict[str, Any]], rules: list[dict[str, Any]]
+    sqlite_url: str, tmp_path: Path, panels: list[dict[str, Any]], rules: list[dict[str, Any]]
 ) -> None:
     loop = asyncio.get_running_loop()
     factory = SimFactory(default_plant(), VirtualClock(), seed=1)
     meter = FactoryMeter(factory, BridgedBus(factory.bus, loop, loop))
     async with gateway(sqlite_url, collectors=(meter,)) as house:
         answer = await house.client.get("/metrics")
+    agents = CollectorRegistry()
+    with closing(SqliteJournal(tmp_path / "M1.db", events_kept=1)) as journal:
+        agents.register(AgentMeter(factory.workers["M1"], journal))
+        in_a_process = generate_latest(agents).decode()
     told = {
         f"{family.name}{suffix}"
-        for family in text_string_to_metric_families(answer.text)
+        for text in (answer.text, in_a_process)
+        for family in text_string_to_metric_families(text)
         for suffix in SUFFIXES[family.type]
     }
     asked = expressions(panels, rules)
     assert len(asked) > 50
     for expression in asked:
         names = re.findall(r"\b(?:dray|process)_[a-z_]+", expression)
-        assert names or "up{" in expression, expression
+        assert names or "up{job=" in expression, expression
         assert set(names) <= told, expression
         assert expression.count("(") == expression.count(")")
         # A counter is of no use but as a rate or an increase, and neither is anything else.

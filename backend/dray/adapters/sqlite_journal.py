@@ -7,6 +7,7 @@ also when the power fails in the middle.
 from __future__ import annotations
 
 import sqlite3
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, closing, contextmanager
 from pathlib import Path
@@ -58,12 +59,18 @@ class SqliteJournal:
         file: made when it is not there.
         events_kept: its bound, over all lives.
 
+    Attributes:
+        writes: that were done in this life.
+        writing_s: how long they took, all together.
+
     Raises:
         UnavailableError: the file cannot be read or written, or is no journal; also from every write.
     """
 
     def __init__(self, file: Path, *, events_kept: int) -> None:
         self._file, self._events_kept = file, events_kept
+        self.writes = 0
+        self.writing_s = 0.0
         with self._told():
             file.parent.mkdir(parents=True, exist_ok=True)
             # Autocommit: transactions begin and end where it is written.
@@ -91,6 +98,7 @@ class SqliteJournal:
 
     def write(self, events: Sequence[Event], memory: Memory | None) -> None:
         """See `dray.ports.Journal`."""
+        began_s = time.perf_counter()
         lines = [(event.incarnation, event.number, _encode(event)) for event in events]
         with self._told(), self._transaction():
             self._base.executemany("INSERT INTO event (incarnation, number, line) VALUES (?, ?, ?)", lines)
@@ -103,6 +111,8 @@ class SqliteJournal:
                 self._base.execute("UPDATE life SET memory = ?", (_encode(memory),))
         if memory is not None:
             self._memory = memory
+        self.writes += 1
+        self.writing_s += time.perf_counter() - began_s
 
     def kept(self, incarnation: int) -> tuple[int, int]:
         """See `dray.ports.Journal`."""

@@ -7,13 +7,14 @@ import contextlib
 import time
 
 from dray.cli.authority import authority_of
-from dray.cli.meters import BusMeter
+from dray.cli.meters.bus import BusMeter
 from dray.cli.newcomers import welcome
 from dray.cli.process import Surroundings, say_ready
 from dray.cli.service import Service, greeting_of, historian_of, serve, with_admin_token
 from dray.cli.serving import address_of, listen, stopped_by_signals
 from dray.errors import UnavailableError
 from dray.gateway.app import create_app
+from dray.gateway.metrics.history import History
 from dray.store import open_store
 from dray.store.historian import AGENT as HISTORIAN
 
@@ -65,10 +66,11 @@ async def run_historian(where: Surroundings) -> None:
     store = await open_store(where.settings.database_url)
     try:
         async with where.bus(HISTORIAN) as bus:
-            running = historian_of(where.settings, where.plant, store, bus, where.time).running()
-            with stopped_by_signals(stopped.set):
-                async with running:
-                    say_ready(HISTORIAN)
-                    await stopped.wait()
+            historian = historian_of(where.settings, where.plant, store, bus, where.time)
+            async with where.told(BusMeter(bus), History(historian)):
+                with stopped_by_signals(stopped.set):
+                    async with historian.running():
+                        say_ready(HISTORIAN)
+                        await stopped.wait()
     finally:
         await store.close()

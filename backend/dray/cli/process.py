@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import asyncio
 import sys
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Iterable
 from contextlib import asynccontextmanager, closing
 from dataclasses import dataclass
 
 import typer
+from prometheus_client import Metric
+from prometheus_client.registry import Collector
 
+from dray.adapters.metrics_port import metrics_port, new_registry
 from dray.adapters.sqlite_journal import SqliteJournal
 from dray.adapters.system_clock import SystemClock
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Identity, Links
 from dray.cli.logs import prepare_logs
+from dray.cli.meters.agent import AgentMeter
+from dray.cli.meters.bus import BusMeter
 from dray.cli.serving import asked_by_signals, stopped_by_signals
 from dray.cli.traces import traced, watched
 from dray.errors import UnavailableError
@@ -86,6 +91,29 @@ class Surroundings:
         finally:
             bus.close()
 
+    @asynccontextmanager
+    async def told(self, *meters: Collector) -> AsyncIterator[None]:
+        """The metrics of the process, told to Prometheus as long as the context lasts, if that is asked for.
+
+        Args:
+            meters: of what is in this process.
+
+        Raises:
+            UnavailableError: the address for it cannot be listened on.
+        """
+        if not self.settings.metrics_listen:
+            yield
+            return
+        registry = new_registry()
+        for meter in meters:
+            registry.register(meter)
+
+        async def read() -> Iterable[Metric]:
+            return registry.collect()
+
+        async with metrics_port(self.settings.metrics_listen, read):
+            yield
+
 
 def links_of(settings: Settings, name: str) -> Links:
     """The links that the settings ask for, with the certificate of this name.
@@ -132,7 +160,8 @@ async def run_agent(
         worker.stop()
 
     async with surroundings.bus(name, give_way) as bus:
-        journal = SqliteJournal(settings.journal_folder / f"{name}.db", events_kept=HISTORY_FACTS)
+        file = settings.journal_folder / f"{name}.db"
+        journal = SqliteJournal(file, events_kept=HISTORY_FACTS)
         with closing(journal), traced(settings) as tracing:
             if newcomer is not None:
                 await put_down(bus.inner, plant.id, newcomer)
@@ -146,9 +175,11 @@ async def run_agent(
                 body=body,
                 journal=journal,
             )
-            with asked_by_signals(worker.leave, worker.stop, settings.leave_s):
-                say_ready(name)
-                await worker.run()
+            meters = BusMeter(bus), AgentMeter(worker, journal)
+            async with surroundings.told(*meters):
+                with asked_by_signals(worker.leave, worker.stop, settings.leave_s):
+                    say_ready(name)
+                    await worker.run()
     if elsewhere:
         raise UnavailableError(name, "has been started elsewhere", "stop one of the two")
 
@@ -164,9 +195,10 @@ async def serve_floor(surroundings: Surroundings, seed: int) -> None:
     async with surroundings.bus(FLOOR) as bus:
         floor = Floor(plant, surroundings.clock(), seed=seed, stock_frac=NEARLY_EMPTY_FRAC)
         telling = asyncio.create_task(FloorServer(bus.inner, plant.id, floor).run())
-        with stopped_by_signals(stopped.set):
-            say_ready(FLOOR)
-            await stopped.wait()
+        async with surroundings.told():
+            with stopped_by_signals(stopped.set):
+                say_ready(FLOOR)
+                await stopped.wait()
         telling.cancel()
 
 

@@ -10,21 +10,23 @@ import asyncio
 import contextlib
 import socket
 import time
-from collections.abc import Awaitable, Callable, Coroutine, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import typer
 from fastapi import FastAPI
 from opentelemetry.sdk.trace import TracerProvider
+from prometheus_client import Metric
 from pydantic import SecretStr
 from sqlalchemy import make_url
 
 from dray import __version__
+from dray.adapters.metrics_port import metrics_port
 from dray.adapters.signing import SigningKey, TrustedKeys
 from dray.cli.authority import authority_of
 from dray.cli.customers import place_demand
 from dray.cli.logs import prepare_logs, quieten
-from dray.cli.meters import FactoryMeter
+from dray.cli.meters.factory import FactoryMeter
 from dray.cli.newcomers import welcome
 from dray.cli.serving import Server, address_of, listen, stopped_by_signals
 from dray.cli.traces import traced, watched
@@ -32,6 +34,7 @@ from dray.cli.trials import SimFaultDesk
 from dray.gateway.access.tokens import new_token
 from dray.gateway.app import create_app
 from dray.gateway.desk import STRATEGIST
+from dray.gateway.parts import Parts
 from dray.gateway.timescale import TimeScale
 from dray.messages.keys import Keys
 from dray.plant import Plant
@@ -227,12 +230,15 @@ async def serve(
         listener: where it answers.
         greeting: what to say when it does.
         ended: returns or raises when it makes no sense to go on; when a factory ends, say.
+
+    Raises:
+        UnavailableError: Prometheus' port is not to be had.
     """
     ready = asyncio.Event()
     server = Server(app, service.settings, ready.set)
     quieten(service.settings)  # uvicorn has just set its own level
     with stopped_by_signals(server.stop):
-        async with asyncio.TaskGroup() as group:
+        async with _told(service.settings, app), asyncio.TaskGroup() as group:
             tasks = [
                 group.create_task(_greet(greeting, ready)),
                 group.create_task(_order(service, app, ready)),
@@ -275,6 +281,22 @@ def greeting_of(service: Service, url: str, token: str, links: Mapping[str, str]
             links="\n".join(f"  {person:<16}  {url}/login/{link}" for person, link in links.items())
         )
     return lines + "Ctrl-C stops it.\n"
+
+
+@contextlib.asynccontextmanager
+async def _told(settings: Settings, app: FastAPI) -> AsyncIterator[None]:
+    """Tell Prometheus without a login what `/metrics` tells it with one, if that is asked for."""
+    if not settings.metrics_listen:
+        yield
+        return
+
+    async def read() -> Iterable[Metric]:
+        parts: Parts = app.state.parts
+        await parts.health.examine()
+        return parts.metrics.registry.collect()
+
+    async with metrics_port(settings.metrics_listen, read):
+        yield
 
 
 async def _order(service: Service, app: FastAPI, ready: asyncio.Event) -> None:

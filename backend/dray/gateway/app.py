@@ -25,6 +25,7 @@ from dray.gateway.faultdesk import FaultDesk
 from dray.gateway.health import Health
 from dray.gateway.ledger import Ledger
 from dray.gateway.metrics import Metrics, Stopwatch
+from dray.gateway.metrics.history import History
 from dray.gateway.metrics.state import State
 from dray.gateway.panels import PREFIX, STATIC, BuiltFiles, Panels
 from dray.gateway.parts import Parts
@@ -143,6 +144,8 @@ def create_app(
         await _remember(parts, time)
         await parts.alerts.begin()
         metrics.add(State(parts))
+        if historian is not None:
+            metrics.add(History(historian))
         app.state.parts = parts
         sampler = Sampler(projection, store, wall_s)
         async with AsyncExitStack() as stack:

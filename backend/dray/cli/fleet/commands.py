@@ -33,6 +33,10 @@ def up(
         bool, typer.Option("--plain", help="No certificates: links can be read, and words forged.")
     ] = False,
     demand: Annotated[bool, typer.Option("--demand/--no-demand", help="Place orders.")] = True,
+    metrics: Annotated[
+        bool,
+        typer.Option("--metrics", help="Each process tells Prometheus its own; metrics.json says where."),
+    ] = False,
 ) -> None:
     """Start every agent of a plant as a process; whatever ends is started again. Ctrl-C stops all."""
     import asyncio
@@ -45,7 +49,17 @@ def up(
         port=port, plant_file=plant, database_url=db or f"sqlite:///{folder.resolve() / 'dray.db'}"
     )
     asyncio.run(
-        run_muster(Muster(settings, chosen_plant(plant), folder, speed=speed, plain=plain, demand=demand))
+        run_muster(
+            Muster(
+                settings,
+                chosen_plant(plant),
+                folder,
+                speed=speed,
+                plain=plain,
+                demand=demand,
+                metrics=metrics,
+            )
+        )
     )
 
 

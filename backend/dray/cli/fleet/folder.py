@@ -6,6 +6,8 @@ import contextlib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
+import msgspec
+
 from dray.adapters.certificates import Authority
 from dray.adapters.sqlite_journal import SqliteJournal
 from dray.cli.process import FLOOR
@@ -17,6 +19,7 @@ from dray.settings import PREFIX
 from dray.worker import HISTORY_FACTS
 
 ROLL, SETTINGS, CERTIFICATES, JOURNALS, LOGS = "fleet.json", "fleet.env", "certs", "journals", "logs"
+METRICS = "metrics.json"
 
 GATEWAY, HISTORIAN = "gateway", "historian"
 """The names of their processes, and of their certificates."""
@@ -48,6 +51,17 @@ def write_settings(folder: Path, common: Mapping[str, str], peers: Sequence[str]
     file.unlink(missing_ok=True)
     file.touch(mode=0o600)
     file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def write_targets(folder: Path, targets: Mapping[str, str]) -> None:
+    """Write down where Prometheus can ask, in its own words (`file_sd_configs`).
+
+    Args:
+        folder: the fleet's.
+        targets: by the process's name, its address.
+    """
+    found = [{"targets": [address], "labels": {"instance": name}} for name, address in targets.items()]
+    (folder / METRICS).write_bytes(msgspec.json.format(msgspec.json.encode(found)) + b"\n")
 
 
 def _certify(plant: Plant, folder: Path) -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 import typer
 
 from dray.cli.authority import authority_of
-from dray.cli.fleet.folder import CERTIFICATES, JOURNALS, prepare, write_settings
+from dray.cli.fleet.folder import CERTIFICATES, JOURNALS, prepare, write_settings, write_targets
 from dray.cli.fleet.keeper import keep
 from dray.cli.fleet.posts import DISTANCES, posts_of
 from dray.cli.fleet.roll import RollKeeper
@@ -32,6 +32,7 @@ class Muster:
         speed: factory seconds per real second.
         plain: links without certificates.
         demand: let orders be placed.
+        metrics: let every process tell Prometheus its metrics.
     """
 
     settings: Settings
@@ -40,6 +41,7 @@ class Muster:
     speed: float
     plain: bool
     demand: bool
+    metrics: bool
 
 
 async def run_muster(muster: Muster) -> None:
@@ -52,8 +54,9 @@ async def run_muster(muster: Muster) -> None:
     folder = muster.folder.resolve()
     prepare(folder, muster.plant, plain=muster.plain)
     common = await _common_environment(muster, folder)
-    posts = posts_of(muster.plant, folder, common, demand=muster.demand)
+    posts = posts_of(muster.plant, folder, common, demand=muster.demand, metrics=muster.metrics)
     write_settings(folder, common, [post.address for post in posts[: len(DISTANCES)]])
+    write_targets(folder, {post.name: post.metrics for post in posts if post.metrics})
     roll = RollKeeper(folder, muster.plant.id, plain=muster.plain)
     with stopped_by_signals(stopped.set):
         async with asyncio.TaskGroup() as group:

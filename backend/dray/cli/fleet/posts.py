@@ -32,6 +32,7 @@ class Post:
         command: what follows `dray`.
         address: where others call it.
         environment: all of it.
+        metrics: where it tells Prometheus its metrics; empty: nowhere.
         log: the file that its words are added to.
         joins: it is an agent on the bus.
     """
@@ -40,11 +41,14 @@ class Post:
     command: tuple[str, ...]
     address: str
     environment: Mapping[str, str]
+    metrics: str
     log: Path
     joins: bool
 
 
-def posts_of(plant: Plant, folder: Path, common: Mapping[str, str], *, demand: bool) -> list[Post]:
+def posts_of(
+    plant: Plant, folder: Path, common: Mapping[str, str], *, demand: bool, metrics: bool
+) -> list[Post]:
     """All posts of a plant.
 
     Args:
@@ -52,6 +56,7 @@ def posts_of(plant: Plant, folder: Path, common: Mapping[str, str], *, demand: b
         folder: the fleet's.
         common: the settings of all.
         demand: the gateway places orders, too.
+        metrics: every process tells its own.
     """
     commands = {
         FLOOR: (FLOOR,),
@@ -62,13 +67,17 @@ def posts_of(plant: Plant, folder: Path, common: Mapping[str, str], *, demand: b
         GATEWAY: (GATEWAY, "--demand" if demand else "--no-demand"),
     }
     names = tuple(commands)
-    addresses = dict(zip(names, _free_addresses(len(names)), strict=True))
+    free = _free_addresses(2 * len(names))
+    addresses = dict(zip(names, free, strict=False))
+    told = dict(zip(names, free[len(names) :], strict=True)) if metrics else dict.fromkeys(names, "")
     posts = []
     for place, name in enumerate(names):
         called = {names[(place + distance) % len(names)] for distance in DISTANCES} - {name}
         links = {
             f"{PREFIX}BUS_LISTEN": addresses[name],
             f"{PREFIX}BUS_PEERS": ",".join(sorted(addresses[each] for each in called)),
+            # Said also where there is none: two processes cannot listen on what this one's variable names.
+            f"{PREFIX}METRICS_LISTEN": told[name],
         }
         posts.append(
             Post(
@@ -76,6 +85,7 @@ def posts_of(plant: Plant, folder: Path, common: Mapping[str, str], *, demand: b
                 commands[name],
                 addresses[name],
                 {**os.environ, **common, **links},
+                told[name],
                 folder / LOGS / f"{name}.log",
                 joins=name != FLOOR,
             )

@@ -4,8 +4,8 @@ Names end in their unit, or in `_total` where they only grow. Labels are words o
 reason, a route's template), never ids or what a peer has written, so that there are few series. Times of
 the factory are seconds of the plant's clock.
 
-`meter` counts what is heard on the bus, `stopwatch` how long requests take, `state` reads what the other
-parts know anyway when somebody asks.
+`meter` counts what is heard on the bus, `stopwatch` how long requests take; `state` and `history` read what
+the other parts know anyway when somebody asks.
 """
 
 from __future__ import annotations

@@ -4,17 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from prometheus_client import (
-    CollectorRegistry,
-    GCCollector,
-    Histogram,
-    Info,
-    ProcessCollector,
-    generate_latest,
-)
+from prometheus_client import Histogram, generate_latest
 from prometheus_client.registry import Collector
 
-from dray import __version__
+from dray.adapters.metrics_port import new_registry
 from dray.gateway.metrics.meter import Meter
 
 REQUEST_BUCKETS_S = (0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0)
@@ -28,30 +21,28 @@ class Metrics:
         collectors: of others in this process, who know what the gateway does not.
 
     Attributes:
+        registry: all of it.
         meter: of what is heard on the bus.
         requests: how long requests took.
     """
 
     def __init__(self, collectors: Iterable[Collector] = ()) -> None:
-        self._registry = CollectorRegistry()
-        self.meter = Meter(self._registry)
+        self.registry = new_registry()
+        self.meter = Meter(self.registry)
         self.requests = Histogram(
             "dray_http_request_duration_seconds",
             "Time from a request to the end of its answer.",
             ("method", "route", "status"),
             buckets=REQUEST_BUCKETS_S,
-            registry=self._registry,
+            registry=self.registry,
         )
-        Info("dray_build", "This software.", registry=self._registry).info({"version": __version__})
-        ProcessCollector(registry=self._registry)
-        GCCollector(registry=self._registry)
         for collector in collectors:
             self.add(collector)
 
     def add(self, collector: Collector) -> None:
         """Tell what this one knows, too."""
-        self._registry.register(collector)
+        self.registry.register(collector)
 
     def text(self) -> bytes:
         """Everything as of now, in Prometheus' text format."""
-        return generate_latest(self._registry)
+        return generate_latest(self.registry)

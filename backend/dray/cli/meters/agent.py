@@ -1,0 +1,64 @@
+"""What agents count: one that has a process of its own, or all lives of many together."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+
+from prometheus_client import Metric
+from prometheus_client.core import SummaryMetricFamily
+from prometheus_client.registry import Collector
+
+from dray.adapters.metric_families import counter, counters, gauge
+from dray.adapters.sqlite_journal import SqliteJournal
+from dray.worker import Worker
+
+HANDLED, IGNORED, DROPPED = "handled", "ignored", "dropped"
+
+Counts = Counter[tuple[str, str]]
+"""What was counted, and of which kind or for which reason."""
+
+
+class AgentMeter(Collector):
+    """What one agent and its journal have counted in this life.
+
+    Args:
+        worker: runs the agent.
+        journal: the agent's.
+    """
+
+    def __init__(self, worker: Worker, journal: SqliteJournal) -> None:
+        self._worker, self._journal = worker, journal
+
+    def collect(self) -> Iterator[Metric]:
+        """Everything as of now."""
+        yield from families_of(counted(self._worker))
+        yield gauge("agent_events_waiting", "Events in an agent's inbox.", self._worker.waiting)
+        yield SummaryMetricFamily(
+            "dray_journal_write_seconds",
+            "Time until what an agent is bound by is on its disk.",
+            count_value=self._journal.writes,
+            sum_value=self._journal.writing_s,
+        )
+
+
+def counted(worker: Worker) -> Counts:
+    """What an agent has counted in this life."""
+    ignored = {(IGNORED, reason): count for reason, count in dict(worker.ignored).items()}
+    return Counter(
+        {
+            (HANDLED, ""): worker.handled,
+            (DROPPED, "heartbeat"): worker.dropped_heartbeats,
+            (DROPPED, "other"): worker.dropped_messages,
+            **ignored,
+        }
+    )
+
+
+def families_of(counts: Counts) -> Iterator[Metric]:
+    """What agents have counted, in Prometheus' words."""
+    yield counter("agent_events_handled", "Events that agents handled.", counts[HANDLED, ""])
+    ignored = {reason: count for (what, reason), count in counts.items() if what == IGNORED}
+    yield counters("agent_messages_ignored", "Messages that changed nothing.", "reason", ignored)
+    dropped = {kind: count for (what, kind), count in counts.items() if what == DROPPED}
+    yield counters("agent_messages_dropped", "Messages that found an inbox full.", "kind", dropped)

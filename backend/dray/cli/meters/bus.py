@@ -1,0 +1,35 @@
+"""What a process's place on the bus counts, by the names that a simulated network's counts have."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from prometheus_client import Metric
+from prometheus_client.registry import Collector
+
+from dray.adapters.metric_families import counter, counters
+from dray.adapters.zenoh_bus import ZenohBus
+
+
+class BusMeter(Collector):
+    """What one place on the bus has counted.
+
+    Args:
+        bus: the process's.
+    """
+
+    def __init__(self, bus: ZenohBus) -> None:
+        self._bus = bus
+
+    def collect(self) -> Iterator[Metric]:
+        """Everything as of now."""
+        bus = self._bus
+        yield counter("bus_messages_delivered", "Messages that reached an agent.", bus.delivered)
+        lost = {
+            **dict(bus.refused),
+            "on the way": bus.missed,
+            "said after leaving": bus.unsaid,
+            "an older heartbeat": bus.arrivals.dropped_heartbeats,
+            "a full queue": bus.arrivals.dropped_messages,
+        }
+        yield counters("bus_messages_lost", "Messages that reached nobody.", "reason", lost)
