@@ -11,6 +11,9 @@
 A real vehicle has its body on its own computer. Here a killed agent leaves its body behind as hardware is
 left behind: a loaded vehicle stays loaded, and drives its way to the end.
 
+A floor that begins anew knows nothing of the one before. To an agent that has taken over its body there, it
+says nothing, so that the agent finds its body lost; and to the next life it says that the body is new.
+
 There is no seal on these keys: whoever is on the bus may move simulated bodies.
 """
 
@@ -40,6 +43,11 @@ PATIENCE_S = 30.0
 AGAIN_S = 0.25
 """The floor is asked so often."""
 
+LOOK_EVERY_S = 1.0
+SILENT_LOOKS = 10
+"""A body is lost when so many looks one after the other find that it has told nothing, which it does ten times
+between two of them. A cut link is gone round sooner, and no computer is busy for so long."""
+
 _KINDS: dict[str, Any] = {
     kind.__name__: kind for union in (Instruction, Report, BodyState) for kind in get_args(union)
 }
@@ -51,6 +59,14 @@ class _Order(msgspec.Struct, array_like=True, frozen=True):
     life: int
     kind: str
     instruction: msgspec.Raw
+
+
+class _Taken(msgspec.Struct, array_like=True, frozen=True):
+    """What a life finds that takes a body over: how it is, and whether an earlier one has had it."""
+
+    state_kind: str
+    state: msgspec.Raw
+    known: bool
 
 
 class _Told(msgspec.Struct, array_like=True, frozen=True):
@@ -127,6 +143,9 @@ class RemoteBody:
         plant: the plant's id.
         agent: whose body it is.
         life: a higher number than that of any life before; only the highest is obeyed.
+
+    Attributes:
+        is_new: no earlier life has had it; what such a life was bound by is about another body.
     """
 
     def __init__(self, session: zenoh.Session, plant: str, agent: str, life: int) -> None:
@@ -134,6 +153,8 @@ class RemoteBody:
         self._crossing = Crossing(asyncio.get_running_loop())
         self._report: Callable[[Report], None] = _nobody_hears
         self._state: BodyState
+        self._silent = False
+        self.is_new = False
         self._told = session.declare_subscriber(f"{self._key}/told", Callback(self._hear, indirect=False))
 
     async def connect(self) -> None:
@@ -145,7 +166,19 @@ class RemoteBody:
         answer = await _asked(
             self._session, self._key, str(self._life).encode(), f"the body of {self._key.rpartition('@')[2]}"
         )
-        self._state = _part(*msgspec.msgpack.decode(answer, type=tuple[str, msgspec.Raw]))
+        taken = msgspec.msgpack.decode(answer, type=_Taken)
+        self._state, self.is_new = _part(taken.state_kind, taken.state), not taken.known
+
+    async def lost(self) -> None:
+        """Wait until nothing is heard of it any more: its floor has ended, or has begun anew.
+
+        Looks are counted and not seconds: a process that was held up itself has not lost its body.
+        """
+        looks = 0
+        while looks < SILENT_LOOKS:
+            self._silent = True
+            await asyncio.sleep(LOOK_EVERY_S)
+            looks = looks + 1 if self._silent else 0
 
     def instruct(self, instruction: Instruction) -> None:
         """See `dray.ports.Body`."""
@@ -167,6 +200,7 @@ class RemoteBody:
         self._crossing.order(self._take, sample.payload.to_bytes())
 
     def _take(self, data: bytes) -> None:
+        self._silent = False
         told = msgspec.msgpack.decode(data, type=_Told)
         self._state = _part(told.state_kind, told.state)
         if told.kind:
@@ -272,8 +306,8 @@ class _Served:
     def _answer(self, query: zenoh.Query) -> None:
         with query:
             life = int(query.payload.to_string()) if query.payload is not None else 0
-            self._life = max(self._life, life)
-            query.reply(self._key, _encode(_raw(self._body.sense())))
+            known, self._life = self._life > 0, max(self._life, life)
+            query.reply(self._key, _encode(_Taken(*_raw(self._body.sense()), known)))
 
     def _obey(self, data: bytes) -> None:
         order = msgspec.msgpack.decode(data, type=_Order)

@@ -10,6 +10,7 @@ import pytest
 from msgspec.structs import replace
 from zenoh_kit import PATIENCE_S, Row
 
+from dray.adapters.zenoh_bus import ZenohBus
 from dray.body import Admit, Broken, Drive, NodePassed, Report, VehicleState, WayDone, WorkcellState
 from dray.errors import UnavailableError
 from dray.plant import default_plant
@@ -24,12 +25,22 @@ ATV = next(iter(PLANT.fleet))
 
 
 class House:
-    """A floor in one session, and the session of its agents."""
+    """A floor in one session, the session of its agents, and one for the floor that comes after it."""
 
-    def __init__(self, row: Row) -> None:
-        self.here, there = (bus.inner for bus in row.buses)
-        self.floor = Floor(PLANT, clock(), seed=1)
-        self.server = FloorServer(there, PLANT.id, self.floor)
+    def __init__(self, row: Row, group: asyncio.TaskGroup) -> None:
+        self._row, self._group = row, group
+        self.here = row.buses[1].inner
+        self.floor, self.serving = self._serve(row.buses[0])
+
+    def begin_anew(self) -> None:
+        """The floor's process ends, and another one starts."""
+        self.serving.cancel()
+        self._row.buses[0].close()
+        self.floor, self.serving = self._serve(self._row.buses[2])
+
+    def _serve(self, bus: ZenohBus) -> tuple[Floor, asyncio.Task[None]]:
+        floor = Floor(PLANT, clock(), seed=1)
+        return floor, self._group.create_task(FloorServer(bus.inner, PLANT.id, floor).run())
 
     async def take_over(self, agent: str, life: int) -> RemoteBody:
         body = RemoteBody(self.here, PLANT.id, agent, life)
@@ -39,14 +50,13 @@ class House:
 
 def in_a_house(test: Callable[[House], Coroutine[Any, Any, None]]) -> None:
     async def main() -> None:
-        row = Row(2, PLANT.id)
+        row = Row(3, PLANT.id)
         try:
-            house = House(row)
-            await row.settle()
             async with asyncio.TaskGroup() as group:
-                serving = group.create_task(house.server.run())
+                house = House(row, group)
+                await row.settle()
                 await test(house)
-                serving.cancel()
+                house.serving.cancel()
         finally:
             row.close()
 
@@ -170,5 +180,28 @@ def test_the_pieces_of_a_floor_are_counted_from_elsewhere() -> None:
         assert warehouse.put(ATV, product, 5, "G1") == ""
         pieces = await count_pieces(house.here, PLANT.id)
         assert (pieces.arrived, pieces.delivered) == ({"G1": 5}, {product: 5})
+
+    in_a_house(test)
+
+
+def test_a_body_that_tells_nothing_any_more_is_lost_and_no_other() -> None:
+    async def test(house: House) -> None:
+        body = await house.take_over(ATV, 1)
+        with pytest.raises(TimeoutError):
+            await asyncio.wait_for(body.lost(), 2 * remote.SILENT_LOOKS * remote.LOOK_EVERY_S)
+        house.serving.cancel()
+        await asyncio.wait_for(body.lost(), PATIENCE_S * SPEED)
+
+    in_a_house(test)
+
+
+def test_a_floor_that_has_begun_anew_says_so_and_keeps_silent_to_whoever_took_its_last_body_over() -> None:
+    async def test(house: House) -> None:
+        before = await house.take_over(ATV, 1)
+        assert before.is_new
+        assert not (await house.take_over(ATV, 2)).is_new
+        house.begin_anew()
+        await asyncio.wait_for(before.lost(), PATIENCE_S * SPEED)
+        assert (await house.take_over(ATV, 3)).is_new
 
     in_a_house(test)

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+import socket
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
+from dray.adapters.sqlite_journal import SqliteJournal
+from dray.memory import AtvMemory
 from dray.settings import Settings
 
 Dray = Callable[..., tuple[int, str]]
@@ -24,6 +31,13 @@ def dray(call: Callable[..., tuple[int, str, str]], monkeypatch: pytest.MonkeyPa
         return code, told
 
     return run
+
+
+def free_address() -> str:
+    """An address on this computer where nobody listens."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return f"127.0.0.1:{probe.getsockname()[1]}"
 
 
 def test_an_agent_that_is_not_in_the_plant_is_refused(dray: Dray) -> None:
@@ -69,6 +83,43 @@ def test_an_agent_without_a_floor_says_what_to_start(dray: Dray, monkeypatch: py
     code, told = dray("agent", "machine", "M1", DRAY_BUS_PLAIN="true")
     assert code == 1
     assert "the body of M1: nobody answers; start `dray floor` first" in told
+
+
+@pytest.fixture
+def floor(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[subprocess.Popen[str]]:
+    """The simulated floor as a process of its own, on a bus that this process's agents are on too."""
+    address = free_address()
+    monkeypatch.setenv("DRAY_BUS_PLAIN", "true")
+    told = {**os.environ, "DRAY_BUS_LISTEN": address}
+    process = subprocess.Popen(
+        [sys.executable, "-m", "dray", "floor"], stdout=subprocess.PIPE, text=True, env=told, cwd=tmp_path
+    )
+    monkeypatch.setenv("DRAY_BUS_PEERS", address)
+    with process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "floor is ready\n"
+        yield process
+        process.kill()
+
+
+def test_an_agent_whose_floor_ends_does_not_go_on_with_an_old_picture(
+    dray: Dray, floor: subprocess.Popen[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("dray_sim.remote.LOOK_EVERY_S", 0.2)
+    monkeypatch.setattr("dray.cli.process.say_ready", lambda _name: floor.kill())
+    code, told = dray("agent", "machine", "M1")
+    assert code == 1
+    assert "the body of M1: has fallen silent; see whether `dray floor` runs" in told
+
+
+def test_an_agent_does_not_begin_on_a_floor_that_knows_nothing_of_what_binds_it(
+    dray: Dray, floor: subprocess.Popen[str], tmp_path: Path
+) -> None:
+    with closing(SqliteJournal(tmp_path / "journals/ATV1.db", events_kept=1)) as journal:
+        journal.write((), AtvMemory(speed_frac=0.5))
+    code, told = dray("agent", "atv", "ATV1")
+    assert code == 1
+    assert "journals/ATV1.db is about: is gone, for the floor has begun anew; move away the journals" in told
 
 
 def test_settings_come_from_a_file_and_the_environment_wins(

@@ -148,7 +148,8 @@ async def run_agent(
         newcomer: where it stands, when it is a vehicle that the plant file does not know.
 
     Raises:
-        UnavailableError: it has been started elsewhere meanwhile, or something that it needs is not there.
+        UnavailableError: it has been started elsewhere meanwhile, its body is lost or is not the one that its
+            journal is about, or something else that it needs is not there.
         whatever the agent raises.
     """
     settings, plant = surroundings.settings, surroundings.plant
@@ -167,6 +168,11 @@ async def run_agent(
                 await put_down(bus.inner, plant.id, newcomer)
             body = RemoteBody(bus.inner, plant.id, name, journal.incarnation)
             await body.connect()
+            if body.is_new and journal.memory is not None:
+                remedy = "move away the journals of all agents whose bodies are on that floor"
+                raise UnavailableError(
+                    f"the body that {file} is about", "is gone, for the floor has begun anew", remedy
+                )
             worker = Worker(
                 make(journal.incarnation),
                 bus=watched(settings, tracing, surroundings.time.to_wall_s)(bus),
@@ -176,12 +182,31 @@ async def run_agent(
                 journal=journal,
             )
             meters = BusMeter(bus), AgentMeter(worker, journal)
-            async with surroundings.told(*meters):
+            async with surroundings.told(*meters), _in_touch(body, worker):
                 with asked_by_signals(worker.leave, worker.stop, settings.leave_s):
                     say_ready(name)
                     await worker.run()
     if elsewhere:
         raise UnavailableError(name, "has been started elsewhere", "stop one of the two")
+
+
+@asynccontextmanager
+async def _in_touch(body: RemoteBody, worker: Worker) -> AsyncIterator[None]:
+    """Let an agent live as long as its body does: without one it must not say that all is well.
+
+    Raises:
+        UnavailableError: nothing was heard of the body any more.
+    """
+    lost = asyncio.create_task(body.lost())
+    lost.add_done_callback(lambda _: worker.stop())
+    try:
+        yield
+    finally:
+        silent = not lost.cancel()
+    if silent:
+        raise UnavailableError(
+            f"the body of {worker.agent.id}", "has fallen silent", "see whether `dray floor` runs"
+        )
 
 
 FLOOR = "floor"
