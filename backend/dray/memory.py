@@ -20,6 +20,20 @@ class AtvMemory(Part, tag_field="kind", tag="atv", frozen=True):
     acknowledged: bool = False
     """A stop was acknowledged and not resumed yet; whether it is stopped is for the body to know."""
     speed_frac: float = 1.0
+    answered: tuple[CommandMemory, ...] = ()
+    """People's commands that are not obeyed again, the oldest first: those whose grant was still good when
+    the last one came."""
+
+
+class CommandMemory(Part, frozen=True):
+    """What became of a command, as the vehicle remembers it."""
+
+    command: str
+    person: str
+    """On whose behalf it was given; another's command may have the same name."""
+    valid_until_s: float
+    refused: str = ""
+    """Why; empty when it was obeyed."""
 
 
 class Contract(Part, frozen=True):

@@ -15,6 +15,7 @@ import pytest
 from dray.adapters.sqlite_journal import SqliteJournal
 from dray.memory import (
     AtvMemory,
+    CommandMemory,
     Contract,
     GoalBooked,
     GoalMemory,
@@ -123,6 +124,7 @@ ORDER = OrderMemory(order="O-1", items=(OrderItem("P1", 4),), due_s=99.0, goals=
 MEMORIES: list[Memory] = [
     AtvMemory(),
     AtvMemory(contract=CONTRACT, acknowledged=True, speed_frac=0.25),
+    AtvMemory(answered=(CommandMemory(command="C1", person="person:p", valid_until_s=9.5, refused="no"),)),
     MachineMemory(goals=(GOAL,), tasks=(TASK,), task_count=7),
     StrategistMemory(orders=(ORDER,), ended=("O-0",), goal_count=5),
 ]

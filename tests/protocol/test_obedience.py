@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from kit import PLANT, VehicleRig, facts, instructed, sent
+from kit import PLANT, VehicleRig, committed, facts, instructed, sent
 from msgspec.structs import replace
 from seals import granted, seal
 
-from dray.body import Hold, LimitSpeed
+from dray.body import Hold, LimitSpeed, Unhold
+from dray.memory import AtvMemory
 from dray.messages import CommandAnswered, CommandKind, VehicleCommand, signed_words
 from dray.messages.command import STOP_MARGIN_M
 from dray.messages.fact import CommandObeyed, HelpPromised
@@ -230,3 +231,60 @@ def test_strangers_cannot_make_a_vehicle_forget_what_it_was_told() -> None:
         told(rig, replace(STOP, command=f"S{number}"))
     assert told(rig, stop).done
     assert len(instructed(rig.all, Hold)) == 1, "it goes on"
+
+
+def commands() -> tuple[VehicleCommand, ...]:
+    """A stop, and the two acts that end it."""
+    return (
+        granted("ATV1", STOP, valid_until_s=30.0),
+        granted("ATV1", VehicleCommand(command="C2", kind=CommandKind.ACKNOWLEDGE), valid_until_s=30.0),
+        granted("ATV1", VehicleCommand(command="C3", kind=CommandKind.RESUME), valid_until_s=30.0),
+    )
+
+
+def test_a_late_copy_of_what_was_obeyed_is_answered_as_before_and_not_recorded_as_refused() -> None:
+    rig = standing()
+    stop = granted("ATV1", STOP, valid_until_s=10.0)
+    assert told(rig, stop).done
+    rig.now_s = 10.1
+    assert told(rig, stop).done
+    assert len(facts(rig.all, CommandObeyed)) == len(instructed(rig.all, Hold)) == 1
+
+
+def reborn(rig: VehicleRig) -> VehicleRig:
+    """The vehicle's next life, on the same body."""
+    after = VehicleRig(node=rig.node)
+    after.memory, after.now_s, after.held = committed(rig.all), rig.now_s, rig.held
+    after.start()
+    return after
+
+
+def test_the_next_life_does_not_obey_again_what_was_obeyed() -> None:
+    rig = standing()
+    for command in commands():
+        assert told(rig, command).done
+    after = reborn(rig)
+    assert told(after, commands()[0]).done
+    assert instructed(after.all, Hold) == [], "it goes on"
+
+
+def test_the_next_life_does_not_obey_what_was_refused() -> None:
+    rig = standing()
+    stop, acknowledge, resume = commands()
+    assert told(rig, stop).done
+    assert not told(rig, resume).done, "nobody has acknowledged it"
+    assert told(rig, acknowledge).done
+    rig.held = True
+    after = reborn(rig)
+    assert not told(after, resume).done
+    assert instructed(after.all, Unhold) == []
+
+
+def test_only_commands_that_could_be_obeyed_again_are_written_down() -> None:
+    rig = standing()
+    told(rig, granted("ATV1", STOP, valid_until_s=10.0))
+    rig.now_s = 20.0
+    told(rig, granted("ATV1", SLOW, valid_until_s=30.0))
+    memory = committed(rig.all)
+    assert isinstance(memory, AtvMemory)
+    assert [each.command for each in memory.answered] == [SLOW.command]

@@ -176,7 +176,7 @@ class Atv(Core):
         self._trouble.problem, self._link = state.problem, state.link
         self._obedience.stopped = state.held
         if isinstance(memory, AtvMemory):
-            self._obedience.recall(memory.acknowledged, memory.speed_frac)
+            self._obedience.recall(memory)
         self._rest.start(self._battery_frac, now_s)
         if isinstance(memory, AtvMemory) and memory.contract is not None:
             self._bind(memory.contract)
@@ -214,6 +214,7 @@ class Atv(Core):
             contract=carriage.memory() if carriage is not None else None,
             acknowledged=self._obedience.acknowledged,
             speed_frac=self._obedience.speed_frac,
+            answered=self._obedience.answered,
         )
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
@@ -565,8 +566,10 @@ class Atv(Core):
         self._rest.hear_claim(message, now_s)
 
     def _hear_command(self, sender: str, command: VehicleCommand, now_s: float) -> None:
-        if self._obedience.hear(sender, command, self._driver.position_m, now_s):
-            self._commit()
+        done = self._obedience.hear(sender, command, self._driver.position_m, now_s)
+        # A refusal is kept too: what was refused must not be obeyed when it comes again in the next life.
+        self._commit()
+        if done:
             if command.kind is CommandKind.STOP:
                 self._ask_for_help("stopped by an operator", now_s)
                 self._watches.resign("stopped by an operator")

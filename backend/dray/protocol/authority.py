@@ -37,11 +37,9 @@ class Authority:
     def __init__(self, atv: str, plant: Plant, trusts: Trusts) -> None:
         self._atv, self._plant, self._trusts = atv, plant, trusts
 
-    def doubts(self, command: VehicleCommand, grant: Grant, now_s: float) -> str:
-        """Why a grant is nobody's word at this moment, or nothing."""
-        if not self._trusts(signed_words(self._atv, command, grant), grant.signature):
-            return NOT_TRUSTED
-        return EXPIRED if now_s > grant.valid_until_s else ""
+    def knows(self, command: VehicleCommand, grant: Grant) -> bool:
+        """Whether somebody who is trusted has granted this command, whenever that was."""
+        return self._trusts(signed_words(self._atv, command, grant), grant.signature)
 
     def covers(self, command: VehicleCommand, grant: Grant, x_m: float, y_m: float) -> bool:
         """Whether a grant reaches the place where the vehicle is."""

@@ -9,9 +9,10 @@ without a grant for the place where the vehicle is (invariant 9).
 from __future__ import annotations
 
 from dray.body import Hold, LimitSpeed, Unhold
+from dray.memory import AtvMemory, CommandMemory
 from dray.messages import CommandAnswered, CommandKind, Grant, VehicleCommand
 from dray.messages.fact import CommandObeyed
-from dray.protocol.authority import NOT_GRANTED, NOT_HERE, Authority
+from dray.protocol.authority import EXPIRED, NOT_GRANTED, NOT_HERE, NOT_TRUSTED, Authority
 from dray.protocol.events import Effect, Ignore, Instruct, Record, Send
 from dray.protocol.trouble import Trouble
 
@@ -36,9 +37,11 @@ class Obedience:
         self._authority = authority
         self._trouble = trouble
         self._out = out
-        self._refusals: dict[tuple[str, str], str] = {}
+        self._answered: dict[tuple[str, str], CommandMemory] = {}
         """What became of the last commands, by who gave them and their names; the oldest first. Only of
         those with a grant, so that no stranger can make the vehicle forget one."""
+        self._asked_s = 0.0
+        """When the last of them was new."""
         self.acknowledged = False
         """The present stop was acknowledged, and not resumed yet."""
         self.stopped = False
@@ -48,8 +51,9 @@ class Obedience:
     def hear(self, sender: str, command: VehicleCommand, place_m: tuple[float, float], now_s: float) -> bool:
         """Carry a command out or refuse it, and answer.
 
-        One that was heard before is answered as before, and nothing else: a stop that the network
-        delivers again after the resume must not stop the vehicle when nobody looks after it any more.
+        One that was heard before is answered as before, and nothing else, however late it comes again: a
+        stop that the network delivers after the resume must not stop the vehicle when nobody looks after it
+        any more.
 
         Args:
             sender: whom to answer; what counts is the grant.
@@ -61,14 +65,18 @@ class Obedience:
             Whether it was carried out now.
         """
         grant = command.grant
-        doubts = NOT_GRANTED if grant is None else self._authority.doubts(command, grant, now_s)
-        if grant is None or doubts:
-            self._refuse(sender, command, doubts)
+        if grant is None:
+            self._refuse(sender, command, NOT_GRANTED)
             return False
-        name = grant.person, command.command
-        before = self._refusals.get(name)
+        if not self._authority.knows(command, grant):
+            self._refuse(sender, command, NOT_TRUSTED)
+            return False
+        before = self._answered.get((grant.person, command.command))
         if before is not None:
-            self._out.append(Send(sender, _answer(command, before)))
+            self._out.append(Send(sender, _answer(command, before.refused)))
+            return False
+        if now_s > grant.valid_until_s:
+            self._refuse(sender, command, EXPIRED)
             return False
         if self._authority.covers(command, grant, *place_m):
             refused = self._try(command, grant, now_s)
@@ -76,15 +84,19 @@ class Obedience:
         else:
             refused = NOT_HERE
             self._refuse(sender, command, refused)
-        if len(self._refusals) >= COMMANDS_KEPT:
-            del self._refusals[next(iter(self._refusals))]
-        self._refusals[name] = refused
+        self._note(CommandMemory(command.command, grant.person, grant.valid_until_s, refused), now_s)
         return not refused
 
-    def recall(self, acknowledged: bool, speed_frac: float) -> None:
+    @property
+    def answered(self) -> tuple[CommandMemory, ...]:
+        """What the next life must know: commands that it would obey if they came again."""
+        return tuple(each for each in self._answered.values() if each.valid_until_s >= self._asked_s)
+
+    def recall(self, memory: AtvMemory) -> None:
         """Go on with what an earlier life was told; whether it is stopped, its body knows."""
-        self.acknowledged = acknowledged and self.stopped and not self._trouble.problem
-        self.speed_frac = speed_frac
+        self.acknowledged = memory.acknowledged and self.stopped and not self._trouble.problem
+        self.speed_frac = memory.speed_frac
+        self._answered = {(each.person, each.command): each for each in memory.answered}
 
     def take_back(self) -> bool:
         """A fault has come up that nobody can have meant: the stop is to be acknowledged anew.
@@ -94,6 +106,12 @@ class Obedience:
         """
         taken, self.acknowledged = self.acknowledged, False
         return taken
+
+    def _note(self, command: CommandMemory, now_s: float) -> None:
+        if len(self._answered) >= COMMANDS_KEPT:
+            del self._answered[next(iter(self._answered))]
+        self._answered[command.person, command.command] = command
+        self._asked_s = now_s
 
     def _refuse(self, sender: str, command: VehicleCommand, why: str) -> None:
         """Somebody asks who may not: that is told as any refusal, and counted."""
