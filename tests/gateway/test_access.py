@@ -13,6 +13,7 @@ from gateway_kit import (
     BEARER,
     HOME,
     NOW_S,
+    PIN,
     PLANT,
     FakeDesk,
     House,
@@ -288,6 +289,10 @@ async def test_whoever_was_known_may_stop_while_the_database_is_away_and_nothing
     await gone.get("/api/me")
     left = gone.cookies[COOKIE]
     await gone.post("/logout")
+    at_one_station = await house.log_in("ana", Role.OPERATOR, "AREA1")
+    await at_one_station.get("/api/me")
+    here = at_one_station.cookies[COOKIE]
+    await house.visitor().post("/login", data={"name": "ana", "secret": PIN})
     commands = "/api/atvs/ATV1/commands"
 
     def away(*_all: Any) -> None:
@@ -299,8 +304,9 @@ async def test_whoever_was_known_may_stop_while_the_database_is_away_and_nothing
     assert [command.kind.value for command in heard] == ["stop"]
     problem(await boss.post(commands, json={"kind": "resume"}), 503, "not-recorded")
     problem(await boss.get("/api/atvs"), 503, "not-ready")
-    gone.cookies.set(COOKIE, left)
-    problem(await gone.post(commands, json={"kind": "stop"}), 503, "not-ready")
+    for ended in (left, here):
+        gone.cookies.set(COOKIE, ended)
+        problem(await gone.post(commands, json={"kind": "stop"}), 503, "not-ready")
     async with house.visitor() as stranger:
         stranger.cookies.set(COOKIE, "guess")
         problem(await stranger.post(commands, json={"kind": "stop"}), 503, "not-ready")
@@ -582,6 +588,16 @@ async def test_a_stream_ends_with_its_session(house: House, end: Callable[..., A
     assert house.parts.hub.joined == 1
     await bystander.leave()
     assert (await other.post("/logout")).status_code == 204
+
+
+async def test_a_stream_ends_in_another_way_when_its_session_goes_on_at_another_station(house: House) -> None:
+    ana = await house.log_in("ana", Role.OPERATOR, "AREA1")
+    browser = Browser(house, **cookie(ana))
+    await browser.hears("send")
+    assert (await ana.post("/login/station", data={"station": "M2"})).status_code == 303
+    await house.parts.access.watch.check()
+    assert (await browser.hears("close"))["code"] == 4409
+    assert (await ana.get("/api/me")).json()["station"] == "M2"
 
 
 async def test_a_stream_of_a_key_ends_with_the_key(house: House) -> None:

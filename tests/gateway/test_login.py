@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+from contextlib import ExitStack
 from typing import Any
 
 import httpx
 import pytest
 from argon2 import PasswordHasher
-from gateway_kit import NOW_S, PASSWORD, QUICK, House, gateway, problem
+from gateway_kit import NOW_S, PASSWORD, PIN, QUICK, House, gateway, problem
 from login_kit import BROWSER, COOKIE, link_for, set_cookies, try_in
 
 from dray.gateway.access.hasher import AT_ONCE, WAITING, Hasher
@@ -135,31 +136,52 @@ async def test_an_unknown_name_costs_one_hash_as_a_known_one_does(
 
 
 async def test_the_secret_of_nobody_lets_nobody_in() -> None:
-    assert not await QUICK.matches(None, "nobody's secret")
-    assert not await QUICK.matches("no hash at all", "secret")
-    assert await QUICK.matches(QUICK.hash("secret"), "secret")
+    assert not QUICK.matches(None, "nobody's secret")
+    assert not QUICK.matches("no hash at all", "secret")
+    assert QUICK.matches(QUICK.hash("secret"), "secret")
 
 
 async def test_hashing_leaves_the_event_loop_free() -> None:
     slow = Hasher(PasswordHasher(time_cost=8, memory_cost=32_768, parallelism=1))
     kept = slow.hash("secret")
-    checking = asyncio.create_task(slow.matches(kept, "secret"))
     turns = 0
-    while not checking.done():
-        await asyncio.sleep(0)
-        turns += 1
+    with slow.place() as place:
+        checking = asyncio.create_task(place.matches(kept, "secret"))
+        while not checking.done():
+            await asyncio.sleep(0)
+            turns += 1
     assert await checking
     assert turns > 10
 
 
 async def test_only_so_many_wait_for_their_hash() -> None:
-    waiting = [asyncio.create_task(QUICK.matches(None, "x")) for _ in range(WAITING + 1)]
-    results = await asyncio.gather(*waiting, return_exceptions=True)
-    refused = [each for each in results if isinstance(each, Problem)]
-    assert [each.status for each in refused] == [503]
-    assert refused[0].headers["Retry-After"]
+    with ExitStack() as queue:
+        for _ in range(WAITING):
+            queue.enter_context(QUICK.place())
+        with pytest.raises(Problem) as refused, QUICK.place():
+            pass
+    assert refused.value.status == 503
+    assert refused.value.headers["Retry-After"]
     assert AT_ONCE < WAITING
-    assert not await QUICK.matches(None, "x"), "and it goes on"
+    with QUICK.place() as place:
+        assert not await place.matches(None, "x"), "and it goes on"
+
+
+async def test_whoever_finds_no_place_in_the_queue_has_not_tried(
+    house: House, visitor: httpx.AsyncClient
+) -> None:
+    await house.know("boss")
+    await house.know("ana", Role.OPERATOR, "AREA1")
+    with ExitStack() as queue:
+        for _ in range(WAITING):
+            queue.enter_context(QUICK.place())
+        for _ in range(TRIES + 1):
+            problem(await try_in(visitor, "boss", PASSWORD), 503, "too-many-logins")
+            problem(await visitor.post("/login", data={"badge": "B"}), 503, "too-many-logins")
+    for name, secret in (("boss", PASSWORD), ("ana", PIN)):
+        assert (await try_in(visitor, name, secret)).status_code == 303
+    async with house.store.read() as work:
+        assert await work.lockouts.count() == 0
 
 
 # --- whoever guesses -----------------------------------------------------------------------------

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
 from gateway_kit import PASSWORD, PIN, House, gateway, problem
-from login_kit import BROWSER, link_for, set_cookies, try_in
+from login_kit import BROWSER, COOKIE, link_for, set_cookies, try_in
 
-from dray.gateway.access.login import (
-    FREE_FAILURES,
-)
+from dray.errors import UnavailableError
+from dray.gateway.access.login import FREE_FAILURES
 from dray.gateway.access.principal import Role
+from dray.gateway.access.watch import Watch
 from dray.gateway.panels import Panels
+from dray.store import Store
 
 pytestmark = pytest.mark.anyio
 
@@ -115,3 +118,65 @@ async def test_pages_that_are_not_built_say_so(url: str, tmp_path: Path) -> None
         answer = await visitor.get("/login")
     assert answer.status_code == 503
     assert "make panels" in answer.text
+
+
+@pytest.fixture
+def away(monkeypatch: pytest.MonkeyPatch) -> Callable[[], None]:
+    """Let the database go away."""
+
+    def refuse(*_all: Any) -> None:
+        raise UnavailableError("database", "connection refused", "start it")
+
+    def leave() -> None:
+        for way in ("read", "write"):
+            monkeypatch.setattr(Store, way, refuse)
+
+    return leave
+
+
+async def test_while_the_database_is_away_a_person_is_told_so_on_a_page_and_a_program_in_json(
+    house: House, away: Callable[[], None]
+) -> None:
+    boss = await house.log_in("boss")
+    away()
+    filled_in: dict[str, Any] = {"data": {"name": "boss", "secret": PASSWORD}}
+    for method, path, form in (
+        ("GET", "/login?next=%2F%3Fx%3D1", {}),
+        ("POST", "/login", filled_in),
+        ("GET", "/login/link", {}),
+        ("POST", "/login/link", {}),
+        ("POST", "/logout", {}),
+    ):
+        answer = await boss.request(method, path, headers=BROWSER, **form)
+        assert answer.status_code == 503, (method, path)
+        assert answer.headers["retry-after"]
+        assert "The database does not answer" in answer.text
+        assert PASSWORD not in answer.text
+        assert answer.headers["content-type"].startswith("text/html")
+        problem(await boss.request(method, path, **form), 503, "database-away")
+    page = await boss.get("/login", params={"next": "/?x=1"}, headers=BROWSER)
+    assert 'name="next" value="/?x=1"' in page.text
+
+
+async def test_whoever_asks_for_a_panel_while_the_database_is_away_is_led_to_the_page_that_says_so(
+    house: House, away: Callable[[], None]
+) -> None:
+    boss = await house.log_in("boss")
+    away()
+    answer = await boss.get("/?x=1", headers=BROWSER)
+    assert (answer.status_code, answer.headers["location"]) == (303, "/login?next=%2F%3Fx%3D1")
+    problem(await boss.get("/"), 503, "not-ready")
+
+
+async def test_whoever_logs_out_has_no_cookie_any_more_though_streams_cannot_be_looked_at(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    boss = await house.log_in("boss")
+
+    async def fail(_watch: Watch) -> None:
+        raise UnavailableError("database", "connection refused", "start it")
+
+    monkeypatch.setattr(Watch, "check", fail)
+    answer = await boss.post("/logout", headers=BROWSER)
+    assert answer.status_code == 303
+    assert "Max-Age=0" in set_cookies(answer)[COOKIE]

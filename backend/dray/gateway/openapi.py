@@ -60,7 +60,8 @@ Orders for a factory without a dispatcher, and everything that can be seen of it
 * Errors are `application/problem+json` (RFC 9457): `title`, `detail`, and `errors` per field.
 * Times that end in `_at_s` are seconds since 1970 on the wall clock; `created_at`, `due_at` and
   `delivered_at` are the same in ISO 8601.
-* `/api/stream` is a websocket: one snapshot, then numbered deltas. It is closed with 4401 when the session ends.
+* `/api/stream` is a websocket: one snapshot, then numbered deltas. It is closed with 4401 when the session ends,
+  and with 4409 when its station or areas have changed: another one shows what may be seen now.
 * Programs send `Authorization: Bearer TOKEN`, with a key of `dray key create`; browsers have the cookie of
   `/login`. Each operation names the scope that it asks for.
 """

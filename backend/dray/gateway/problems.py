@@ -28,6 +28,12 @@ MAX_FIELD_ERRORS = 50
 AGAIN_S = 5
 """When to try again what the database could not do: a server that is started anew takes about as long."""
 
+AWAY = "database-away"
+"""The kind of problem that only the database can end."""
+
+CHALLENGE = {"WWW-Authenticate": 'Bearer realm="Dray"'}
+"""How to say who one is: every answer 401 tells that (RFC 9110, 15.5.2)."""
+
 _log = logging.getLogger(__name__)
 
 
@@ -169,14 +175,19 @@ async def _on_http(request: Request, error: Exception) -> Response:
 
 
 async def _on_unavailable(request: Request, error: Exception) -> Response:
+    return away(request, error).response(request.url.path)
+
+
+def away(request: Request, error: Exception) -> Problem:
+    """The database is not there; the log is told why."""
     _log.warning("cannot answer %s %s: %s", request.method, request.url.path, error)
     return Problem(
         HTTPStatus.SERVICE_UNAVAILABLE,
-        "database-away",
+        AWAY,
         "The database does not answer",
         "try again in some seconds; an order that is sent again under its Idempotency-Key is taken once",
         headers={"Retry-After": str(AGAIN_S)},
-    ).response(request.url.path)
+    )
 
 
 async def on_bug(request: Request, error: Exception) -> Response:

@@ -1,6 +1,6 @@
 import { beforeEach, describe, expect, test } from "vitest";
 import { waitBeforeS } from "./backoff";
-import { Connection, LOGGED_OUT, type Socket } from "./connection";
+import { Connection, LOGGED_OUT, MOVED, type Socket } from "./connection";
 import { freshnessOf, isPast } from "./freshness";
 import { ServerClock } from "./server-clock";
 
@@ -26,6 +26,7 @@ let timers: { seconds: number; call: () => void; off: boolean }[];
 let numbers: number[];
 let states: boolean[];
 let loggedOut: number;
+let moved: number;
 let connection: Connection;
 
 const socket = (): FakeSocket => {
@@ -47,7 +48,7 @@ function passTime(): number {
 
 beforeEach(() => {
   [sockets, timers, numbers, states] = [[], [], [], []];
-  loggedOut = 0;
+  [loggedOut, moved] = [0, 0];
   connection = new Connection(
     {
       open: () => {
@@ -67,6 +68,7 @@ beforeEach(() => {
       frame: (frame) => numbers.push(frame.number),
       connected: (yes) => states.push(yes),
       loggedOut: () => (loggedOut += 1),
+      moved: () => (moved += 1),
     },
   );
   connection.connect();
@@ -140,6 +142,12 @@ describe("a connection", () => {
     expect([loggedOut, states.at(-1), timers.every(({ off }) => off)]).toEqual([1, false, true]);
     connection.connect();
     expect(sockets).toHaveLength(2);
+  });
+
+  test("whose session works elsewhere now says so, which is no logout", () => {
+    socket().say(snapshot(4));
+    socket().onclose?.({ code: MOVED });
+    expect([moved, loggedOut, states.at(-1), timers.every(({ off }) => off)]).toEqual([1, 0, false, true]);
   });
 });
 

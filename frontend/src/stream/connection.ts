@@ -26,10 +26,14 @@ export interface Listener {
   connected: (yes: boolean) => void;
   /** The session has ended, or there is none: nothing comes before somebody has logged in. */
   loggedOut: () => void;
+  /** Whoever is logged in may see something else by now, or works elsewhere. */
+  moved: () => void;
 }
 
 /** With this code the gateway closes the stream of a session that has ended. */
 export const LOGGED_OUT = 4401;
+/** And with this one the stream of a session whose station or areas are others now. */
+export const MOVED = 4409;
 
 /** How long a socket may take to open before it is given up. */
 const OPEN_WITHIN_S = 6;
@@ -61,7 +65,8 @@ export class Connection {
       this.#take(event.data);
     };
     socket.onclose = ({ code }) => {
-      if (code === LOGGED_OUT) this.#end();
+      if (code === LOGGED_OUT) this.#end(this.#listener.loggedOut);
+      else if (code === MOVED) this.#end(this.#listener.moved);
       else this.#lost();
     };
     this.#cancelTimer = this.#around.later(OPEN_WITHIN_S, () => {
@@ -90,12 +95,12 @@ export class Connection {
     this.#listener.frame(frame, world);
   }
 
-  /** Trying again would only be refused again; `connect` may be called after a login. */
-  #end(): void {
+  /** Nothing more comes by itself; `connect` may be called again. */
+  #end(tell: () => void): void {
     this.#drop();
     this.#world = null;
     this.#listener.connected(false);
-    this.#listener.loggedOut();
+    tell();
   }
 
   #lost(): void {

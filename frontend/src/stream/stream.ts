@@ -68,6 +68,9 @@ const connection = new Connection(
     },
     frame: take,
     loggedOut: tellLoggedOut,
+    moved: () => {
+      location.reload();
+    },
   },
 );
 

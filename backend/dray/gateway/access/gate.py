@@ -21,7 +21,7 @@ from dray.gateway.access.recorder import Recorder, address_of
 from dray.gateway.access.rules import Found, find
 from dray.gateway.access.trail import NOTE, Note
 from dray.gateway.parts import parts_of
-from dray.gateway.problems import Problem
+from dray.gateway.problems import CHALLENGE, Problem
 
 COOKIE = "dray_session"
 
@@ -30,7 +30,8 @@ LOGIN = "/login"
 CLOSE_CODES = {HTTPStatus.UNAUTHORIZED: 4401, HTTPStatus.FORBIDDEN: 4403}
 """How a stream is refused: browsers hide the status of a handshake, and tell the code of a close."""
 
-CHALLENGE = {"WWW-Authenticate": 'Bearer realm="Dray"'}
+LOGIN_TELLS = {HTTPStatus.UNAUTHORIZED, HTTPStatus.SERVICE_UNAVAILABLE}
+"""Refusals that the login page tells a person, and then leads on to what was wanted."""
 
 TRY_LATER = 1013
 """RFC 6455's registry: the server cannot, at the moment."""
@@ -182,7 +183,7 @@ async def _refuse(problem: Problem, scope: Scope, receive: Receive, send: Send) 
         await send({"type": "websocket.accept"})
         code = CLOSE_CODES.get(HTTPStatus(problem.status), TRY_LATER)
         await send({"type": "websocket.close", "code": code, "reason": problem.title})
-    elif problem.status == HTTPStatus.UNAUTHORIZED and wants_page(scope):
+    elif problem.status in LOGIN_TELLS and wants_page(scope):
         await RedirectResponse(_login_for(scope), HTTPStatus.SEE_OTHER)(scope, receive, send)
     else:
         await problem.response(scope["path"])(scope, receive, send)

@@ -6,7 +6,8 @@ Argon2id is slow and takes much memory on purpose, so it is done off the event l
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from http import HTTPStatus
 from typing import TypeVar, TypeVarTuple
 
@@ -41,43 +42,15 @@ class Hasher:
         self._turn = asyncio.Semaphore(AT_ONCE)
         self._waiting = 0
 
-    async def matches(self, kept: str | None, secret: str) -> bool:
-        """Whether this is the secret whose hash is kept; takes as long where there is none.
+    @contextmanager
+    def place(self) -> Iterator[Place]:
+        """A place among those who wait for their turn, kept as long as the context lasts.
+
+        Whoever finds none has not tried to log in, so it is asked for before a try is counted.
 
         Raises:
-            Problem: 503, too many are being checked.
+            Problem: 503, there is none.
         """
-        return await self._off_the_loop(self._matches, kept or self._nobodys, secret) and kept is not None
-
-    async def badge(self, code: str, salt: str) -> str:
-        """What is kept of a badge's code, and what it is looked up by.
-
-        Args:
-            code: the badge's.
-            salt: of this database, in hexadecimal digits.
-
-        Raises:
-            Problem: 503, too many are being checked.
-        """
-        return await self._off_the_loop(self.badge_hash, code, salt)
-
-    def hash(self, secret: str) -> str:
-        """What is kept of a password or PIN. Takes its time."""
-        return self._argon2.hash(secret)
-
-    def badge_hash(self, code: str, salt: str) -> str:
-        """See `badge`. Takes its time."""
-        return hash_secret_raw(
-            code.encode(),
-            bytes.fromhex(salt),
-            time_cost=self._argon2.time_cost,
-            memory_cost=self._argon2.memory_cost,
-            parallelism=self._argon2.parallelism,
-            hash_len=self._argon2.hash_len,
-            type=Type.ID,
-        ).hex()
-
-    async def _off_the_loop(self, work: Callable[[*Ts], T], *given: *Ts) -> T:
         if self._waiting >= WAITING:
             raise Problem(
                 HTTPStatus.SERVICE_UNAVAILABLE,
@@ -88,13 +61,55 @@ class Hasher:
             )
         self._waiting += 1
         try:
-            async with self._turn:
-                return await asyncio.to_thread(work, *given)
+            yield Place(self)
         finally:
             self._waiting -= 1
 
-    def _matches(self, kept: str, secret: str) -> bool:
+    async def off_the_loop(self, work: Callable[[*Ts], T], *given: *Ts) -> T:
+        """Compute something that takes its time, when it is its turn."""
+        async with self._turn:
+            return await asyncio.to_thread(work, *given)
+
+    def matches(self, kept: str | None, secret: str) -> bool:
+        """Whether this is the secret whose hash is kept; takes as long where there is none. Takes its time."""
         try:
-            return self._argon2.verify(kept, secret)
+            self._argon2.verify(kept or self._nobodys, secret)
         except (VerificationError, InvalidHashError):
             return False
+        return kept is not None
+
+    def hash(self, secret: str) -> str:
+        """What is kept of a password or PIN. Takes its time."""
+        return self._argon2.hash(secret)
+
+    def badge_hash(self, code: str, salt: str) -> str:
+        """What is kept of a badge's code, and what it is looked up by. Takes its time.
+
+        Args:
+            code: the badge's.
+            salt: of this database, in hexadecimal digits.
+        """
+        return hash_secret_raw(
+            code.encode(),
+            bytes.fromhex(salt),
+            time_cost=self._argon2.time_cost,
+            memory_cost=self._argon2.memory_cost,
+            parallelism=self._argon2.parallelism,
+            hash_len=self._argon2.hash_len,
+            type=Type.ID,
+        ).hex()
+
+
+class Place:
+    """A place among those who wait for their turn (`Hasher.place`)."""
+
+    def __init__(self, hasher: Hasher) -> None:
+        self._hasher = hasher
+
+    async def matches(self, kept: str | None, secret: str) -> bool:
+        """See `Hasher.matches`."""
+        return await self._hasher.off_the_loop(self._hasher.matches, kept, secret)
+
+    async def badge_hash(self, code: str, salt: str) -> str:
+        """See `Hasher.badge_hash`."""
+        return await self._hasher.off_the_loop(self._hasher.badge_hash, code, salt)

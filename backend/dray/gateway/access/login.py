@@ -12,7 +12,7 @@ from http import HTTPStatus
 from dray.gateway.access.hasher import Hasher
 from dray.gateway.access.limits import Limit, neighbourhood, too_many
 from dray.gateway.access.principal import Role
-from dray.gateway.problems import Problem
+from dray.gateway.problems import CHALLENGE, Problem
 from dray.store import Store
 from dray.store.lockouts import Lockout
 from dray.store.loginlinks import LoginLink
@@ -59,7 +59,7 @@ class WrongLogin(Problem):
             "wrong-login",
             "Not logged in",
             "this name with this secret, or this badge, opens nothing; try again",
-            headers={"WWW-Authenticate": 'Bearer realm="Dray"'},
+            headers=CHALLENGE,
         )
 
 
@@ -97,16 +97,18 @@ class Login:
             address: where it was tried.
 
         Raises:
-            Problem: 401, nobody; 429, too many have failed under this name or from this address.
+            Problem: 401, nobody; 429, too many have failed under this name or from this address; 503, too
+                many log in at once, which counts as no try.
         """
-        self._tries.take(neighbourhood(address))
-        name = as_typed(name)
-        # The failure is noted before it is known to be one: many tries at once count as many.
-        async with self._store.write() as work:
-            await self._note_failure(work, name)
-            person = await work.people.get(name)
-        kept = None if person is None else secret_of(person)
-        right = await self._hasher.matches(kept, secret[:SECRET_CHARS])
+        with self._hasher.place() as place:
+            self._tries.take(neighbourhood(address))
+            name = as_typed(name)
+            # The failure is noted before it is known to be one: many tries at once count as many.
+            async with self._store.write() as work:
+                await self._note_failure(work, name)
+                person = await work.people.get(name)
+            kept = None if person is None else secret_of(person)
+            right = await place.matches(kept, secret[:SECRET_CHARS])
         if person is None or not right or person.disabled_at_s is not None:
             raise WrongLogin("" if person is None else person.id)
         async with self._store.write() as work:
@@ -118,12 +120,14 @@ class Login:
         """Whose badge this is.
 
         Raises:
-            Problem: 401, nobody's; 429, too many have failed from this address.
+            Problem: 401, nobody's; 429, too many have failed from this address; 503, too many log in at
+                once, which counts as no try.
         """
-        self._tries.take(neighbourhood(address))
-        async with self._store.write() as work:
-            salt = await work.secrets.get(BADGE_SALT)
-        kept = await self._hasher.badge(code.strip()[:SECRET_CHARS], salt)
+        with self._hasher.place() as place:
+            self._tries.take(neighbourhood(address))
+            async with self._store.write() as work:
+                salt = await work.secrets.get(BADGE_SALT)
+            kept = await place.badge_hash(code.strip()[:SECRET_CHARS], salt)
         async with self._store.read() as work:
             person = await work.people.with_badge(kept)
         if person is None or person.disabled_at_s is not None:

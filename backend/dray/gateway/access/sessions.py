@@ -107,6 +107,8 @@ class Sessions:
             if before and (old := await work.sessions.find(before)):
                 await work.sessions.end(old.id, now_s)
             await work.sessions.add(token, session)
+        if person.role == Role.OPERATOR:
+            self._forget(person)
         return token, session
 
     async def recognise(self, token: str) -> Principal | None:
@@ -147,6 +149,11 @@ class Sessions:
         self._remembered.move_to_end(digest(token))
         if len(self._remembered) > REMEMBERED:
             self._remembered.popitem(last=False)
+
+    def _forget(self, person: Person) -> None:
+        """The sessions of somebody have ended: while the database is away, nobody could tell."""
+        for key in [key for key, (whose, _) in self._remembered.items() if whose.id == person.id]:
+            del self._remembered[key]
 
     async def place(self, session_id: str, station: str) -> None:
         """Note at which machine an operator works."""

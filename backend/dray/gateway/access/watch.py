@@ -1,12 +1,13 @@
-"""The watch over open streams: whose session or key has ended sees no more."""
+"""The watch over open streams: whose session or key has ended sees no more, nor what was seen elsewhere."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from enum import Enum
 
 from dray.errors import UnavailableError
 from dray.gateway.access import keys, sessions
@@ -21,6 +22,14 @@ CHECK_S = 5.0
 _log = logging.getLogger(__name__)
 
 
+class End(Enum):
+    """Why a stream must end."""
+
+    OVER = "the session has ended"
+    MOVED = "you have another station or other areas now"
+    """The session goes on: another stream shows what may be seen now."""
+
+
 class Watch:
     """Knows which streams are open, and ends those of callers who have lost their right.
 
@@ -31,12 +40,12 @@ class Watch:
 
     def __init__(self, store: Store, wall_s: Callable[[], float]) -> None:
         self._store, self._wall_s = store, wall_s
-        self._open: dict[asyncio.Event, Principal] = {}
+        self._open: dict[asyncio.Future[End], Principal] = {}
 
     @contextmanager
-    def over(self, principal: Principal) -> Iterator[asyncio.Event]:
-        """Watch over somebody's stream; the event is set when it must end."""
-        ended = asyncio.Event()
+    def over(self, principal: Principal) -> Iterator[asyncio.Future[End]]:
+        """Watch over somebody's stream; the future tells when it must end, and why."""
+        ended: asyncio.Future[End] = asyncio.get_running_loop().create_future()
         self._open[ended] = principal
         try:
             yield ended
@@ -58,8 +67,13 @@ class Watch:
             async with self._store.write() as work:
                 await work.sessions.use(idle, now_s)
         for ended, principal in watched.items():
-            if principal not in live.principals:
-                ended.set()
+            if principal not in live.principals and not ended.done():
+                ended.set_result(End.MOVED if principal.session in live.used else End.OVER)
+
+    async def soon(self) -> None:
+        """Look at once, or at the next turn if the database does not answer now."""
+        with suppress(UnavailableError):
+            await self.check()
 
     async def run(self) -> None:
         """Check until cancelled."""

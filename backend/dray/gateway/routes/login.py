@@ -5,14 +5,16 @@ A form of a page is answered with a page; a program that sends the same form get
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Coroutine, Iterable, Mapping
 from http import HTTPStatus
 from typing import Annotated, Any, Literal
 from urllib.parse import urlencode
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, PlainTextResponse, RedirectResponse, Response
+from fastapi.routing import APIRoute
 
+from dray.errors import UnavailableError
 from dray.gateway.access import cookies
 from dray.gateway.access.caller import Caller
 from dray.gateway.access.gate import COOKIE, wants_page
@@ -26,12 +28,30 @@ from dray.gateway.access.texts import TEXTS
 from dray.gateway.access.trail import Noted
 from dray.gateway.language import language_of, remember_language
 from dray.gateway.panels import NotBuilt
-from dray.gateway.parts import Gateway, Parts
-from dray.gateway.problems import FieldError, Problem, unusable
+from dray.gateway.parts import Gateway, Parts, parts_of
+from dray.gateway.problems import AWAY, FieldError, Problem, away, unusable
 from dray.gateway.tracking.page import switches
 from dray.store.people import Person
 
-router = APIRouter(include_in_schema=False)
+
+class _Page(APIRoute):
+    """Tells a person that the database is away as a page, too."""
+
+    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
+        """See `fastapi.routing.APIRoute`."""
+        handle = super().get_route_handler()
+
+        async def answer(request: Request) -> Response:
+            try:
+                return await handle(request)
+            except UnavailableError as error:
+                wanted = request.query_params.get("next", "")
+                return _refused(parts_of(request), request, away(request, error), {"next": wanted})
+
+        return answer
+
+
+router = APIRouter(include_in_schema=False, route_class=_Page)
 
 FORM = "application/x-www-form-urlencoded"
 
@@ -144,7 +164,7 @@ async def log_out(gateway: Gateway, request: Request, note: Noted) -> Response:
     ended = await gateway.access.sessions.end(request.cookies.get(COOKIE, ""))
     if ended is not None:
         note.who = principal_of(*ended)
-        await gateway.access.watch.check()
+        await gateway.access.watch.soon()
     page = wants_page(request.scope)
     answer = _go("/login") if page else Response(status_code=HTTPStatus.NO_CONTENT)
     cookies.take_session(answer, request)
@@ -176,7 +196,7 @@ async def _welcome(gateway: Parts, request: Request, note: Noted, person: Person
     token, session = await gateway.access.sessions.begin(
         person, before=request.cookies.get(COOKIE, ""), station=station
     )
-    await gateway.access.watch.check()
+    await gateway.access.watch.soon()
     note.who = principal_of(person, session)
     if station:
         note.detail["station"] = station
@@ -253,7 +273,7 @@ def _words(problem: Problem, language: str) -> str:
             )
             return texts.too_many.format(wait=wait)
         case HTTPStatus.SERVICE_UNAVAILABLE:
-            return texts.busy
+            return texts.away if problem.kind == AWAY else texts.busy
         case _:
             return texts.wrong
 

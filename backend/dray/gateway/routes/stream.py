@@ -10,10 +10,14 @@ from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 
 from dray.gateway.access.caller import Caller
 from dray.gateway.access.gate import CLOSE_CODES, TRY_LATER
+from dray.gateway.access.watch import End
 from dray.gateway.parts import Gateway
 from dray.gateway.stream import Client
 
 router = APIRouter()
+
+END_CODES = {End.OVER: CLOSE_CODES[HTTPStatus.UNAUTHORIZED], End.MOVED: 4409}
+"""Of our own, after the statuses of HTTP: not logged in, and a conflict with what is known now."""
 
 POLICY = 1008
 """RFC 6455: the client does what it should not."""
@@ -37,21 +41,20 @@ async def stream(socket: WebSocket, gateway: Gateway, caller: Caller) -> None:
         gateway.hub.leave(client)
 
 
-async def _serve(socket: WebSocket, client: Client, ended: asyncio.Event) -> None:
-    """Send frames until the client goes, talks too much, or has lost its right."""
+async def _serve(socket: WebSocket, client: Client, ended: asyncio.Future[End]) -> None:
+    """Send frames until the client goes, talks too much, or may no longer see this."""
     sending = asyncio.create_task(_send_all(socket, client))
     listening = asyncio.create_task(_listen(socket))
-    ending = asyncio.create_task(ended.wait())
-    tasks = (sending, listening, ending)
+    tasks = (sending, listening, ended)
     try:
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     finally:
         for task in tasks:
             task.cancel()
-        _, talked, over = await asyncio.gather(*tasks, return_exceptions=True)
+        _, talked, end = await asyncio.gather(*tasks, return_exceptions=True)
     with suppress(RuntimeError, WebSocketDisconnect):
-        if over is True:
-            await socket.close(CLOSE_CODES[HTTPStatus.UNAUTHORIZED], "the session has ended")
+        if isinstance(end, End):
+            await socket.close(END_CODES[end], end.value)
         elif talked is True:
             await socket.close(POLICY, "this socket only speaks")
 

@@ -33,6 +33,7 @@ class Catalogue(msgspec.Struct, frozen=True, kw_only=True):
     seconds: str
     minutes: str
     busy: str
+    away: str
 
     link_heading: str
     link_note: str

@@ -28,6 +28,7 @@ DE = Catalogue(
     seconds="{n} s",
     minutes="{n} min",
     busy="Gerade melden sich zu viele an. Versuchen Sie es in einigen Sekunden wieder.",
+    away="Die Datenbank antwortet gerade nicht. Versuchen Sie es in einigen Sekunden wieder.",
     link_heading="Guten Tag, {name}",
     link_note="Dieser Link meldet Sie einmal an, auf diesem Gerät.",
     link_submit="Anmelden",

@@ -28,6 +28,7 @@ EN = Catalogue(
     seconds="{n} s",
     minutes="{n} min",
     busy="Too many log in at this moment. Try again in some seconds.",
+    away="The database does not answer at this moment. Try again in some seconds.",
     link_heading="Hello, {name}",
     link_note="This link logs you in once, on this device.",
     link_submit="Log in",

@@ -28,6 +28,7 @@ ES = Catalogue(
     seconds="{n} s",
     minutes="{n} min",
     busy="Demasiadas personas entran en este momento. Inténtelo dentro de unos segundos.",
+    away="La base de datos no responde en este momento. Inténtelo dentro de unos segundos.",
     link_heading="Hola, {name}",
     link_note="Este enlace le da acceso una sola vez, en este dispositivo.",
     link_submit="Entrar",
