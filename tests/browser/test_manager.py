@@ -234,6 +234,30 @@ def test_an_alert_says_what_to_do_and_is_taken_on_by_name(
     expect(page.get_by_text("Nothing needs an answer.")).to_be_visible()
 
 
+def test_a_keyboard_goes_on_at_the_next_alert_when_one_is_taken(
+    quiet_factory: str, open_page: OpenPage
+) -> None:
+    page = open_page(quiet_factory)
+    faults = []
+    for machine in ("M5", "M6"):
+        broken = {"kind": "machine_broken", "machine": machine, "reason": "spindle"}
+        fault = page.request.post(f"{quiet_factory}/api/faults", data=broken)
+        assert fault.ok, fault.text()
+        faults.append(fault.json()["id"])
+    buttons = page.get_by_role("region", name="Needs an answer").get_by_role("button", name="Take")
+    expect(buttons).to_have_count(2)
+    last = buttons.last.get_attribute("aria-label")
+    assert last is not None
+    buttons.first.focus()
+    page.keyboard.press("Enter")
+    expect(buttons).to_have_count(1)
+    expect(page.get_by_role("button", name=last)).to_be_focused()
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("link", name="No alarms")).to_be_focused()
+    for fault_id in faults:
+        page.request.delete(f"{quiet_factory}/api/faults/{fault_id}")
+
+
 def test_the_panel_speaks_the_language_that_is_chosen_and_remembers_it(
     quiet_factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:

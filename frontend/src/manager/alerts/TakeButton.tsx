@@ -1,5 +1,7 @@
+import { useLayoutEffect, useRef } from "preact/hooks";
 import type { AlertView } from "../../api/types";
 import { t } from "../../text/manager";
+import { nextAfter } from "./next-alert";
 import { subjectOf } from "./subject";
 import { take, taking } from "./take";
 
@@ -9,14 +11,27 @@ interface Props {
   what: string;
 }
 
+/** It goes when the alert is taken, by whomever; a keyboard that was on it goes on at the next alert. */
 export function TakeButton({ alert, what }: Props) {
+  const button = useRef<HTMLButtonElement>(null);
+  const asked = taking.value.has(alert.id);
+  useLayoutEffect(() => {
+    const there = button.current;
+    return () => {
+      if (there && document.activeElement === there) nextAfter(there)?.focus();
+    };
+  }, []);
   return (
     <button
+      ref={button}
       type="button"
       class="button small take"
-      disabled={taking.value.has(alert.id)}
+      // Not disabled, which would take the focus away from it.
+      aria-disabled={asked}
       aria-label={t("alerts.takeOf", { subject: subjectOf(alert), what })}
-      onClick={() => void take(alert.id)}
+      onClick={() => {
+        if (!asked) void take(alert.id);
+      }}
     >
       {t("alerts.take")}
     </button>
