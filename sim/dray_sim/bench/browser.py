@@ -57,8 +57,15 @@ def chromium() -> Iterator[Browser]:
             browser.close()
 
 
-def profile(browser: Browser, house: House) -> BrowserContext:
-    """A fresh profile, with an empty cache, in which the manager of this house is logged in."""
+def profile(browser: Browser, house: House, session: str) -> BrowserContext:
+    """A fresh profile with an empty cache.
+
+    Args:
+        browser: whose.
+        house: which is to be looked at.
+        session: of whoever is logged in there; empty for nobody.
+    """
     context = browser.new_context(viewport=SCREEN)
-    context.add_cookies([{"name": COOKIE, "value": house.session, "url": house.url}])
+    if session:
+        context.add_cookies([{"name": COOKIE, "value": session, "url": house.url}])
     return context

@@ -46,11 +46,13 @@ class House:
         url: its address, without a slash at the end.
         admin_token: opens the whole API.
         session: of a manager who is logged in.
+        operators: of an operator who is, in one area.
     """
 
     url: str
     admin_token: str
     session: str
+    operators: str
 
 
 class _Nobody:
@@ -123,7 +125,13 @@ async def _serve(crowd: Crowd, folder: Path, opened: Future[tuple[House, uvicorn
                 server = uvicorn.Server(uvicorn.Config(app, lifespan="off", log_level="error"))
                 url = f"http://127.0.0.1:{listener.getsockname()[1]}"
                 parts: Parts = app.state.parts
-                house = House(url, admin_token, await _logged_in(parts))
+                area = crowd.plant.file.areas[0].id
+                house = House(
+                    url,
+                    admin_token,
+                    await _logged_in(parts, "manager", Role.MANAGER),
+                    await _logged_in(parts, "operator", Role.OPERATOR, area),
+                )
                 driving = asyncio.create_task(_drive(crowd, parts))
                 opened.set_result((house, server))
                 await server.serve(sockets=[listener])
@@ -132,9 +140,9 @@ async def _serve(crowd: Crowd, folder: Path, opened: Future[tuple[House, uvicorn
         await store.close()
 
 
-async def _logged_in(parts: Parts) -> str:
-    """A manager's session."""
-    person = Person(id="manager", name="Manager", role=Role.MANAGER, created_at_s=parts.wall_s())
+async def _logged_in(parts: Parts, name: str, role: Role, *areas: str) -> str:
+    """The session of somebody new."""
+    person = Person(id=name, name=name.capitalize(), role=role, areas=areas, created_at_s=parts.wall_s())
     async with parts.store.write() as work:
         await work.people.add(person)
     token, _ = await parts.access.sessions.begin(person)

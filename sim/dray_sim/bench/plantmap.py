@@ -125,7 +125,7 @@ def _rows(view: str, many: Pictures, few: Pictures, empty: Pictures) -> list[Row
 
 def _panel(browser: Browser, house: House, span_s: float, near: bool) -> Pictures:
     """The management panel, at first sight or near."""
-    page = profile(browser, house).new_page()
+    page = profile(browser, house, house.session).new_page()
     page.add_init_script(f"({WATCH})()")
     page.goto(house.url)
     plant = page.locator("#plant-map")
@@ -137,7 +137,7 @@ def _panel(browser: Browser, house: House, span_s: float, near: bool) -> Picture
 
 
 def _empty(browser: Browser, house: House, span_s: float) -> Pictures:
-    page = profile(browser, house).new_page()
+    page = profile(browser, house, house.session).new_page()
     page.goto(f"{house.url}/healthz")
     page.evaluate(WATCH)
     page.evaluate(EMPTY)
