@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from dray import __version__
+from dray.messages import WIRE_VERSION
 from dray_sim import scenarios
 from dray_sim.evidence import Check, Evidence
 
@@ -38,7 +39,7 @@ def dray(call, monkeypatch, tmp_path):
 
 
 def test_the_version_is_told(dray) -> None:
-    assert dray("--version").out == f"dray {__version__}\n"
+    assert dray("--version").out == f"dray {__version__}, wire version {WIRE_VERSION}\n"
 
 
 def test_help_names_every_command_and_loads_nothing_heavy() -> None:

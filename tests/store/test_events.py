@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import msgspec
 import pytest
-from history import a_day, delivered, keep, made, order, same_clock, tell
+from history import a_day, accepted, delivered, keep, made, order, same_clock, tell
 
 from dray.store import Store
 from dray.store.events import EventFilter, EventRow
@@ -46,6 +46,19 @@ async def test_all_that_happened_for_an_order_is_found(kept: Store) -> None:
     assert len(rows) == len(a_day())
     assert "M1-1" in {row.task for row in rows}
     assert [row.agent for row in await found(kept, order="O-9")] == ["M9"]
+
+
+async def test_what_has_happened_since_comes_in_the_order_of_the_plants_clock(store: Store) -> None:
+    late = tell("M1", made("G1", 2), first=2, at_s=300.0)
+    early = tell("M2", made("G2", 1), accepted("G2"), at_s=200.0)
+    first = tell("M1", made("G1", 1), at_s=100.0)
+    async with store.write() as work:
+        await work.events.add([*late, *early, *first], lambda plant_s: -plant_s)
+    async with store.read() as work:
+        since = await work.events.since(("PieceMade",), 100.0, 10)
+        newest = await work.events.since(("PieceMade", "OrderAccepted"), 150.0, 2)
+    assert [row.plant_s for row in since] == [101.0, 201.0, 302.0]
+    assert [(row.plant_s, row.kind) for row in newest] == [(202.0, "OrderAccepted"), (302.0, "PieceMade")]
 
 
 async def test_pages_in_both_directions_miss_nothing(kept: Store) -> None:

@@ -33,7 +33,7 @@ import typer
 
 from dray import __version__
 from dray.cli import agent, bench, certs, db, fault, front, key, link, plant, sim, up, user, wire
-from dray.cli.fleet.commands import app as fleet
+from dray.cli.fleet.commands import app as fleet_app
 from dray.errors import DrayError, InputError
 
 app = typer.Typer(
@@ -44,7 +44,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.command("up")(up.up)
-app.add_typer(fleet, name="fleet")
+app.add_typer(fleet_app, name="fleet")
 app.add_typer(agent.app, name="agent")
 app.command("strategist")(agent.strategist)
 app.command("floor")(agent.floor)
@@ -65,7 +65,9 @@ app.add_typer(db.app, name="db")
 def show_version(wanted: bool) -> None:
     """Print the version and leave."""
     if wanted:
-        typer.echo(f"dray {__version__}")
+        from dray.messages.base import WIRE_VERSION
+
+        typer.echo(f"dray {__version__}, wire version {WIRE_VERSION}")
         raise typer.Exit
 
 

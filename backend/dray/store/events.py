@@ -84,6 +84,25 @@ class Events:
                 query = query.where(position > after)
         return [_record(row._mapping) for row in await self._connection.execute(query)]  # noqa: SLF001
 
+    async def since(self, kinds: Sequence[str], plant_s: float, limit: int) -> list[EventRow]:
+        """Events of these kinds that have happened since then, in the order of the plant's clock.
+
+        Args:
+            kinds: which ones.
+            plant_s: on the plant's clock.
+            limit: how many at most, the newest ones.
+        """
+        query = (
+            select(events)
+            .where(events.c.kind.in_(kinds), events.c.plant_s >= plant_s)
+            .order_by(
+                events.c.plant_s.desc(), events.c.agent, events.c.incarnation.desc(), events.c.number.desc()
+            )
+            .limit(limit)
+        )
+        newest_first = await self._connection.execute(query)
+        return [_record(row._mapping) for row in newest_first][::-1]  # noqa: SLF001
+
     async def known(self) -> list[Known]:
         """What is kept of the last lives of every agent, each agent's in their order, holes included."""
         lives = await self._connection.execute(

@@ -64,8 +64,52 @@ def up(
 
 
 @app.command()
+def update(
+    python: Annotated[
+        Path,
+        typer.Option("--python", help="Of the environment of the other version, as /opt/dray-2/bin/python."),
+    ],
+    only: Annotated[
+        list[str] | None, typer.Option("--only", help="This process; may be given several times.")
+    ] = None,
+    trial: Annotated[int, typer.Option(min=1, max=100, help="Tasks that each agent has to do well.")] = 3,
+    patience: Annotated[
+        float, typer.Option(min=1.0, help="Factory seconds in which there should be work for that.")
+    ] = 1800.0,
+    folder: Folder = DEFAULT_FOLDER,
+    json: Annotated[Path | None, typer.Option(help="Write the report here too.")] = None,
+) -> None:
+    """Replace agents one at a time, on trial; all go back by themselves when one fails. Ctrl-C stops it there."""
+    import asyncio
+
+    from dray.cli.fleet.report import show
+    from dray.cli.fleet.software import ask
+    from dray.cli.fleet.update import Plan, update_fleet
+    from dray.cli.output import write_json
+
+    plan = Plan(folder, ask(python), tuple(only or ()), trial, patience)
+    report = asyncio.run(update_fleet(plan, lambda line: typer.echo(line, err=True)))
+    show(report)
+    typer.echo(f"{report.version}: {report.end}")
+    if json is not None:
+        write_json(json, report)
+    if not report.done:
+        raise typer.Exit(1)
+
+
+@app.command()
+def down(folder: Folder = DEFAULT_FOLDER) -> None:
+    """End a fleet, also the processes of a `dray fleet up` that was killed."""
+    import asyncio
+
+    from dray.cli.fleet.ending import end_fleet
+
+    typer.echo(f"{asyncio.run(end_fleet(folder))} processes ended")
+
+
+@app.command()
 def status(folder: Folder = DEFAULT_FOLDER) -> None:
-    """Show the processes: who runs, who is on the bus, how often each was started."""
+    """Show the processes: who runs, who is on the bus, how often each was started, which version it is."""
     import asyncio
 
     from dray.cli.fleet.roll import read_roll, roll_call
@@ -74,7 +118,7 @@ def status(folder: Folder = DEFAULT_FOLDER) -> None:
     roll = read_roll(folder)
     present = asyncio.run(roll_call(roll, folder))
     table(
-        ("process", "pid", "runs", "on the bus", "starts"),
+        ("process", "pid", "runs", "on the bus", "starts", "version", ""),
         [
             (
                 member.name,
@@ -82,6 +126,8 @@ def status(folder: Folder = DEFAULT_FOLDER) -> None:
                 "yes" if member.runs else "no",
                 ("yes" if member.name in present else "no") if member.joins else "",
                 str(member.starts),
+                member.software.version,
+                member.state,
             )
             for member in roll.members
         ],
@@ -93,7 +139,6 @@ def kill(
     name: Annotated[str, typer.Argument(help="Which process, as ATV3.")], folder: Folder = DEFAULT_FOLDER
 ) -> None:
     """Kill a process as a power failure does; `dray fleet up` starts it again."""
-    import os
     import signal
 
     from dray.cli.fleet.roll import read_roll
@@ -101,8 +146,6 @@ def kill(
     from dray.errors import UnavailableError
 
     member = one_of({member.name: member for member in read_roll(folder).members}, name, "NAME")
-    try:
-        os.kill(member.pid, signal.SIGKILL)
-    except ProcessLookupError:
-        raise UnavailableError(name, "does not run", "wait until `dray fleet up` has started it") from None
+    if not member.signal(signal.SIGKILL):
+        raise UnavailableError(name, "does not run", "wait until `dray fleet up` has started it")
     typer.echo(f"{name}: killed process {member.pid}")

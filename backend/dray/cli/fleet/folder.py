@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import fcntl
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -10,26 +11,45 @@ import msgspec
 
 from dray.adapters.certificates import Authority
 from dray.adapters.sqlite_journal import SqliteJournal
+from dray.cli.fleet.processes import PROC
+from dray.cli.options import load_settings
 from dray.cli.process import FLOOR
 from dray.errors import UnavailableError
 from dray.messages.speakers import Kind
 from dray.plant import Plant
 from dray.protocol.strategist import STRATEGIST
-from dray.settings import PREFIX
+from dray.settings import PREFIX, Settings
 from dray.worker import HISTORY_FACTS
 
 ROLL, SETTINGS, CERTIFICATES, JOURNALS, LOGS = "fleet.json", "fleet.env", "certs", "journals", "logs"
 METRICS = "metrics.json"
 
+FLEET_LOCK, UPDATE_LOCK = "fleet.lock", "update.lock"
+
 GATEWAY, HISTORIAN = "gateway", "historian"
 """The names of their processes, and of their certificates."""
+
+OBSERVER = "observer"
+"""The name of the certificate for commands that look at a fleet."""
+
+
+def make(folder: Path) -> None:
+    """Make the folder of a fleet, if it is not there.
+
+    Raises:
+        UnavailableError: it cannot be made here, or this is no computer for a fleet.
+    """
+    if not (PROC / "self").exists():
+        raise UnavailableError("a fleet", "needs Linux, where /proc tells who runs", "use `dray up` here")
+    with _kept_in(folder):
+        (folder / LOGS).mkdir(parents=True, exist_ok=True)
 
 
 def prepare(folder: Path, plant: Plant, *, plain: bool) -> None:
     """Make the folder ready for a fleet that begins anew.
 
     Args:
-        folder: made if need be.
+        folder: the fleet's.
         plant: whose agents get certificates.
         plain: links have none.
 
@@ -37,10 +57,47 @@ def prepare(folder: Path, plant: Plant, *, plain: bool) -> None:
         UnavailableError: it cannot be written.
     """
     with _kept_in(folder):
-        (folder / LOGS).mkdir(parents=True, exist_ok=True)
         _forget_bodies(folder)
         if not plain:
             _certify(plant, folder / CERTIFICATES)
+
+
+@contextlib.contextmanager
+def alone(folder: Path, lock: str, what: str) -> Iterator[None]:
+    """See to it that nobody else does the same with this folder; the lock ends with our process, however it ends.
+
+    Args:
+        folder: it is there.
+        lock: the name of a file in it.
+        what: what is being done.
+
+    Raises:
+        UnavailableError: somebody else does.
+    """
+    with _kept_in(folder):
+        file = (folder / lock).open("ab")
+    with file as held:
+        try:
+            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise UnavailableError(what, f"another one is at work in {folder}", "wait for its end") from None
+        yield
+
+
+def read_settings(folder: Path) -> Settings:
+    """What a fleet was started with, whatever our own environment says.
+
+    Raises:
+        UnavailableError: there is none.
+    """
+    try:
+        lines = (folder / SETTINGS).read_text(encoding="utf-8").splitlines()
+    except OSError as error:
+        raise UnavailableError(
+            str(folder / SETTINGS), error.strerror or str(error), "start a fleet with `dray fleet up`"
+        ) from None
+    pairs = (line.partition("=") for line in lines)
+    return load_settings(None, **{name.removeprefix(PREFIX).lower(): value for name, _, value in pairs})
 
 
 def write_settings(folder: Path, common: Mapping[str, str], peers: Sequence[str]) -> None:
@@ -71,6 +128,7 @@ def _certify(plant: Plant, folder: Path) -> None:
     kinds = {
         FLOOR: Kind.HISTORIAN,
         HISTORIAN: Kind.HISTORIAN,
+        OBSERVER: Kind.HISTORIAN,
         STRATEGIST: Kind.STRATEGIST,
         GATEWAY: Kind.GATEWAY,
         **dict.fromkeys(plant.machines, Kind.MACHINE),

@@ -1,54 +1,167 @@
-"""A keeper: it keeps one process of a fleet running, as a service manager does."""
+"""A keeper: it keeps the process of one post running, as a service manager does, and replaces it when asked."""
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
 import signal
-import sys
+import time
+from dataclasses import dataclass
 
-from dray.cli.fleet.folder import GATEWAY
+import msgspec
+
 from dray.cli.fleet.posts import Post
-from dray.cli.fleet.roll import RollKeeper
+from dray.cli.fleet.roll import RollKeeper, State
+from dray.cli.fleet.software import Software
 
 REST_S = 1.0
 """Before a process that has ended is started again: one that ends at once must not take the computer."""
 
 STOP_S = 10.0
-"""To end in peace; then it is killed."""
+"""To end at once; then it is killed."""
 
 
-async def keep(post: Post, roll: RollKeeper) -> None:
-    """Keep one process running until cancelled; then let it end at once."""
-    while True:
-        # The gateway tells on the terminal where the panels are.
-        with post.log.open("ab") as log:
-            process = await asyncio.create_subprocess_exec(
-                sys.executable,
-                "-m",
-                "dray",
-                *post.command,
-                env=post.environment,
-                stdout=None if post.name == GATEWAY else log,
-                stderr=log,
-                # Ctrl-C is for us; we tell them.
-                start_new_session=True,
-            )
-        roll.started(post.name, process.pid, post.address, joins=post.joins)
-        try:
-            await process.wait()
-        except asyncio.CancelledError:
-            await _end(process)
-            raise
-        await asyncio.sleep(REST_S)
+@dataclass(frozen=True, slots=True)
+class Order:
+    """How a post is to be filled from now on.
+
+    Attributes:
+        software: what runs.
+        trial: tasks that every life has to do well before it counts as one like the others; 0 for none.
+    """
+
+    software: Software
+    trial: int = 0
+
+    @property
+    def state(self) -> State:
+        """What a process is about that was started by this order."""
+        return State.ON_TRIAL if self.trial else State.AT_WORK
 
 
-async def _end(process: asyncio.subprocess.Process) -> None:
+class Replaced(msgspec.Struct, frozen=True, tag=True):
+    """How a process was replaced.
+
+    Attributes:
+        left_s: real seconds until the old one had ended.
+        killed: it had to be killed.
+        starts: of the post, with the one of the new process.
+    """
+
+    left_s: float
+    killed: bool
+    starts: int
+
+
+class Keeper:
+    """Keeps one process running.
+
+    Args:
+        post: what is to be kept.
+        roll: where every start is written down.
+        leave_s: real seconds in which a process that is asked to leave in order does so.
+        order: by which it is started at first.
+    """
+
+    def __init__(self, post: Post, roll: RollKeeper, leave_s: float, order: Order) -> None:
+        self._post, self._roll = post, roll
+        self._leave_s = leave_s
+        self._order = order
+        self._process: asyncio.subprocess.Process | None = None
+        self._starting = asyncio.Lock()
+        """Held while a process is being started: it runs then, or has not begun."""
+        self._replacing = asyncio.Lock()
+        self._hurry = asyncio.Event()
+        """Set: there is no need to rest."""
+        self._next_start: asyncio.Future[int] = asyncio.get_running_loop().create_future()
+
+    async def keep(self) -> None:
+        """Start the process, and again whenever it ends; when cancelled, let it end at once."""
+        while True:
+            process = await self._start()
+            if process is not None:
+                try:
+                    await process.wait()
+                except asyncio.CancelledError:
+                    await _end(process)
+                    raise
+                self._process = None
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(self._hurry.wait(), REST_S)
+
+    async def replace(self, order: Order, *, at_once: bool) -> Replaced:
+        """Let the process leave, and start another by this order; one replacement after the other.
+
+        Args:
+            order: holds for all later starts, too.
+            at_once: it need not finish what it has begun.
+
+        Raises:
+            OSError: the new one cannot be started.
+        """
+        async with self._replacing:
+            began_s = time.monotonic()
+            async with self._starting:
+                self._order, process = order, self._process
+                started = self._next_start
+            killed = False
+            if process is not None:
+                self._roll.entered(self._post.name, State.LEAVING)
+                killed = await (_end(process) if at_once else _leave(process, self._leave_s))
+            left_s = time.monotonic() - began_s
+            self._hurry.set()
+            return Replaced(left_s, killed, await started)
+
+    def settle(self) -> None:
+        """The trial is passed: no later life is on trial any more."""
+        self._order = Order(self._order.software)
+        self._roll.entered(self._post.name, State.AT_WORK)
+
+    async def _start(self) -> asyncio.subprocess.Process | None:
+        """Start it; None when that cannot be done."""
+        async with self._starting:
+            post, order = self._post, self._order
+            self._hurry.clear()
+            told, self._next_start = self._next_start, asyncio.get_running_loop().create_future()
+            with post.log.open("ab") as log:
+                try:
+                    process = self._process = await asyncio.create_subprocess_exec(
+                        *order.software.command(*post.command, *post.trial(order.trial)),
+                        env=order.software.environment(post.environment),
+                        # The gateway tells on the terminal where the panels are.
+                        stdout=None if post.speaks else log,
+                        stderr=log,
+                        # Ctrl-C is for us; we tell them.
+                        start_new_session=True,
+                    )
+                except OSError as error:
+                    log.write(f"{order.software.python}: {error}\n".encode())
+                    told.set_exception(error)
+                    # Whoever waits for it hears of it; else it stands in the log.
+                    told.exception()
+                    return None
+            member = self._roll.started(post, process.pid, order.software, order.state)
+            told.set_result(member.starts)
+        return process
+
+
+async def _leave(process: asyncio.subprocess.Process, within_s: float) -> bool:
+    """Let it finish what it has begun; whether it had to be killed."""
+    return await _told(process, signal.SIGTERM, within_s + STOP_S)
+
+
+async def _end(process: asyncio.subprocess.Process) -> bool:
+    """Let it end as it stands; whether it had to be killed."""
+    return await _told(process, signal.SIGINT, STOP_S)
+
+
+async def _told(process: asyncio.subprocess.Process, word: signal.Signals, within_s: float) -> bool:
     with contextlib.suppress(ProcessLookupError):
-        # Not SIGTERM, by which an agent finishes first what it has begun.
-        process.send_signal(signal.SIGINT)
+        process.send_signal(word)
         try:
-            await asyncio.wait_for(process.wait(), STOP_S)
+            await asyncio.wait_for(process.wait(), within_s)
         except TimeoutError:
             process.kill()
             await process.wait()
+            return True
+    return False

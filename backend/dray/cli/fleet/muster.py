@@ -5,17 +5,30 @@ from __future__ import annotations
 import asyncio
 import sys
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import typer
 
 from dray.cli.authority import authority_of
-from dray.cli.fleet.folder import CERTIFICATES, JOURNALS, prepare, write_settings, write_targets
-from dray.cli.fleet.keeper import keep
+from dray.cli.fleet.control import controlled
+from dray.cli.fleet.folder import (
+    CERTIFICATES,
+    FLEET_LOCK,
+    JOURNALS,
+    alone,
+    make,
+    prepare,
+    write_settings,
+    write_targets,
+)
+from dray.cli.fleet.keeper import Keeper, Order
 from dray.cli.fleet.posts import DISTANCES, posts_of
-from dray.cli.fleet.roll import RollKeeper
+from dray.cli.fleet.roll import RollKeeper, read_roll
+from dray.cli.fleet.software import OWN
 from dray.cli.serving import stopped_by_signals
+from dray.errors import UnavailableError
 from dray.plant import Plant
 from dray.settings import PREFIX, Settings
 from dray.store import open_store
@@ -48,24 +61,49 @@ async def run_muster(muster: Muster) -> None:
     """Run a fleet until a signal.
 
     Raises:
-        UnavailableError: the folder or the database is not to be had.
+        UnavailableError: the folder or the database is not to be had, or processes of an earlier fleet run.
     """
-    stopped = asyncio.Event()
     folder = muster.folder.resolve()
-    prepare(folder, muster.plant, plain=muster.plain)
-    common = await _common_environment(muster, folder)
-    posts = posts_of(muster.plant, folder, common, demand=muster.demand, metrics=muster.metrics)
-    write_settings(folder, common, [post.address for post in posts[: len(DISTANCES)]])
-    write_targets(folder, {post.name: post.metrics for post in posts if post.metrics})
-    roll = RollKeeper(folder, muster.plant.id, plain=muster.plain)
+    make(folder)
+    with alone(folder, FLEET_LOCK, "`dray fleet up`"):
+        _refuse_leftovers(folder)
+        prepare(folder, muster.plant, plain=muster.plain)
+        common = await _common_environment(muster, folder)
+        posts = posts_of(muster.plant, folder, common, demand=muster.demand, metrics=muster.metrics)
+        write_settings(folder, common, [post.address for post in posts[: len(DISTANCES)]])
+        write_targets(folder, {post.name: post.metrics for post in posts if post.metrics})
+        roll = RollKeeper(folder, muster.plant.id, plain=muster.plain)
+        leave_s = muster.settings.leave_s
+        keepers = {post.name: Keeper(post, roll, leave_s, Order(OWN)) for post in posts}
+        async with controlled(folder, keepers):
+            await _keep(muster, keepers, roll)
+        roll.close()
+
+
+async def _keep(muster: Muster, keepers: Mapping[str, Keeper], roll: RollKeeper) -> None:
+    stopped = asyncio.Event()
     with stopped_by_signals(stopped.set):
         async with asyncio.TaskGroup() as group:
-            running = [group.create_task(keep(post, roll), name=post.name) for post in posts]
-            running.append(group.create_task(_tell_started(muster.folder, len(posts), roll)))
+            running = [group.create_task(keeper.keep(), name=name) for name, keeper in keepers.items()]
+            running.append(group.create_task(_tell_started(muster.folder, len(keepers), roll)))
             await stopped.wait()
             for each in running:
                 each.cancel()
-    roll.close()
+
+
+def _refuse_leftovers(folder: Path) -> None:
+    """A `dray fleet up` that was killed has left its processes behind: on one floor, two fleets would quarrel."""
+    try:
+        left = read_roll(folder).running
+    except UnavailableError:
+        return
+    if left:
+        named = ", ".join(f"{member.name} ({member.pid})" for member in left)
+        raise UnavailableError(
+            str(folder),
+            f"processes of an earlier fleet still run: {named}",
+            "end them with `dray fleet down`",
+        )
 
 
 async def _common_environment(muster: Muster, folder: Path) -> dict[str, str]:

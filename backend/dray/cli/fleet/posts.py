@@ -15,6 +15,7 @@ from pathlib import Path
 
 from dray.cli.fleet.folder import GATEWAY, HISTORIAN, LOGS
 from dray.cli.process import FLOOR
+from dray.messages.speakers import Kind
 from dray.plant import Plant
 from dray.protocol.strategist import STRATEGIST
 from dray.settings import PREFIX
@@ -29,21 +30,34 @@ class Post:
 
     Attributes:
         name: of its agent.
+        kind: what it is: atv, machine, strategist, historian, gateway or floor.
         command: what follows `dray`.
         address: where others call it.
         environment: all of it.
         metrics: where it tells Prometheus its metrics; empty: nowhere.
         log: the file that its words are added to.
-        joins: it is an agent on the bus.
     """
 
     name: str
+    kind: str
     command: tuple[str, ...]
     address: str
     environment: Mapping[str, str]
     metrics: str
     log: Path
-    joins: bool
+
+    @property
+    def speaks(self) -> bool:
+        """Whether its words are for the person who has started the fleet."""
+        return self.kind == GATEWAY
+
+    def trial(self, tasks: int) -> tuple[str, ...]:
+        """What follows the command when it is to be on trial for so many tasks; it may know no trial."""
+        return ("--trial", str(tasks)) if tasks and self.kind in ON_TRIAL else ()
+
+
+ON_TRIAL = frozenset[str]({Kind.ATV, Kind.MACHINE})
+"""Kinds of agents that take no more than they can show themselves by, while they are on trial."""
 
 
 def posts_of(
@@ -58,12 +72,12 @@ def posts_of(
         demand: the gateway places orders, too.
         metrics: every process tells its own.
     """
-    commands = {
+    commands: dict[str, tuple[str, ...]] = {
         FLOOR: (FLOOR,),
         HISTORIAN: (HISTORIAN,),
         STRATEGIST: (STRATEGIST,),
-        **{machine: ("agent", "machine", machine) for machine in plant.machines},
-        **{atv: ("agent", "atv", atv) for atv in plant.fleet},
+        **{machine: ("agent", Kind.MACHINE, machine) for machine in plant.machines},
+        **{atv: ("agent", Kind.ATV, atv) for atv in plant.fleet},
         GATEWAY: (GATEWAY, "--demand" if demand else "--no-demand"),
     }
     names = tuple(commands)
@@ -79,15 +93,16 @@ def posts_of(
             # Said also where there is none: two processes cannot listen on what this one's variable names.
             f"{PREFIX}METRICS_LISTEN": told[name],
         }
+        command = commands[name]
         posts.append(
             Post(
-                name,
-                commands[name],
-                addresses[name],
-                {**os.environ, **common, **links},
-                told[name],
-                folder / LOGS / f"{name}.log",
-                joins=name != FLOOR,
+                name=name,
+                kind=command[1] if command[0] == "agent" else name,
+                command=command,
+                address=addresses[name],
+                environment={**os.environ, **common, **links},
+                metrics=told[name],
+                log=folder / LOGS / f"{name}.log",
             )
         )
     return posts

@@ -5,44 +5,55 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import os
+from enum import StrEnum
 from pathlib import Path
 
 import msgspec
 
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Identity, Links
-from dray.cli.fleet.folder import CERTIFICATES, GATEWAY, ROLL
+from dray.cli.fleet.folder import CERTIFICATES, OBSERVER, ROLL
+from dray.cli.fleet.posts import Post
+from dray.cli.fleet.processes import Process
+from dray.cli.fleet.software import Software
+from dray.cli.process import FLOOR
 from dray.errors import UnavailableError
 
 ROLL_CALL_S = 3.0
 """For the links of whoever asks who is there; they take milliseconds when the computer is not busy."""
 
 
-class Member(msgspec.Struct, frozen=True):
-    """One process.
+class State(StrEnum):
+    """What a process is about, as far as its keeper knows."""
+
+    AT_WORK = ""
+    LEAVING = "leaving"
+    ON_TRIAL = "on trial"
+
+
+class Member(Process, frozen=True, kw_only=True):
+    """The process of one post.
 
     Attributes:
         name: of its agent.
-        pid: of its last start.
+        kind: what it is: atv, machine, strategist, historian, gateway or floor.
         address: where it is called.
-        joins: it is an agent on the bus.
         starts: how often it was started.
+        software: of its last start.
+        state: see there.
     """
 
     name: str
-    pid: int
+    kind: str
     address: str
-    joins: bool
     starts: int
+    software: Software
+    state: State = State.AT_WORK
 
     @property
-    def runs(self) -> bool:
-        """Whether the process is there."""
-        try:
-            os.kill(self.pid, 0)
-        except ProcessLookupError:
-            return False
-        return True
+    def joins(self) -> bool:
+        """Whether it is an agent on the bus."""
+        return self.kind != FLOOR
 
 
 class Roll(msgspec.Struct, frozen=True):
@@ -51,11 +62,22 @@ class Roll(msgspec.Struct, frozen=True):
     Attributes:
         plant: the plant's id.
         plain: links have no certificates.
+        keeper: the `dray fleet up` that keeps them.
     """
 
     plant: str
     plain: bool
+    keeper: Process
     members: tuple[Member, ...]
+
+    def member(self, name: str) -> Member:
+        """The process of this name, which is one of the fleet's."""
+        return next(member for member in self.members if member.name == name)
+
+    @property
+    def running(self) -> tuple[Member, ...]:
+        """Those whose process is there."""
+        return tuple(member for member in self.members if member.runs)
 
 
 def read_roll(folder: Path) -> Roll:
@@ -70,13 +92,17 @@ def read_roll(folder: Path) -> Roll:
         raise UnavailableError(str(folder / ROLL), str(error), "start a fleet with `dray fleet up`") from None
 
 
+def peer_of(roll: Roll, folder: Path) -> ZenohBus:
+    """A place on a fleet's bus for a command that looks at it; on the running loop."""
+    identity = None if roll.plain else Identity.in_folder(folder / CERTIFICATES, OBSERVER)
+    peers = tuple(member.address for member in roll.running)
+    return ZenohBus(Links(peers=peers, identity=identity, plain=roll.plain), roll.plant)
+
+
 async def roll_call(roll: Roll, folder: Path) -> frozenset[str]:
     """Who of a fleet is on the bus at this moment; waits a little for those whose process runs."""
-    running = [member for member in roll.members if member.runs]
-    identity = None if roll.plain else Identity.in_folder(folder / CERTIFICATES, GATEWAY)
-    peers = tuple(member.address for member in running)
-    expected = {member.name for member in running if member.joins}
-    bus = ZenohBus(Links(peers=peers, identity=identity, plain=roll.plain), roll.plant)
+    expected = {member.name for member in roll.running if member.joins}
+    bus = peer_of(roll, folder)
     present: frozenset[str] = frozenset()
     try:
         with contextlib.suppress(TimeoutError):
@@ -89,7 +115,7 @@ async def roll_call(roll: Roll, folder: Path) -> frozenset[str]:
 
 
 class RollKeeper:
-    """Writes the roll anew after every start.
+    """Writes the roll anew whenever something changes.
 
     Args:
         folder: the fleet's.
@@ -99,6 +125,7 @@ class RollKeeper:
 
     def __init__(self, folder: Path, plant: str, *, plain: bool) -> None:
         self._file, self._plant, self._plain = folder / ROLL, plant, plain
+        self._keeper = Process.of(os.getpid())
         self._members: dict[str, Member] = {}
         self._grown = asyncio.Event()
 
@@ -108,18 +135,35 @@ class RollKeeper:
             self._grown.clear()
             await self._grown.wait()
 
-    def started(self, name: str, pid: int, address: str, *, joins: bool) -> None:
+    def started(self, post: Post, pid: int, software: Software, state: State) -> Member:
         """A process was started, for the first time or again."""
-        before = self._members.get(name)
-        starts = 1 if before is None else before.starts + 1
-        self._members[name] = Member(name, pid, address, joins, starts)
-        roll = Roll(self._plant, self._plain, tuple(self._members.values()))
-        # Replaced as a whole: a reader sees the old list or the new one.
-        fresh = self._file.with_suffix(".new")
-        fresh.write_bytes(msgspec.json.encode(roll))
-        fresh.replace(self._file)
+        process, before = Process.of(pid), self._members.get(post.name)
+        member = self._members[post.name] = Member(
+            pid=process.pid,
+            born=process.born,
+            name=post.name,
+            kind=post.kind,
+            address=post.address,
+            starts=1 if before is None else before.starts + 1,
+            software=software,
+            state=state,
+        )
+        self._write()
         self._grown.set()
+        return member
+
+    def entered(self, name: str, state: State) -> None:
+        """A process that was started is about something else now."""
+        self._members[name] = msgspec.structs.replace(self._members[name], state=state)
+        self._write()
 
     def close(self) -> None:
         """Nobody runs any more."""
         self._file.unlink(missing_ok=True)
+
+    def _write(self) -> None:
+        roll = Roll(self._plant, self._plain, self._keeper, tuple(self._members.values()))
+        # Replaced as a whole: a reader sees the old list or the new one.
+        fresh = self._file.with_suffix(".new")
+        fresh.write_bytes(msgspec.json.encode(roll))
+        fresh.replace(self._file)

@@ -1,0 +1,159 @@
+"""How other commands reach a running `dray fleet up`: a socket in the fleet's folder, for its owner alone.
+
+    asked     {"type": "Replace", "name": "ATV3", "software": {...}, "trial": 3}
+    answered  {"type": "Replaced", "left_s": 1.8, "starts": 2}   or   {"type": "Refused", "reason": "..."}
+
+One line each, one question per connection. A replacement that has begun is brought to its end, also when
+nobody waits for the answer any more.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import socket
+from collections.abc import AsyncIterator, Iterator, Mapping
+from pathlib import Path
+
+import msgspec
+
+from dray.cli.fleet.keeper import Keeper, Order, Replaced
+from dray.cli.fleet.software import Software
+from dray.errors import UnavailableError
+
+SOCKET = "fleet.socket"
+"""In the fleet's folder."""
+
+BACKLOG = 4
+"""Commands that may wait to be let in: people type them."""
+
+
+class Replace(msgspec.Struct, frozen=True, tag=True):
+    """Replace the process of one post; all its later lives are of this software, too."""
+
+    name: str
+    software: Software
+    trial: int = 0
+    at_once: bool = False
+
+
+class Settle(msgspec.Struct, frozen=True, tag=True):
+    """The trial of this process is passed."""
+
+    name: str
+
+
+class Settled(msgspec.Struct, frozen=True, tag=True):
+    """Noted."""
+
+
+class Refused(msgspec.Struct, frozen=True, tag=True):
+    """It cannot be done."""
+
+    reason: str
+
+
+Question = Replace | Settle
+Answer = Replaced | Settled | Refused
+
+_question: msgspec.json.Decoder[Question] = msgspec.json.Decoder(Question)
+_answer: msgspec.json.Decoder[Answer] = msgspec.json.Decoder(Answer)
+
+
+async def replace(folder: Path, wanted: Replace) -> Replaced | Refused:
+    """Let the `dray fleet up` of a folder replace a process, and wait until it has.
+
+    Raises:
+        UnavailableError: nobody answers.
+    """
+    answer = await _ask(folder, wanted)
+    return Refused("it answers something else") if isinstance(answer, Settled) else answer
+
+
+async def settle(folder: Path, name: str) -> None:
+    """Tell the `dray fleet up` of a folder that a trial is passed.
+
+    Raises:
+        UnavailableError: nobody answers.
+    """
+    await _ask(folder, Settle(name))
+
+
+@contextlib.asynccontextmanager
+async def controlled(folder: Path, keepers: Mapping[str, Keeper]) -> AsyncIterator[None]:
+    """Answer other commands, as long as the context lasts.
+
+    Args:
+        folder: the fleet's, where nobody else does the same.
+        keepers: by name.
+    """
+    at_work: set[asyncio.Task[None]] = set()
+
+    def let_in(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        serving = asyncio.create_task(_serve(keepers, reader, writer))
+        at_work.add(serving)
+        serving.add_done_callback(at_work.discard)
+
+    (folder / SOCKET).unlink(missing_ok=True)
+    listener = socket.socket(socket.AF_UNIX)
+    with _short(folder) as path:
+        listener.bind(path)
+        (folder / SOCKET).chmod(0o600)
+    server = await asyncio.start_unix_server(let_in, sock=listener, backlog=BACKLOG)
+    try:
+        yield
+    finally:
+        server.close()
+        for each in at_work:
+            each.cancel()
+        (folder / SOCKET).unlink(missing_ok=True)
+
+
+async def _serve(
+    keepers: Mapping[str, Keeper], reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+) -> None:
+    with contextlib.closing(writer), contextlib.suppress(ConnectionError):
+        try:
+            question = _question.decode(await reader.readline())
+            answer = await _obey(keepers, question)
+        except (msgspec.MsgspecError, ValueError) as error:
+            answer = Refused(f"not understood: {error}")
+        writer.write(msgspec.json.encode(answer) + b"\n")
+        await writer.drain()
+
+
+async def _obey(keepers: Mapping[str, Keeper], question: Question) -> Answer:
+    keeper = keepers.get(question.name)
+    if keeper is None:
+        return Refused("there is no such process")
+    if isinstance(question, Settle):
+        keeper.settle()
+        return Settled()
+    order = Order(question.software, question.trial)
+    try:
+        return await keeper.replace(order, at_once=question.at_once)
+    except OSError as error:
+        return Refused(f"{question.software.python} cannot be started: {error.strerror or error}")
+
+
+async def _ask(folder: Path, question: Question) -> Answer:
+    try:
+        with _short(folder) as path:
+            reader, writer = await asyncio.open_unix_connection(path)
+        with contextlib.closing(writer):
+            writer.write(msgspec.json.encode(question) + b"\n")
+            return _answer.decode(await reader.readline())
+    except (OSError, msgspec.MsgspecError):
+        remedy = "its processes go on; `dray fleet down` ends them"
+        raise UnavailableError(f"the `dray fleet up` of {folder}", "does not answer", remedy) from None
+
+
+@contextlib.contextmanager
+def _short(folder: Path) -> Iterator[str]:
+    """A path of the socket that fits into an address (unix(7): 107 bytes), however deep the folder is."""
+    handle = os.open(folder, os.O_PATH | os.O_DIRECTORY)
+    try:
+        yield f"/proc/self/fd/{handle}/{SOCKET}"
+    finally:
+        os.close(handle)

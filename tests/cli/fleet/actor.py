@@ -1,0 +1,44 @@
+"""A stand-in for Dray: it says how it was started, waits for a signal, and says which one came."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from dray.cli.fleet.software import Software
+from dray.messages import WIRE_VERSION
+
+PROGRAM = """\
+#!{python} -S
+import os, signal, sys
+def end(number, frame):
+    print("{version} ends by", signal.Signals(number).name, flush=True)
+    sys.exit(0)
+for number in (signal.SIGINT, signal.SIGTERM):
+    signal.signal(number, signal.SIG_IGN if signal.Signals(number).name in {deaf!r} else end)
+print("{version}", *sys.argv[4:], os.environ["TOLD"], flush=True)
+while True:
+    signal.pause()
+"""
+
+
+def make_actor(folder: Path, version: str, deaf: tuple[str, ...] = ()) -> Software:
+    """A software whose processes do nothing.
+
+    Args:
+        folder: where its interpreter is put.
+        version: of the software.
+        deaf: signals that it does not heed.
+    """
+    python = folder / f"python-{version}"
+    python.write_text(PROGRAM.format(python=sys.executable, version=version, deaf=deaf), encoding="utf-8")
+    python.chmod(0o700)
+    return Software(str(python), version, WIRE_VERSION)
+
+
+def ends_at_once(folder: Path) -> Software:
+    """A software that cannot live."""
+    python = folder / "python-dead"
+    python.write_text("#!/bin/sh\necho dead\nexit 1\n", encoding="utf-8")
+    python.chmod(0o700)
+    return Software(str(python), "dead", WIRE_VERSION)

@@ -1,0 +1,177 @@
+"""A keeper: its process runs by the order that was given last, whatever happens, and is replaced over a socket."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import signal
+import stat
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+from actor import ends_at_once, make_actor
+
+from dray.cli.fleet import control
+from dray.cli.fleet.control import Refused, Replace, controlled
+from dray.cli.fleet.keeper import Keeper, Order, Replaced
+from dray.cli.fleet.posts import Post
+from dray.cli.fleet.roll import Member, RollKeeper, State, read_roll
+from dray.cli.fleet.software import Software
+from dray.errors import UnavailableError
+from dray.messages import WIRE_VERSION
+
+LONG_S = 60.0
+"""Real seconds for what takes a moment on a computer with nothing else to do."""
+
+
+class Kept:
+    """A keeper at work, and what its processes say."""
+
+    def __init__(self, folder: Path, keeper: Keeper, words: asyncio.StreamReader) -> None:
+        self.folder, self.keeper, self._words = folder, keeper, words
+
+    @property
+    def member(self) -> Member:
+        return read_roll(self.folder).member("ATV1")
+
+    async def says(self) -> str:
+        """The next line that one of its processes says."""
+        async with asyncio.timeout(LONG_S):
+            return (await self._words.readline()).decode().rstrip()
+
+
+@contextlib.asynccontextmanager
+async def kept(
+    folder: Path, software: Software, *, kind: str = "atv", leave_s: float = LONG_S
+) -> AsyncIterator[Kept]:
+    """A keeper of one post; what its processes say comes through a pipe in the place of their log."""
+    pipe = folder / "ATV1.log"
+    os.mkfifo(pipe)
+    words = asyncio.StreamReader()
+    reading = os.fdopen(os.open(pipe, os.O_RDONLY | os.O_NONBLOCK), "rb")
+    # Held open here, so that there is no end between one process and the next.
+    with pipe.open("ab"):
+        transport, _ = await asyncio.get_running_loop().connect_read_pipe(
+            lambda: asyncio.StreamReaderProtocol(words), reading
+        )
+        environment = {**os.environ, "TOLD": "here"}
+        post = Post("ATV1", kind, ("agent", "atv", "ATV1"), "127.0.0.1:1", environment, "", pipe)
+        keeper = Keeper(post, RollKeeper(folder, "plant", plain=True), leave_s, Order(software))
+        keeping = asyncio.create_task(keeper.keep())
+        try:
+            yield Kept(folder, keeper, words)
+        finally:
+            keeping.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await keeping
+            transport.close()
+
+
+def test_another_software_comes_when_the_old_one_has_left_in_order(tmp_path: Path) -> None:
+    old, new = make_actor(tmp_path, "1.0"), make_actor(tmp_path, "2.0")
+
+    async def story() -> None:
+        async with kept(tmp_path, old) as there:
+            assert await there.says() == "1.0 agent atv ATV1 here"
+            done = await there.keeper.replace(Order(new, trial=3), at_once=False)
+            assert (done.killed, done.starts) == (False, 2)
+            assert await there.says() == "1.0 ends by SIGTERM"
+            assert await there.says() == "2.0 agent atv ATV1 --trial 3 here"
+            assert (there.member.software, there.member.state, there.member.starts) == (
+                new,
+                State.ON_TRIAL,
+                2,
+            )
+            there.keeper.settle()
+            assert there.member.state is State.AT_WORK
+            there.member.signal(signal.SIGKILL)
+            assert await there.says() == "2.0 agent atv ATV1 here"
+            assert there.member.starts == 3
+
+    asyncio.run(story())
+
+
+def test_whoever_need_not_finish_ends_by_an_interrupt_as_all_do_when_the_fleet_ends(tmp_path: Path) -> None:
+    old, new = make_actor(tmp_path, "1.0"), make_actor(tmp_path, "2.0")
+
+    async def story() -> None:
+        async with kept(tmp_path, old) as there:
+            await there.says()
+            await there.keeper.replace(Order(new), at_once=True)
+            assert await there.says() == "1.0 ends by SIGINT"
+            assert await there.says() == "2.0 agent atv ATV1 here"
+            last = there
+        assert await last.says() == "2.0 ends by SIGINT"
+
+    asyncio.run(story())
+
+
+def test_whoever_does_not_leave_in_time_is_killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dray.cli.fleet.keeper.STOP_S", 0.0)
+    old, new = make_actor(tmp_path, "1.0", deaf=("SIGTERM",)), make_actor(tmp_path, "2.0")
+
+    async def story() -> None:
+        async with kept(tmp_path, old, leave_s=0.0) as there:
+            await there.says()
+            done = await there.keeper.replace(Order(new), at_once=False)
+            assert done.killed
+            assert await there.says() == "2.0 agent atv ATV1 here"
+
+    asyncio.run(story())
+
+
+def test_what_ends_by_itself_is_replaced_too(tmp_path: Path) -> None:
+    async def story() -> None:
+        async with kept(tmp_path, ends_at_once(tmp_path)) as there:
+            assert [await there.says() for _ in range(2)] == ["dead", "dead"]
+            done = await there.keeper.replace(Order(make_actor(tmp_path, "2.0")), at_once=False)
+            assert not done.killed
+            while (said := await there.says()) == "dead":
+                pass
+            assert said == "2.0 agent atv ATV1 here"
+
+    asyncio.run(story())
+
+
+def test_kinds_that_know_no_trial_are_not_put_on_one(tmp_path: Path) -> None:
+    old, new = make_actor(tmp_path, "1.0"), make_actor(tmp_path, "2.0")
+
+    async def story() -> None:
+        async with kept(tmp_path, old, kind="strategist") as there:
+            await there.says()
+            await there.keeper.replace(Order(new, trial=3), at_once=True)
+            await there.says()
+            assert await there.says() == "2.0 agent atv ATV1 here"
+
+    asyncio.run(story())
+
+
+def test_other_commands_reach_the_keeper_by_a_socket_for_its_owner_alone(tmp_path: Path) -> None:
+    deep = tmp_path / ("a" * 100) / ("b" * 100)
+    deep.mkdir(parents=True)
+    old, new = make_actor(tmp_path, "1.0"), make_actor(tmp_path, "2.0")
+    nowhere = Software(str(tmp_path / "nothing"), "3.0", WIRE_VERSION)
+
+    async def story() -> None:
+        async with kept(deep, old) as there, controlled(deep, {"ATV1": there.keeper}):
+            await there.says()
+            assert stat.S_IMODE((deep / control.SOCKET).stat().st_mode) == 0o600
+            done = await control.replace(deep, Replace("ATV1", new, trial=2))
+            assert isinstance(done, Replaced)
+            assert done.starts == 2
+            assert there.member.state is State.ON_TRIAL
+            await control.settle(deep, "ATV1")
+            assert there.member.state is State.AT_WORK
+            stranger = await control.replace(deep, Replace("ATV2", new))
+            assert stranger == Refused("there is no such process")
+            missing = await control.replace(deep, Replace("ATV1", nowhere))
+            assert isinstance(missing, Refused)
+            assert "cannot be started" in missing.reason
+            # What could not be started is replaced as everything else is.
+            assert isinstance(await control.replace(deep, Replace("ATV1", old)), Replaced)
+        with pytest.raises(UnavailableError, match="does not answer"):
+            await control.settle(deep, "ATV1")
+
+    asyncio.run(story())
