@@ -83,6 +83,8 @@ pytest: setup ## Python's tests: units, simulation, gateway, store, packaging, b
 	@tools/chromium.sh || true
 	$(call stage,PostgreSQL)
 	@tools/postgres.sh || true
+	$(call stage,iproute2)
+	@tools/iproute2.sh || true
 	$(call stage,pytest)
 	$(PYTEST) -n auto --maxprocesses 4 --dist worksteal --durations 20 $(ARGS)
 

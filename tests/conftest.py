@@ -1,7 +1,8 @@
 """What all tests share: a skipped test is never overlooked.
 
 On a developer's machine a test may be skipped, for want of a browser say; the run then ends with a loud
-line that names it. Under CI (`CI=true`) nothing may be skipped: what would be, fails.
+line that names it. Under CI (`CI=true`) nothing may be skipped: what would be, fails. What the machine itself
+forbids (see `forbidden`) is named as loudly, and fails nowhere.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 
 from databases import Files, Postgres, PostgresMissing
+from forbidden import Forbidden
 
 UNDER_CI = os.environ.get("CI", "").lower() in {"1", "true", "yes"}
 
@@ -36,14 +38,27 @@ Report = TypeVar("Report", pytest.TestReport, pytest.CollectReport)
 def reason_of(report: pytest.TestReport | pytest.CollectReport) -> str:
     """Why a test was skipped, in one line."""
     if isinstance(report.longrepr, tuple):
-        return str(report.longrepr[2]).removeprefix("Skipped: ")
+        return str(report.longrepr[2]).partition(": ")[2]
     return str(report.longrepr)
 
 
+FORBIDDEN = "forbidden"
+"""A test's outcome beside pytest's own: in a report's attribute, and in the summary."""
+
+
 @pytest.hookimpl(wrapper=True)
-def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
+def pytest_runtest_makereport(
+    call: pytest.CallInfo[None],
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
     report = yield
+    if call.excinfo is not None and call.excinfo.errisinstance(Forbidden):
+        setattr(report, FORBIDDEN, True)
+        return report
     return fail_when_skipped(report)
+
+
+def pytest_report_teststatus(report: pytest.TestReport) -> tuple[str, str, str] | None:
+    return (FORBIDDEN, "!", "FORBIDDEN") if hasattr(report, FORBIDDEN) else None
 
 
 @pytest.hookimpl(wrapper=True)
@@ -61,10 +76,11 @@ def fail_when_skipped(report: Report) -> Report:
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    skipped = terminalreporter.stats.get("skipped", [])
-    if skipped:
-        terminalreporter.write_sep("!", f"{len(skipped)} TESTS WERE SKIPPED", red=True, bold=True)
-        for report in skipped:
+    for outcome, words in (("skipped", "WERE SKIPPED"), (FORBIDDEN, "ARE FORBIDDEN BY THIS MACHINE")):
+        reports = terminalreporter.stats.get(outcome, [])
+        if reports:
+            terminalreporter.write_sep("!", f"{len(reports)} TESTS {words}", red=True, bold=True)
+        for report in reports:
             terminalreporter.write_line(f"!!! {report.nodeid}: {reason_of(report)}", red=True, bold=True)
 
 

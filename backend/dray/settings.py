@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 from urllib.parse import quote
 
-from pydantic import AfterValidator, BeforeValidator, Field, SecretStr, ValidationError
+from pydantic import AfterValidator, BeforeValidator, Field, IPvAnyNetwork, SecretStr, ValidationError
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from dray.errors import SettingsError
@@ -70,6 +70,9 @@ def _several(text: object) -> object:
 
 Several = Annotated[tuple[str, ...], NoDecode, BeforeValidator(_several)]
 """Several in one variable, with commas between."""
+
+Networks = Annotated[tuple[IPvAnyNetwork, ...], NoDecode, BeforeValidator(_several)]
+"""Likewise, as 10.8.0.0/16."""
 
 
 class Settings(BaseSettings):
@@ -168,6 +171,10 @@ class Settings(BaseSettings):
 
     bus_lease_s: Annotated[float, Field(ge=0.2, le=60)] = 2.0
     """A link that is silent for so long is gone round: sooner than a silent vehicle is suspected (3.5 s)."""
+
+    bus_radio: Networks = ()
+    """Networks of the vehicles' own radio, as 10.8.0.0/16, several with commas: a vehicle whose links are all
+    on these is without WLAN. Without any, every link is taken for WLAN."""
 
     journal_folder: Path = Path("journals")
     """Where agents write down what binds them; in service a folder that outlives an update."""

@@ -6,10 +6,11 @@ import asyncio
 from collections.abc import Iterable
 
 from dray.messages import Message, OrderReleased, OrderTaken
-from dray.ports import Bus
+from dray.ports import Bus, Clock
 from dray.protocol.strategist import STRATEGIST
 from dray_sim.demand import Order
-from dray_sim.loop import VirtualClock
+
+DESK = "desk"
 
 REPEAT_S = 5.0
 """An order that nobody has answered is sent again after this long."""
@@ -19,12 +20,12 @@ class Desk:
     """Sends every order at its time, and again until the strategist has it.
 
     Args:
-        bus: joined as `desk`.
+        bus: joined as `DESK`.
         clock: the plant's clock.
     """
 
-    def __init__(self, bus: Bus, clock: VirtualClock) -> None:
-        self._session = bus.join("desk", self._hear)
+    def __init__(self, bus: Bus, clock: Clock) -> None:
+        self._session = bus.join(DESK, self._hear)
         self._clock = clock
         self._waiting: dict[str, asyncio.Event] = {}
 

@@ -21,11 +21,11 @@ AGAIN_S = 0.1
 """A marker that found no way yet is sent again after this; it is an upper bound of a wait for an event."""
 
 
-def free_address() -> str:
+def free_address(host: str = "127.0.0.1") -> str:
     """An address on this computer where nobody listens."""
     with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return f"127.0.0.1:{probe.getsockname()[1]}"
+        probe.bind((host, 0))
+        return f"{host}:{probe.getsockname()[1]}"
 
 
 def multicast_works() -> bool:

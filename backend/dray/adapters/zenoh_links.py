@@ -8,6 +8,7 @@ asked for.
 from __future__ import annotations
 
 import json
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,11 @@ cannot take it has been silent for longer than that."""
 
 DROP_AT_ONCE_US = 0
 """A full link holds nobody up: what it cannot take is lost, and its receivers count it."""
+
+RUNTIME = ("ZENOH_RUNTIME", "(rx: (worker_threads: 32))")
+"""Set before Zenoh begins, unless somebody has. A link that dies silently with something unsent on it holds one of
+these threads for ten seconds, in which the system still tries to send that (eclipse-zenoh/zenoh#1101). With two of
+them, as by default, a vehicle that lost its WLAN heard nothing by its radio either. 32 links may die at once."""
 
 SCOUTING_MS = 10
 """The wait for others at the start: nobody is needed there, and whoever comes later is linked later."""
@@ -87,6 +93,7 @@ class Links:
             UnavailableError: an address cannot be listened on.
         """
         config = self.config()
+        os.environ.setdefault(*RUNTIME)
         try:
             return zenoh.open(config)
         except zenoh.ZError as error:

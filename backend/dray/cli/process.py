@@ -17,6 +17,7 @@ from dray.adapters.sqlite_journal import SqliteJournal
 from dray.adapters.system_clock import SystemClock
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Identity, Links
+from dray.adapters.zenoh_modem import Modem
 from dray.cli.logs import prepare_logs
 from dray.cli.meters.agent import AgentMeter
 from dray.cli.meters.bus import BusMeter
@@ -178,7 +179,7 @@ async def run_agent(
                 bus=watched(settings, tracing, surroundings.time.to_wall_s)(bus),
                 clock=surroundings.clock(),
                 keys=Keys(plant.id),
-                body=body,
+                body=Modem(body, bus.inner, settings.bus_radio) if settings.bus_radio else body,
                 journal=journal,
             )
             meters = BusMeter(bus), AgentMeter(worker, journal)

@@ -1,0 +1,90 @@
+"""A vehicle's modem on a real network: whether it is on the WLAN, or left with the radio of its neighbours.
+
+Zenoh goes round a link that is gone and tells nobody. A vehicle has to know: without WLAN it keeps its task
+and takes on no other. So its body is asked, and the modem answers for the link.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from ipaddress import IPv4Address, IPv4Network, IPv6Address, IPv6Network, ip_address
+
+import msgspec
+import zenoh
+from zenoh.handlers import Callback
+
+from dray.adapters.crossing import Crossing
+from dray.body import BodyState, Instruction, LinkNoticed, Report, VehicleState
+from dray.messages import Link
+from dray.ports import Body
+
+Network = IPv4Network | IPv6Network
+
+SETTLE_S = 0.25
+"""From a change of links until the vehicle hears of it. Zenoh chooses its ways anew after 0.1 s, and what is said
+before that goes the old way, into the void: also the heartbeat by which others are to learn of it."""
+
+
+class Modem:
+    """A vehicle's body that senses its links too (see `dray.ports.Body`).
+
+    Any link that is not on the radio is WLAN: while one is open, the vehicle is on it. A link is open until
+    nothing has come over it for a lease.
+
+    Args:
+        body: everything else that the vehicle senses and does.
+        session: whose links these are.
+        radio: the networks of the vehicles' own radio.
+    """
+
+    def __init__(self, body: Body, session: zenoh.Session, radio: tuple[Network, ...]) -> None:
+        self._body, self._session, self._radio = body, session, radio
+        self._report: Callable[[Report], None] | None = None
+        self._loop = asyncio.get_running_loop()
+        self._crossing = Crossing(self._loop)
+        self._listener = session.info.declare_link_events_listener(Callback(self._see, indirect=False))
+        self._link = self._look()
+
+    def instruct(self, instruction: Instruction) -> None:
+        """See `dray.ports.Body`."""
+        self._body.instruct(instruction)
+
+    def sense(self) -> BodyState:
+        """See `dray.ports.Body`."""
+        state = self._body.sense()
+        if isinstance(state, VehicleState) and state.link is not self._link:
+            return msgspec.structs.replace(state, link=self._link)
+        return state
+
+    def attach(self, report: Callable[[Report], None]) -> None:
+        """See `dray.ports.Body`."""
+        self._report = report
+        self._body.attach(report)
+
+    def _look(self) -> Link:
+        on_wlan = any(not self._is_radio(link) for link in self._session.info.links())
+        return Link.WLAN if on_wlan else Link.MESH
+
+    def _is_radio(self, link: zenoh.Link) -> bool:
+        address = address_of(link.src)
+        return any(address in network for network in self._radio)
+
+    def _notice(self) -> None:
+        # Whoever closes all links has left.
+        if self._session.is_closed() or (link := self._look()) is self._link:
+            return
+        self._link = link
+        if self._report is not None:
+            self._report(LinkNoticed(link=link))
+
+    # --- on Zenoh's threads ----------------------------------------------------------------------
+
+    def _see(self, _event: zenoh.LinkEvent) -> None:
+        self._crossing.order(self._loop.call_later, SETTLE_S, self._notice)
+
+
+def address_of(locator: str) -> IPv4Address | IPv6Address:
+    """The address in a locator of Zenoh's, as ``tls/10.8.0.3:40112`` or ``tls/[fd00::3]:40112``."""
+    host = locator.partition("/")[2].rpartition(":")[0]
+    return ip_address(host.strip("[]"))

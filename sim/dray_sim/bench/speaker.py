@@ -1,0 +1,70 @@
+"""A process that speaks in lines: what it says can be waited for, and what it complains of is kept."""
+
+from __future__ import annotations
+
+import os
+import select
+import subprocess
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from dray.errors import UnavailableError
+
+CHUNK_BYTES = 2**16
+
+SILENCE_S = 90.0
+"""Nothing that is waited for takes so long, on a computer that is busy elsewhere, too."""
+
+
+class Speaker:
+    """A process.
+
+    Args:
+        name: for complaints.
+        command: starts it.
+        environment: all of its variables.
+        log: takes what it says to standard error.
+    """
+
+    def __init__(self, name: str, command: Sequence[str], environment: Mapping[str, str], log: Path) -> None:
+        self._name, self._log, self._unread = name, log, b""
+        self._ear, mouth = os.pipe()
+        try:
+            with log.open("wb") as complaints:
+                self._process = subprocess.Popen(  # noqa: S603 (no shell, and no word of a stranger's)
+                    command, stdin=subprocess.DEVNULL, stdout=mouth, stderr=complaints, env=environment
+                )
+        finally:
+            os.close(mouth)
+
+    def line(self) -> bytes:
+        """The next line that it says.
+
+        Raises:
+            UnavailableError: it says none, or has ended.
+        """
+        while b"\n" not in self._unread:
+            if not select.select([self._ear], [], [], SILENCE_S)[0]:
+                raise self.complaint("says nothing any more")
+            said = os.read(self._ear, CHUNK_BYTES)
+            if not said:
+                raise self.complaint("has ended")
+            self._unread += said
+        line, _, self._unread = self._unread.partition(b"\n")
+        return line
+
+    def kill(self) -> None:
+        """End it as a power failure does. Twice is harmless."""
+        self._process.kill()
+
+    def close(self) -> None:
+        """Wait until it has ended."""
+        self._process.wait()
+        os.close(self._ear)
+
+    def complaint(self, what: str) -> UnavailableError:
+        """That something is wrong with it, and its own last word."""
+        last = self._log.read_text(encoding="utf-8", errors="replace").strip().rpartition("\n")[2]
+        return UnavailableError(
+            self._name, f"{what}: {last}" if last else what, "try again on a quieter computer"
+        )

@@ -1,0 +1,56 @@
+"""How tests that did not run are told: skipped ones fail under CI, forbidden ones never, and both are loud."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+TESTS = """
+import pytest
+from forbidden import forbidden
+
+
+def test_a():
+    pytest.skip("no browser")
+
+
+def test_b():
+    forbidden("no multicast")
+
+
+@pytest.fixture
+def several():
+    forbidden("no namespaces")
+
+
+def test_c(several):
+    pass
+"""
+
+
+@pytest.mark.parametrize(
+    ("ci", "code", "counts"), [("", 0, "1 skipped, 2 forbidden"), ("true", 1, "1 failed, 2 forbidden")]
+)
+def test_what_is_forbidden_fails_nowhere_and_what_is_skipped_fails_under_ci(
+    tmp_path: Path, ci: str, code: int, counts: str
+) -> None:
+    (tmp_path / "test_it.py").write_text(TESTS, encoding="utf-8")
+    # Of ours the conftest alone: a plugin that is loaded takes longer than these tests.
+    environment = {"CI": ci, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTHONPATH": str(Path(__file__).parent)}
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-p", "conftest", "--rootdir", str(tmp_path), str(tmp_path)],
+        env={**os.environ, **environment},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == code, done.stdout
+    assert counts in done.stdout
+    assert "2 TESTS ARE FORBIDDEN BY THIS MACHINE" in done.stdout
+    assert "test_it.py::test_b: no multicast" in done.stdout
+    assert "test_it.py::test_c: no namespaces" in done.stdout
