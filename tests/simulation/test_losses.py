@@ -359,6 +359,7 @@ SMALL = Campaign(
     speed=20.0,
     plain=True,
     load=0.8,
+    head_start_s=100.0,
     warm_s=0.0,
     calm_s=15.0,
     each=1,

@@ -20,6 +20,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from statistics import median, quantiles
 
+from dray.cli.customers import HEAD_START_S, LOAD
 from dray.cli.fleet.keeper import REST_S
 from dray.errors import UnavailableError
 from dray.plant import default_plant
@@ -55,7 +56,8 @@ def measure(quick: bool) -> list[Row]:
         plant=default_plant(),
         speed=10.0,
         plain=False,
-        load=0.6,
+        load=LOAD,
+        head_start_s=HEAD_START_S,
         warm_s=60.0,
         calm_s=120.0 / (2 if quick else 1),
         each=10 // share,

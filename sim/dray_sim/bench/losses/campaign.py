@@ -41,6 +41,7 @@ class Campaign:
         speed: factory seconds per real second.
         plain: links without certificates.
         load: part of the machines' time that the demand takes.
+        head_start_s: the demand begins as if it had run for so long (plant clock): busy from the first minute.
         warm_s: real seconds before anything is measured: buffers fill, and vehicles find their rhythm.
         calm_s: real seconds in which nobody is killed: the baseline.
         each: kills of every kind in turn.
@@ -54,6 +55,7 @@ class Campaign:
     speed: float
     plain: bool
     load: float
+    head_start_s: float
     warm_s: float
     calm_s: float
     each: int
@@ -154,7 +156,8 @@ class _Field:
             campaign.plant, Random(f"{campaign.seed} demand"), load=campaign.load, until_s=float("inf")
         )
         async with asyncio.TaskGroup() as group:
-            group.create_task(self.customer.place(orders, self._now_s()))
+            begun_s = self._now_s() - campaign.head_start_s
+            group.create_task(self.customer.place(orders, begun_s))
             await asyncio.sleep(campaign.warm_s)
             began_s = self._now_s()
             await asyncio.sleep(campaign.calm_s)
