@@ -18,8 +18,8 @@ from dray import __version__
 from dray.adapters.signing import SigningKey, TrustedKeys
 from dray.messages import Message
 from dray.messages.keys import Keys
-from dray.plant import Plant
-from dray.plant.model import VehicleSpec
+from dray.plant import Plant, with_machine
+from dray.plant.model import MachineSpec, VehicleSpec
 from dray.ports import Body, Bus
 from dray.protocol.atv import Atv
 from dray.protocol.authority import Trusts
@@ -146,7 +146,7 @@ class SimFactory:
         self._incarnation = incarnation
         self._group: asyncio.TaskGroup | None = None
         for machine, workcell in self.workcells.items():
-            self._employ(machine, self._machine(machine), workcell)
+            self._employ(machine, self._machine(machine, plant), workcell)
         for spec in plant.fleet.values():
             self._man(spec)
         self._employ(STRATEGIST, self._strategist, self.gate)
@@ -260,6 +260,21 @@ class SimFactory:
         self._start(spec.id)
         return vehicle
 
+    def add_machine(self, spec: MachineSpec) -> SimWorkcell:
+        """Let a machine join that nobody's plant knows; in a factory that runs, at once.
+
+        Args:
+            spec: the machine.
+
+        Raises:
+            PlantError: it does not fit into this plant.
+        """
+        workcell = self.floor.add_machine(spec)
+        plant = with_machine(self.plant, spec, spec.id)
+        self._employ(spec.id, self._machine(spec.id, plant, newcomer=True), workcell)
+        self._start(spec.id)
+        return workcell
+
     # --- how it is done --------------------------------------------------------------------------
 
     def _man(self, spec: VehicleSpec) -> None:
@@ -271,9 +286,9 @@ class SimFactory:
     def _powered(self, agent: str) -> SimVehicle | SimWorkcell:
         return self.vehicles[agent] if agent in self.vehicles else self.workcells[agent]
 
-    def _machine(self, machine: str) -> MakeAgent:
+    def _machine(self, machine: str, plant: Plant, *, newcomer: bool = False) -> MakeAgent:
         return lambda life, software, trial: Machine(
-            machine, self.plant, incarnation=life, software=software, trial=trial
+            machine, plant, incarnation=life, software=software, newcomer=newcomer, trial=trial
         )
 
     def _atv(self, spec: VehicleSpec) -> MakeAgent:

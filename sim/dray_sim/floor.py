@@ -12,8 +12,8 @@ from random import Random
 
 import msgspec
 
-from dray.plant import Plant
-from dray.plant.model import VehicleSpec
+from dray.plant import Plant, with_machine
+from dray.plant.model import MachineSpec, VehicleSpec
 from dray.ports import Body, Clock
 from dray.protocol.strategist import STRATEGIST
 from dray_sim.chargers import Chargers
@@ -74,13 +74,14 @@ class Floor:
             spec.id: Storage(spec, clock, self.source) for spec in plant.storages.values()
         }
         stock = Random(f"{seed} stock")
-        self.workcells: Mapping[str, SimWorkcell] = {
+        self.workcells: dict[str, SimWorkcell] = {
             spec.id: SimWorkcell(spec, plant, clock, stock=_first_stock(plant, spec.id, stock_frac, stock))
             for spec in plant.machines.values()
         }
         self.in_hands: Counter[str] = Counter()
         self.vehicles: dict[str, SimVehicle] = {}
         self._places: dict[str, Place] = {**self.storages, **self.workcells, **self.delivery}
+        self._docks = {place: plant.node_of(place) for place in self._places}
         self._chargers = Chargers()
         for spec in plant.fleet.values():
             self.add_vehicle(spec)
@@ -92,9 +93,30 @@ class Floor:
             spec: its id, its type in the plant, and where it stands.
         """
         vehicle_type = self._plant.vehicle_types[spec.type]
-        vehicle = SimVehicle(spec, vehicle_type, self._plant, self._clock, self._places, self._chargers)
+        vehicle = SimVehicle(
+            spec, vehicle_type, self._plant, self._clock, self._places, self._docks, self._chargers
+        )
         self.vehicles[spec.id] = vehicle
         return vehicle
+
+    def add_machine(self, spec: MachineSpec) -> SimWorkcell:
+        """Set one more machine up, with empty buffers.
+
+        Args:
+            spec: the machine.
+
+        Raises:
+            PlantError: it does not fit into this plant.
+        """
+        plant = with_machine(self._plant, spec, spec.id)
+        workcell = SimWorkcell(spec, plant, self._clock)
+        self.workcells[spec.id] = self._places[spec.id] = workcell
+        self._docks[spec.id] = spec.node
+        return workcell
+
+    def add(self, spec: VehicleSpec | MachineSpec) -> Body:
+        """Put down or set up one more; see above."""
+        return self.add_vehicle(spec) if isinstance(spec, VehicleSpec) else self.add_machine(spec)
 
     @property
     def bodies(self) -> dict[str, Body]:

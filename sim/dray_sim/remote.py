@@ -4,7 +4,7 @@
     Body.instruct --> {plant}/body/@{agent}/do --> Body.instruct
     Body.attach  <-- {plant}/body/@{agent}/told <-- reports, and the state after them, also with no report
     Body.sense   is the state that was told last
-    put_down      -- query {plant}/floor/@newcomers: a vehicle that the plant file does not know
+    put_down      -- query {plant}/floor/@newcomers: a body that the plant file does not know
     count_pieces  -- query {plant}/floor/@pieces -> all pieces that are there now
     connect       -- query {plant}/body/@{agent} -> the state now; from then on this life's word counts
 
@@ -30,7 +30,7 @@ from zenoh.handlers import Callback
 from dray.adapters.crossing import Crossing
 from dray.body import BodyState, Instruction, Report
 from dray.errors import UnavailableError
-from dray.plant.model import VehicleSpec
+from dray.plant.model import MachineSpec, VehicleSpec
 from dray.ports import Body
 from dray_sim.floor import Floor, Pieces
 
@@ -48,8 +48,11 @@ SILENT_LOOKS = 10
 """A body is lost when so many looks one after the other find that it has told nothing, which it does ten times
 between two of them. A cut link is gone round sooner, and no computer is busy for so long."""
 
+Newcomer = VehicleSpec | MachineSpec
+"""What may be put down on a floor that runs already."""
+
 _KINDS: dict[str, Any] = {
-    kind.__name__: kind for union in (Instruction, Report, BodyState) for kind in get_args(union)
+    kind.__name__: kind for union in (Instruction, Report, BodyState, Newcomer) for kind in get_args(union)
 }
 
 
@@ -79,7 +82,6 @@ class _Told(msgspec.Struct, array_like=True, frozen=True):
 
 
 _encode = msgspec.msgpack.Encoder().encode
-_json = msgspec.json.Encoder().encode
 
 
 def _raw(part: object) -> tuple[str, msgspec.Raw]:
@@ -207,13 +209,13 @@ class RemoteBody:
             self._report(_part(told.kind, told.report))
 
 
-async def put_down(session: zenoh.Session, plant: str, spec: VehicleSpec) -> None:
-    """Put a vehicle on a floor elsewhere, unless it stands there already.
+async def put_down(session: zenoh.Session, plant: str, spec: Newcomer) -> None:
+    """Put a vehicle or a machine on a floor elsewhere, unless it stands there already.
 
     Raises:
         UnavailableError: there is no floor.
     """
-    await _asked(session, _newcomers(plant), _json(spec), "the floor")
+    await _asked(session, _newcomers(plant), _encode(_raw(spec)), "the floor")
 
 
 async def count_pieces(session: zenoh.Session, plant: str) -> Pieces:
@@ -261,9 +263,9 @@ class FloorServer:
     def _receive(self, query: zenoh.Query) -> None:
         with query:
             data = b"" if query.payload is None else query.payload.to_bytes()
-            spec = msgspec.json.decode(data, type=VehicleSpec)
-            if spec.id not in self._floor.vehicles:
-                self._served.append(self._serve(spec.id, self._floor.add_vehicle(spec)))
+            spec = _part(*msgspec.msgpack.decode(data, type=tuple[str, msgspec.Raw]))
+            if spec.id not in self._floor.bodies:
+                self._served.append(self._serve(spec.id, self._floor.add(spec)))
             query.reply(_newcomers(self._plant), b"there")
 
     def _count(self, query: zenoh.Query) -> None:

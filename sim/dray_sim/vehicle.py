@@ -84,7 +84,8 @@ class SimVehicle:
         vehicle_type: what it can do.
         plant: roads and stations.
         clock: the plant's clock.
-        places: stations by id where it can load and unload.
+        places: stations by id where it can load and unload; some may come later.
+        docks: the node of each.
         chargers: who is plugged in where; shared by the fleet.
 
     Attributes:
@@ -98,6 +99,7 @@ class SimVehicle:
         plant: Plant,
         clock: Clock,
         places: Mapping[str, Place],
+        docks: Mapping[str, str],
         chargers: Chargers,
     ) -> None:
         self.id = spec.id
@@ -105,6 +107,7 @@ class SimVehicle:
         self._plant = plant
         self._clock = clock
         self._places = places
+        self._docks = docks
         self._chargers = chargers
         self._reporter = Reporter(clock)
         self._battery = Battery(vehicle_type)
@@ -342,7 +345,7 @@ class SimVehicle:
             return self._chargers.plug(action.charger, self.id)
         if action.station not in self._places:
             return f"no station {action.station}"
-        if self._plant.node_of(action.station) != self._travel.node:
+        if self._docks[action.station] != self._travel.node:
             return f"not at {action.station}"
         if isinstance(action, Drop):
             return "" if self._load else "nothing on board"

@@ -14,7 +14,9 @@ import pytest
 
 from dray.adapters.sqlite_journal import SqliteJournal
 from dray.memory import AtvMemory
+from dray.plant import default_plant, plant_yaml
 from dray.settings import Settings
+from dray_sim.generator import generate_plant
 
 Dray = Callable[..., tuple[int, str]]
 
@@ -57,6 +59,31 @@ def test_a_newcomer_needs_a_type_and_a_place(dray: Dray, options: tuple[str, ...
     code, error = dray("agent", "atv", "ATV99", *options)
     assert code == 2
     assert told in error
+
+
+def test_a_machine_that_is_a_newcomer_stands_in_a_plant_file_that_has_it(dray: Dray, tmp_path: Path) -> None:
+    file = tmp_path / "new.yaml"
+    file.write_text(plant_yaml(default_plant()), encoding="utf-8")
+    for machine, option, wrong in (
+        ("M99", file, "NAME: there is no 'M99'; choose one of M1"),
+        ("M1", file, "--newcomer: M1 is in the plant file already"),
+        ("M1", tmp_path / "none.yaml", "there is no such file"),
+    ):
+        code, error = dray("agent", "machine", machine, "--newcomer", str(option))
+        assert code == 2
+        assert wrong in error
+
+
+def test_a_newcomer_that_does_not_fit_into_the_plant_of_the_others_is_refused(
+    dray: Dray, tmp_path: Path
+) -> None:
+    file = tmp_path / "elsewhere.yaml"
+    elsewhere = generate_plant(1, machines=20, vehicles=2)
+    file.write_text(plant_yaml(elsewhere), encoding="utf-8")
+    stranger = next(reversed(elsewhere.machines))
+    code, error = dray("agent", "machine", stranger, "--newcomer", str(file))
+    assert code == 2
+    assert f"{file}: machines[12]" in error
 
 
 @pytest.mark.parametrize("command", [("agent", "machine", "M1"), ("strategist",), ("floor",), ("historian",)])

@@ -62,7 +62,7 @@ class Stage:
     def __init__(self, *told: Message) -> None:
         self.wall = Wall()
         self.projection = Projection(PLANT, TimeScale(0.0, NOW_S))
-        self.hub = Hub(self.projection, FLOOR, wall_s=self.wall, rate_hz=10.0, queue_frames=50, clients=20)
+        self.hub = Hub(self.projection, wall_s=self.wall, rate_hz=10.0, queue_frames=50, clients=20)
         self.tell(*told)
 
     def tell(self, *messages: Message) -> None:
@@ -267,7 +267,7 @@ async def test_a_mirror_of_the_deltas_is_the_same_as_a_fresh_snapshot() -> None:
                 del mirror[kinds[kind]][entity]
             for kind, known in mirror.items():
                 known |= {each["id"]: each for each in frame[kind]}
-    fresh = Hub(stage.projection, FLOOR, wall_s=stage.wall, rate_hz=10.0, queue_frames=5, clients=1).join(
+    fresh = Hub(stage.projection, wall_s=stage.wall, rate_hz=10.0, queue_frames=5, clients=1).join(
         operator(AREAS[0])
     )
     assert fresh is not None
@@ -455,7 +455,7 @@ async def test_a_vehicles_refusal_names_none_that_stands_elsewhere(url: str) -> 
         house.bus.join(ATV[area], refuse)
         client = await operator_of(house, area)
         answer = await client.post(f"/api/atvs/{ATV[area]}/commands", json={"kind": "acknowledge"})
-        shown = AreaSight(FLOOR, house.parts.projection, frozenset({area}))
+        shown = AreaSight(house.parts.projection, frozenset({area}))
         (command,) = house.parts.projection.commands.views()
         seen = shown.command(command)
     assert other in command.reason

@@ -118,6 +118,7 @@ class Yard:
             "S1": self.storage,
             "M1": self.workcell,
         }
+        self.docks = {place: PLANT.node_of(place) for place in self.places}
         self.chargers = Chargers()
         self.listen("M1", self.workcell)
 
@@ -125,7 +126,7 @@ class Yard:
         self, node: str = "west", battery_frac: float = 0.9, id_: str = "ATV1", type_: VehicleType = LIGHT
     ) -> SimVehicle:
         spec = VehicleSpec(id_, type_.id, node, battery_frac)
-        vehicle = SimVehicle(spec, type_, PLANT, self.clock, self.places, self.chargers)
+        vehicle = SimVehicle(spec, type_, PLANT, self.clock, self.places, self.docks, self.chargers)
         self.listen(id_, vehicle)
         return vehicle
 

@@ -14,6 +14,7 @@ import typer
 if TYPE_CHECKING:
     from dray.adapters.signing import TrustedKeys
     from dray.cli.process import Surroundings
+    from dray.plant import Plant
 
 app = typer.Typer(no_args_is_help=True, help="One agent of a plant as a process of its own.")
 
@@ -39,10 +40,16 @@ def agent() -> None:
 @app.command()
 def machine(
     name: Annotated[str, typer.Argument(help="Its id in the plant, as M8.")],
+    newcomer: Annotated[
+        Path | None,
+        typer.Option(
+            "--newcomer", help="A plant file that has it, when that of the others does not know it."
+        ),
+    ] = None,
     trial: Trial = 0,
     settings: SettingsFile = None,
 ) -> None:
-    """Run the agent of a machine; SIGTERM lets it leave in order."""
+    """Run the agent of a machine; a newcomer takes part as soon as it is there. SIGTERM lets it leave in order."""
     import asyncio
 
     from dray import __version__
@@ -51,12 +58,20 @@ def machine(
     from dray.protocol.machine import Machine
 
     where = _surroundings(settings)
-    one_of(where.plant.machines, name, "NAME")
+    plant = where.plant if newcomer is None else _grown(where.plant, newcomer, name)
+    spec = one_of(plant.machines, name, "NAME")
 
     def make(life: int) -> Machine:
-        return Machine(name, where.plant, incarnation=life, software=__version__, trial=trial)
+        return Machine(
+            name,
+            plant,
+            incarnation=life,
+            software=__version__,
+            newcomer=newcomer is not None,
+            trial=trial,
+        )
 
-    asyncio.run(run_agent(where, name, make))
+    asyncio.run(run_agent(where, name, make, None if newcomer is None else spec))
 
 
 @app.command()
@@ -128,6 +143,23 @@ def _surroundings(file: Path | None) -> Surroundings:
     from dray.cli.process import Surroundings
 
     return Surroundings.of(load_settings(settings_file=file))
+
+
+def _grown(plant: Plant, file: Path, name: str) -> Plant:
+    """The plant with a machine of another plant file.
+
+    Raises:
+        PlantError: that file cannot be used, or the machine does not fit into the plant of the others.
+        SettingsError: it does not have the machine, or the plant has it already.
+    """
+    from dray.cli.output import one_of
+    from dray.errors import SettingsError
+    from dray.plant import load_plant, with_machine
+
+    spec = one_of(load_plant(file).machines, name, "NAME")
+    if name in plant.machines:
+        raise SettingsError("--newcomer", f"{name} is in the plant file already: start it without")
+    return with_machine(plant, spec, str(file))
 
 
 def _trusted(where: Surroundings) -> TrustedKeys:

@@ -27,12 +27,11 @@ from dray.errors import UnavailableError
 from dray.gateway.timescale import TimeScale
 from dray.messages.keys import Keys
 from dray.plant import Plant, default_plant, load_plant
-from dray.plant.model import VehicleSpec
 from dray.protocol.events import Agent
 from dray.settings import Settings
 from dray.worker import HISTORY_FACTS, Worker
 from dray_sim.floor import NEARLY_EMPTY_FRAC, Floor
-from dray_sim.remote import FloorServer, RemoteBody, put_down
+from dray_sim.remote import FloorServer, Newcomer, RemoteBody, put_down
 
 READY = "{name} is ready"
 """What a process says when it takes part, on a line of its own."""
@@ -138,7 +137,7 @@ MakeAgent = Callable[[int], Agent]
 
 
 async def run_agent(
-    surroundings: Surroundings, name: str, make: MakeAgent, newcomer: VehicleSpec | None = None
+    surroundings: Surroundings, name: str, make: MakeAgent, newcomer: Newcomer | None = None
 ) -> None:
     """Run one agent until a signal: SIGTERM asks it to leave in order, Ctrl-C ends it at once.
 
@@ -146,7 +145,7 @@ async def run_agent(
         surroundings: what it begins with.
         name: its id.
         make: makes it.
-        newcomer: where it stands, when it is a vehicle that the plant file does not know.
+        newcomer: its body, when the plant file of the floor does not know it.
 
     Raises:
         UnavailableError: it has been started elsewhere meanwhile, its body is lost or is not the one that its

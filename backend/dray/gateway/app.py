@@ -42,7 +42,6 @@ from dray.gateway.stream import Hub
 from dray.gateway.timescale import TimeScale
 from dray.messages import Message
 from dray.messages.keys import Keys
-from dray.plant import Plant
 from dray.plant.model import PlantFile
 from dray.ports import Bus
 from dray.settings import Settings
@@ -98,13 +97,10 @@ def create_app(
         peer = Peer(bus, Keys(plant.plant), settings.gateway_name, overhear)
         presence = Presence(peer.send)
         products = frozenset(product.id for product in plant.products)
-        floor = Plant(plant)
         projection = Projection(plant, time, trials=faults is not None)
         desk = Desk(send=peer.send, time=time, wall_s=wall_s, products=products)
         parts = Parts(
             settings=settings,
-            plant=plant,
-            floor=floor,
             store=store,
             historian=historian,
             wall_s=wall_s,
@@ -116,7 +112,7 @@ def create_app(
                 peer.send,
                 authority=authority,
                 projection=projection,
-                floor=floor,
+                floor=projection.site.plant,
                 plant_s=lambda: time.to_plant_s(wall_s()),
                 wall_s=wall_s,
                 speed=time.speed,
@@ -127,7 +123,6 @@ def create_app(
             ledger=Ledger(store),
             hub=Hub(
                 projection,
-                floor,
                 wall_s=wall_s,
                 rate_hz=settings.stream_rate_hz,
                 queue_frames=settings.stream_queue_frames,

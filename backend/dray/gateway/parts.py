@@ -34,9 +34,6 @@ class Parts:
     """One running gateway."""
 
     settings: Settings
-    plant: PlantFile
-    floor: Plant
-    """The same plant, for whoever asks where something is."""
     store: Store
     historian: Historian | None
     """None where it runs elsewhere."""
@@ -58,6 +55,16 @@ class Parts:
     """None where the factory is not simulated."""
     keys_at_work: set[str]
     """Idempotency keys of requests that are being answered at this moment."""
+
+    @property
+    def plant(self) -> PlantFile:
+        """What stands where at this moment."""
+        return self.floor.file
+
+    @property
+    def floor(self) -> Plant:
+        """The same, for whoever asks where something is."""
+        return self.projection.site.plant
 
 
 def parts_of(connection: HTTPConnection) -> Parts:

@@ -13,7 +13,7 @@ from dray.gateway.projection.sight import Sight, sight
 
 def seen(gateway: Gateway, caller: Caller) -> Sight:
     """What the caller sees at this moment."""
-    return sight(gateway.floor, gateway.projection, caller.areas)
+    return sight(gateway.projection, caller.areas)
 
 
 Seen = Annotated[Sight, Depends(seen)]

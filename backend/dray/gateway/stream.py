@@ -22,7 +22,6 @@ from dray.gateway.projection import Projection
 from dray.gateway.projection.scenes import AreaScene, Scene, WholeScene
 from dray.gateway.projection.sight import AreaSight
 from dray.gateway.views import AudienceView, FactoryView
-from dray.plant import Plant
 
 QUIET_S = 1.0
 """A frame comes at least this often, if an empty one: panels turn amber after 3 s without."""
@@ -145,7 +144,6 @@ class Hub:
 
     Args:
         projection: what is shown.
-        plant: where its areas are.
         wall_s: the wall clock.
         rate_hz: frames per wall second at most.
         queue_frames: frames that wait for one client at most.
@@ -155,14 +153,13 @@ class Hub:
     def __init__(
         self,
         projection: Projection,
-        plant: Plant,
         *,
         wall_s: Callable[[], float],
         rate_hz: float,
         queue_frames: int,
         clients: int,
     ) -> None:
-        self._projection, self._plant, self._wall_s = projection, plant, wall_s
+        self._projection, self._wall_s = projection, wall_s
         self._pause_s, self._queue_frames, self._most = 1.0 / rate_hz, queue_frames, clients
         self._rooms: dict[frozenset[str] | None, Room] = {}
         """By the areas that are seen; None for the whole plant. Only those with somebody in them."""
@@ -226,7 +223,7 @@ class Hub:
     def _scene(self, areas: frozenset[str] | None) -> Scene:
         if areas is None:
             return WholeScene(self._projection)
-        return AreaScene(self._projection, AreaSight(self._plant, self._projection, areas))
+        return AreaScene(self._projection, AreaSight(self._projection, areas))
 
     def _new_figures(self, now_s: float) -> FactoryView | None:
         """The factory's figures, when it is time for them, somebody sees them and they have changed."""

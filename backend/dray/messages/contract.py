@@ -30,6 +30,8 @@ class Transport(Part, tag_field="kind", tag="transport", frozen=True):
     """What a vehicle must be able to carry."""
     goal: IdOrNone = ""
     """The goal whose products these are, on the way out."""
+    node: IdOrNone = ""
+    """Where vehicles dock at the machine that asks, if it is a newcomer; empty for one in the plant file."""
 
 
 class Production(Part, tag_field="kind", tag="production", frozen=True):

@@ -207,6 +207,29 @@ class GoalBrief(Part, frozen=True):
     delivered: Count
 
 
+class Making(Part, frozen=True):
+    """A product that a machine can make."""
+
+    product: Id
+    cycle_s: Seconds
+
+
+class Newcomer(Part, frozen=True):
+    """What a machine tells of itself that the plant files of others do not know yet."""
+
+    name: Text
+    station: Id
+    node: Id
+    """Where vehicles dock."""
+    x_m: Metres
+    y_m: Metres
+    """Its middle; with its size, for drawing."""
+    width_m: Metres
+    depth_m: Metres
+    makes: tuple[Making, ...]
+    goods_capacity: Count
+
+
 class MachineHeartbeat(Message, frozen=True):
     """MHB: what a machine tells everybody (paper, 3.2).
 
@@ -234,3 +257,5 @@ class MachineHeartbeat(Message, frozen=True):
     """It was asked to leave: it takes nothing new, and goes when nothing holds it any more."""
     trial: TrialBrief | None = None
     """Set while it is on trial: it takes short goals only."""
+    newcomer: Newcomer | None = None
+    """Set when it has come to a plant whose file did not know it."""

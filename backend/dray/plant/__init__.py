@@ -7,7 +7,7 @@ it, `routes` finds ways.
 
 from __future__ import annotations
 
-from dray.plant.file import check_plant, default_plant, load_plant, parse_plant, plant_yaml
+from dray.plant.file import check_plant, default_plant, load_plant, parse_plant, plant_yaml, with_machine
 from dray.plant.model import (
     Area,
     BillLine,
@@ -65,4 +65,5 @@ __all__ = [
     "load_plant",
     "parse_plant",
     "plant_yaml",
+    "with_machine",
 ]

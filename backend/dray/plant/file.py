@@ -15,11 +15,12 @@ from pathlib import Path
 from typing import get_args, get_origin
 
 import msgspec
+from msgspec.structs import replace
 
 from dray.errors import PlantError, PlantErrors
 from dray.plant.check import faults
 from dray.plant.document import Document, read_document, write_document
-from dray.plant.model import PlantFile
+from dray.plant.model import MachineSpec, PlantFile
 from dray.plant.plant import Plant
 
 MAX_BYTES = 8 * 1024 * 1024
@@ -93,6 +94,23 @@ def parse_plant(text: str, name: str) -> Plant:
         if not found:
             return Plant(file)
     raise found[0] if len(found) == 1 else PlantErrors(tuple(found))
+
+
+def with_machine(plant: Plant, spec: MachineSpec, name: str) -> Plant:
+    """The same plant with one machine more.
+
+    Args:
+        plant: as it was.
+        spec: the newcomer.
+        name: what to call the newcomer in errors, usually the path of its file.
+
+    Raises:
+        PlantError: it does not fit into this plant.
+    """
+    file = replace(plant.file, machines=(*plant.file.machines, spec))
+    for field, reason in faults(file):
+        raise PlantError(name, field, reason)
+    return Plant(file)
 
 
 def plant_yaml(plant: Plant) -> str:

@@ -40,6 +40,7 @@ from dray.messages import (
 )
 from dray.messages.fact import PhaseEntered
 from dray.plant import Plant
+from dray.protocol.docks import dock_of
 from dray.protocol.driving import Driver
 from dray.protocol.events import Effect, Ignore, Record, Send
 from dray.protocol.timers import Timers
@@ -355,17 +356,18 @@ class Carriage:
         self._out.append(Record(fact))
 
     def _drive(self, station: str, now_s: float) -> None:
-        away = self._driver.go(self._plant.node_of(station), now_s)
+        away = self._driver.go(self._dock(station), now_s)
         arrives_s = self._driver.arrives_s if away else now_s
         if self.phase is Phase.APPROACHING:
-            loaded_s = self._routes.duration_s(
-                self._plant.node_of(self.source), self._plant.node_of(self.work.destination)
-            )
+            loaded_s = self._routes.duration_s(self._dock(self.source), self._dock(self.work.destination))
             self.due_s = arrives_s + self._type.load_s + loaded_s + self._type.unload_s
         elif self.phase is Phase.CARRYING:
             self.due_s = arrives_s + self._type.unload_s
         if not away:
             self.arrived(now_s)
+
+    def _dock(self, place: str) -> str:
+        return dock_of(self._plant, self.work, place)
 
     def _carry(self, now_s: float) -> None:
         self._enter(Phase.CARRYING, self.work.destination)

@@ -14,6 +14,8 @@ from __future__ import annotations
 
 from typing import cast
 
+from msgspec.structs import replace
+
 from dray.body import (
     BodyState,
     Broken,
@@ -39,6 +41,7 @@ from dray.messages import (
     Handover,
     MachineHeartbeat,
     MachineStatus,
+    Newcomer,
     Release,
     Resigned,
     TakenOver,
@@ -49,8 +52,10 @@ from dray.messages import (
     Work,
 )
 from dray.messages.fact import MachineStatusChanged, PieceMade
+from dray.messages.heartbeat import Making
 from dray.messages.keys import Keys
 from dray.plant import Plant
+from dray.plant.model import MachineSpec
 from dray.protocol.adoption import ADOPT, Adoption
 from dray.protocol.auction import AuctionRules, Place
 from dray.protocol.coordinator import Coordinator
@@ -87,6 +92,7 @@ class Machine(Core):
         plant: the plant it stands in.
         incarnation: how often it has been started.
         software: the version it runs, for its heartbeat.
+        newcomer: the plant files of others do not know it: it says itself what it is and where it stands.
         trial: transports to or from it that have to be done well before it takes long goals; 0 for a
             machine that is known to be good.
         rules: patience and reach of its auctions.
@@ -99,6 +105,7 @@ class Machine(Core):
         *,
         incarnation: int = 1,
         software: str = "",
+        newcomer: bool = False,
         trial: int = 0,
         rules: AuctionRules | None = None,
     ) -> None:
@@ -106,6 +113,7 @@ class Machine(Core):
         self._plant = plant
         self._spec = plant.machines[machine]
         self._software = software
+        self._newcomer = _introduction(self._spec) if newcomer else None
         self._keys = Keys(plant.id)
         self._beat_key = self._keys.machine_heartbeat(machine)
         self._products = tuple(making.product for making in self._spec.makes)
@@ -261,6 +269,7 @@ class Machine(Core):
             software=self._software,
             leaving=self._departure.begun,
             trial=self._trial.brief(),
+            newcomer=self._newcomer,
         )
         self._out.append(Publish(self._beat_key, heartbeat))
 
@@ -355,6 +364,8 @@ class Machine(Core):
         self._out.append(Instruct(StartCycle(product=goal.work.product)))
 
     def _open(self, work: Transport, deadline_s: float, now_s: float) -> None:
+        if self._newcomer is not None:
+            work = replace(work, node=self._newcomer.node)
         self._task_count += 1
         life = "" if self.incarnation == 1 else f".{self.incarnation}"
         self._tasks.open(f"{self.id}{life}-{self._task_count}", work, deadline_s, now_s)
@@ -477,6 +488,20 @@ class Machine(Core):
         self._supply.goals_changed()
         self._pursue(now_s)
         self._timers.set(BEAT, now_s)
+
+
+def _introduction(spec: MachineSpec) -> Newcomer:
+    return Newcomer(
+        name=spec.name,
+        station=spec.station,
+        node=spec.node,
+        x_m=spec.box.x_m,
+        y_m=spec.box.y_m,
+        width_m=spec.box.width_m,
+        depth_m=spec.box.depth_m,
+        makes=tuple(Making(making.product, making.cycle_s) for making in spec.makes),
+        goods_capacity=spec.goods_capacity,
+    )
 
 
 def _brief(task: OpenTask) -> TaskBrief:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 from dray.memory import GoalBooked, OrderMemory, ReturnedOrder, StrategistMemory
 from dray.messages import OrderItem, OrderReleased, Production
@@ -82,12 +82,14 @@ class OrderBook:
     """All orders of one plant, oldest first.
 
     Args:
-        plant: what can be made where.
+        plant: what can be made of what.
+        machines_for: who can make a product.
         life: marks the names of goals, so that no two lives give the same.
     """
 
-    def __init__(self, plant: Plant, life: str) -> None:
+    def __init__(self, plant: Plant, machines_for: Callable[[str], Sequence[str]], life: str) -> None:
         self._plant = plant
+        self._machines_for = machines_for
         self._life = life
         self._orders: dict[str, OrderInWork] = {}
         self._goals: dict[str, OpenGoal] = {}
@@ -247,7 +249,7 @@ class OrderBook:
         if not item.quantity:
             return []  # All of it was delivered before the order was released again.
         lot = self._plant.products[item.product].lot
-        machines = len(self._plant.machines_for(item.product))
+        machines = len(self._machines_for(item.product))
         lots = -(-item.quantity // lot)
         share = -(-lots // machines) * lot
         whole, rest = divmod(item.quantity, share)

@@ -17,6 +17,7 @@ import msgspec
 from dray.errors import NoWay
 from dray.messages import Refusal, Transport, TransportCost
 from dray.plant import Plant
+from dray.protocol.docks import dock_of
 
 ENERGY_S_PER_WH = 2.0
 """A second of charging at 600 W gives a sixth of a Wh: energy costs the time to get it back, and a
@@ -92,15 +93,17 @@ class Pricer:
         kind = self._type
         if work.ability not in kind.abilities:
             return Unable(Refusal.ABILITY, f"cannot carry a {work.ability}")
-        if not all(map(self._plant.has_place, (*work.sources, work.destination))):
+        docks = {place: dock_of(self._plant, work, place) for place in (*work.sources, work.destination)}
+        if not all(docks.values()):
             return Unable(Refusal.NO_WAY, "a place that is not in this plant")
+        there = docks[work.destination]
         spare_s = SPARE_ABILITY_S * (len(kind.abilities) - 1)
         best: Quote | None = None
         after_frac = 0.0
         for source in work.sources:
             try:
-                empty = self._routes.way(node, self._plant.node_of(source))
-                loaded = self._routes.way(self._plant.node_of(source), self._plant.node_of(work.destination))
+                empty = self._routes.way(node, docks[source])
+                loaded = self._routes.way(docks[source], there)
             except NoWay:
                 continue
             approach_s = max(0.0, node_at_s - now_s)
@@ -122,7 +125,7 @@ class Pricer:
                 after_frac = left_frac
         if best is None:
             return Unable(Refusal.NO_WAY, "no way leads there")
-        needed_frac = RESERVE_FRAC + self._charger_wh(self._plant.node_of(work.destination)) / kind.battery_wh
+        needed_frac = RESERVE_FRAC + self._charger_wh(there) / kind.battery_wh
         if after_frac < needed_frac:
             return Unable(Refusal.BATTERY, f"{after_frac:.0%} would be left, {needed_frac:.0%} are needed")
         if best.finish_s > deadline_s:

@@ -105,7 +105,7 @@ class Strategist(Core):
         super().__init__(agent, incarnation, leaves_within_s=COORDINATOR_LEAVES_WITHIN_S)
         self._plant = plant
         self._keys = Keys(plant.id)
-        self._book = OrderBook(plant, "" if incarnation == 1 else f"r{incarnation}")
+        self._book = OrderBook(plant, self._machines_for, "" if incarnation == 1 else f"r{incarnation}")
         self._asking: dict[str, str] = {}
         """By product: the goal that is up for auction."""
         self._watch = MachineWatch(plant.machines, 0.0)
@@ -465,13 +465,17 @@ class Strategist(Core):
 
     def _fit_for(self, product: str, now_s: float) -> bool:
         """Whether anybody lives and works who can make it."""
-        return any(self._watch.is_fit(machine, now_s) for machine in self._plant.machines_for(product))
+        return any(self._watch.is_fit(machine, now_s) for machine in self._machines_for(product))
+
+    def _machines_for(self, product: str) -> tuple[str, ...]:
+        """All that can make it, those included that the plant file does not know."""
+        return (*self._plant.machines_for(product), *self._watch.newcomers_for(product))
 
     def _say_waits(self, goal: OpenGoal, now_s: float) -> None:
         if goal.waits:
             return
         goal.waits = True
-        machines = self._plant.machines_for(goal.work.product)
+        machines = self._machines_for(goal.work.product)
         troubles = (f"{machine} is {self._watch.trouble(machine, now_s)}" for machine in machines)
         reason = ", ".join(troubles)[:REASON_CHARS]
         self._out.append(Record(GoalWaits(goal=goal.id, order=goal.work.order, reason=reason)))

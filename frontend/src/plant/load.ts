@@ -1,5 +1,5 @@
-/** The plant file, for pages that may be there before the gateway is. */
-import type { Signal } from "@preact/signals";
+/** The plant file, for pages that may be there before the gateway is, and before some machines are. */
+import { effect, type ReadonlySignal, type Signal } from "@preact/signals";
 import { fetchPlant } from "../api/client";
 import type { PlantFile } from "../api/types";
 
@@ -19,4 +19,23 @@ export async function loadPlant(
     failed.value = problemText(error);
     setTimeout(() => void loadPlant(plant, failed, problemText), RETRY_MS);
   }
+}
+
+/**
+ * Calls `ask` for the plant anew when a machine is heard of that it does not have: one that came to a running
+ * factory. Once for each, since a machine that does not fit into the plant is in no plant file.
+ */
+export function followNewcomers(
+  plant: ReadonlySignal<PlantFile | null>,
+  world: ReadonlySignal<{ readonly machines: ReadonlyMap<string, unknown> } | null>,
+  ask: () => void,
+): () => void {
+  const asked = new Set<string>();
+  return effect(() => {
+    if (!plant.value || !world.value) return;
+    for (const { id } of plant.value.machines) asked.add(id);
+    const strangers = [...world.value.machines.keys()].filter((id) => !asked.has(id));
+    for (const id of strangers) asked.add(id);
+    if (strangers.length > 0) ask();
+  });
 }

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 from dray.gateway.projection.atvs import plain
 from dray.gateway.projection.changes import Changes
+from dray.gateway.projection.site import Site
 from dray.gateway.projection.timeuse import TimeUse
 from dray.gateway.views import BufferView, GoalView, MachineView, OpenTaskView
 from dray.messages import BufferLevel, GoalBrief, MachineHeartbeat, MachineStatus, TaskBrief
-from dray.plant.model import MachineSpec
 from dray.store.progress import ToWall
 
 MAX_MACHINES = 2_000
@@ -28,12 +28,12 @@ class Machines:
     """The machines.
 
     Args:
-        machines: the plant's; others may come.
+        site: knows their names.
         to_wall_s: plant clock to wall clock.
     """
 
-    def __init__(self, machines: Iterable[MachineSpec], to_wall_s: ToWall) -> None:
-        self._names = {machine.id: machine.name for machine in machines}
+    def __init__(self, site: Site, to_wall_s: ToWall) -> None:
+        self._site = site
         self._to_wall_s = to_wall_s
         self._last: dict[str, MachineHeartbeat] = {}
         self._since_s: dict[str, float] = {}
@@ -93,9 +93,10 @@ class Machines:
         return tuple(self._view(self._last[machine]) for machine in self.changes.take_changed())
 
     def _view(self, heartbeat: MachineHeartbeat) -> MachineView:
+        spec = self._site.plant.machines.get(heartbeat.machine)
         return MachineView(
             id=heartbeat.machine,
-            name=self._names.get(heartbeat.machine, heartbeat.machine),
+            name=heartbeat.machine if spec is None else spec.name,
             status=plain(heartbeat.status),
             product=heartbeat.product,
             goals=tuple(_goal(goal) for goal in heartbeat.goals),

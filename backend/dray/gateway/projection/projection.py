@@ -14,6 +14,7 @@ from dray.gateway.projection.interventions import Interventions
 from dray.gateway.projection.machines import BROKEN, DOWN, Machines
 from dray.gateway.projection.news import News
 from dray.gateway.projection.orders import Orders
+from dray.gateway.projection.site import Site
 from dray.gateway.projection.tasks import Tasks
 from dray.gateway.projection.timeuse import SILENT
 from dray.gateway.projection.traffic import LaneTraffic, Traffic
@@ -35,12 +36,14 @@ class Projection:
 
     Attributes:
         plant: its id.
+        site: what stands where.
     """
 
     def __init__(self, plant: PlantFile, time: TimeScale, *, trials: bool = False) -> None:
         self.plant, self._time = plant.plant, time
         self.atvs = Atvs(plant.fleet, time.to_wall_s)
-        self.machines = Machines(plant.machines, time.to_wall_s)
+        self.site = Site(plant)
+        self.machines = Machines(self.site, time.to_wall_s)
         self.tasks = Tasks(time.to_wall_s)
         self.orders = Orders(time.to_wall_s)
         self.news = News(time.to_wall_s)
@@ -84,6 +87,7 @@ class Projection:
                 if told:
                     self.traffic.follow(before, message)
             case MachineHeartbeat():
+                self.site.hear(message)
                 told = self.machines.fold(message)
                 if told:
                     self.tasks.hear(message)

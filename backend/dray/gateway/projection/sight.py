@@ -13,6 +13,7 @@ import re
 from msgspec.structs import replace
 
 from dray.gateway.projection.projection import Projection
+from dray.gateway.projection.site import Site
 from dray.gateway.views import (
     AlertView,
     AtvView,
@@ -42,15 +43,15 @@ class WholeSight:
     """What is seen by whoever sees the whole plant: everything, as it is.
 
     Args:
-        plant: the plant.
+        site: the plant.
     """
 
-    def __init__(self, plant: Plant) -> None:
-        self._plant = plant
+    def __init__(self, site: Site) -> None:
+        self._site = site
 
     def plant(self) -> PlantFile:
         """The plant file."""
-        return self._plant.file
+        return self._site.plant.file
 
     def atv(self, view: AtvView) -> AtvView | None:
         """A vehicle."""
@@ -77,16 +78,15 @@ class AreaSight:
     """What is seen in some areas.
 
     Args:
-        plant: where the areas are, and what stands in them.
         projection: the whole plant as it is now.
         areas: ids of areas; those that the plant does not have hold nothing.
     """
 
-    def __init__(self, plant: Plant, projection: Projection, areas: frozenset[str]) -> None:
-        self._plant, self._projection = plant, projection
+    def __init__(self, projection: Projection, areas: frozenset[str]) -> None:
+        self._projection = projection
+        self._plant = plant = projection.site.plant
         self._areas = tuple(area for area in plant.areas if area in areas)
-        docks = (*plant.machines, *plant.storages, *plant.warehouses, *plant.berths)
-        self._places = frozenset(place for place in docks if self.reaches(*plant.position_of(place)))
+        self._here = self._within(plant)
         inside = {node.id for node in plant.nodes.values() if self.reaches(node.x_m, node.y_m)}
         self._lanes = tuple(lane for lane in plant.file.lanes if lane.start in inside or lane.end in inside)
         # A lane that crosses the border is seen with both of its ends.
@@ -98,14 +98,14 @@ class AreaSight:
 
     def has(self, agent: str) -> bool:
         """Whether a machine or vehicle is there at this moment."""
-        if agent in self._plant.machines:
+        if agent in self._projection.site.plant.machines:
             return agent in self._places
         place_m = self._projection.atvs.place_m(agent)
         return place_m is not None and self.reaches(*place_m)
 
     def plant(self) -> PlantFile:
         """The part of the plant file that lies in the areas."""
-        file, seen = self._plant.file, self._places
+        file, seen = self._projection.site.plant.file, self._places
         machines = tuple(each for each in file.machines if each.id in seen)
         stations = {machine.station for machine in machines}
         return replace(
@@ -195,6 +195,20 @@ class AreaSight:
         """Words for people, in which no vehicle is named that stands elsewhere."""
         return _WORDS.sub(self._word, text) if text else text
 
+    # --- places ---
+
+    @property
+    def _places(self) -> frozenset[str]:
+        """Those in the areas; machines may have come since."""
+        plant = self._projection.site.plant
+        if plant is not self._plant:
+            self._plant, self._here = plant, self._within(plant)
+        return self._here
+
+    def _within(self, plant: Plant) -> frozenset[str]:
+        docks = (*plant.machines, *plant.storages, *plant.warehouses, *plant.berths)
+        return frozenset(place for place in docks if self.reaches(*plant.position_of(place)))
+
     # --- parts of views ---
 
     def _takeover(self, view: NewsView) -> NewsView | None:
@@ -240,6 +254,6 @@ class AreaSight:
 Sight = WholeSight | AreaSight
 
 
-def sight(plant: Plant, projection: Projection, areas: frozenset[str] | None) -> Sight:
+def sight(projection: Projection, areas: frozenset[str] | None) -> Sight:
     """What is seen in these areas; None for the whole plant."""
-    return WholeSight(plant) if areas is None else AreaSight(plant, projection, areas)
+    return WholeSight(projection.site) if areas is None else AreaSight(projection, areas)

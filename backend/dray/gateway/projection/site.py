@@ -1,0 +1,51 @@
+"""The site: the plant as its file has it, and the machines that have come since."""
+
+from __future__ import annotations
+
+from msgspec import ValidationError, convert, to_builtins
+
+from dray.errors import PlantError
+from dray.messages import MachineHeartbeat, Newcomer
+from dray.plant import MachineSpec, Plant, PlantFile, with_machine
+
+MAX_NEWCOMERS = 100
+"""Machines that may come while a gateway runs: more belong in the plant file. Each makes the plant's indexes
+anew, which takes some milliseconds."""
+
+
+class Site:
+    """What stands where at this moment.
+
+    Args:
+        file: a plant file without faults.
+
+    Attributes:
+        plant: replaced by another one when a machine has come; it does not change itself.
+    """
+
+    def __init__(self, file: PlantFile) -> None:
+        self.plant = Plant(file)
+        self._heard: set[str] = set()
+        """Newcomers whose introduction was read, whether they fit into the plant or not."""
+
+    def hear(self, heartbeat: MachineHeartbeat) -> None:
+        """Take a newcomer in when it introduces itself first; one that does not fit here stands nowhere."""
+        machine, newcomer = heartbeat.machine, heartbeat.newcomer
+        if newcomer is None or machine in self._heard or len(self._heard) >= MAX_NEWCOMERS:
+            return
+        self._heard.add(machine)
+        try:
+            self.plant = with_machine(self.plant, _spec(machine, newcomer), machine)
+        except (PlantError, ValidationError):
+            return
+
+
+def _spec(machine: str, newcomer: Newcomer) -> MachineSpec:
+    """The newcomer as a plant file would have it.
+
+    Raises:
+        ValidationError: no plant file could.
+    """
+    told = to_builtins(newcomer)
+    box = {size: told.pop(size) for size in ("x_m", "y_m", "width_m", "depth_m")}
+    return convert({"id": machine, "box": box, **told}, MachineSpec)

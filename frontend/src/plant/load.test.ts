@@ -1,0 +1,23 @@
+import { signal } from "@preact/signals";
+import { expect, test, vi } from "vitest";
+import type { PlantFile } from "../api/types";
+import { followNewcomers } from "./load";
+
+const plantOf = (...ids: string[]): PlantFile => ({ machines: ids.map((id) => ({ id })) }) as PlantFile;
+const worldOf = (...ids: string[]) => ({ machines: new Map(ids.map((id) => [id, {}])) });
+
+test("the plant is asked for anew when a machine comes that it does not have, and once", () => {
+  const plant = signal<PlantFile | null>(null);
+  const world = signal<ReturnType<typeof worldOf> | null>(worldOf("M1", "M2"));
+  const ask = vi.fn();
+  const end = followNewcomers(plant, world, ask);
+  plant.value = plantOf("M1", "M2");
+  expect(ask).not.toHaveBeenCalled();
+  world.value = worldOf("M1", "M2", "M3");
+  world.value = worldOf("M1", "M2", "M3");
+  expect(ask).toHaveBeenCalledTimes(1);
+  plant.value = plantOf("M1", "M2", "M3");
+  world.value = worldOf("M1", "M3", "M4");
+  expect(ask).toHaveBeenCalledTimes(2);
+  end();
+});
