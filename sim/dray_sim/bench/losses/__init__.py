@@ -92,9 +92,9 @@ def rows(outcome: Outcome) -> list[Row]:
 
 
 def _finding(finding: Finding) -> Row:
-    cases = "; ".join(finding.seen)
+    note = "; ".join(finding.seen) or f"of {finding.of:,}"
     return Row(
-        f"losses: {finding.what}", len(finding.seen), "", finding.of, finding.of_what, 0.0, cases, less=True
+        f"losses: {finding.what}", len(finding.seen), "", finding.of, finding.of_what, 0.0, note, less=True
     )
 
 
