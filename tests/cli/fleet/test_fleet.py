@@ -20,7 +20,7 @@ from dray import __version__
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Links
 from dray.cli.fleet.roll import Roll, read_roll
-from dray.messages import AtvHeartbeat, Event, Message, OrderItem
+from dray.messages import AtvHeartbeat, Event, Message, OrderItem, TrialBrief
 from dray.messages.fact import OrderFulfilled
 from dray.messages.keys import Keys
 from dray.plant import plant_yaml
@@ -145,8 +145,8 @@ class Witness:
 
 
 @contextmanager
-def newcomer(fleet: Fleet) -> Iterator[None]:
-    """A vehicle that the plant file does not know, as long as the context lasts."""
+def newcomer(fleet: Fleet) -> Iterator[subprocess.Popen[bytes]]:
+    """A vehicle that the plant file does not know, on trial; when the context ends it has left."""
     spec = next(iter(PLANT.fleet.values()))
     command = [
         sys.executable,
@@ -159,13 +159,15 @@ def newcomer(fleet: Fleet) -> Iterator[None]:
         spec.type,
         "--node",
         spec.node,
+        "--trial",
+        "1",
     ]
     process = subprocess.Popen([*command, "--settings", str(fleet.folder / "fleet.env")], cwd=fleet.folder)
     try:
-        yield
-    finally:
-        process.terminate()
+        yield process
         assert process.wait(START_S) == 0
+    finally:
+        process.kill()
 
 
 def assert_each_tells_its_own(told: dict[str, str]) -> None:
@@ -180,7 +182,7 @@ def assert_each_tells_its_own(told: dict[str, str]) -> None:
 
 
 @pytest.mark.slow
-def test_an_order_is_delivered_whoever_is_killed_and_a_newcomer_joins(fleet: Fleet) -> None:
+def test_an_order_is_delivered_whoever_is_killed_and_a_newcomer_joins_and_leaves(fleet: Fleet) -> None:
     product = next(each for each in PLANT.products if PLANT.machines_for(each))
     order = Order("O-1", 0.0, 1e10, (OrderItem(product, PIECES),))
     atv = next(iter(PLANT.fleet))
@@ -209,9 +211,19 @@ def test_an_order_is_delivered_whoever_is_killed_and_a_newcomer_joins(fleet: Fle
                     )
                 )
             async with asyncio.timeout(START_S):
-                with newcomer(fleet):
+                with newcomer(fleet) as process:
                     await witness.until(
-                        lambda heard: isinstance(heard, AtvHeartbeat) and heard.atv == NEWCOMER
+                        lambda heard: (
+                            isinstance(heard, AtvHeartbeat)
+                            and heard.atv == NEWCOMER
+                            and heard.trial == TrialBrief(of=1)
+                        )
+                    )
+                    process.terminate()
+                    await witness.until(
+                        lambda heard: (
+                            isinstance(heard, AtvHeartbeat) and heard.atv == NEWCOMER and heard.leaving
+                        )
                     )
         finally:
             witness.bus.close()
