@@ -365,6 +365,7 @@ SMALL = Campaign(
     each=1,
     kills=8,
     pause_s=2.0,
+    down=2,
     drain_s=240.0,
     seed=1,
 )

@@ -63,6 +63,7 @@ def measure(quick: bool) -> list[Row]:
         each=10 // share,
         kills=200 // share,
         pause_s=2.5,
+        down=3,
         drain_s=600.0,
         seed=1,
     )

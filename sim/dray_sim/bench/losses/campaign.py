@@ -46,7 +46,8 @@ class Campaign:
         calm_s: real seconds in which nobody is killed: the baseline.
         each: kills of every kind in turn.
         kills: of these and of random ones together.
-        pause_s: real seconds from one kill to the next.
+        pause_s: real seconds from one kill to the next, at least.
+        down: processes that are away at once, at most: a busy computer starts them slowly.
         drain_s: real seconds for the last orders, at most.
         seed: of the demand, and of who is killed.
     """
@@ -61,6 +62,7 @@ class Campaign:
     each: int
     kills: int
     pause_s: float
+    down: int
     drain_s: float
     seed: int
 
@@ -178,10 +180,11 @@ class _Field:
         campaign = self._campaign
         rota = Rota(Random(f"{campaign.seed} victims"), campaign.each)
         while len(self._killed) < campaign.kills:
-            victim = rota.choose(self._living())
-            if victim is not None:
-                self._fleet.kill(victim.name)
-                self._killed.append((victim, time.time()))
+            if sum(kill.away_s is None for kill in self.kills) < campaign.down:
+                victim = rota.choose(self._living())
+                if victim is not None:
+                    self._fleet.kill(victim.name)
+                    self._killed.append((victim, time.time()))
             await asyncio.sleep(campaign.pause_s)
 
     def _living(self) -> Iterator[Victim]:
