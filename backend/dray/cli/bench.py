@@ -13,7 +13,8 @@ if TYPE_CHECKING:
 
 def bench(
     names: Annotated[
-        list[str] | None, typer.Argument(help="Which ones; all by default.", show_default=False)
+        list[str] | None,
+        typer.Argument(help="Which ones; all that are not long by default.", show_default=False),
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Less work: less exact, for a first look.")] = False,
     json: Annotated[Path | None, typer.Option(help="Write the figures here too.")] = None,
@@ -23,9 +24,10 @@ def bench(
 
     from dray.cli.output import one_of, table, write_text
     from dray.errors import UnavailableError
-    from dray_sim.bench import BENCHES, as_json
+    from dray_sim.bench import BENCHES, LONG, as_json
 
-    chosen = {name: one_of(BENCHES, name, "benchmark") for name in names or BENCHES}
+    asked = names or [name for name in BENCHES if name not in LONG]
+    chosen = {name: one_of(BENCHES, name, "benchmark") for name in asked}
     rows: list[Row] = []
     progress = Console(stderr=True)
     for name, measure in chosen.items():

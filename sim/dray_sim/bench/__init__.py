@@ -16,7 +16,7 @@ from typing import Any
 from dray_sim.bench import bus, links, losses, paint, plantmap, projection, sim, zenoh
 from dray_sim.bench.row import Row, rates
 
-__all__ = ["BENCHES", "Bench", "Row", "as_json", "rates"]
+__all__ = ["BENCHES", "LONG", "Bench", "Row", "as_json", "rates"]
 
 Bench = Callable[[bool], list[Row]]
 """Measures; True means quick: a tenth of the work, for a look and for tests."""
@@ -33,6 +33,9 @@ BENCHES: dict[str, Bench] = {
     "losses": losses.measure,
 }
 """Name -> benchmark, in the order in which they run."""
+
+LONG = frozenset({"losses"})
+"""Those that take a quarter of an hour or more: they run only when they are asked for by name."""
 
 
 def as_json(rows: list[Row]) -> str:

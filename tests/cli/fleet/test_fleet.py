@@ -15,22 +15,28 @@ from pathlib import Path
 from urllib.request import urlopen
 
 import pytest
+from msgspec.structs import replace
 
 from dray import __version__
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Links
 from dray.cli.fleet.roll import Roll, read_roll
-from dray.messages import AtvHeartbeat, Event, Message, OrderItem, TrialBrief
+from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, Message, OrderItem, TrialBrief
 from dray.messages.fact import OrderFulfilled
 from dray.messages.keys import Keys
-from dray.plant import plant_yaml
+from dray.plant import Plant, plant_yaml
 from dray.protocol.strategist import STRATEGIST
 from dray_sim.demand import Order
 from dray_sim.desk import Desk
 from dray_sim.generator import generate_plant
 from dray_sim.loop import VirtualClock
 
-PLANT = generate_plant(1, machines=2, vehicles=2)
+WHOLE = generate_plant(1, machines=3, vehicles=2)
+
+NEW_MACHINE = WHOLE.file.machines[-1]
+
+PLANT = Plant(replace(WHOLE.file, machines=WHOLE.file.machines[:-1]))
+"""As it was before the last machine was bought."""
 
 SPEED = 20.0
 
@@ -145,24 +151,10 @@ class Witness:
 
 
 @contextmanager
-def newcomer(fleet: Fleet) -> Iterator[subprocess.Popen[bytes]]:
-    """A vehicle that the plant file does not know, on trial; when the context ends it has left."""
-    spec = next(iter(PLANT.fleet.values()))
-    command = [
-        sys.executable,
-        "-m",
-        "dray",
-        "agent",
-        "atv",
-        NEWCOMER,
-        "--type",
-        spec.type,
-        "--node",
-        spec.node,
-        "--trial",
-        "1",
-    ]
-    process = subprocess.Popen([*command, "--settings", str(fleet.folder / "fleet.env")], cwd=fleet.folder)
+def newcomer(fleet: Fleet, *agent: str) -> Iterator[subprocess.Popen[bytes]]:
+    """An agent that the plant file does not know, on trial; when the context ends it has left."""
+    options = ("--trial", "1", "--settings", str(fleet.folder / "fleet.env"))
+    process = subprocess.Popen([sys.executable, "-m", "dray", "agent", *agent, *options], cwd=fleet.folder)
     try:
         yield process
         assert process.wait(START_S) == 0
@@ -211,7 +203,8 @@ def test_an_order_is_delivered_whoever_is_killed_and_a_newcomer_joins_and_leaves
                     )
                 )
             async with asyncio.timeout(START_S):
-                with newcomer(fleet) as process:
+                spec = next(iter(PLANT.fleet.values()))
+                with newcomer(fleet, "atv", NEWCOMER, "--type", spec.type, "--node", spec.node) as process:
                     await witness.until(
                         lambda heard: (
                             isinstance(heard, AtvHeartbeat)
@@ -225,6 +218,18 @@ def test_an_order_is_delivered_whoever_is_killed_and_a_newcomer_joins_and_leaves
                             isinstance(heard, AtvHeartbeat) and heard.atv == NEWCOMER and heard.leaving
                         )
                     )
+            async with asyncio.timeout(START_S):
+                file = fleet.folder / "new.yaml"
+                file.write_text(plant_yaml(WHOLE), encoding="utf-8")
+                with newcomer(fleet, "machine", NEW_MACHINE.id, "--newcomer", str(file)) as process:
+                    await witness.until(
+                        lambda heard: (
+                            isinstance(heard, MachineHeartbeat)
+                            and heard.machine == NEW_MACHINE.id
+                            and heard.newcomer is not None
+                        )
+                    )
+                    process.terminate()
         finally:
             witness.bus.close()
 

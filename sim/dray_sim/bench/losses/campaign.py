@@ -22,7 +22,7 @@ from dray_sim.bench.losses.fleet import Fleet, running
 from dray_sim.bench.losses.history import History, read_database, read_journals
 from dray_sim.bench.losses.judgement import Aftermath
 from dray_sim.bench.losses.victims import OFFICES, Rota, Victim, machine, vehicle
-from dray_sim.bench.losses.watch import WATCH, Watch
+from dray_sim.bench.losses.watch import Watch
 from dray_sim.remote import count_pieces
 
 JOIN_S = 240.0
@@ -99,7 +99,7 @@ async def play(campaign: Campaign, folder: Path) -> Outcome:
     async with running(folder, plant, speed=campaign.speed, plain=campaign.plain) as fleet:
         store = await open_store(fleet.database_url)
         try:
-            with fleet.bus(WATCH) as bus:
+            with fleet.bus() as bus:
                 watch = Watch(bus)
                 await _until_all_are_there(watch, fleet)
                 first = await count_pieces(bus.inner, plant.id)
@@ -182,8 +182,7 @@ class _Field:
         while len(self._killed) < campaign.kills:
             if sum(kill.away_s is None for kill in self.kills) < campaign.down:
                 victim = rota.choose(self._living())
-                if victim is not None:
-                    self._fleet.kill(victim.name)
+                if victim is not None and self._fleet.kill(victim.name):
                     self._killed.append((victim, time.time()))
             await asyncio.sleep(campaign.pause_s)
 

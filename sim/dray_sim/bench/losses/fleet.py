@@ -12,15 +12,12 @@ from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from pathlib import Path
 
-from dray.adapters.certificates import Authority
 from dray.adapters.zenoh_bus import ZenohBus
-from dray.cli.fleet.folder import CERTIFICATES, JOURNALS, SETTINGS
-from dray.cli.fleet.roll import Roll, read_roll
-from dray.cli.process import links_of
+from dray.cli.fleet.folder import JOURNALS, SETTINGS
+from dray.cli.fleet.roll import Roll, peer_of, read_roll
 from dray.errors import UnavailableError
 from dray.gateway.access.tokens import new_token
 from dray.gateway.timescale import TimeScale
-from dray.messages.speakers import Kind
 from dray.plant import Plant, plant_yaml
 from dray.settings import PREFIX, Settings
 
@@ -53,7 +50,7 @@ class Fleet:
         self.url, self.token = url, token
         self.journals = folder / JOURNALS
         self._folder = folder
-        self._settings = settings = Settings.load(settings_file=folder / SETTINGS)
+        settings = Settings.load(settings_file=folder / SETTINGS)
         self.database_url = settings.database_url
         self.time = TimeScale(settings.plant_epoch_s, settings.plant_epoch_s, settings.plant_speed)
 
@@ -62,23 +59,14 @@ class Fleet:
         """Who runs."""
         return read_roll(self._folder)
 
-    def kill(self, name: str) -> None:
-        """Kill a process as a power failure does.
-
-        Raises:
-            KeyError: there is none of this name.
-        """
-        pid = {member.name: member.pid for member in self.roll.members}[name]
-        os.kill(pid, signal.SIGKILL)
+    def kill(self, name: str) -> bool:
+        """Kill a process as a power failure does; False when it had ended by itself."""
+        return self.roll.member(name).signal(signal.SIGKILL)
 
     @contextmanager
-    def bus(self, name: str) -> Iterator[ZenohBus]:
-        """A place on its bus for somebody who only listens, as long as the context lasts."""
-        roll = self.roll
-        if not roll.plain:
-            folder = self._folder / CERTIFICATES
-            Authority.load(folder).issue(folder, roll.plant, {name: Kind.HISTORIAN})
-        bus = ZenohBus(links_of(self._settings, name), roll.plant)
+    def bus(self) -> Iterator[ZenohBus]:
+        """A place on its bus for an observer, as long as the context lasts."""
+        bus = peer_of(self.roll, self._folder)
         try:
             yield bus
         finally:

@@ -8,11 +8,9 @@ import zenoh
 from zenoh.handlers import Callback
 
 from dray.adapters.zenoh_bus import ZenohBus
+from dray.cli.fleet.folder import OBSERVER
 from dray.messages import Message
 from dray_sim.witness import Witness
-
-WATCH = "watch"
-"""Its name on the bus, and of its certificate."""
 
 
 class Watch:
@@ -34,7 +32,7 @@ class Watch:
         self.lives: dict[str, list[float]] = {}
         self._bus = bus
         self._joined = asyncio.Event()
-        session = bus.join(WATCH, self._hear)
+        session = bus.join(OBSERVER, self._hear)
         session.subscribe(bus.keys.all_heartbeats)
         tokens = bus.keys.alive("*", "*")
         bus.inner.liveliness().declare_subscriber(tokens, Callback(self._see, indirect=False), history=True)
