@@ -368,6 +368,14 @@ def test_who_did_not_hear_that_it_was_relieved_is_told_again() -> None:
     assert len(facts(office.out, CarrierChanged)) == 1
 
 
+def test_who_has_given_it_back_is_not_acknowledged_by_an_older_heartbeat() -> None:
+    office = watched()
+    gives_back(office)
+    brief = Brief(task="T1", epoch=1, role=Role.PRIMARY, coordinator="M8", phase=Phase.RETURNING)
+    assert office.desk.adopt("ATV2", brief, office.task.work, office.now_s) is None
+    assert office.task.epoch == 2
+
+
 def test_who_gives_back_what_has_ended_is_told_so() -> None:
     office = watched()
     office.desk.close(office.task, "delivered")

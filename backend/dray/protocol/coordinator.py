@@ -237,8 +237,8 @@ class Coordinator:
             deadline_s = brief.due_s if brief.due_s is not None else now_s
             auction = self._auction(brief.task, brief.epoch, work, deadline_s)
             task = self._open[brief.task] = OpenTask(brief.task, work, auction, now_s)
-        elif task.primary or task.round or brief.epoch < task.epoch - 1:
-            return None  # The last life had others asked since then: its epoch must not fall.
+        elif task.primary or task.is_offered or brief.epoch < task.epoch - 1:
+            return None  # Others were asked since then, by this life or the last one: its epoch must not fall.
         task.auction.cancel()
         task.epoch = brief.epoch
         self._timers.clear((PRIMARY_AUCTION, task.id))

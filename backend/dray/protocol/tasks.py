@@ -120,6 +120,11 @@ class OpenTask:
     def round(self) -> int:
         return self.auction.round
 
+    @property
+    def is_offered(self) -> bool:
+        """Whether anybody was asked to carry it in its present epoch: all by an announcement, or its secondary."""
+        return self.round > 0 or self.auction.awaits_answers
+
 
 class ClosedTask:
     """What must still be known of a task that has ended."""
