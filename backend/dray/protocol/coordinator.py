@@ -238,7 +238,7 @@ class Coordinator:
             auction = self._auction(brief.task, brief.epoch, work, deadline_s)
             task = self._open[brief.task] = OpenTask(brief.task, work, auction, now_s)
         elif task.primary or task.is_offered or brief.epoch < task.epoch - 1:
-            return None  # Others were asked since then, by this life or the last one: its epoch must not fall.
+            return None  # Others were asked since then, in this life or before: its epoch must not fall.
         task.auction.cancel()
         task.epoch = brief.epoch
         self._timers.clear((PRIMARY_AUCTION, task.id))
