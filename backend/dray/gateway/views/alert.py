@@ -1,0 +1,66 @@
+"""What asks for an answer."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from dray.gateway.views.base import View
+
+AlertKind = Literal[
+    "machine_lost",
+    "machine_error",
+    "atv_lost",
+    "atv_help",
+    "atv_error",
+    "order_waits",
+    "order_late",
+    "machine_starved",
+    "machine_blocked",
+    "task_trouble",
+    "atv_promised",
+    "atv_stopped",
+    "atv_battery",
+]
+"""What can be wrong; graver kinds first."""
+
+AlertResponse = Literal[
+    "look_at_machine",
+    "repair",
+    "see_to_supply",
+    "see_to_removal",
+    "find_vehicle",
+    "promise_help",
+    "help",
+    "resume",
+    "bring_to_charger",
+    "look_at_auction",
+    "restore_machines",
+    "tell_customer",
+]
+"""What an alert asks of people."""
+
+
+class AlertView(View, kw_only=True):
+    """Something that is wrong now, and what it asks of people. It leaves when its cause is gone."""
+
+    id: str
+    kind: AlertKind
+    level: Literal["alarm", "warning"]
+    response: AlertResponse
+    since_at_s: float
+    agent: str = ""
+    """The machine or vehicle that it is about; of a transport, who carries it. Empty for an order."""
+    task: str = ""
+    order: str = ""
+    problem: str = ""
+    """In the agent's own words, where it has any."""
+    by: str = ""
+    """Who is on the way to help."""
+    seen_at_s: float | None = None
+    """Of who is lost: when it was last heard."""
+    until_at_s: float | None = None
+    """How long help is waited for, or when the order was due."""
+    battery_frac: float | None = None
+    acknowledged_by: str = ""
+    """The name of who has taken it on; empty while nobody has."""
+    acknowledged_at_s: float | None = None

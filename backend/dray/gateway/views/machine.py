@@ -1,0 +1,60 @@
+"""A machine as panels see it."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from dray.gateway.views.base import View
+
+
+class BufferView(View, kw_only=True):
+    """Pieces of one item at a machine."""
+
+    item: str
+    level: int
+    capacity: int
+    reorder_point: int = 0
+    on_order: int = 0
+
+
+class GoalView(View, kw_only=True):
+    """A production goal in a machine's queue."""
+
+    goal: str
+    product: str
+    quantity: int
+    made: int
+    delivered: int
+
+
+class OpenTaskView(View, kw_only=True):
+    """One of a machine's open transports."""
+
+    task: str
+    epoch: int
+    item: str
+    quantity: int
+    source: str
+    destination: str
+    deadline_at_s: float
+    primary: str = ""
+    secondary: str = ""
+    round: int = 1
+    trouble: str = ""
+    """Why it does not go on, in the machine's words; empty when all is well."""
+
+
+class MachineView(View, kw_only=True):
+    """A machine, as its last heartbeat told."""
+
+    id: str
+    name: str
+    status: Literal["idle", "producing", "starved", "blocked", "error"]
+    product: str = ""
+    goals: tuple[GoalView, ...] = ()
+    tasks: tuple[OpenTaskView, ...] = ()
+    buffers: tuple[BufferView, ...] = ()
+    goods: tuple[BufferView, ...] = ()
+    problem: str = ""
+    software: str = ""
+    seen_at_s: float
