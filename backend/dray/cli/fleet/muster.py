@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import typer
+from pydantic import SecretStr
 
 from dray.cli.authority import authority_of
 from dray.cli.fleet.control import controlled
@@ -24,11 +25,12 @@ from dray.cli.fleet.folder import (
     write_targets,
 )
 from dray.cli.fleet.keeper import Keeper, Order
-from dray.cli.fleet.posts import DISTANCES, posts_of
+from dray.cli.fleet.posts import DISTANCES, free_addresses, posts_of
 from dray.cli.fleet.roll import RollKeeper, read_roll
 from dray.cli.fleet.software import OWN
 from dray.cli.serving import stopped_by_signals
 from dray.errors import UnavailableError
+from dray.gateway.access.tokens import new_token
 from dray.plant import Plant
 from dray.settings import PREFIX, Settings
 from dray.store import open_store
@@ -69,23 +71,35 @@ async def run_muster(muster: Muster) -> None:
         _refuse_leftovers(folder)
         prepare(folder, muster.plant, plain=muster.plain)
         common = await _common_environment(muster, folder)
-        posts = posts_of(muster.plant, folder, common, demand=muster.demand, metrics=muster.metrics)
+        token = muster.settings.admin_token or SecretStr(new_token())
+        posts = posts_of(
+            muster.plant,
+            folder,
+            common,
+            # The same for all of its lives: programs that have it go on after an update.
+            {f"{PREFIX}ADMIN_TOKEN": token.get_secret_value()},
+            demand=muster.demand,
+            metrics=muster.metrics,
+        )
         write_settings(folder, common, [post.address for post in posts[: len(DISTANCES)]])
         write_targets(folder, {post.name: post.metrics for post in posts if post.metrics})
         roll = RollKeeper(folder, muster.plant.id, plain=muster.plain)
         leave_s = muster.settings.leave_s
         keepers = {post.name: Keeper(post, roll, leave_s, Order(OWN)) for post in posts}
+        greeting = f"{len(posts)} processes; `dray fleet status --folder {muster.folder}` shows them"
+        if muster.settings.admin_token is None:
+            greeting += f"\n  Admin token       {token.get_secret_value()}"
         async with controlled(folder, keepers):
-            await _keep(muster, keepers, roll)
+            await _keep(keepers, roll, greeting)
         roll.close()
 
 
-async def _keep(muster: Muster, keepers: Mapping[str, Keeper], roll: RollKeeper) -> None:
+async def _keep(keepers: Mapping[str, Keeper], roll: RollKeeper, greeting: str) -> None:
     stopped = asyncio.Event()
     with stopped_by_signals(stopped.set):
         async with asyncio.TaskGroup() as group:
             running = [group.create_task(keeper.keep(), name=name) for name, keeper in keepers.items()]
-            running.append(group.create_task(_tell_started(muster.folder, len(keepers), roll)))
+            running.append(group.create_task(_greet(greeting, len(keepers), roll)))
             await stopped.wait()
             for each in running:
                 each.cancel()
@@ -114,10 +128,12 @@ async def _common_environment(muster: Muster, folder: Path) -> dict[str, str]:
         trusted = (await authority_of(store)).public.hex()
     finally:
         await store.close()
+    # Chosen here, so that a gateway that is started again is found where it was.
+    port = settings.port or int(free_addresses(1)[0].rpartition(":")[2])
     environment = {
         f"{PREFIX}DATABASE_URL": settings.database_url,
         f"{PREFIX}HOST": settings.host,
-        f"{PREFIX}PORT": str(settings.port),
+        f"{PREFIX}PORT": str(port),
         f"{PREFIX}JOURNAL_FOLDER": str(folder / JOURNALS),
         f"{PREFIX}TRUSTED_KEYS": trusted,
         f"{PREFIX}PLANT_SPEED": str(muster.speed),
@@ -131,7 +147,7 @@ async def _common_environment(muster: Muster, folder: Path) -> dict[str, str]:
     return environment
 
 
-async def _tell_started(folder: Path, count: int, roll: RollKeeper) -> None:
+async def _greet(greeting: str, count: int, roll: RollKeeper) -> None:
     await roll.has(count)
-    typer.echo(f"{count} processes; `dray fleet status --folder {folder}` shows them")
+    typer.echo(greeting)
     sys.stdout.flush()

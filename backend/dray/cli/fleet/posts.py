@@ -61,7 +61,13 @@ ON_TRIAL = frozenset[str]({Kind.ATV, Kind.MACHINE})
 
 
 def posts_of(
-    plant: Plant, folder: Path, common: Mapping[str, str], *, demand: bool, metrics: bool
+    plant: Plant,
+    folder: Path,
+    common: Mapping[str, str],
+    secret: Mapping[str, str],
+    *,
+    demand: bool,
+    metrics: bool,
 ) -> list[Post]:
     """All posts of a plant.
 
@@ -69,6 +75,7 @@ def posts_of(
         plant: the factory.
         folder: the fleet's.
         common: the settings of all.
+        secret: further ones, for the gateway alone.
         demand: the gateway places orders, too.
         metrics: every process tells its own.
     """
@@ -81,7 +88,7 @@ def posts_of(
         GATEWAY: (GATEWAY, "--demand" if demand else "--no-demand"),
     }
     names = tuple(commands)
-    free = _free_addresses(2 * len(names))
+    free = free_addresses(2 * len(names))
     addresses = dict(zip(names, free, strict=False))
     told = dict(zip(names, free[len(names) :], strict=True)) if metrics else dict.fromkeys(names, "")
     posts = []
@@ -100,7 +107,7 @@ def posts_of(
                 kind=command[1] if command[0] == "agent" else name,
                 command=command,
                 address=addresses[name],
-                environment={**os.environ, **common, **links},
+                environment={**os.environ, **common, **links, **(secret if name == GATEWAY else {})},
                 metrics=told[name],
                 log=folder / LOGS / f"{name}.log",
             )
@@ -108,7 +115,7 @@ def posts_of(
     return posts
 
 
-def _free_addresses(count: int) -> list[str]:
+def free_addresses(count: int) -> list[str]:
     """Addresses on this computer where nobody listens."""
     with contextlib.ExitStack() as stack:
         # All of them at once, so that none is given twice.

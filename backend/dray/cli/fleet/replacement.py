@@ -17,6 +17,7 @@ from dray.cli.fleet.listener import Listener
 from dray.cli.fleet.report import Step, Verdict
 from dray.cli.fleet.roll import Member, read_roll
 from dray.cli.fleet.software import Software
+from dray.cli.serving import url_of
 from dray.gateway.timescale import TimeScale
 from dray.settings import Settings
 
@@ -69,7 +70,7 @@ class Scene:
     def __init__(self, folder: Path, settings: Settings, listener: Listener) -> None:
         self._folder, self._listener = folder, listener
         self._time = TimeScale(settings.plant_epoch_s, settings.plant_epoch_s, settings.plant_speed)
-        self._ready_url = f"http://{settings.host}:{settings.port}/readyz"
+        self._ready_url = f"{url_of(settings.host, settings.port)}/readyz"
 
     @property
     def speed(self) -> float:

@@ -1,0 +1,146 @@
+"""A factory as processes, for tests: a fleet of a small plant, and a peer on its bus."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from urllib.request import urlopen
+
+import msgspec
+import pytest
+from msgspec.structs import replace
+
+from dray.adapters.zenoh_bus import ZenohBus
+from dray.adapters.zenoh_links import Links
+from dray.cli.fleet.report import Report
+from dray.cli.fleet.roll import Roll, read_roll
+from dray.messages import Message
+from dray.messages.keys import Keys
+from dray.plant import Plant, plant_yaml
+from dray.protocol.strategist import STRATEGIST
+from dray_sim.generator import generate_plant
+
+WHOLE = generate_plant(1, machines=3, vehicles=2)
+
+NEW_MACHINE = WHOLE.file.machines[-1]
+
+PLANT = Plant(replace(WHOLE.file, machines=WHOLE.file.machines[:-1]))
+"""As it was before the last machine was bought."""
+
+AGENTS = {*PLANT.machines, *PLANT.fleet, STRATEGIST, "historian", "gateway"}
+
+SPEED = 20.0
+
+START_S = 120.0
+"""Eight processes with their imports, on a computer that is busy elsewhere."""
+
+UPDATE_S = 300.0
+"""Eight processes, one after the other, on the same."""
+
+
+class Fleet:
+    """`dray fleet up` as a process."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        plant = folder / "plant.yaml"
+        plant.write_text(plant_yaml(PLANT), encoding="utf-8")
+        options = (
+            "--plain",
+            "--no-demand",
+            "--metrics",
+            "--port",
+            "0",
+            "--speed",
+            str(SPEED),
+            "--plant",
+            str(plant),
+        )
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "dray", "fleet", "up", "--folder", str(folder), *options],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            cwd=folder,
+        )
+        self.told = ""
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.told += line
+            # The gateway says the last, when it answers.
+            if re.search(r"^\d+ processes", self.told, re.MULTILINE) and "Ctrl-C stops it" in line:
+                return
+        pytest.fail(f"the fleet has ended: {self.told}")
+
+    @property
+    def roll(self) -> Roll:
+        return read_roll(self.folder)
+
+    def metrics(self) -> dict[str, str]:
+        """What every process tells Prometheus, by its name."""
+        told = {}
+        for group in json.loads((self.folder / "metrics.json").read_text()):
+            (address,) = group["targets"]
+            with urlopen(f"http://{address}/metrics", timeout=START_S) as answer:
+                told[group["labels"]["instance"]] = answer.read().decode()
+        return told
+
+    def run(self, *command: str) -> str:
+        """Another `dray fleet` command, on this fleet."""
+        done = subprocess.run(
+            [sys.executable, "-m", "dray", "fleet", *command, "--folder", str(self.folder)],
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=START_S,
+        )
+        return done.stdout
+
+    def update(self, python: Path, *options: str) -> tuple[int, Report]:
+        """`dray fleet update`: its exit code and its report."""
+        file = self.folder / "report.json"
+        command = ("fleet", "update", "--python", str(python), "--folder", str(self.folder))
+        done = subprocess.run(
+            [sys.executable, "-m", "dray", *command, "--json", str(file), *options],
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=UPDATE_S,
+        )
+        assert file.exists(), done.stderr
+        return done.returncode, msgspec.json.decode(file.read_bytes(), type=Report)
+
+    def stop(self) -> int:
+        self.process.send_signal(signal.SIGTERM)
+        _, code = self.process.communicate(timeout=START_S), self.process.returncode
+        return code
+
+
+class Witness:
+    """A peer on the fleet's bus that waits for what it wants to hear."""
+
+    def __init__(self, roll: Roll) -> None:
+        peers = tuple(member.address for member in roll.members)
+        self.bus = ZenohBus(Links(peers=peers, plain=True), roll.plant)
+        self._heard: list[Message] = []
+        self._came = asyncio.Event()
+        session = self.bus.join("witness", self._hear)
+        for key in (Keys(roll.plant).all_events, Keys(roll.plant).all_heartbeats):
+            session.subscribe(key)
+
+    def _hear(self, sender: str, message: Message) -> None:
+        self._heard.append(message)
+        self._came.set()
+
+    async def until(self, wanted: Callable[[Message], bool]) -> None:
+        looked = 0
+        while not any(wanted(message) for message in self._heard[looked:]):
+            looked = len(self._heard)
+            self._came.clear()
+            await self._came.wait()
