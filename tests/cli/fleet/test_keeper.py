@@ -84,8 +84,9 @@ def test_another_software_comes_when_the_old_one_has_left_in_order(tmp_path: Pat
                 State.ON_TRIAL,
                 2,
             )
+            assert there.member.proven == old
             there.keeper.settle()
-            assert there.member.state is State.AT_WORK
+            assert (there.member.state, there.member.proven) == (State.AT_WORK, new)
             there.member.signal(signal.SIGKILL)
             assert await there.says() == "2.0 agent atv ATV1 here"
             assert there.member.starts == 3

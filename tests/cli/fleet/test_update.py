@@ -34,9 +34,19 @@ KINDS = {
 }
 
 
-def member(name: str, software: Software = OLD, state: State = State.AT_WORK) -> Member:
+def member(
+    name: str, software: Software = OLD, state: State = State.AT_WORK, proven: Software | None = None
+) -> Member:
     return Member(
-        pid=1, born="", name=name, kind=KINDS[name], address="", starts=1, software=software, state=state
+        pid=1,
+        born="",
+        name=name,
+        kind=KINDS[name],
+        address="",
+        starts=1,
+        software=software,
+        proven=proven or software,
+        state=state,
     )
 
 
@@ -54,7 +64,8 @@ class Scene:
 
     speed, first_s = 2.0, 0.0
 
-    def __init__(self, verdicts: dict[str, Verdict]) -> None:
+    def __init__(self, verdicts: dict[str, Verdict], back: Verdict = Verdict.PASSED) -> None:
+        self._back = back
         self.done: list[tuple[str, str, int, bool]] = []
         self.settled: list[str] = []
         self._verdicts = verdicts
@@ -65,7 +76,7 @@ class Scene:
 
     async def replace(self, member: Member, terms: Terms) -> Step:
         self.done.append((member.name, terms.software.version, terms.trial, terms.at_once))
-        verdict = self._verdicts.get(member.name, Verdict.PASSED) if terms.trial else Verdict.PASSED
+        verdict = self._verdicts.get(member.name, Verdict.PASSED) if terms.trial else self._back
         began_s, self._now_s = self._now_s, self._now_s + 10.0
         return Step(
             agent=member.name,
@@ -99,8 +110,8 @@ class Books:
     async def missing(self, numbers: dict[str, tuple[int, int]]) -> int:
         return 0
 
-    async def history(self, since_s: float) -> History:
-        assert since_s == 400.0, "an hour before"
+    async def history(self, from_s: float, to_s: float) -> History:
+        assert from_s == 400.0, "an hour before"
         if self._history is None:
             raise UnavailableError("database", "is away", "wait")
         return self._history
@@ -165,15 +176,23 @@ def test_when_one_fails_it_goes_back_at_once_and_then_all_others_in_order() -> N
         ("ATV1", "1.0", 0, False),
     ]
     assert not report.done
-    assert "M1 has failed with 2.0: it is late" in report.end
+    assert report.end == "M1 has failed with 2.0: it is late; all are back"
     assert [step.verdict for step in report.steps[3:]] == [Verdict.BACK] * 3
 
 
 def test_each_goes_back_to_the_software_that_it_had() -> None:
     older = Software("/older/python", "0.9", 1)
     scene = Scene({"M1": Verdict.FAILED})
-    update(scene, [member("ATV1", older), member("M1")])
-    assert [(name, version) for name, version, _, _ in scene.done[2:]] == [("M1", "1.0"), ("ATV1", "0.9")]
+    interrupted = member("ATV2", NEW, State.ON_TRIAL, proven=OLD)
+    update(scene, [member("ATV1", older), interrupted, member("M1")])
+    back = [(name, version) for name, version, _, _ in scene.done[3:]]
+    assert back == [("M1", "1.0"), ("ATV2", "1.0"), ("ATV1", "0.9")]
+
+
+def test_who_does_not_come_back_is_named() -> None:
+    scene = Scene({"ATV1": Verdict.FAILED}, back=Verdict.FAILED)
+    report = update(scene, [member("ATV1")])
+    assert report.end.endswith("ATV1 did not come back")
 
 
 def test_the_first_of_a_kind_that_finds_no_work_goes_back_alone_and_the_update_stops() -> None:

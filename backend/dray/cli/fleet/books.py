@@ -13,6 +13,7 @@ from dray.cli.fleet.history import KINDS, History, Told
 from dray.messages import AnyFact
 from dray.store import Database, Store
 from dray.store.events import EventRow
+from dray.store.gaps import Known
 
 FACTS = 200_000
 """Read at once: those of KINDS that a plant of 300 agents tells in some hours; some 100 MB."""
@@ -69,33 +70,31 @@ class Books:
         return OrderCount(totals.delivered, totals.delivered - totals.on_time + overdue)
 
     async def missing(self, numbers: Mapping[str, tuple[int, int]]) -> int:
-        """How many facts are not written down yet, or are gone.
+        """How many facts of the present lives are not written down yet, or are gone.
 
         Args:
-            numbers: the life and the number of the newest fact that each agent has told.
+            numbers: by agent, its life, and the number in it up to which facts count.
 
         Raises:
             UnavailableError: the database is away.
         """
         async with self._store.read() as work:
-            known = await work.events.known()
-        newest = {each.agent: each for each in known}
-        behind = 0
+            known = {(each.agent, each.incarnation): each for each in await work.events.known()}
+        lacking = 0
         for agent, (life, number) in numbers.items():
-            last = newest.get(agent)
-            same_life = last is not None and last.incarnation == life
-            behind += max(0, number - (last.last if last is not None and same_life else 0))
-        return behind + sum(len(each.missing) for each in known)
+            there = known.get((agent, life), Known(agent, life, 0))
+            lacking += max(0, number - there.last) + sum(each <= number for each in there.missing)
+        return lacking
 
-    async def history(self, since_s: float) -> History:
-        """What has happened since then (plant clock).
+    async def history(self, from_s: float, to_s: float) -> History:
+        """What has happened from one moment to another (plant clock).
 
         Raises:
             UnavailableError: the database is away.
         """
         async with self._store.read() as work:
-            rows = await work.events.since(KINDS, since_s, FACTS)
-        return History(_told(row) for row in rows)
+            rows = await work.events.since(KINDS, from_s, FACTS)
+        return History(_told(row) for row in rows if row.plant_s <= to_s)
 
 
 def _told(row: EventRow) -> Told:

@@ -40,6 +40,7 @@ class Member(Process, frozen=True, kw_only=True):
         address: where it is called.
         starts: how often it was started.
         software: of its last start.
+        proven: the last that was not on trial: what it goes back to.
         state: see there.
     """
 
@@ -48,6 +49,7 @@ class Member(Process, frozen=True, kw_only=True):
     address: str
     starts: int
     software: Software
+    proven: Software
     state: State = State.AT_WORK
 
     @property
@@ -146,6 +148,7 @@ class RollKeeper:
             address=post.address,
             starts=1 if before is None else before.starts + 1,
             software=software,
+            proven=software if before is None or state is State.AT_WORK else before.proven,
             state=state,
         )
         self._write()
@@ -154,7 +157,9 @@ class RollKeeper:
 
     def entered(self, name: str, state: State) -> None:
         """A process that was started is about something else now."""
-        self._members[name] = msgspec.structs.replace(self._members[name], state=state)
+        member = self._members[name]
+        proven = member.software if state is State.AT_WORK else member.proven
+        self._members[name] = msgspec.structs.replace(member, state=state, proven=proven)
         self._write()
 
     def close(self) -> None:

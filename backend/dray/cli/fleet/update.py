@@ -18,7 +18,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -137,7 +137,9 @@ class Update:
         self._books, self._tell = books, tell
         self._steps: list[Step] = []
         self._done = False
-        self._end = "interrupted: every process goes on with the version that it runs"
+        self._end = (
+            "interrupted: every process goes on with the version that it runs, see `dray fleet status`"
+        )
 
     async def run(self, members: Sequence[Member], proven: set[str]) -> Report:
         """Replace these, one after the other, and tell what it has cost.
@@ -170,8 +172,9 @@ class Update:
         for place, member in enumerate(members):
             step = await self._try(member)
             if step.verdict is Verdict.FAILED:
-                await self._roll_back(member, members[:place])
-                self._end = f"all are back: {member.name} has failed with {step.version}: {step.why}"
+                self._end = f"{member.name} has failed with {step.version}: {step.why}"
+                away = await self._roll_back(member, members[:place])
+                self._end += f"; {', '.join(away)} did not come back" if away else "; all are back"
                 return
             if step.verdict is Verdict.UNTRIED and member.kind not in proven:
                 await self._go_back(member)
@@ -191,16 +194,20 @@ class Update:
         self._tell(f"{member.name}: leaves, and comes back with {plan.target.version}")
         return await self._replace(member, Terms(plan.target, plan.trial, plan.patience_s))
 
-    async def _roll_back(self, failed: Member, replaced: Sequence[Member]) -> None:
-        """Give everybody back the software of before: the one that has failed at once, the others in order."""
-        await self._go_back(failed, at_once=True)
-        for member in reversed(replaced):
-            await self._go_back(member)
+    async def _roll_back(self, failed: Member, replaced: Sequence[Member]) -> list[str]:
+        """Give everybody back the software of before: the one that has failed at once, the others in order.
 
-    async def _go_back(self, member: Member, *, at_once: bool = False) -> None:
-        software = member.software
+        Returns:
+            Who is not there with it.
+        """
+        steps = [await self._go_back(failed, at_once=True)]
+        steps += [await self._go_back(member) for member in reversed(replaced)]
+        return [step.agent for step in steps if step.verdict is Verdict.FAILED]
+
+    async def _go_back(self, member: Member, *, at_once: bool = False) -> Step:
+        software = member.proven
         self._tell(f"{member.name}: goes back to {software.version}")
-        await self._replace(member, Terms(software, at_once=at_once), passed=Verdict.BACK)
+        return await self._replace(member, Terms(software, at_once=at_once), passed=Verdict.BACK)
 
     async def _replace(self, member: Member, terms: Terms, passed: Verdict = Verdict.PASSED) -> Step:
         step = await self._scene.replace(member, terms)
@@ -218,10 +225,11 @@ class Update:
             began_s: of the update (plant clock).
             ended_s: of the update (plant clock).
         """
-        books, listener = self._books, self._listener
-        missing = await self._until_whole()
+        # Of this moment: the factory goes on.
+        numbers, machines = dict(self._listener.numbers), dict(self._listener.machines)
+        missing = await self._until_written(numbers)
         since_s = max(self._scene.first_s, began_s - BASELINE_S)
-        history = await books.history(since_s)
+        history = await self._books.history(since_s, ended_s)
         self._steps = [
             msgspec.structs.replace(step, passed_on=history.passed_on(step.agent, step.began_s, step.ended_s))
             for step in self._steps
@@ -229,17 +237,17 @@ class Update:
         return Cost(
             before=_flow(history, since_s, began_s),
             during=_flow(history, began_s, ended_s),
-            orders=(await books.orders()).since(orders),
-            lost=tuple(sorted(history.lost(listener.machines))),
+            orders=(await self._books.orders()).since(orders),
+            lost=tuple(sorted(history.lost(machines))),
             twice=tuple(sorted(history.twice)),
             missing=missing,
         )
 
-    async def _until_whole(self) -> int:
-        """Wait until the history holds all that has been told; how much it lacks when it takes too long."""
+    async def _until_written(self, numbers: Mapping[str, tuple[int, int]]) -> int:
+        """Wait until the history holds all that was told up to these numbers; how much it lacks in the end."""
         latest_s = time.monotonic() + WHOLE_S
         while True:
-            missing = await self._books.missing(self._listener.numbers)
+            missing = await self._books.missing(numbers)
             if not missing or time.monotonic() > latest_s:
                 return missing
             await asyncio.sleep(ASK_AGAIN_S)
