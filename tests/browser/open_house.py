@@ -46,13 +46,13 @@ class OpenHouse:
 
 
 @contextmanager
-def open_house(folder: Path) -> Iterator[OpenHouse]:
-    """Serve a gateway on a free port, with an empty database in this folder."""
+def open_house(folder: Path, **options: Any) -> Iterator[OpenHouse]:
+    """Serve a gateway on a free port, with an empty database in this folder; for options see `gateway`."""
     opened: Future[tuple[OpenHouse, uvicorn.Server]] = Future()
 
     def run() -> None:
         try:
-            asyncio.run(_live(folder, opened))
+            asyncio.run(_live(folder, opened, options))
         except BaseException as error:
             if opened.done():
                 raise
@@ -69,9 +69,11 @@ def open_house(folder: Path) -> Iterator[OpenHouse]:
         assert not thread.is_alive()
 
 
-async def _live(folder: Path, opened: Future[tuple[OpenHouse, uvicorn.Server]]) -> None:
+async def _live(
+    folder: Path, opened: Future[tuple[OpenHouse, uvicorn.Server]], options: dict[str, Any]
+) -> None:
     with socket.create_server(("127.0.0.1", 0)) as listener:
-        async with gateway(f"sqlite+aiosqlite:///{folder / 'dray.db'}") as house:
+        async with gateway(f"sqlite+aiosqlite:///{folder / 'dray.db'}", **options) as house:
             # `gateway` has started the application already.
             server = uvicorn.Server(uvicorn.Config(house.app, lifespan="off", log_level="error"))
             url = f"http://127.0.0.1:{listener.getsockname()[1]}"

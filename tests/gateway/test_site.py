@@ -5,35 +5,16 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from gateway_kit import NOW_S, PLANT, gateway, machine_heartbeat
-from msgspec.structs import replace
+from gateway_kit import NOW_S, PLANT, gateway
+from newcomer_kit import BEFORE, SPEC, introduction
 
 from dray.gateway.projection import Projection
 from dray.gateway.projection import site as site_module
 from dray.gateway.projection.sight import AreaSight, sight
 from dray.gateway.timescale import TimeScale
-from dray.messages import MachineHeartbeat, Newcomer
-from dray.messages.heartbeat import Making
 from dray.plant import Plant
 
-SPEC = Plant(PLANT).machines["M3"]
 AREA = next(iter(Plant(PLANT).areas_at(*Plant(PLANT).position_of(SPEC.id))))
-BEFORE = replace(PLANT, machines=tuple(spec for spec in PLANT.machines if spec.id != SPEC.id))
-
-
-def introduction(machine: str = SPEC.id, seq: int = 1, **fields: Any) -> MachineHeartbeat:
-    newcomer = Newcomer(
-        name=SPEC.name,
-        station=SPEC.station,
-        node=SPEC.node,
-        x_m=SPEC.box.x_m,
-        y_m=SPEC.box.y_m,
-        width_m=SPEC.box.width_m,
-        depth_m=SPEC.box.depth_m,
-        makes=tuple(Making(making.product, making.cycle_s) for making in SPEC.makes),
-        goods_capacity=SPEC.goods_capacity,
-    )
-    return machine_heartbeat(machine, seq, newcomer=replace(newcomer, **fields))
 
 
 @pytest.fixture

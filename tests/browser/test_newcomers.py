@@ -1,0 +1,46 @@
+"""A machine that no plant file knows appears on the map of a panel that is open already."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from open_house import open_house
+from playwright.sync_api import Page, expect
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "gateway"))
+
+from gateway_kit import House
+from newcomer_kit import BEFORE, SPEC, introduction
+
+from dray.gateway.access.principal import Role
+
+
+async def _manager(house: House) -> str:
+    return (await house.log_in("manager", Role.MANAGER)).cookies["dray_session"]
+
+
+async def _join(house: House) -> None:
+    house.bus.say(introduction())
+
+
+def test_a_newcomer_appears_on_the_map_of_an_open_panel(
+    open_page: Callable[..., Page], screenshot: Callable[..., Path], tmp_path: Path
+) -> None:
+    with open_house(tmp_path, plant=BEFORE) as house:
+        page = open_page("about:blank", who=None)
+        cookie = {"name": "dray_session", "value": house.do(_manager), "url": house.url}
+        page.context.add_cookies([cookie | {"httpOnly": True, "sameSite": "Strict"}])
+        page.goto(house.url)
+        finder = page.get_by_role("combobox", name="Find")
+        found = page.get_by_role("option").filter(has_text=SPEC.name)
+        finder.fill(SPEC.id)
+        expect(found).to_have_count(0)
+        with page.expect_response("**/api/plant"):
+            house.do(_join)
+        finder.fill(SPEC.name)
+        expect(found).to_have_count(1)
+        finder.press("Enter")
+        expect(page.get_by_role("heading", name=SPEC.name)).to_be_visible()
+        screenshot(page, "newcomer")
