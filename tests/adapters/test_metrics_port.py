@@ -72,6 +72,16 @@ def test_a_process_whose_loop_hangs_does_not_answer(
     assert "TimeoutError" in capfd.readouterr().err
 
 
+def test_whoever_let_the_system_choose_a_port_finds_it_in_the_log(caplog: pytest.LogCaptureFixture) -> None:
+    async def test() -> int:
+        async with metrics_port("127.0.0.1:0", thread_that_reads) as port:
+            return port
+
+    with caplog.at_level("INFO"):
+        port = asyncio.run(test())
+    assert f"metrics on port {port} of 127.0.0.1" in caplog.text
+
+
 def test_the_port_is_free_again_at_the_end() -> None:
     async def test() -> None:
         async with metrics_port("127.0.0.1:0", thread_that_reads) as port:

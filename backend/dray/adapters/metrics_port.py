@@ -10,6 +10,7 @@ Nobody has to log in: listen where only Prometheus reaches.
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
 from contextlib import asynccontextmanager
 
@@ -33,6 +34,9 @@ ANSWER_S = 5.0
 
 Read = Callable[[], Awaitable[Iterable[Metric]]]
 """Tells metrics as of now."""
+
+
+_log = logging.getLogger(__name__)
 
 
 def new_registry() -> CollectorRegistry:
@@ -64,6 +68,7 @@ async def metrics_port(address: str, read: Read) -> AsyncIterator[int]:
     except OSError as error:
         remedy = "name a free port of this computer in DRAY_METRICS_LISTEN, or leave it empty"
         raise UnavailableError(f"metrics at {address}", error.strerror or str(error), remedy) from error
+    _log.info("metrics on port %d of %s", server.server_port, host)
     try:
         yield server.server_port
     finally:
