@@ -131,6 +131,15 @@ def test_an_order_is_delivered_whoever_is_killed_and_a_newcomer_joins_and_leaves
     assert not (fleet.folder / "fleet.json").exists()
 
 
+@pytest.mark.slow
+def test_with_the_floor_the_fleet_ends_and_says_so(fleet: Fleet) -> None:
+    fleet.run("kill", "floor")
+    told, _ = fleet.process.communicate(timeout=START_S)
+    assert fleet.process.returncode == 1
+    assert "the floor: has ended, and all vehicles and machines with it; see " in told
+    assert not (fleet.folder / "fleet.json").exists()
+
+
 def test_without_a_fleet_there_is_nothing_to_show_or_kill(tmp_path: Path) -> None:
     for command in (["status"], ["kill", "ATV1"]):
         done = subprocess.run(

@@ -29,8 +29,10 @@ LONG_S = 60.0
 class Kept:
     """A keeper at work, and what its processes say."""
 
-    def __init__(self, folder: Path, keeper: Keeper, words: asyncio.StreamReader) -> None:
-        self.folder, self.keeper, self._words = folder, keeper, words
+    def __init__(
+        self, folder: Path, keeper: Keeper, keeping: asyncio.Task[None], words: asyncio.StreamReader
+    ) -> None:
+        self.folder, self.keeper, self.keeping, self._words = folder, keeper, keeping, words
 
     @property
     def member(self) -> Member:
@@ -61,7 +63,7 @@ async def kept(
         keeper = Keeper(post, RollKeeper(folder, "plant", plain=True), leave_s, Order(software))
         keeping = asyncio.create_task(keeper.keep())
         try:
-            yield Kept(folder, keeper, words)
+            yield Kept(folder, keeper, keeping, words)
         finally:
             keeping.cancel()
             with contextlib.suppress(asyncio.CancelledError):
@@ -132,6 +134,16 @@ def test_what_ends_by_itself_is_replaced_too(tmp_path: Path) -> None:
             while (said := await there.says()) == "dead":
                 pass
             assert said == "2.0 agent atv ATV1 here"
+
+    asyncio.run(story())
+
+
+def test_a_floor_does_not_come_back(tmp_path: Path) -> None:
+    async def story() -> None:
+        async with kept(tmp_path, ends_at_once(tmp_path), kind="floor") as there:
+            assert await there.says() == "dead"
+            await asyncio.wait_for(there.keeping, LONG_S)
+            assert there.member.starts == 1
 
     asyncio.run(story())
 

@@ -76,7 +76,10 @@ class Keeper:
         self._next_start: asyncio.Future[int] = asyncio.get_running_loop().create_future()
 
     async def keep(self) -> None:
-        """Start the process, and again whenever it ends; when cancelled, let it end at once."""
+        """Start the process, and again whenever it ends; when cancelled, let it end at once.
+
+        Returns when it has ended and cannot come back.
+        """
         while True:
             process = await self._start()
             if process is not None:
@@ -86,6 +89,8 @@ class Keeper:
                     await _end(process)
                     raise
                 self._process = None
+            if not self._post.comes_back:
+                return
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(self._hurry.wait(), REST_S)
 

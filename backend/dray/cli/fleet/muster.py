@@ -18,6 +18,7 @@ from dray.cli.fleet.folder import (
     CERTIFICATES,
     FLEET_LOCK,
     JOURNALS,
+    LOGS,
     alone,
     make,
     prepare,
@@ -28,6 +29,7 @@ from dray.cli.fleet.keeper import Keeper, Order
 from dray.cli.fleet.posts import DISTANCES, free_addresses, posts_of
 from dray.cli.fleet.roll import RollKeeper, read_roll
 from dray.cli.fleet.software import OWN
+from dray.cli.process import FLOOR
 from dray.cli.serving import stopped_by_signals
 from dray.errors import UnavailableError
 from dray.gateway.access.tokens import new_token
@@ -63,7 +65,8 @@ async def run_muster(muster: Muster) -> None:
     """Run a fleet until a signal.
 
     Raises:
-        UnavailableError: the folder or the database is not to be had, or processes of an earlier fleet run.
+        UnavailableError: the folder or the database is not to be had, processes of an earlier fleet run, or
+            the floor has ended.
     """
     folder = muster.folder.resolve()
     make(folder)
@@ -90,19 +93,26 @@ async def run_muster(muster: Muster) -> None:
         if muster.settings.admin_token is None:
             greeting += f"\n  Admin token       {token.get_secret_value()}"
         async with controlled(folder, keepers):
-            await _keep(keepers, roll, greeting)
+            bodies_gone = await _keep(keepers, roll, greeting)
         roll.close()
+    if bodies_gone:
+        remedy = f"see {folder / LOGS / FLOOR}.log, and start the fleet again"
+        raise UnavailableError("the floor", "has ended, and all vehicles and machines with it", remedy)
 
 
-async def _keep(keepers: Mapping[str, Keeper], roll: RollKeeper, greeting: str) -> None:
+async def _keep(keepers: Mapping[str, Keeper], roll: RollKeeper, greeting: str) -> bool:
+    """Keep all running until a signal, or until the floor has ended; returns whether it has."""
     stopped = asyncio.Event()
     with stopped_by_signals(stopped.set):
         async with asyncio.TaskGroup() as group:
-            running = [group.create_task(keeper.keep(), name=name) for name, keeper in keepers.items()]
-            running.append(group.create_task(_greet(greeting, len(keepers), roll)))
+            running = {name: group.create_task(keeper.keep(), name=name) for name, keeper in keepers.items()}
+            running[FLOOR].add_done_callback(lambda _: stopped.set())
+            greeted = group.create_task(_greet(greeting, len(keepers), roll))
             await stopped.wait()
-            for each in running:
+            bodies_gone = running[FLOOR].done()
+            for each in (*running.values(), greeted):
                 each.cancel()
+    return bodies_gone
 
 
 def _refuse_leftovers(folder: Path) -> None:

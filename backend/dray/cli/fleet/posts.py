@@ -51,6 +51,11 @@ class Post:
         """Whether its words are for the person who has started the fleet."""
         return self.kind == GATEWAY
 
+    @property
+    def comes_back(self) -> bool:
+        """Whether another process can go on where it has ended; not the floor, whose bodies end with it."""
+        return self.kind != FLOOR
+
     def trial(self, tasks: int) -> tuple[str, ...]:
         """What follows the command when it is to be on trial for so many tasks; it may know no trial."""
         return ("--trial", str(tasks)) if tasks and self.kind in ON_TRIAL else ()
