@@ -45,8 +45,11 @@ AGAIN_S = 0.25
 
 LOOK_EVERY_S = 1.0
 SILENT_LOOKS = 10
-"""A body is lost when so many looks one after the other find that it has told nothing, which it does ten times
-between two of them. A cut link is gone round sooner, and no computer is busy for so long."""
+"""A body is asked whether it is there when so many looks one after the other find that it has told nothing, which
+it does ten times between two of them. A cut link is gone round sooner."""
+
+NO_LIFE = b"0"
+"""Asks how a body is, and takes nothing over."""
 
 Newcomer = VehicleSpec | MachineSpec
 """What may be put down on a floor that runs already."""
@@ -172,10 +175,18 @@ class RemoteBody:
         self._state, self.is_new = _part(taken.state_kind, taken.state), not taken.known
 
     async def lost(self) -> None:
-        """Wait until nothing is heard of it any more: its floor has ended, or has begun anew.
+        """Wait until it is there no more: its floor has ended, or has begun anew.
 
-        Looks are counted and not seconds: a process that was held up itself has not lost its body.
+        A floor that is only busy, or to which a link is cut for a while, answers when it is asked.
         """
+        while True:
+            await self._silence()
+            answer = await _answer(self._session, self._key, NO_LIFE)
+            if answer is None or not msgspec.msgpack.decode(answer, type=_Taken).known:
+                return
+
+    async def _silence(self) -> None:
+        """Wait until it has told nothing for a while, in looks and not in seconds: we may be held up ourselves."""
         looks = 0
         while looks < SILENT_LOOKS:
             self._silent = True
