@@ -13,6 +13,7 @@ from gateway_kit import (
     BEARER,
     HOME,
     NOW_S,
+    PASSWORD,
     PIN,
     PLANT,
     FakeDesk,
@@ -285,6 +286,9 @@ async def test_whoever_was_known_may_stop_while_the_database_is_away_and_nothing
     heard = vehicle(house)
     boss = await house.log_in("boss")
     await boss.get("/api/me")
+    before = boss.cookies[COOKIE]
+    await boss.post("/login", data={"name": "boss", "secret": PASSWORD})
+    await boss.get("/api/me")
     gone = await house.log_in("gone")
     await gone.get("/api/me")
     left = gone.cookies[COOKIE]
@@ -304,7 +308,7 @@ async def test_whoever_was_known_may_stop_while_the_database_is_away_and_nothing
     assert [command.kind.value for command in heard] == ["stop"]
     problem(await boss.post(commands, json={"kind": "resume"}), 503, "not-recorded")
     problem(await boss.get("/api/atvs"), 503, "not-ready")
-    for ended in (left, here):
+    for ended in (left, here, before):
         gone.cookies.set(COOKIE, ended)
         problem(await gone.post(commands, json={"kind": "stop"}), 503, "not-ready")
     async with house.visitor() as stranger:

@@ -107,6 +107,7 @@ class Sessions:
             if before and (old := await work.sessions.find(before)):
                 await work.sessions.end(old.id, now_s)
             await work.sessions.add(token, session)
+        self._remembered.pop(digest(before), None)
         if person.role == Role.OPERATOR:
             self._forget(person)
         return token, session
