@@ -17,7 +17,7 @@ from dray.gateway.projection.bids import MAX_BIDS
 from dray.gateway.projection.orders import ENDED_KEPT
 from dray.gateway.projection.tasks import CLOSED_KEPT, EARLY_KEPT
 from dray.gateway.timescale import TimeScale
-from dray.gateway.views import TaskView
+from dray.gateway.views import TaskView, TrialView
 from dray.messages import (
     AtvStatus,
     Brief,
@@ -33,6 +33,7 @@ from dray.messages import (
     TaskBrief,
     Transport,
     TransportCost,
+    TrialBrief,
 )
 from dray.messages.fact import (
     AnyFact,
@@ -412,6 +413,16 @@ def test_a_machine_is_seen_as_its_last_heartbeat_told(projection: Projection) ->
     assert (view.name, view.status, view.goals[0].made) == (machine.name, "starved", 2)
     assert view.tasks[0].deadline_at_s == wall_s(200.0)
     assert (view.buffers[0].level, view.buffers[0].on_order) == (3, 8)
+
+
+@pytest.mark.parametrize("make", [atv_heartbeat, machine_heartbeat])
+def test_who_leaves_or_is_on_trial_is_seen_to(projection: Projection, make: Any) -> None:
+    projection.fold(make(seq=1, leaving=True))
+    assert [view.leaving for view in (*projection.atvs.views(), *projection.machines.views())] == [True]
+    projection.fold(make(seq=1, incarnation=2, trial=TrialBrief(of=3, done=1)))
+    [view] = (*projection.atvs.views(), *projection.machines.views())
+    assert not view.leaving
+    assert view.trial == TrialView(of=3, done=1)
 
 
 @pytest.mark.parametrize("make", [atv_heartbeat, machine_heartbeat])

@@ -70,6 +70,7 @@ export interface AtvView {
   heading_rad: number;
   help: HelpView | null;
   id: string;
+  leaving: boolean;
   link: "mesh" | "wlan";
   load: string;
   load_quantity: number;
@@ -81,6 +82,7 @@ export interface AtvView {
   speed_mps: number;
   status: "charging" | "error" | "idle" | "stopped" | "working";
   task: BriefView | null;
+  trial: TrialView | null;
   type: string;
   via: string[];
   watches: BriefView[];
@@ -107,6 +109,13 @@ export interface BriefView {
   quantity: number;
   role: "primary" | "secondary";
   task: string;
+}
+/**
+ * How far an agent on trial has come: so many transports have to be done well.
+ */
+export interface TrialView {
+  done: number;
+  of: number;
 }
 /**
  * Who is shown the stream, and how much of it.
@@ -266,6 +275,7 @@ export interface MachineView {
   goals: GoalView[];
   goods: BufferView[];
   id: string;
+  leaving: boolean;
   name: string;
   problem: string;
   product: string;
@@ -273,6 +283,7 @@ export interface MachineView {
   software: string;
   status: "blocked" | "error" | "idle" | "producing" | "starved";
   tasks: OpenTaskView[];
+  trial: TrialView | null;
 }
 /**
  * A production goal in a machine's queue.

@@ -8,8 +8,8 @@ from typing import Any
 
 from dray.gateway.projection.changes import Changes
 from dray.gateway.projection.fleet import Fleet
-from dray.gateway.views import AtvView, BriefView, HelpView
-from dray.messages import AtvHeartbeat, Brief, HelpWanted
+from dray.gateway.views import AtvView, BriefView, HelpView, TrialView
+from dray.messages import AtvHeartbeat, Brief, Heartbeat, HelpWanted
 from dray.plant.model import VehicleSpec
 from dray.store.progress import ToWall
 
@@ -109,6 +109,8 @@ class Atvs:
             problem=heartbeat.problem,
             help=None if heartbeat.help is None else self._help(heartbeat.help),
             software=heartbeat.software,
+            leaving=heartbeat.leaving,
+            trial=trial_of(heartbeat),
             seen_at_s=self._to_wall_s(heartbeat.at_s),
         )
 
@@ -126,6 +128,12 @@ class Atvs:
 
     def _help(self, wanted: HelpWanted) -> HelpView:
         return HelpView(until_at_s=self._to_wall_s(wanted.until_s), promised_by=wanted.promised_by)
+
+
+def trial_of(heartbeat: Heartbeat) -> TrialView | None:
+    """How far an agent on trial has come; None for one that is not."""
+    trial = heartbeat.trial
+    return None if trial is None else TrialView(of=trial.of, done=trial.done)
 
 
 def plain(word: Any) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from dray.gateway.projection.atvs import plain
+from dray.gateway.projection.atvs import plain, trial_of
 from dray.gateway.projection.changes import Changes
 from dray.gateway.projection.site import Site
 from dray.gateway.projection.timeuse import TimeUse
@@ -105,6 +105,8 @@ class Machines:
             goods=tuple(_buffer(level) for level in heartbeat.goods),
             problem=heartbeat.problem,
             software=heartbeat.software,
+            leaving=heartbeat.leaving,
+            trial=trial_of(heartbeat),
             seen_at_s=self._to_wall_s(heartbeat.at_s),
         )
 

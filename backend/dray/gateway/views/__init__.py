@@ -19,6 +19,7 @@ from dray.gateway.views.machine import BufferView, GoalView, MachineView, OpenTa
 from dray.gateway.views.news import NewsView
 from dray.gateway.views.order import OrderItemView, OrderView
 from dray.gateway.views.task import BidView, CarrierView, RefusalView, TaskView
+from dray.gateway.views.trial import TrialView
 from dray.gateway.views.why import PassedView, RefusedView, WhyView
 
 __all__ = [
@@ -46,6 +47,7 @@ __all__ = [
     "RefusalView",
     "RefusedView",
     "TaskView",
+    "TrialView",
     "UseView",
     "View",
     "WhyView",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from dray.gateway.views.base import View
+from dray.gateway.views.trial import TrialView
 
 
 class BriefView(View, kw_only=True):
@@ -58,4 +59,8 @@ class AtvView(View, kw_only=True):
     problem: str = ""
     help: HelpView | None = None
     software: str = ""
+    leaving: bool = False
+    """It was asked to leave, takes nothing new, and goes when nothing holds it any more."""
+    trial: TrialView | None = None
+    """While it is on trial and takes short tasks only."""
     seen_at_s: float = 0.0

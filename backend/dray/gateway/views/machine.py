@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from dray.gateway.views.base import View
+from dray.gateway.views.trial import TrialView
 
 
 class BufferView(View, kw_only=True):
@@ -57,4 +58,8 @@ class MachineView(View, kw_only=True):
     goods: tuple[BufferView, ...] = ()
     problem: str = ""
     software: str = ""
+    leaving: bool = False
+    """It was asked to leave, takes nothing new, and goes when nothing holds it any more."""
+    trial: TrialView | None = None
+    """While it is on trial and takes short goals only."""
     seen_at_s: float

@@ -9,6 +9,7 @@ import { selection } from "../../selection/selection";
 import { nowS, world } from "../../stream/stream";
 import { failureText } from "../../text/failure";
 import { format, t, word } from "../../text/manager";
+import { UpdateTag } from "../agents/UpdateTag";
 import { names, plant } from "../state";
 import { doingText } from "./doing";
 import { TrialFacts } from "../trials/TrialFacts";
@@ -85,6 +86,7 @@ function Status({ atv, lost }: { atv: AtvView; lost: boolean }) {
   return (
     <>
       <TrialMenu agent={atv.id} kinds={ATV_TRIALS} />
+      <UpdateTag agent={atv} />
       {lost ? <Tag tone="alarm">{t("atv.lost")}</Tag> : <Tag tone={toneOfAtv(atv.status)}>{word("atv", atv.status)}</Tag>}
     </>
   );

@@ -8,6 +8,7 @@ import { byId } from "../../plant/places";
 import { nowS, world } from "../../stream/stream";
 import { failureText } from "../../text/failure";
 import { format, t, word } from "../../text/manager";
+import { UpdateTag } from "../agents/UpdateTag";
 import { doingText } from "../atv/doing";
 import { helpText } from "../atv/help";
 import { linkText } from "../atv/link";
@@ -67,7 +68,9 @@ function Row({ atv }: { atv: AtvView }) {
       </td>
       <td>{lost ? t("atv.noLink") : atv.link === "mesh" ? <Tag tone="warn">{linkText(atv)}</Tag> : linkText(atv)}</td>
       <td class={`num ${lost ? "tone-alarm" : ""}`}>{t("machine.ago", { age: format.age(nowS.value - atv.seen_at_s) })}</td>
-      <td class="muted">{atv.software}</td>
+      <td class="muted">
+        {atv.software} <UpdateTag agent={atv} />
+      </td>
     </tr>
   );
 }

@@ -362,6 +362,8 @@ export const de: Catalogue<typeof en> = {
   "fleet.link": "Verbindung",
   "fleet.heartbeat": "Herzschlag",
   "fleet.software": "Software",
+  "agent.leaving": "meldet sich ab",
+  "agent.trial": "auf Probe, {done} von {of} erledigt",
   "fleet.show": "{id} im Plan zeigen",
 
   "tasks.title": "Transporte",

@@ -360,6 +360,8 @@ export const en = {
   "fleet.link": "Link",
   "fleet.heartbeat": "Heartbeat",
   "fleet.software": "Software",
+  "agent.leaving": "leaving",
+  "agent.trial": "on trial, {done} of {of} done",
   "fleet.show": "Show {id} on the plant",
 
   "tasks.title": "Tasks",

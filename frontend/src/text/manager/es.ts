@@ -362,6 +362,8 @@ export const es: Catalogue<typeof en> = {
   "fleet.link": "Conexión",
   "fleet.heartbeat": "Latido",
   "fleet.software": "Programa",
+  "agent.leaving": "se retira",
+  "agent.trial": "a prueba, {done} de {of} hechos",
   "fleet.show": "Mostrar {id} en el plano",
 
   "tasks.title": "Transportes",

@@ -134,6 +134,7 @@ export const de: Catalogue<typeof en> = {
   "failure.on the radio mesh": "nur über Funk erreichbar",
   "failure.a load is on board": "hat eine Ladung an Bord",
   "failure.silent": "stumm",
+  "failure.leaves in order": "meldet sich ab",
 
   "alerts.none": "Keine Alarme",
   "alerts.alarm.one": "{n} Alarm",

@@ -131,6 +131,7 @@ export const en = {
   "failure.on the radio mesh": "on the radio mesh",
   "failure.a load is on board": "a load is on board",
   "failure.silent": "silent",
+  "failure.leaves in order": "leaves in order",
 
   "alerts.none": "No alarms",
   "alerts.alarm.one": "{n} alarm",

@@ -134,6 +134,7 @@ export const es: Catalogue<typeof en> = {
   "failure.on the radio mesh": "solo por radio",
   "failure.a load is on board": "lleva una carga a bordo",
   "failure.silent": "en silencio",
+  "failure.leaves in order": "se retira en orden",
 
   "alerts.none": "Sin alarmas",
   "alerts.alarm.one": "{n} alarma",
