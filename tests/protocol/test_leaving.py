@@ -368,9 +368,13 @@ def test_who_did_not_hear_that_it_was_relieved_is_told_again() -> None:
     assert len(facts(office.out, CarrierChanged)) == 1
 
 
-def test_who_has_given_it_back_is_not_acknowledged_by_an_older_heartbeat() -> None:
+@pytest.mark.parametrize("answers", [False, True])
+def test_who_has_given_it_back_is_not_acknowledged_by_an_older_heartbeat(answers: bool) -> None:
     office = watched()
     gives_back(office)
+    if answers:
+        declined = Declined(task="T1", epoch=2, role=Role.PRIMARY, reason=Refusal.BUSY, number=1)
+        office.desk.hear_declined("ATV1", declined, office.now_s)
     brief = Brief(task="T1", epoch=1, role=Role.PRIMARY, coordinator="M8", phase=Phase.RETURNING)
     assert office.desk.adopt("ATV2", brief, office.task.work, office.now_s) is None
     assert office.task.epoch == 2

@@ -135,6 +135,11 @@ class Auction:
         """Rounds in which nobody has bid."""
 
     @property
+    def has_asked(self) -> bool:
+        """Whether anybody was asked: all by an announcement, or a candidate before that."""
+        return self.round > 0 or self._awards > 0
+
+    @property
     def awaits_answers(self) -> bool:
         """Whether bids are collected or somebody is asked."""
         return self.stage is Stage.COLLECTING or self.stage is Stage.ASKING

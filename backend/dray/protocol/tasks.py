@@ -123,7 +123,7 @@ class OpenTask:
     @property
     def is_offered(self) -> bool:
         """Whether anybody was asked to carry it in its present epoch: all by an announcement, or its secondary."""
-        return self.round > 0 or self.auction.awaits_answers
+        return self.auction.has_asked
 
 
 class ClosedTask:
