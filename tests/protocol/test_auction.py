@@ -460,6 +460,13 @@ def test_a_deadline_that_nobody_could_keep_moves_with_the_rounds() -> None:
     assert sent(hall.out, Award)[-1].deadline_s == deadlines_s[-1]
 
 
+def test_a_deadline_in_another_century_does_not_move() -> None:
+    hall = Hall(deadline_s=1e10)
+    while len(facts(hall.out, TaskOpened)) < 10:
+        hall.wait()
+    assert {message.deadline_s for message in published(hall.out, TaskAnnounced)} == {1e10}
+
+
 def test_a_failed_round_says_how_many_had_bid() -> None:
     hall = Hall()
     hall.bids(ATV1=50.0, ATV2=60.0)

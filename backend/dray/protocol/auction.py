@@ -34,6 +34,9 @@ from dray.protocol.events import NEVER_S, Effect, Ignore, Publish, Record, Send
 SPAN_MIN_S = 60.0
 """What is late already is given as much time as a quick transport takes, round after round more."""
 
+SPAN_MAX_S = 7 * 86_400.0
+"""What has weeks is not refused for its deadline. One that is years away must not move beyond what can be said."""
+
 SPANS_MAX = 10
 """After so many rounds it is not the deadline that keeps bidders away."""
 
@@ -152,7 +155,7 @@ class Auction:
 
     def open(self, now_s: float) -> None:
         """Begin: ask the candidates if there are any, else announce."""
-        self._span_s = max(self.terms.deadline_s - now_s, SPAN_MIN_S)
+        self._span_s = self._span_from(now_s)
         if self._queue:
             self.stage = Stage.ASKING
             self._ask_next(now_s)
@@ -161,7 +164,7 @@ class Auction:
 
     def open_later(self, at_s: float) -> None:
         """Begin at `at_s`, unless it is cancelled before."""
-        self._span_s = max(self.terms.deadline_s - at_s, SPAN_MIN_S)
+        self._span_s = self._span_from(at_s)
         self.stage, self.wake_at_s = Stage.RESTING, at_s
 
     def hear_bid(self, bidder: str, bid: Bid, now_s: float) -> None:
@@ -272,6 +275,9 @@ class Auction:
             primary=terms.primary,
         )
         self._out.extend(Publish(key, announcement) for key in self._audience(radius_m))
+
+    def _span_from(self, at_s: float) -> float:
+        return min(max(self.terms.deadline_s - at_s, SPAN_MIN_S), SPAN_MAX_S)
 
     def _move_deadline(self, now_s: float) -> None:
         # A deadline that nobody could keep would be refused for ever: late is better than never.
