@@ -245,6 +245,13 @@ def test_a_hole_in_a_history_is_found() -> None:
     assert told.history.holes == ["ATV2, life 1: 1"]
 
 
+def test_a_long_hole_is_told_in_few_words() -> None:
+    told = Told()
+    told.by("M8", *(PieceMade(goal="G1", product="pump-p3", made=made) for made in range(1, 13)))
+    del told.events[2:7], told.events[4]
+    assert told.history.holes == ["M8, life 1: 3 to 7, 10"]
+
+
 def test_what_the_database_and_a_journal_both_have_is_told_once() -> None:
     told = whole()
     history = told.history

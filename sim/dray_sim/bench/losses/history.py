@@ -6,7 +6,8 @@ are journalled before they are told, so both together have what a kill has kept 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from itertools import groupby
 from pathlib import Path
 
 import msgspec
@@ -42,7 +43,7 @@ class History:
 
     @property
     def holes(self) -> list[str]:
-        """Where a number is missing before one that is there: "ATV1, life 2: 7, 8"."""
+        """Where numbers are missing before one that is there: "ATV1, life 2: 7 to 9, 12"."""
         numbers: dict[tuple[str, int], set[int]] = {}
         for agent, life, number in self._events:
             numbers.setdefault((agent, life), set()).add(number)
@@ -50,10 +51,17 @@ class History:
             place: sorted(set(range(1, max(there))) - there) for place, there in sorted(numbers.items())
         }
         return [
-            f"{agent}, life {life}: {', '.join(map(str, lacking))}"
+            f"{agent}, life {life}: {', '.join(_runs(lacking))}"
             for (agent, life), lacking in missing.items()
             if lacking
         ]
+
+
+def _runs(numbers: Iterable[int]) -> Iterator[str]:
+    """Numbers in a row in one word, as "7 to 9"."""
+    for _, run in groupby(enumerate(numbers), lambda placed: placed[1] - placed[0]):
+        first, *_, last = 2 * [number for _, number in run]
+        yield str(first) if first == last else f"{first} to {last}"
 
 
 async def read_database(store: Store) -> list[Event]:
