@@ -9,7 +9,7 @@ import { selection } from "../../selection/selection";
 import { nowS, world } from "../../stream/stream";
 import { failureText } from "../../text/failure";
 import { format, t, word } from "../../text/manager";
-import { UpdateTag } from "../agents/UpdateTag";
+import { UpdateFact } from "../agents/UpdateFact";
 import { names, plant } from "../state";
 import { doingText } from "./doing";
 import { TrialFacts } from "../trials/TrialFacts";
@@ -54,6 +54,7 @@ function AtvCard({ atv }: { atv: AtvView }) {
       )}
       <Facts>
         <TrialFacts agent={atv.id} />
+        <UpdateFact agent={atv} />
         <Fact name={t("atv.status")}>{doingText(atv)}</Fact>
         <TaskFacts atv={atv} task={task ?? undefined} />
         <WatchFacts atv={atv} task={task ?? undefined} />
@@ -86,7 +87,6 @@ function Status({ atv, lost }: { atv: AtvView; lost: boolean }) {
   return (
     <>
       <TrialMenu agent={atv.id} kinds={ATV_TRIALS} />
-      <UpdateTag agent={atv} />
       {lost ? <Tag tone="alarm">{t("atv.lost")}</Tag> : <Tag tone={toneOfAtv(atv.status)}>{word("atv", atv.status)}</Tag>}
     </>
   );

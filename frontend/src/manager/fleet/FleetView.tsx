@@ -8,7 +8,7 @@ import { byId } from "../../plant/places";
 import { nowS, world } from "../../stream/stream";
 import { failureText } from "../../text/failure";
 import { format, t, word } from "../../text/manager";
-import { UpdateTag } from "../agents/UpdateTag";
+import { updateText } from "../agents/update-text";
 import { doingText } from "../atv/doing";
 import { helpText } from "../atv/help";
 import { linkText } from "../atv/link";
@@ -48,6 +48,7 @@ function Row({ atv }: { atv: AtvView }) {
   const speed = world.value?.factory.speed ?? 1;
   const lost = isLost(atv, nowS.value, speed);
   const percent = format.percent(atv.battery_frac);
+  const update = updateText(atv);
   return (
     <tr class={lost ? "silent" : ""}>
       <th scope="row">
@@ -69,7 +70,7 @@ function Row({ atv }: { atv: AtvView }) {
       <td>{lost ? t("atv.noLink") : atv.link === "mesh" ? <Tag tone="warn">{linkText(atv)}</Tag> : linkText(atv)}</td>
       <td class={`num ${lost ? "tone-alarm" : ""}`}>{t("machine.ago", { age: format.age(nowS.value - atv.seen_at_s) })}</td>
       <td class="muted">
-        {atv.software} <UpdateTag agent={atv} />
+        {atv.software} {update !== "" && <Tag>{update}</Tag>}
       </td>
     </tr>
   );

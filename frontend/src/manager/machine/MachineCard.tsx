@@ -8,7 +8,7 @@ import { isLost } from "../../plant/silence";
 import { nowS, world } from "../../stream/stream";
 import { failureText } from "../../text/failure";
 import { format, n, t, word } from "../../text/manager";
-import { UpdateTag } from "../agents/UpdateTag";
+import { UpdateFact } from "../agents/UpdateFact";
 import { names } from "../state";
 import { TrialFacts } from "../trials/TrialFacts";
 import { TrialMenu } from "../trials/TrialMenu";
@@ -29,7 +29,6 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
       aside={
         <>
           <TrialMenu agent={spec.id} kinds={MACHINE_TRIALS} />
-          {machine && <UpdateTag agent={machine} />}
           {lost ? <Tag tone="alarm">{t("machine.lost")}</Tag> : status && <Tag tone={toneOfMachine(status)}>{word("machine", status)}</Tag>}
         </>
       }
@@ -38,6 +37,7 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
       {machine?.problem && <p class="problem">{failureText(machine.problem)}</p>}
       <Facts>
         <TrialFacts agent={spec.id} />
+        {machine && <UpdateFact agent={machine} />}
         <Goal machine={machine} />
         <Task machine={machine} />
         <Fact name={t("machine.heartbeat")}>

@@ -363,7 +363,7 @@ export const de: Catalogue<typeof en> = {
   "fleet.heartbeat": "Herzschlag",
   "fleet.software": "Software",
   "agent.leaving": "meldet sich ab",
-  "agent.trial": "auf Probe, {done} von {of} erledigt",
+  "agent.trial": "auf Probe: {done} von {of}",
   "fleet.show": "{id} im Plan zeigen",
 
   "tasks.title": "Transporte",

@@ -361,7 +361,7 @@ export const en = {
   "fleet.heartbeat": "Heartbeat",
   "fleet.software": "Software",
   "agent.leaving": "leaving",
-  "agent.trial": "on trial, {done} of {of} done",
+  "agent.trial": "on trial: {done} of {of}",
   "fleet.show": "Show {id} on the plant",
 
   "tasks.title": "Tasks",

@@ -363,7 +363,7 @@ export const es: Catalogue<typeof en> = {
   "fleet.heartbeat": "Latido",
   "fleet.software": "Programa",
   "agent.leaving": "se retira",
-  "agent.trial": "a prueba, {done} de {of} hechos",
+  "agent.trial": "a prueba: {done} de {of}",
   "fleet.show": "Mostrar {id} en el plano",
 
   "tasks.title": "Transportes",
