@@ -179,6 +179,13 @@ def test_a_task_that_its_machine_has_forgotten_is_found() -> None:
     assert found(aftermath(told)) == {"tasks lost"}
 
 
+def test_a_finding_hides_no_other() -> None:
+    told = whole()
+    told.by("M9", closed("M9-1"), closed("M9-2"))
+    lost = next(finding for finding in judge(aftermath(told)) if finding.what == "tasks lost")
+    assert len(lost.seen) == 2
+
+
 def test_a_task_that_two_vehicles_have_handed_over_is_found() -> None:
     told = whole()
     told.by("ATV3", taken("M8-1"), handed_over("M8-1"))

@@ -117,13 +117,14 @@ def _release(order: Order) -> OrderReleased:
 
 
 def _broken(check: Ear, said: Iterable[_Utterance]) -> tuple[str, ...]:
-    """What an invariant finds first."""
-    try:
-        for utterance in said:
+    """What an invariant finds; after the first it may see what follows from that, too."""
+    found = []
+    for utterance in said:
+        try:
             check.hear(utterance.at_s, utterance.sender, "", utterance.message)
-    except InvariantBroken as broken:
-        return (str(broken),)
-    return ()
+        except InvariantBroken as broken:
+            found.append(str(broken))
+    return tuple(found)
 
 
 def _not_as_ordered(after: Aftermath) -> Iterable[str]:
