@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
-from dray_sim.bench import bus, links, losses, paint, plantmap, projection, sim, zenoh
+from dray_sim.bench import bus, fleet, links, losses, paint, plantmap, projection, sim, zenoh
 from dray_sim.bench.row import Row, rates
 
 __all__ = ["BENCHES", "LONG", "Bench", "Row", "as_json", "rates"]
@@ -29,6 +29,7 @@ BENCHES: dict[str, Bench] = {
     "map": plantmap.measure,
     "paint": paint.measure,
     "zenoh": zenoh.measure,
+    "fleet": fleet.measure,
     "links": links.measure,
     "losses": losses.measure,
 }

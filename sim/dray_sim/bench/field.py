@@ -19,14 +19,14 @@ from msgspec.structs import replace
 
 from dray.adapters.certificates import Authority
 from dray.messages import AtvHeartbeat, MachineHeartbeat, OrderItem, TaskBrief
-from dray.messages.fact import CarrierChanged, LinkChanged, PrimarySuspected, TookOver
+from dray.messages.fact import CarrierChanged, PrimarySuspected, TookOver
 from dray.messages.speakers import Kind
 from dray.plant import Plant, plant_yaml
 from dray.plant.model import BillLine
 from dray.protocol.strategist import STRATEGIST
 from dray_sim.bench.computers import RADIO_NETWORK, Computers
-from dray_sim.bench.lookout import AGENTS, LOOKOUT, Post, read, write
 from dray_sim.bench.speaker import Speaker
+from dray_sim.lookout import AGENTS, LOOKOUT, Post, read, write
 from dray_sim.scenarios.laboratory import MACHINE, PRODUCT, START_NODES, laboratory
 from dray_sim.witness import Seen, Witness
 
@@ -55,7 +55,7 @@ PIECES, MATERIAL, PER_PIECE = 2, "housing", 12
 """An order that takes one load of one material, for which machine 8 asks at once: no buffer begins with as
 much as a piece takes."""
 
-KEPT = (AtvHeartbeat, MachineHeartbeat, CarrierChanged, LinkChanged, PrimarySuspected, TookOver)
+KEPT = (AtvHeartbeat, MachineHeartbeat, CarrierChanged, PrimarySuspected, TookOver)
 
 PATIENCE_S = 90.0
 """For whatever is waited for, on a computer that is busy elsewhere."""
@@ -142,7 +142,7 @@ class Field:
             lease_s=LEASE_S,
             order=OrderItem(PRODUCT, PIECES),
         )
-        self._run(LOOKOUT, "dray_sim.bench.lookout", write(post))
+        self._run(LOOKOUT, "dray_sim.lookout", write(post))
 
     def _end(self) -> None:
         for process in self._processes.values():

@@ -17,7 +17,7 @@ from typing import TypeVar
 
 from dray.adapters.zenoh_links import RETRY_MS
 from dray.messages import AtvHeartbeat, Link, MachineHeartbeat, TaskBrief
-from dray.messages.fact import CarrierChanged, LinkChanged, PrimarySuspected, TookOver
+from dray.messages.fact import CarrierChanged, PrimarySuspected, TookOver
 from dray.protocol.suspicion import WORKING_INTERVAL_S, bound_s
 from dray_sim.bench.field import LEASE_S, Field
 from dray_sim.bench.row import Row
@@ -118,11 +118,11 @@ def switch_off(field: Field, task: TaskBrief) -> Takeover:
 
 
 def _on(field: Field, vehicle: str, link: Link, since_s: float) -> float:
-    """When a vehicle's word came that it is on this link now."""
-    changed = field.seen(
-        LinkChanged, lambda seen: seen.agent == vehicle and seen.said.link is link, since_s=since_s
+    """When the first heartbeat of a vehicle came that says that it is on this link."""
+    beat = field.seen(
+        AtvHeartbeat, lambda seen: seen.said.atv == vehicle and seen.said.link is link, since_s=since_s
     )
-    return changed.at_s
+    return beat.at_s
 
 
 def _carrier(heartbeat: MachineHeartbeat, task: TaskBrief) -> str:

@@ -74,7 +74,9 @@ class Fleet:
 
 
 @asynccontextmanager
-async def running(folder: Path, plant: Plant, *, speed: float, plain: bool) -> AsyncIterator[Fleet]:
+async def running(
+    folder: Path, plant: Plant, *, speed: float, plain: bool, lease_s: float | None = None
+) -> AsyncIterator[Fleet]:
     """A fleet on SQLite, without a demand of its own; it has ended when the context has.
 
     Args:
@@ -82,6 +84,7 @@ async def running(folder: Path, plant: Plant, *, speed: float, plain: bool) -> A
         plant: the factory.
         speed: factory seconds per real second.
         plain: links without certificates.
+        lease_s: of its links; None for the usual one.
 
     Raises:
         UnavailableError: it does not start.
@@ -89,10 +92,11 @@ async def running(folder: Path, plant: Plant, *, speed: float, plain: bool) -> A
     file, token, port = folder / "plant.yaml", new_token(), _free_port()
     file.write_text(plant_yaml(plant), encoding="utf-8")
     options = ["--folder", str(folder), "--plant", str(file), "--port", str(port), "--speed", str(speed)]
+    lease = {} if lease_s is None else {f"{PREFIX}BUS_LEASE_S": str(lease_s)}
     process = await asyncio.create_subprocess_exec(
         *(sys.executable, "-m", "dray", "fleet", "up", "--no-demand", *options),
         *(["--plain"] if plain else []),
-        env={**os.environ, f"{PREFIX}ADMIN_TOKEN": token},
+        env={**os.environ, **lease, f"{PREFIX}ADMIN_TOKEN": token},
         stdout=asyncio.subprocess.PIPE,
         stderr=asyncio.subprocess.STDOUT,
     )

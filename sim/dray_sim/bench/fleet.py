@@ -1,0 +1,222 @@
+"""Benchmark `fleet`: what a factory costs whose agents are processes, by the number of its vehicles.
+
+`dray fleet up` runs in real time, with certificates and with orders for all machines. Its processes are
+measured from outside: processor time and memory as the kernel tells them, messages by an ear on the bus. The
+baseline is the same with as many vehicles as the default plant has.
+
+Every message of an agent counts once, however many hear it. What stands for a vehicle's own wires does not:
+the simulated floor tells every agent ten times a second how its body is. The agents' processor time has that in it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import zenoh
+from zenoh.handlers import Callback
+
+from dray.adapters.zenoh_bus import ZenohBus
+from dray.cli.fleet.roll import Member
+from dray.cli.process import FLOOR
+from dray.errors import UnavailableError
+from dray.messages import OrderItem
+from dray.messages.speakers import Kind
+from dray.plant import Plant
+from dray_sim.bench.losses.customer import Customer
+from dray_sim.bench.losses.fleet import Fleet, running
+from dray_sim.bench.losses.watch import Watch
+from dray_sim.bench.row import Row
+from dray_sim.bench.usage import Usage
+from dray_sim.demand import Order
+from dray_sim.generator import generate_plant
+
+SEED = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Size:
+    """How much is measured, and for how long.
+
+    Attributes:
+        machines, vehicles: of the factory.
+        warm_s: until machines have found goals, and vehicles tasks.
+        span_s: for which it is measured.
+    """
+
+    machines: int
+    vehicles: int
+    warm_s: float
+    span_s: float
+
+
+SIZES = Size(20, 50, 60.0, 60.0), Size(12, 8, 60.0, 60.0)
+"""The large factory, and one as large as the default plant."""
+
+QUICK_SIZES = Size(3, 4, 20.0, 20.0), Size(2, 2, 20.0, 20.0)
+
+JOIN_S = 600.0
+"""For all processes with their imports, on a computer that is busy elsewhere."""
+
+LEASE_S = 30.0
+"""While dozens of processes begin on one computer, each may wait for its turn for longer than the usual lease;
+links would be cut and made anew, which is more work still."""
+
+PIECES = 60
+"""Of every product, for every machine that makes it: half an hour's work."""
+
+DUE_S = 86_400.0
+"""A day: these orders are there to keep machines busy."""
+
+SAID = {"hb": "heartbeats", "event": "facts", "agent": "to one agent", "task": "announcements"}
+"""Kinds of messages by the second chunk of their key; the rest are goals and berths."""
+
+
+@dataclass(frozen=True, slots=True)
+class Observed:
+    """A factory, while it was measured.
+
+    Attributes:
+        joined_s: until all were on the bus.
+        said: messages a second, by kind.
+        kinds: what one process of each kind uses in a second.
+        processes: how many there are.
+        processor_s: what all of them use in a second.
+        memory_mb: likewise.
+    """
+
+    joined_s: float
+    said: dict[str, float]
+    kinds: dict[str, Usage]
+    processes: int
+    processor_s: float
+    memory_mb: float
+
+
+class Ear:
+    """Counts what is said on a bus, by kind.
+
+    Attributes:
+        heard: so far.
+    """
+
+    def __init__(self, bus: ZenohBus, agents: frozenset[str]) -> None:
+        self.heard: Counter[str] = Counter()
+        self._bus = bus
+        # What is said to one agent is matched by no wildcard.
+        for key in (f"{bus.keys.plant}/**", *map(bus.keys.addressed, agents)):
+            bus.inner.declare_subscriber(key, Callback(self._hear, indirect=False))
+
+    def _hear(self, sample: zenoh.Sample) -> None:
+        """On a thread of Zenoh's."""
+        kind = str(sample.key_expr).split("/")[1]
+        with self._bus.lock:
+            self.heard[SAID.get(kind, "other")] += 1
+
+
+def measure(quick: bool) -> list[Row]:
+    """Measure a large factory and one of the usual size.
+
+    Args:
+        quick: far smaller ones, and for a shorter time.
+
+    Raises:
+        UnavailableError: a fleet does not start.
+    """
+    sizes = QUICK_SIZES if quick else SIZES
+    large, usual = (asyncio.run(_observe(size)) for size in sizes)
+    return list(_rows(large, usual, *sizes))
+
+
+async def _observe(size: Size) -> Observed:
+    plant = generate_plant(SEED, size.machines, size.vehicles)
+    with tempfile.TemporaryDirectory() as folder:
+        async with running(Path(folder), plant, speed=1.0, plain=False, lease_s=LEASE_S) as fleet:
+            with fleet.bus() as bus:
+                agents = frozenset(member.name for member in fleet.roll.members if member.joins)
+                began_s = time.monotonic()
+                await _joined(bus, agents)
+                joined_s = time.monotonic() - began_s
+                await _order(fleet, plant)
+                await asyncio.sleep(size.warm_s)
+                ear, members = Ear(bus, agents), fleet.roll.members
+                before, began_s = _used(members), time.monotonic()
+                await asyncio.sleep(size.span_s)
+                after, span_s = _used(members), time.monotonic() - began_s
+    counts = Counter(member.kind for member in members)
+    return Observed(
+        joined_s=joined_s,
+        said={kind: count / span_s for kind, count in ear.heard.items()},
+        kinds={
+            kind: Usage(
+                (after[kind].processor_s - before[kind].processor_s) / span_s / count,
+                after[kind].memory_mb / count,
+            )
+            for kind, count in counts.items()
+        },
+        processes=len(members),
+        processor_s=sum(after[kind].processor_s - before[kind].processor_s for kind in counts) / span_s,
+        memory_mb=sum(after[kind].memory_mb for kind in counts),
+    )
+
+
+async def _joined(bus: ZenohBus, agents: frozenset[str]) -> None:
+    try:
+        async with asyncio.timeout(JOIN_S):
+            await Watch(bus).until_joined(agents)
+    except TimeoutError:
+        raise UnavailableError("the fleet", f"is not on the bus in {JOIN_S:.0f} s", "see its logs") from None
+
+
+async def _order(fleet: Fleet, plant: Plant) -> None:
+    """Order enough of everything that no machine is idle."""
+    items = {product: PIECES * len(plant.machines_for(product)) for product in plant.products}
+    orders = [
+        Order(f"B-{product}", 0.0, DUE_S, (OrderItem(product, quantity),))
+        for product, quantity in items.items()
+        if quantity
+    ]
+    await Customer(fleet.url, fleet.token, fleet.time).place(orders, fleet.time.to_plant_s(time.time()))
+
+
+def _used(members: Iterable[Member]) -> dict[str, Usage]:
+    """What the processes of each kind have used together."""
+    kinds: dict[str, list[int]] = {}
+    for member in members:
+        kinds.setdefault(member.kind, []).append(member.pid)
+    return {kind: Usage.of(pids) for kind, pids in kinds.items()}
+
+
+def _rows(large: Observed, usual: Observed, size: Size, usual_size: Size) -> Iterator[Row]:
+    """The large factory beside the usual one."""
+    name = f"fleet of {size.vehicles} vehicles"
+    against = f"{usual_size.vehicles} vehicles and {usual_size.machines} machines"
+
+    def row(what: str, figure: float, unit: str, baseline: float, note: str = "") -> Row:
+        return Row(f"{name}: {what}", figure, unit, baseline, against, note=note, less=unit != "1/s")
+
+    said = sorted(large.said.items(), key=lambda each: -each[1])
+    yield row(
+        "messages said",
+        sum(large.said.values()),
+        "1/s",
+        sum(usual.said.values()),
+        "; ".join(f"{kind} {rate:.1f}" for kind, rate in said),
+    )
+    for kind in (Kind.ATV, Kind.MACHINE, Kind.STRATEGIST, Kind.GATEWAY, Kind.HISTORIAN, FLOOR):
+        mine, theirs = large.kinds[kind], usual.kinds[kind]
+        note = f"{mine.memory_mb:.0f} MB, at {usual_size.vehicles} vehicles {theirs.memory_mb:.0f} MB"
+        yield row(f"processor, {kind}", 1e3 * mine.processor_s, "ms/s", 1e3 * theirs.processor_s, note)
+    yield row(
+        f"processor, all {large.processes} processes",
+        1e3 * large.processor_s,
+        "ms/s",
+        1e3 * usual.processor_s,
+    )
+    yield row(f"memory, all {large.processes} processes", large.memory_mb, "MB", usual.memory_mb)
+    yield row("until all are on the bus", large.joined_s, "s", usual.joined_s)
