@@ -57,10 +57,6 @@ HEARTBEAT_ROOM = INBOX * 3 // 4
 """From this filling on heartbeats are dropped: the next one says the same. The last quarter is for
 what is said once."""
 
-HISTORY_FACTS = 1000
-"""Facts that a journal keeps for whoever missed some: with 300 agents some 150 MB at worst, and at one
-fact in ten seconds nearly three hours of a historian's absence."""
-
 ANSWER_EVENTS = 200
 """Events in one answer to `EventsAsked`, so that no answer crowds out what is going on; whoever lacks
 more asks again."""

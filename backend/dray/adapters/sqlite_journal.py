@@ -21,6 +21,10 @@ from dray.messages import Event
 BUSY_S = 5.0
 """Wait for another process that has the file open: a backup, or this agent's last life as it ends."""
 
+EVENTS_KEPT = 20_000
+"""Some 10 MB on the disk. A strategist whose machines come and go tells a thousand facts in minutes, and what
+it forgets before the historian is back is gone for good."""
+
 _TABLES = """
 CREATE TABLE IF NOT EXISTS life (
     only INTEGER PRIMARY KEY CHECK (only = 1),
@@ -67,7 +71,7 @@ class SqliteJournal:
         UnavailableError: the file cannot be read or written, or is no journal; also from every write.
     """
 
-    def __init__(self, file: Path, *, events_kept: int) -> None:
+    def __init__(self, file: Path, *, events_kept: int = EVENTS_KEPT) -> None:
         self._file, self._events_kept = file, events_kept
         self.writes = 0
         self.writing_s = 0.0

@@ -29,7 +29,7 @@ from dray.messages.keys import Keys
 from dray.plant import Plant, default_plant, load_plant
 from dray.protocol.events import Agent
 from dray.settings import Settings
-from dray.worker import HISTORY_FACTS, Worker
+from dray.worker import Worker
 from dray_sim.floor import NEARLY_EMPTY_FRAC, Floor
 from dray_sim.remote import FloorServer, Newcomer, RemoteBody, put_down
 
@@ -162,7 +162,7 @@ async def run_agent(
 
     async with surroundings.bus(name, give_way) as bus:
         file = settings.journal_folder / f"{name}.db"
-        journal = SqliteJournal(file, events_kept=HISTORY_FACTS)
+        journal = SqliteJournal(file)
         with closing(journal), traced(settings) as tracing:
             if newcomer is not None:
                 await put_down(bus.inner, plant.id, newcomer)

@@ -19,7 +19,6 @@ from dray.messages.speakers import Kind
 from dray.plant import Plant
 from dray.protocol.strategist import STRATEGIST
 from dray.settings import PREFIX, Settings
-from dray.worker import HISTORY_FACTS
 
 ROLL, SETTINGS, CERTIFICATES, JOURNALS, LOGS = "fleet.json", "fleet.env", "certs", "journals", "logs"
 METRICS = "metrics.json"
@@ -141,7 +140,7 @@ def _certify(plant: Plant, folder: Path) -> None:
 def _forget_bodies(folder: Path) -> None:
     """The floor begins anew, so what agents were bound by to the last one is no more."""
     for file in (folder / JOURNALS).glob("*.db"):
-        with contextlib.closing(SqliteJournal(file, events_kept=HISTORY_FACTS)) as journal:
+        with contextlib.closing(SqliteJournal(file)) as journal:
             journal.forget()
 
 
