@@ -21,8 +21,8 @@ from dray.messages import Event
 BUSY_S = 5.0
 """Wait for another process that has the file open: a backup, or this agent's last life as it ends."""
 
-EVENTS_KEPT = 20_000
-"""Some 10 MB on the disk. A strategist whose machines come and go tells a thousand facts in minutes, and what
+EVENTS_KEPT = 10_000
+"""Some 5 MB on the disk. A strategist whose machines come and go tells a thousand facts in minutes, and what
 it forgets before the historian is back is gone for good."""
 
 _TABLES = """

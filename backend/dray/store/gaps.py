@@ -23,7 +23,7 @@ import msgspec
 
 from dray.messages import EventsAsked, EventsKept
 
-MISSING_PER_LIFE = 1_000
+MISSING_PER_LIFE = 10_000
 """Numbers looked for one by one; as many as a journal keeps, so that older ones are gone anyway."""
 
 LIVES = 4
