@@ -114,7 +114,7 @@ def that_obeys_everywhere(patch: pytest.MonkeyPatch) -> None:
 
 def that_believes_every_signature(patch: pytest.MonkeyPatch) -> None:
     """A vehicle does not ask who has signed a grant."""
-    patch.setattr(Authority, "doubts", lambda *_: "")
+    patch.setattr(Authority, "knows", lambda *_: True)
 
 
 def that_passes_tasks_on_within_an_epoch(patch: pytest.MonkeyPatch) -> None:

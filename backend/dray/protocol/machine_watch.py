@@ -19,9 +19,9 @@ BREAKDOWN_S = 600.0
 what was made before is carried away meanwhile."""
 
 
-MAX_NEWCOMERS = 1_000
-"""Machines that have come to a plant whose file did not know them: more than anybody sets up between two
-starts of a strategist."""
+MAX_NEWCOMERS = 100
+"""Machines that have come to a plant whose file did not know them: more than anybody sets up before writing
+them into it."""
 
 
 class Seen:
