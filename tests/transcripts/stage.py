@@ -27,7 +27,8 @@ from dray.body import (
     WorkcellState,
 )
 from dray.messages import AtvHeartbeat, Message, Pose
-from dray.plant import Plant
+from dray.plant import Plant, default_plant
+from dray.protocol.atv import Atv
 from dray.protocol.events import (
     Agent,
     Event,
@@ -44,6 +45,7 @@ from dray.protocol.events import (
     Unsubscribe,
     Woke,
 )
+from dray.protocol.machine import Machine
 
 LATENCY_S = 0.010
 
@@ -251,6 +253,21 @@ class Stage:
         line = f"{self.now_s:8.3f}  {sender:>5} -> {to:<6} {name} {' '.join(shown)}".rstrip()
         if self.lines[-1:] != [line]:  # One announcement goes to several grid cells.
             self.lines.append(line)
+
+
+def without_shafts(**places: str) -> Stage:
+    """The default plant with M8, which lacks shafts, and light vehicles.
+
+    Args:
+        places: the node at which each vehicle stands.
+    """
+    stage = Stage(default_plant())
+    for atv, node in places.items():
+        vehicle = ScriptedVehicle(stage, atv, "light", node, battery_frac=0.9)
+        stage.add(Atv(atv, stage.plant, vehicle_type="light"), vehicle)
+    stock = {"housing": 72, "shaft": 0, "bearing": 120, "impeller": 90, "seal-kit": 120}
+    stage.add(Machine("M8", stage.plant), ScriptedWorkcell(stock))
+    return stage
 
 
 def rewritten(golden: Path, stage: Stage) -> str:

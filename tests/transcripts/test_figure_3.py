@@ -7,23 +7,15 @@ from pathlib import Path
 
 from dray.messages import Award, Confirmed, Production, Role, Transport
 from dray.messages.fact import AwardAnswered, AwardGiven, BidReceived
-from dray.plant import default_plant
-from dray.protocol.atv import Atv
-from dray.protocol.machine import Machine
 
 sys.path.insert(0, str(Path(__file__).parent))
-from stage import ScriptedVehicle, ScriptedWorkcell, Stage, rewritten
+from stage import Stage, rewritten, without_shafts
 
 GOLDEN = Path(__file__).parent / "figure_3.txt"
 
 
 def play() -> Stage:
-    stage = Stage(default_plant())
-    for atv, node in (("ATV1", "p4"), ("ATV2", "p3"), ("ATV3", "p1")):
-        vehicle = ScriptedVehicle(stage, atv, "light", node, battery_frac=0.9)
-        stage.add(Atv(atv, stage.plant, vehicle_type="light"), vehicle)
-    stock = {"housing": 72, "shaft": 0, "bearing": 120, "impeller": 90, "seal-kit": 120}
-    stage.add(Machine("M8", stage.plant), ScriptedWorkcell(stock))
+    stage = without_shafts(ATV1="p4", ATV2="p3", ATV3="p1")
     # The strategist's goal makes M8 look at its shafts; M7 elects ATV3 while M8 still collects bids.
     goal = Production(product="gear-unit-g2", quantity=24, order="O1", item=0)
     stage.say("STRAT", "M8", _award("G8", goal), at_s=10.0)

@@ -7,24 +7,16 @@ from pathlib import Path
 
 from dray.messages import Award, Confirmed, Production, Role
 from dray.messages.fact import CarrierChanged, PrimarySuspected, TaskClosed
-from dray.plant import default_plant
-from dray.protocol.atv import Atv
 from dray.protocol.leaving import LEAVES
-from dray.protocol.machine import Machine
 
 sys.path.insert(0, str(Path(__file__).parent))
-from stage import ScriptedVehicle, ScriptedWorkcell, Stage, rewritten
+from stage import Stage, rewritten, without_shafts
 
 GOLDEN = Path(__file__).parent / "planned_takeover.txt"
 
 
 def play() -> Stage:
-    stage = Stage(default_plant())
-    for atv, node in (("ATV1", "p4"), ("ATV2", "p3"), ("ATV3", "p7")):
-        vehicle = ScriptedVehicle(stage, atv, "light", node, battery_frac=0.9)
-        stage.add(Atv(atv, stage.plant, vehicle_type="light"), vehicle)
-    stock = {"housing": 72, "shaft": 0, "bearing": 120, "impeller": 90, "seal-kit": 120}
-    stage.add(Machine("M8", stage.plant), ScriptedWorkcell(stock))
+    stage = without_shafts(ATV1="p4", ATV2="p3", ATV3="p7")
     goal = Production(product="gear-unit-g2", quantity=24, order="O1", item=0)
     stage.say("STRAT", "M8", Award("G8", 1, Role.PRIMARY, goal, deadline_s=3600.0), at_s=10.0)
     stage.say("STRAT", "M8", Confirmed(task="G8", epoch=1), at_s=10.02)
