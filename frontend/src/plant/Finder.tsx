@@ -1,4 +1,4 @@
-import { useComputed, useSignal } from "@preact/signals";
+import { useSignal } from "@preact/signals";
 import { Icon } from "../parts/Icon";
 import { choose } from "../selection/selection";
 import { world } from "../stream/stream";
@@ -18,9 +18,8 @@ export function Finder({ plant, onChosen }: Props) {
   const words = useSignal("");
   const open = useSignal(false);
   const active = useSignal(0);
-  const found = useComputed(() =>
-    open.value ? find(findablesOf(plant, world.value?.atvs.values() ?? []), words.value, MOST) : [],
-  );
+  const found = open.value ? find(findablesOf(plant, world.value?.atvs.values() ?? []), words.value, MOST) : [];
+  const listed = found.length > 0;
   const take = (each: Findable | undefined): void => {
     if (!each) return;
     choose(each.chosen);
@@ -29,8 +28,8 @@ export function Finder({ plant, onChosen }: Props) {
     open.value = false;
   };
   const onKeyDown = (event: KeyboardEvent): void => {
-    const count = found.value.length;
-    if (event.key === "Enter") take(found.value[active.value]);
+    const count = found.length;
+    if (event.key === "Enter") take(found[active.value]);
     else if (event.key === "Escape") open.value = false;
     else if (event.key === "ArrowDown") active.value = Math.min(count - 1, active.value + 1);
     else if (event.key === "ArrowUp") active.value = Math.max(0, active.value - 1);
@@ -43,10 +42,10 @@ export function Finder({ plant, onChosen }: Props) {
       <input
         role="combobox"
         aria-label={t("map.find")}
-        aria-expanded={open.value}
+        aria-expanded={listed}
         aria-controls="finder-list"
         aria-autocomplete="list"
-        aria-activedescendant={open.value ? `finder-${active.value}` : undefined}
+        aria-activedescendant={listed ? `finder-${active.value}` : undefined}
         placeholder={t("map.findHint")}
         autoComplete="off"
         value={words.value}
@@ -59,9 +58,9 @@ export function Finder({ plant, onChosen }: Props) {
         }}
         onKeyDown={onKeyDown}
       />
-      {open.value && (
+      {listed && (
         <ul id="finder-list" role="listbox" class="finder-list card" aria-label={t("map.find")}>
-          {found.value.map((each, i) => (
+          {found.map((each, i) => (
             <li
               key={`${each.chosen.kind}${each.id}`}
               id={`finder-${i}`}
@@ -78,8 +77,12 @@ export function Finder({ plant, onChosen }: Props) {
               <span class="faint">{t(`map.kind.${each.chosen.kind as "atv" | "machine" | "place"}`)}</span>
             </li>
           ))}
-          {found.value.length === 0 && <li class="faint">{t("map.findNone")}</li>}
         </ul>
+      )}
+      {open.value && !listed && (
+        <p role="status" class="finder-list card faint">
+          {t("map.findNone")}
+        </p>
       )}
     </div>
   );
