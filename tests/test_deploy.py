@@ -205,6 +205,7 @@ def test_the_unit_of_a_vehicle_brings_its_agent_back_and_may_do_little() -> None
     assert service["ExecStart"] == "/opt/dray/bin/dray agent atv %i"
     # Whoever wants it known elsewhere says so in the file, which wins.
     assert service["Environment"] == "DRAY_METRICS_LISTEN=127.0.0.1:9101"
+    assert service["Type"] == "notify"
     assert service["Restart"] == "always"
     assert unit["Unit"]["StartLimitIntervalSec"] == "0"
     assert service["User"] not in {"", "root"}

@@ -21,6 +21,7 @@ from dray.adapters.zenoh_modem import Modem
 from dray.cli.logs import prepare_logs
 from dray.cli.meters.agent import AgentMeter
 from dray.cli.meters.bus import BusMeter
+from dray.cli.readiness import tell_ready
 from dray.cli.serving import asked_by_signals, stopped_by_signals
 from dray.cli.traces import traced, watched
 from dray.errors import UnavailableError
@@ -232,3 +233,4 @@ def say_ready(name: str) -> None:
     typer.echo(READY.format(name=name))
     # A pipe would hold the line back.
     sys.stdout.flush()
+    tell_ready()

@@ -28,6 +28,7 @@ from dray.cli.customers import place_demand
 from dray.cli.logs import prepare_logs, quieten
 from dray.cli.meters.factory import FactoryMeter
 from dray.cli.newcomers import welcome
+from dray.cli.readiness import tell_ready
 from dray.cli.serving import Server, address_of, listen, stopped_by_signals
 from dray.cli.traces import traced, watched
 from dray.cli.trials import SimFaultDesk
@@ -253,6 +254,7 @@ async def serve(
 async def _greet(greeting: str, ready: asyncio.Event) -> None:
     await ready.wait()
     typer.echo(greeting, nl=False)
+    tell_ready()
 
 
 def greeting_of(service: Service, url: str, token: str, links: Mapping[str, str]) -> str:

@@ -126,7 +126,7 @@ def measure(quick: bool) -> list[Row]:
         quick: far smaller ones, and for a shorter time.
 
     Raises:
-        UnavailableError: a fleet does not start.
+        UnavailableError: a fleet does not start, or one of its processes ends meanwhile.
     """
     sizes = QUICK_SIZES if quick else SIZES
     large, usual = (asyncio.run(_observe(size)) for size in sizes)
@@ -136,10 +136,10 @@ def measure(quick: bool) -> list[Row]:
 async def _observe(size: Size) -> Observed:
     plant = generate_plant(SEED, size.machines, size.vehicles)
     with tempfile.TemporaryDirectory() as folder:
+        began_s = time.monotonic()
         async with running(Path(folder), plant, speed=1.0, plain=False, lease_s=LEASE_S) as fleet:
             with fleet.bus() as bus:
                 agents = frozenset(member.name for member in fleet.roll.members if member.joins)
-                began_s = time.monotonic()
                 await _joined(bus, agents)
                 joined_s = time.monotonic() - began_s
                 await _order(fleet, plant)
@@ -147,6 +147,7 @@ async def _observe(size: Size) -> Observed:
                 ear, members = Ear(bus, agents), fleet.roll.members
                 before, began_s = _used(members), time.monotonic()
                 await asyncio.sleep(size.span_s)
+                _refuse_new_lives(members, fleet.roll.members)
                 after, span_s = _used(members), time.monotonic() - began_s
     counts = Counter(member.kind for member in members)
     return Observed(
@@ -182,6 +183,19 @@ async def _order(fleet: Fleet, plant: Plant) -> None:
         if quantity
     ]
     await Customer(fleet.url, fleet.token, fleet.time).place(orders, fleet.time.to_plant_s(time.time()))
+
+
+def _refuse_new_lives(before: Iterable[Member], after: Iterable[Member]) -> None:
+    """A process that has begun anew has other work to do than one that takes part.
+
+    Raises:
+        UnavailableError: there is one.
+    """
+    starts = {member.name: member.starts for member in before}
+    anew = [member.name for member in after if member.starts != starts[member.name]]
+    if anew:
+        remedy = "measure on a computer that has nothing else to do"
+        raise UnavailableError(", ".join(anew), "ended while it was measured and was started again", remedy)
 
 
 def _used(members: Iterable[Member]) -> dict[str, Usage]:

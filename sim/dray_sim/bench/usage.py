@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
+from dray.errors import UnavailableError
+
 USER_TICKS, SYSTEM_TICKS = 11, 12
 """Places in `/proc/PID/stat`, counted after the name of the program: fields 14 and 15."""
 
@@ -31,16 +33,28 @@ class Usage:
 
     @classmethod
     def of(cls, pids: Iterable[int]) -> Self:
-        """What these processes have used together."""
+        """What these processes have used together.
+
+        Raises:
+            UnavailableError: one of them has ended.
+        """
         folders = [Path("/proc") / str(pid) for pid in pids]
         return cls(sum(map(_processor_s, folders)), sum(map(_memory_mb, folders)))
 
 
 def _processor_s(folder: Path) -> float:
-    fields = (folder / "stat").read_text().rpartition(")")[2].split()
+    fields = _read(folder / "stat").rpartition(")")[2].split()
     return (int(fields[USER_TICKS]) + int(fields[SYSTEM_TICKS])) / TICKS_PER_S
 
 
 def _memory_mb(folder: Path) -> float:
-    lines = (folder / "smaps_rollup").read_text().splitlines()
+    lines = _read(folder / "smaps_rollup").splitlines()
     return sum(int(line.split()[1]) for line in lines if line.startswith(SHARE)) / 1024
+
+
+def _read(file: Path) -> str:
+    try:
+        return file.read_text()
+    except (FileNotFoundError, ProcessLookupError):
+        remedy = "see its log; what is measured must not end meanwhile"
+        raise UnavailableError(f"process {file.parent.name}", "has ended", remedy) from None

@@ -1,4 +1,7 @@
-"""A stand-in for Dray: it says how it was started, waits for a signal, and says which one came."""
+"""A stand-in for Dray: it says how it was started, waits for a signal, and says which one came.
+
+It tells whoever has started it that it takes part when SIGUSR1 comes.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +13,14 @@ from dray.messages import WIRE_VERSION
 
 PROGRAM = """\
 #!{python} -S
-import os, signal, sys
+import os, signal, socket, sys
 def end(number, frame):
     print("{version} ends by", signal.Signals(number).name, flush=True)
     sys.exit(0)
+def tell(number, frame):
+    told = "\\0" + os.environ["NOTIFY_SOCKET"][1:]
+    socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM).sendto(b"READY=1", told)
+signal.signal(signal.SIGUSR1, tell)
 for number in (signal.SIGINT, signal.SIGTERM):
     signal.signal(number, signal.SIG_IGN if signal.Signals(number).name in {deaf!r} else end)
 print("{version}", *sys.argv[4:], os.environ["TOLD"], flush=True)

@@ -46,7 +46,12 @@ class Kept:
 
 @contextlib.asynccontextmanager
 async def kept(
-    folder: Path, software: Software, *, kind: str = "atv", leave_s: float = LONG_S
+    folder: Path,
+    software: Software,
+    *,
+    kind: str = "atv",
+    leave_s: float = LONG_S,
+    turns: asyncio.Semaphore | None = None,
 ) -> AsyncIterator[Kept]:
     """A keeper of one post; what its processes say comes through a pipe in the place of their log."""
     pipe = folder / "ATV1.log"
@@ -60,7 +65,8 @@ async def kept(
         )
         environment = {**os.environ, "TOLD": "here"}
         post = Post("ATV1", kind, ("agent", "atv", "ATV1"), "127.0.0.1:1", environment, "", pipe)
-        keeper = Keeper(post, RollKeeper(folder, "plant", plain=True), leave_s, Order(software))
+        roll = RollKeeper(folder, "plant", plain=True)
+        keeper = Keeper(post, roll, turns or asyncio.Semaphore(), leave_s, Order(software))
         keeping = asyncio.create_task(keeper.keep())
         try:
             yield Kept(folder, keeper, keeping, words)
@@ -144,6 +150,50 @@ def test_a_floor_does_not_come_back(tmp_path: Path) -> None:
             assert await there.says() == "dead"
             await asyncio.wait_for(there.keeping, LONG_S)
             assert there.member.starts == 1
+
+    asyncio.run(story())
+
+
+def _room(folder: Path, name: str) -> Path:
+    room = folder / name
+    room.mkdir()
+    return room
+
+
+def test_others_are_started_when_the_one_before_takes_part(tmp_path: Path) -> None:
+    actor, turns = make_actor(tmp_path, "1.0"), asyncio.Semaphore(1)
+
+    async def story() -> None:
+        async with (
+            kept(_room(tmp_path, "first"), actor, turns=turns) as first,
+            kept(_room(tmp_path, "second"), actor, turns=turns) as second,
+        ):
+            await first.says()
+            with pytest.raises(UnavailableError):
+                assert second.member
+            first.member.signal(signal.SIGUSR1)
+            assert await second.says() == "1.0 agent atv ATV1 here"
+            assert first.member.runs
+
+    asyncio.run(story())
+
+
+def test_who_ends_or_says_nothing_does_not_hold_up_others_for_ever(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("dray.cli.fleet.keeper.READY_S", 0.0)
+    turns = asyncio.Semaphore(1)
+
+    async def story() -> None:
+        async with (
+            kept(_room(tmp_path, "first"), make_actor(tmp_path, "1.0"), turns=turns) as first,
+            kept(_room(tmp_path, "second"), ends_at_once(tmp_path), turns=turns) as second,
+        ):
+            await first.says()
+            monkeypatch.setattr("dray.cli.fleet.keeper.READY_S", LONG_S)
+            assert await second.says() == "dead"
+            async with kept(_room(tmp_path, "third"), make_actor(tmp_path, "3.0"), turns=turns) as third:
+                assert await third.says() == "3.0 agent atv ATV1 here"
 
     asyncio.run(story())
 

@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import signal
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import msgspec
@@ -13,9 +14,13 @@ import msgspec
 from dray.cli.fleet.posts import Post
 from dray.cli.fleet.roll import RollKeeper, State
 from dray.cli.fleet.software import Software
+from dray.cli.readiness import listening
 
 REST_S = 1.0
 """Before a process that has ended is started again: one that ends at once must not take the computer."""
+
+READY_S = 60.0
+"""Longest that others wait for their turn to be started because one does not say that it takes part."""
 
 STOP_S = 10.0
 """To end at once; then it is killed."""
@@ -59,12 +64,15 @@ class Keeper:
     Args:
         post: what is to be kept.
         roll: where every start is written down.
+        turns: held from a start until the process takes part: how many may begin at once.
         leave_s: real seconds in which a process that is asked to leave in order does so.
         order: by which it is started at first.
     """
 
-    def __init__(self, post: Post, roll: RollKeeper, leave_s: float, order: Order) -> None:
-        self._post, self._roll = post, roll
+    def __init__(
+        self, post: Post, roll: RollKeeper, turns: asyncio.Semaphore, leave_s: float, order: Order
+    ) -> None:
+        self._post, self._roll, self._turns = post, roll, turns
         self._leave_s = leave_s
         self._order = order
         self._process: asyncio.subprocess.Process | None = None
@@ -81,14 +89,16 @@ class Keeper:
         Returns when it has ended and cannot come back.
         """
         while True:
-            process = await self._start()
-            if process is not None:
-                try:
-                    await process.wait()
-                except asyncio.CancelledError:
-                    await _end(process)
-                    raise
-                self._process = None
+            try:
+                async with self._turns:
+                    await self._begin()
+                if self._process is not None:
+                    await self._process.wait()
+            except asyncio.CancelledError:
+                if self._process is not None:
+                    await _end(self._process)
+                raise
+            self._process = None
             if not self._post.comes_back:
                 return
             with contextlib.suppress(TimeoutError):
@@ -122,17 +132,29 @@ class Keeper:
         self._order = Order(self._order.software)
         self._roll.entered(self._post.name, State.AT_WORK)
 
-    async def _start(self) -> asyncio.subprocess.Process | None:
-        """Start it; None when that cannot be done."""
+    async def _begin(self) -> None:
+        """Start it, and wait until it takes part, has ended, or must not hold up the others any longer."""
+        with listening() as listener:
+            if (process := await self._start(listener.environment)) is None:
+                return
+            waits = asyncio.create_task(listener.ready()), asyncio.create_task(process.wait())
+            try:
+                await asyncio.wait(waits, timeout=READY_S, return_when=asyncio.FIRST_COMPLETED)
+            finally:
+                for each in waits:
+                    each.cancel()
+
+    async def _start(self, told: Mapping[str, str]) -> asyncio.subprocess.Process | None:
+        """Start it with these variables, too; None when that cannot be done."""
         async with self._starting:
             post, order = self._post, self._order
             self._hurry.clear()
-            told, self._next_start = self._next_start, asyncio.get_running_loop().create_future()
+            waiting, self._next_start = self._next_start, asyncio.get_running_loop().create_future()
             with post.log.open("ab") as log:
                 try:
                     process = self._process = await asyncio.create_subprocess_exec(
                         *order.software.command(*post.command, *post.trial(order.trial)),
-                        env=order.software.environment(post.environment),
+                        env=order.software.environment({**post.environment, **told}),
                         # The gateway tells on the terminal where the panels are.
                         stdout=None if post.speaks else log,
                         stderr=log,
@@ -141,12 +163,12 @@ class Keeper:
                     )
                 except OSError as error:
                     log.write(f"{order.software.python}: {error}\n".encode())
-                    told.set_exception(error)
+                    waiting.set_exception(error)
                     # Whoever waits for it hears of it; else it stands in the log.
-                    told.exception()
+                    waiting.exception()
                     return None
             member = self._roll.started(post, process.pid, order.software, order.state)
-            told.set_result(member.starts)
+            waiting.set_result(member.starts)
         return process
 
 

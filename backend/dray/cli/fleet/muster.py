@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import sys
 import time
 from collections.abc import Mapping
@@ -36,6 +37,10 @@ from dray.gateway.access.tokens import new_token
 from dray.plant import Plant
 from dray.settings import PREFIX, Settings
 from dray.store import open_store
+
+STARTS_AT_ONCE = max(2, os.cpu_count() or 1)
+"""A start is mostly work for a processor. When all begin at once, those that take part already are not
+heard for so long that others give them up, which is more work still."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +93,8 @@ async def run_muster(muster: Muster) -> None:
         write_targets(folder, {post.name: post.metrics for post in posts if post.metrics})
         roll = RollKeeper(folder, muster.plant.id, plain=muster.plain)
         leave_s = muster.settings.leave_s
-        keepers = {post.name: Keeper(post, roll, leave_s, Order(OWN)) for post in posts}
+        turns = asyncio.Semaphore(STARTS_AT_ONCE)
+        keepers = {post.name: Keeper(post, roll, turns, leave_s, Order(OWN)) for post in posts}
         greeting = f"{len(posts)} processes; `dray fleet status --folder {muster.folder}` shows them"
         if muster.settings.admin_token is None:
             greeting += f"\n  Admin token       {token.get_secret_value()}"

@@ -74,7 +74,7 @@ def posts_of(
     demand: bool,
     metrics: bool,
 ) -> list[Post]:
-    """All posts of a plant.
+    """All posts of a plant, in the order in which they are to be started: agents need a floor, people a panel.
 
     Args:
         plant: the factory.
@@ -88,9 +88,9 @@ def posts_of(
         FLOOR: (FLOOR,),
         HISTORIAN: (HISTORIAN,),
         STRATEGIST: (STRATEGIST,),
+        GATEWAY: (GATEWAY, "--demand" if demand else "--no-demand"),
         **{machine: ("agent", Kind.MACHINE, machine) for machine in plant.machines},
         **{atv: ("agent", Kind.ATV, atv) for atv in plant.fleet},
-        GATEWAY: (GATEWAY, "--demand" if demand else "--no-demand"),
     }
     names = tuple(commands)
     free = free_addresses(2 * len(names))

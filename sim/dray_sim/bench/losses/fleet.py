@@ -21,8 +21,8 @@ from dray.gateway.timescale import TimeScale
 from dray.plant import Plant, plant_yaml
 from dray.settings import PREFIX, Settings
 
-START_S = 240.0
-"""For two dozen processes with their imports, on a computer that is busy elsewhere."""
+START_S = 600.0
+"""For dozens of processes with their imports, on a computer that is busy elsewhere."""
 
 STOP_S = 60.0
 
