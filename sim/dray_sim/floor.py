@@ -12,6 +12,7 @@ from random import Random
 
 import msgspec
 
+from dray.errors import PlantError
 from dray.plant import Plant, with_machine
 from dray.plant.model import MachineSpec, VehicleSpec
 from dray.ports import Body, Clock
@@ -91,7 +92,16 @@ class Floor:
 
         Args:
             spec: its id, its type in the plant, and where it stands.
+
+        Raises:
+            PlantError: there is no such type or place in this plant.
         """
+        for field, name, there in (
+            ("type", spec.type, self._plant.vehicle_types),
+            ("node", spec.node, self._plant.nodes),
+        ):
+            if name not in there:
+                raise PlantError(spec.id, field, f"the plant has no {field} {name!r}")
         vehicle_type = self._plant.vehicle_types[spec.type]
         vehicle = SimVehicle(
             spec, vehicle_type, self._plant, self._clock, self._places, self._docks, self._chargers

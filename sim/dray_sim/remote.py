@@ -2,14 +2,15 @@
 
     agent's process                                the floor's process
     Body.instruct --> {plant}/body/@{agent}/do --> Body.instruct
-    Body.attach  <-- {plant}/body/@{agent}/told <-- reports, and the state after them, also with no report
+    Body.attach  <-- {plant}/body/@{agent}/told <-- reports, and the state after them, ten times a second
     Body.sense   is the state that was told last
     put_down      -- query {plant}/floor/@newcomers: a body that the plant file does not know
     count_pieces  -- query {plant}/floor/@pieces -> all pieces that are there now
     connect       -- query {plant}/body/@{agent} -> the state now; from then on this life's word counts
 
-A real vehicle has its body on its own computer. Here a killed agent leaves its body behind as hardware is
-left behind: a loaded vehicle stays loaded, and drives its way to the end.
+A real vehicle has its body on its own computer, and wires lose nothing. The bus may: who passes on what others
+say may be killed. So instructions and reports are said until they are heard (`Exchange`). A killed agent leaves
+its body behind as hardware is left behind: a loaded vehicle stays loaded, and drives its way to the end.
 
 A floor that begins anew knows nothing of the one before. To an agent that has taken over its body there, it
 says nothing, so that the agent finds its body lost; and to the next life it says that the body is new.
@@ -29,9 +30,10 @@ from zenoh.handlers import Callback
 
 from dray.adapters.crossing import Crossing
 from dray.body import BodyState, Instruction, Report
-from dray.errors import UnavailableError
+from dray.errors import PlantError, UnavailableError
 from dray.plant.model import MachineSpec, VehicleSpec
 from dray.ports import Body
+from dray_sim.exchange import Exchange, Letter, Part
 from dray_sim.floor import Floor, Pieces
 
 TELL_EVERY_S = 0.1
@@ -48,6 +50,12 @@ SILENT_LOOKS = 10
 """A body is asked whether it is there when so many looks one after the other find that it has told nothing, which
 it does ten times between two of them. A cut link is gone round sooner."""
 
+KEPT_MAX = 1000
+"""Reports that wait to be heard: a life that lacks so many is dead or cut off, and has lost its body."""
+
+REFUSED = zenoh.Encoding.TEXT_PLAIN
+"""Of an answer that is the floor's own; Zenoh's, that nobody has answered in time, say, are of other encodings."""
+
 NO_LIFE = b"0"
 """Asks how a body is, and takes nothing over."""
 
@@ -59,39 +67,38 @@ _KINDS: dict[str, Any] = {
 }
 
 
-class _Order(msgspec.Struct, array_like=True, frozen=True):
-    """An instruction of one life of an agent."""
+class _Do(msgspec.Struct, array_like=True, frozen=True):
+    """Instructions of one life of an agent."""
 
     life: int
-    kind: str
-    instruction: msgspec.Raw
+    letter: Letter
 
 
 class _Taken(msgspec.Struct, array_like=True, frozen=True):
-    """What a life finds that takes a body over: how it is, and whether an earlier one has had it."""
+    """How a body is, which life has it now, and whether any life has had it before."""
 
-    state_kind: str
-    state: msgspec.Raw
+    state: Part
+    life: int
     known: bool
 
 
 class _Told(msgspec.Struct, array_like=True, frozen=True):
-    """What a body tells: a report or none, and how it is after it."""
+    """What a body tells the life that has it: reports, and how it is after them."""
 
-    kind: str
-    report: msgspec.Raw
-    state_kind: str
-    state: msgspec.Raw
+    life: int
+    letter: Letter
+    state: Part
 
 
 _encode = msgspec.msgpack.Encoder().encode
 
 
-def _raw(part: object) -> tuple[str, msgspec.Raw]:
-    return type(part).__name__, msgspec.Raw(_encode(part))
+def _part(what: object) -> Part:
+    return type(what).__name__, msgspec.Raw(_encode(what))
 
 
-def _part(kind: str, raw: msgspec.Raw) -> Any:
+def _of(part: Part) -> Any:
+    kind, raw = part
     return msgspec.msgpack.decode(raw, type=_KINDS[kind])
 
 
@@ -112,7 +119,7 @@ async def _asked(session: zenoh.Session, key: str, question: bytes, what: str) -
     """The answer of a floor, which may be starting too.
 
     Raises:
-        UnavailableError: nobody answers.
+        UnavailableError: nobody answers, or the floor refuses.
     """
     try:
         async with asyncio.timeout(PATIENCE_S):
@@ -126,17 +133,26 @@ async def _asked(session: zenoh.Session, key: str, question: bytes, what: str) -
 
 
 async def _answer(session: zenoh.Session, key: str, question: bytes) -> bytes | None:
-    """What is answered now; None when nobody does."""
+    """What is answered now; None when nobody does.
+
+    Raises:
+        UnavailableError: the floor refuses.
+    """
     loop, end = asyncio.get_running_loop(), asyncio.Event()
     answers: list[bytes] = []
+    refusals: list[str] = []
 
     def take(reply: zenoh.Reply) -> None:
         if reply.ok is not None:
             answers.append(reply.ok.payload.to_bytes())
+        elif reply.err is not None and reply.err.encoding == REFUSED:
+            refusals.append(reply.err.payload.to_string())
 
     taken = Callback(take, lambda: loop.call_soon_threadsafe(end.set), indirect=False)
     session.get(key, taken, payload=question, timeout=PATIENCE_S)
     await end.wait()
+    if refusals:
+        raise UnavailableError("the floor", f"refuses: {refusals[0]}", "see which plant file it has")
     return answers[0] if answers else None
 
 
@@ -156,11 +172,12 @@ class RemoteBody:
     def __init__(self, session: zenoh.Session, plant: str, agent: str, life: int) -> None:
         self._session, self._key, self._life = session, _key(plant, agent), life
         self._crossing = Crossing(asyncio.get_running_loop())
+        self._exchange = Exchange()
         self._report: Callable[[Report], None] = _nobody_hears
         self._state: BodyState
         self._silent = False
         self.is_new = False
-        self._told = session.declare_subscriber(f"{self._key}/told", Callback(self._hear, indirect=False))
+        session.declare_subscriber(f"{self._key}/told", Callback(self._hear, indirect=False))
 
     async def connect(self) -> None:
         """Take over the body, and learn how it is.
@@ -172,17 +189,17 @@ class RemoteBody:
             self._session, self._key, str(self._life).encode(), f"the body of {self._key.rpartition('@')[2]}"
         )
         taken = msgspec.msgpack.decode(answer, type=_Taken)
-        self._state, self.is_new = _part(taken.state_kind, taken.state), not taken.known
+        self._state, self.is_new = _of(taken.state), not taken.known
 
     async def lost(self) -> None:
-        """Wait until it is there no more: its floor has ended, or has begun anew.
+        """Wait until it is there no more: its floor has ended or has begun anew, or has given this life up.
 
         A floor that is only busy, or to which a link is cut for a while, answers when it is asked.
         """
         while True:
             await self._silence()
             answer = await _answer(self._session, self._key, NO_LIFE)
-            if answer is None or not msgspec.msgpack.decode(answer, type=_Taken).known:
+            if answer is None or msgspec.msgpack.decode(answer, type=_Taken).life != self._life:
                 return
 
     async def _silence(self) -> None:
@@ -195,7 +212,8 @@ class RemoteBody:
 
     def instruct(self, instruction: Instruction) -> None:
         """See `dray.ports.Body`."""
-        self._session.put(f"{self._key}/do", _encode(_Order(self._life, *_raw(instruction))))
+        self._exchange.say(_part(instruction))
+        self._write()
 
     def sense(self) -> BodyState:
         """See `dray.ports.Body`: how it was at most `TELL_EVERY_S` ago."""
@@ -205,28 +223,31 @@ class RemoteBody:
         """See `dray.ports.Body`."""
         self._report = report
 
-    def close(self) -> None:
-        """Let go of the body, which goes on."""
-        self._told.undeclare()
+    def _write(self) -> None:
+        self._session.put(f"{self._key}/do", _encode(_Do(self._life, self._exchange.write())))
 
     def _hear(self, sample: zenoh.Sample) -> None:
         self._crossing.order(self._take, sample.payload.to_bytes())
 
     def _take(self, data: bytes) -> None:
-        self._silent = False
         told = msgspec.msgpack.decode(data, type=_Told)
-        self._state = _part(told.state_kind, told.state)
-        if told.kind:
-            self._report(_part(told.kind, told.report))
+        if told.life != self._life:
+            return
+        self._silent = False
+        self._state = _of(told.state)
+        for report in self._exchange.read(told.letter):
+            self._report(_of(report))
+        if self._exchange.due:
+            self._write()
 
 
 async def put_down(session: zenoh.Session, plant: str, spec: Newcomer) -> None:
     """Put a vehicle or a machine on a floor elsewhere, unless it stands there already.
 
     Raises:
-        UnavailableError: there is no floor.
+        UnavailableError: there is no floor, or it does not fit there.
     """
-    await _asked(session, _newcomers(plant), _encode(_raw(spec)), "the floor")
+    await _asked(session, _newcomers(plant), _encode(_part(spec)), "the floor")
 
 
 async def count_pieces(session: zenoh.Session, plant: str) -> Pieces:
@@ -260,7 +281,7 @@ class FloorServer:
         while True:
             await asyncio.sleep(TELL_EVERY_S)
             for served in self._served:
-                served.tell_state()
+                served.tell()
 
     def _serve(self, agent: str, body: Body) -> _Served:
         return _Served(self._session, self._crossing, _key(self._plant, agent), body)
@@ -274,10 +295,14 @@ class FloorServer:
     def _receive(self, query: zenoh.Query) -> None:
         with query:
             data = b"" if query.payload is None else query.payload.to_bytes()
-            spec = _part(*msgspec.msgpack.decode(data, type=tuple[str, msgspec.Raw]))
-            if spec.id not in self._floor.bodies:
-                self._served.append(self._serve(spec.id, self._floor.add(spec)))
-            query.reply(_newcomers(self._plant), b"there")
+            spec = _of(msgspec.msgpack.decode(data, type=Part))
+            try:
+                if spec.id not in self._floor.bodies:
+                    self._served.append(self._serve(spec.id, self._floor.add(spec)))
+            except PlantError as error:
+                query.reply_err(str(error), encoding=REFUSED)
+            else:
+                query.reply(_newcomers(self._plant), b"there")
 
     def _count(self, query: zenoh.Query) -> None:
         with query:
@@ -289,22 +314,24 @@ class _Served:
 
     def __init__(self, session: zenoh.Session, crossing: Crossing, key: str, body: Body) -> None:
         self._session, self._crossing, self._key, self._body = session, crossing, key, body
-        self._life = 0
+        self._life, self._known = 0, False
+        self._exchange = Exchange()
         session.declare_queryable(key, Callback(self._ask, indirect=False))
         session.declare_subscriber(f"{key}/do", Callback(self._hear, indirect=False))
-        body.attach(self._tell)
+        body.attach(self._report)
 
-    def tell_state(self) -> None:
-        """Say how it is, if anybody has taken it over."""
+    def tell(self) -> None:
+        """Say how it is, and what is not heard yet, if anybody has taken it over."""
         if self._life:
-            self._say("", msgspec.Raw(_encode(None)))
+            told = _Told(self._life, self._exchange.write(), _part(self._body.sense()))
+            self._session.put(f"{self._key}/told", _encode(told))
 
-    def _tell(self, report: Report) -> None:
-        self._say(*_raw(report))
-
-    def _say(self, kind: str, report: msgspec.Raw) -> None:
-        told = _Told(kind, report, *_raw(self._body.sense()))
-        self._session.put(f"{self._key}/told", _encode(told))
+    def _report(self, report: Report) -> None:
+        if self._exchange.kept >= KEPT_MAX:
+            self._life = 0
+        if self._life:
+            self._exchange.say(_part(report))
+            self.tell()
 
     # --- on Zenoh's threads ----------------------------------------------------------------------
 
@@ -319,13 +346,16 @@ class _Served:
     def _answer(self, query: zenoh.Query) -> None:
         with query:
             life = int(query.payload.to_string()) if query.payload is not None else 0
-            known, self._life = self._life > 0, max(self._life, life)
-            query.reply(self._key, _encode(_Taken(*_raw(self._body.sense()), known)))
+            known = self._known
+            if life > self._life:
+                self._life, self._known, self._exchange = life, True, Exchange()
+            query.reply(self._key, _encode(_Taken(_part(self._body.sense()), self._life, known)))
 
     def _obey(self, data: bytes) -> None:
-        order = msgspec.msgpack.decode(data, type=_Order)
-        if order.life == self._life:
-            self._body.instruct(_part(order.kind, order.instruction))
+        done = msgspec.msgpack.decode(data, type=_Do)
+        if done.life == self._life:
+            for instruction in self._exchange.read(done.letter):
+                self._body.instruct(_of(instruction))
 
 
 def _nobody_hears(report: Report) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Coroutine
+from random import Random
 from typing import Any
 
 import pytest
@@ -11,7 +12,17 @@ from msgspec.structs import replace
 from zenoh_kit import PATIENCE_S, Row
 
 from dray.adapters.zenoh_bus import ZenohBus
-from dray.body import Admit, Broken, Drive, NodePassed, Report, VehicleState, WayDone, WorkcellState
+from dray.body import (
+    Admit,
+    Broken,
+    Drive,
+    NodePassed,
+    ReleaseWay,
+    Report,
+    VehicleState,
+    WayDone,
+    WorkcellState,
+)
 from dray.errors import UnavailableError
 from dray.plant import default_plant
 from dray_sim import remote
@@ -30,6 +41,7 @@ class House:
     def __init__(self, row: Row, group: asyncio.TaskGroup) -> None:
         self._row, self._group = row, group
         self.here = row.buses[1].inner
+        self.there = row.buses[0].inner
         self.floor, self.serving = self._serve(row.buses[0])
 
     def end(self) -> None:
@@ -46,8 +58,8 @@ class House:
         floor = Floor(PLANT, clock(), seed=1)
         return floor, self._group.create_task(FloorServer(bus.inner, PLANT.id, floor).run())
 
-    async def take_over(self, agent: str, life: int) -> RemoteBody:
-        body = RemoteBody(self.here, PLANT.id, agent, life)
+    async def take_over(self, agent: str, life: int, session: Any = None) -> RemoteBody:
+        body = RemoteBody(session or self.here, PLANT.id, agent, life)
         await body.connect()
         return body
 
@@ -130,6 +142,65 @@ def test_a_vehicle_drives_there_as_it_is_told_here() -> None:
         state = body.sense()
         assert isinstance(state, VehicleState)
         assert state.node == nodes[-1]
+
+    in_a_house(test)
+
+
+class Leaky:
+    """A session that lets only some of what is said through."""
+
+    def __init__(self, session: Any, seed: int, through_frac: float = 0.25) -> None:
+        self._session, self._random, self._through_frac = session, Random(seed), through_frac
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._session, name)
+
+    def put(self, key: str, data: bytes) -> None:
+        if self._random.random() < self._through_frac:
+            self._session.put(key, data)
+
+
+def test_instructions_and_reports_arrive_once_and_in_order_also_when_most_messages_are_lost() -> None:
+    async def test(house: House) -> None:
+        nodes = way_of(ATV)
+        house.serving.cancel()
+        floor = Floor(PLANT, clock(), seed=1)
+        server: Any = Leaky(house.there, 1)
+        telling = asyncio.create_task(FloorServer(server, PLANT.id, floor).run())
+        body = await house.take_over(ATV, 5, Leaky(house.here, 2))
+        ear = Ear(body)
+        body.instruct(Drive(order=1, nodes=nodes, released=1))
+        for released in range(2, len(nodes) + 1):
+            body.instruct(ReleaseWay(order=1, released=released))
+        await ear.until(WayDone)
+        assert [report.node for report in ear.reports if isinstance(report, NodePassed)] == list(nodes)
+        telling.cancel()
+
+    in_a_house(test)
+
+
+def test_a_life_that_has_not_heard_too_much_has_lost_its_body(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def test(house: House) -> None:
+        machine = next(iter(PLANT.machines))
+        body = await house.take_over(machine, 1, Leaky(house.here, 1, through_frac=0.0))
+        workcell = house.floor.workcells[machine]
+        workcell.break_down("a belt has torn")
+        with pytest.raises(TimeoutError):
+            await asyncio.wait_for(body.lost(), 2 * remote.SILENT_LOOKS * remote.LOOK_EVERY_S)
+        workcell.repair()
+        await asyncio.wait_for(body.lost(), PATIENCE_S * SPEED)
+        assert not (await house.take_over(machine, 2)).is_new
+
+    monkeypatch.setattr(remote, "KEPT_MAX", 1)
+    in_a_house(test)
+
+
+def test_a_newcomer_that_does_not_fit_is_refused_with_the_reason() -> None:
+    async def test(house: House) -> None:
+        with pytest.raises(UnavailableError, match="has no type 'submarine'"):
+            await put_down(house.here, PLANT.id, replace(PLANT.fleet[ATV], id="ATV99", type="submarine"))
+        with pytest.raises(UnavailableError, match="has no node 'moon'"):
+            await put_down(house.here, PLANT.id, replace(PLANT.fleet[ATV], id="ATV99", node="moon"))
 
     in_a_house(test)
 

@@ -18,6 +18,7 @@ from dray.adapters.system_clock import SystemClock
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Identity, Links
 from dray.adapters.zenoh_modem import Modem
+from dray.body import VehicleState
 from dray.cli.logs import prepare_logs
 from dray.cli.meters.agent import AgentMeter
 from dray.cli.meters.bus import BusMeter
@@ -174,12 +175,14 @@ async def run_agent(
                 raise UnavailableError(
                     f"the body that {file} is about", "is gone, for the floor has begun anew", remedy
                 )
+            drives = isinstance(body.sense(), VehicleState)
             worker = Worker(
                 make(journal.incarnation),
                 bus=watched(settings, tracing, surroundings.time.to_wall_s)(bus),
                 clock=surroundings.clock(),
                 keys=Keys(plant.id),
-                body=Modem(body, bus.inner, settings.bus_radio) if settings.bus_radio else body,
+                # A machine has wires, whatever a computer's settings name for its vehicles.
+                body=Modem(body, bus.inner, settings.bus_radio) if drives and settings.bus_radio else body,
                 journal=journal,
             )
             meters = BusMeter(bus), AgentMeter(worker, journal)
@@ -218,9 +221,9 @@ async def serve_floor(surroundings: Surroundings, seed: int) -> None:
     """Run the simulated floor until a signal."""
     stopped = asyncio.Event()
     plant = surroundings.plant
-    async with surroundings.bus(FLOOR) as bus:
+    async with surroundings.bus(FLOOR) as bus, asyncio.TaskGroup() as group:
         floor = Floor(plant, surroundings.clock(), seed=seed, stock_frac=NEARLY_EMPTY_FRAC)
-        telling = asyncio.create_task(FloorServer(bus.inner, plant.id, floor).run())
+        telling = group.create_task(FloorServer(bus.inner, plant.id, floor).run())
         async with surroundings.told():
             with stopped_by_signals(stopped.set):
                 say_ready(FLOOR)

@@ -144,15 +144,17 @@ async def _observe(size: Size) -> Observed:
                 joined_s = time.monotonic() - began_s
                 await _order(fleet, plant)
                 await asyncio.sleep(size.warm_s)
-                ear, members = Ear(bus, agents), fleet.roll.members
+                members = fleet.roll.members
                 before, began_s = _used(members), time.monotonic()
+                ear = Ear(bus, agents)
                 await asyncio.sleep(size.span_s)
                 _refuse_new_lives(members, fleet.roll.members)
-                after, span_s = _used(members), time.monotonic() - began_s
+                said, span_s = Counter(ear.heard), time.monotonic() - began_s
+                after = _used(members)
     counts = Counter(member.kind for member in members)
     return Observed(
         joined_s=joined_s,
-        said={kind: count / span_s for kind, count in ear.heard.items()},
+        said={kind: count / span_s for kind, count in said.items()},
         kinds={
             kind: Usage(
                 (after[kind].processor_s - before[kind].processor_s) / span_s / count,
@@ -182,7 +184,11 @@ async def _order(fleet: Fleet, plant: Plant) -> None:
         for product, quantity in items.items()
         if quantity
     ]
-    await Customer(fleet.url, fleet.token, fleet.time).place(orders, fleet.time.to_plant_s(time.time()))
+    customer = Customer(fleet.url, fleet.token, fleet.time)
+    await customer.place(orders, fleet.time.to_plant_s(time.time()))
+    if customer.refused:
+        why = next(iter(customer.refused.values()))
+        raise UnavailableError("the fleet", f"refuses an order: {why}", "see the gateway's log")
 
 
 def _refuse_new_lives(before: Iterable[Member], after: Iterable[Member]) -> None:

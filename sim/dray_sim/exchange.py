@@ -1,0 +1,73 @@
+"""An exchange between two sides over a way that loses, doubles and delays: what is said is heard once, and in order.
+
+Each side numbers what it says and keeps it until the other has heard it. A letter carries everything that is
+kept, and how far its writer has heard the other. Nothing here looks at a clock: whoever gets a letter that tells
+nothing new, or has something kept, writes again.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+Part = tuple[str, msgspec.Raw]
+"""What is said, and of which kind it is."""
+
+PARTS_PER_LETTER = 50
+"""Far more than wait where letters arrive; the rest is in the next one."""
+
+
+class Letter(msgspec.Struct, array_like=True, frozen=True):
+    """What one side says.
+
+    Attributes:
+        heard: number of the last part that its writer has heard.
+        first: number of the first of `parts`, from 1 on.
+        parts: in the order in which they were said.
+    """
+
+    heard: int
+    first: int
+    parts: tuple[Part, ...] = ()
+
+
+class Exchange:
+    """One side of it."""
+
+    def __init__(self) -> None:
+        self._heard = 0
+        self._first = 1
+        self._kept: list[Part] = []
+        self._repeated = False
+
+    @property
+    def kept(self) -> int:
+        """How many parts the other side has not heard yet, as far as is known here."""
+        return len(self._kept)
+
+    @property
+    def due(self) -> bool:
+        """Whether a letter is to be written: the other side lacks something, or does not know that we have heard it."""
+        return self._repeated or bool(self._kept)
+
+    def say(self, part: Part) -> None:
+        """Keep this until the other side has heard it."""
+        self._kept.append(part)
+
+    def write(self) -> Letter:
+        """What the other side is to get now."""
+        self._repeated = False
+        return Letter(self._heard, self._first, tuple(self._kept[:PARTS_PER_LETTER]))
+
+    def read(self, letter: Letter) -> tuple[Part, ...]:
+        """What is new in a letter."""
+        known = letter.heard + 1 - self._first
+        if known > 0:
+            del self._kept[:known]
+            self._first += known
+        old = self._heard + 1 - letter.first
+        if old < 0:
+            return ()  # What is between has been lost; its writer keeps it.
+        new = letter.parts[old:]
+        self._repeated |= bool(letter.parts[:old])
+        self._heard += len(new)
+        return new
