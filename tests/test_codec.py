@@ -48,7 +48,7 @@ def wire(message: dict[str, Any], v: Any = 1, sender: Any = "ATV-07") -> bytes:
     return json.dumps({"v": v, "from": sender, "m": message}).encode()
 
 
-TAKEN = {"type": "OrderTaken", "order": "o-1", "release": 1}
+TAKEN = {"type": "OrderTaken", "order": "o-1", "release": 1, "fulfilled": False}
 
 
 patiently = settings(deadline=None)

@@ -98,6 +98,9 @@ class StrategistMemory(Part, tag_field="kind", tag="strategist", frozen=True):
     goal_count: int = 0
     returned: tuple[ReturnedOrder, ...] = ()
     """Orders that were taken back, oldest first."""
+    fulfilled: tuple[str, ...] = ()
+    """Those of the ended orders of which all has arrived. The others were cancelled, or ended in a version of
+    the software that did not write it down."""
 
 
 class ReturnedOrder(Part, frozen=True):

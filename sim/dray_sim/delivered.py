@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from dray.messages import Event, Message, OrderReleased, Production
+from dray.messages import Event, Message, OrderReleased, OrderTaken, Production
 from dray.messages.fact import GoodsDelivered, OrderDropped, OrderFulfilled, TaskClosed, TaskOpened
+from dray.protocol.order_book import ENDED_KEPT
 from dray_sim.broken import InvariantBroken
 
 
@@ -24,7 +25,7 @@ class Ordered:
 
 
 class DeliveredExactly:
-    """Never more than was ordered, and exactly that when an order is fulfilled.
+    """Never more than was ordered, and exactly that when an order is fulfilled, or said to be so.
 
     Args:
         arrived: how many pieces of a goal are in.
@@ -36,6 +37,8 @@ class DeliveredExactly:
         """Orders that have not ended; bounded by what is in work."""
         self._work: dict[str, Production] = {}
         """What the goals of those orders are for."""
+        self._fulfilled: dict[str, None] = {}
+        """Orders of which all has arrived, oldest first: as many as the strategist can still speak of."""
 
     def hear(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
         if type(message) is Event:
@@ -50,11 +53,14 @@ class DeliveredExactly:
             elif type(fact) is OrderFulfilled:
                 self._check_order(fact.order, at_s)
                 self._forget(fact.order)
+                self._note_fulfilled(fact.order)
             elif type(fact) is OrderDropped:
                 self._forget(fact.order)
         elif type(message) is OrderReleased:
             # It is repeated until it is answered, and later holds less than was ordered.
             self._orders.setdefault(message.order, Ordered([item.quantity for item in message.items]))
+        elif type(message) is OrderTaken and message.fulfilled and message.order not in self._fulfilled:
+            raise InvariantBroken(4, at_s, f"{message.order} was said to be fulfilled, and was not")
 
     def _note_goal(self, goal: str, work: Production) -> None:
         order = self._orders.get(work.order)
@@ -87,6 +93,11 @@ class DeliveredExactly:
         if arrived > ordered or (exactly and arrived != ordered):
             seen = f"item {item + 1} of {name}: {arrived} pieces are in, {ordered} were ordered"
             raise InvariantBroken(4, at_s, seen)
+
+    def _note_fulfilled(self, name: str) -> None:
+        self._fulfilled[name] = None
+        if len(self._fulfilled) > ENDED_KEPT:
+            del self._fulfilled[next(iter(self._fulfilled))]
 
     def _forget(self, name: str) -> None:
         order = self._orders.pop(name, None)

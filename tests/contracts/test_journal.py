@@ -126,7 +126,7 @@ MEMORIES: list[Memory] = [
     AtvMemory(contract=CONTRACT, acknowledged=True, speed_frac=0.25),
     AtvMemory(answered=(CommandMemory(command="C1", person="person:p", valid_until_s=9.5, refused="no"),)),
     MachineMemory(goals=(GOAL,), tasks=(TASK,), task_count=7),
-    StrategistMemory(orders=(ORDER,), ended=("O-0",), goal_count=5),
+    StrategistMemory(orders=(ORDER,), ended=("O-0", "O-9"), goal_count=5, fulfilled=("O-0",)),
 ]
 
 

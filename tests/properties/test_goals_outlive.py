@@ -2,7 +2,8 @@
 
 The strategist is the real one. Machines are wild: they send any pieces of any goal that they ever had,
 at any time, name it or not, and are silent for as long as chance wants. The gate keeps its word, and its
-reports come late. The strategist is killed at any moment and goes on from what it had written down.
+reports come late. The strategist is killed at any moment and goes on from what it had written down. Asked
+at any moment, it says of the order that it is fulfilled when it is, and not before.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from kit import (
 
 from dray.body import Admit, GoodsArrived
 from dray.memory import Memory
-from dray.messages import Award, GoalBrief, OrderItem, OrderReleased, Production, TaskAnnounced
+from dray.messages import Award, GoalBrief, OrderItem, OrderReleased, OrderTaken, Production, TaskAnnounced
 from dray.messages.fact import OrderFulfilled
 from dray.protocol.events import Effect, Publish
 from dray.protocol.machine_watch import GOAL_SILENCE_S
@@ -99,8 +100,16 @@ class GoalsOutlive(RuleBasedStateMachine):
     @initialize()
     def order(self) -> None:
         self.note(self.rig.start())
+        self.ask()
+
+    @rule()
+    def ask(self) -> None:
+        """The gateway sends the order, for the first time or once more."""
         items = (OrderItem(product=PRODUCT, quantity=ORDERED),)
-        self.note(self.rig.hear("gateway", OrderReleased(order="O1", items=items, due_s=7200.0)))
+        effects = self.rig.hear("gateway", OrderReleased(order="O1", items=items, due_s=7200.0))
+        [taken] = sent(effects, OrderTaken)
+        self.note(effects)
+        assert taken.fulfilled == bool(self.fulfilled)
 
     @rule(machine=machines)
     def take_what_is_put_up(self, machine: str) -> None:

@@ -28,6 +28,7 @@ from kit import (
 
 from dray.body import Admit, GoodsArrived, Repaired
 from dray.errors import ProtocolViolation
+from dray.memory import Memory
 from dray.messages import (
     Accepted,
     Award,
@@ -208,6 +209,7 @@ def test_the_same_order_twice_is_one_order() -> None:
 def test_an_order_of_nothing_is_fulfilled_at_once() -> None:
     rig = released(order())
     assert [fact.order for fact in facts(rig.all, OrderFulfilled)] == ["O1"]
+    assert sent(rig.all, OrderTaken) == [OrderTaken(order="O1", fulfilled=True)]
     assert rig.agent.wake_at_s == NEVER_S
 
 
@@ -398,13 +400,15 @@ def test_a_goal_that_nobody_knows_is_over() -> None:
     assert [message.task for message in sent(effects, Withdrawn, to="M7")] == ["X2"]
 
 
-def test_a_fulfilled_order_that_is_released_again_is_not_made_again() -> None:
+def test_a_fulfilled_order_that_is_released_again_is_said_to_be_so_and_not_made_again() -> None:
     rig = released(order(pump=24))
     [(goal, _, _)] = announced(rig.all)
     contract(rig, goal, "M7")
-    rig.arrive(goal, 24)
+    rig.arrive(goal, 23)
+    assert sent(rig.hear("gateway", order(pump=24)), OrderTaken) == [OrderTaken(order="O1")]
+    rig.arrive(goal, 1)
     effects = rig.hear("gateway", order(pump=24))
-    assert sent(effects, OrderTaken)
+    assert sent(effects, OrderTaken) == [OrderTaken(order="O1", fulfilled=True)]
     assert announced(effects) == []
 
 
@@ -690,12 +694,25 @@ def test_no_two_goals_ever_have_one_name() -> None:
         names |= fresh
 
 
-def test_an_ended_order_is_recognised_in_the_next_life() -> None:
+def test_the_next_life_knows_which_ended_orders_were_fulfilled() -> None:
     rig, goal = making()
     rig.arrive(goal, 24)
-    again = reborn(rig)
-    effects = again.hear("gateway", order(pump=24))
-    assert sent(effects, OrderTaken)
+    rig.hear("gateway", OrderCancelled(order="O2"))
+    later = reborn(reborn(rig), 3)
+    effects = later.hear("gateway", order(pump=24)) + later.hear("gateway", order("O2", pump=24))
+    assert sent(effects, OrderTaken) == [OrderTaken(order="O1", fulfilled=True), OrderTaken(order="O2")]
+    assert announced(effects) == []
+
+
+def test_an_order_whose_end_was_not_written_down_how_is_not_said_to_be_fulfilled() -> None:
+    rig, goal = making()
+    rig.arrive(goal, 24)
+    written = msgspec.to_builtins(committed(rig.all))
+    del written["fulfilled"]  # As the version before has left it.
+    later = StrategistRig(memory=msgspec.convert(written, Memory), incarnation=2)
+    later.start()
+    effects = later.hear("gateway", order(pump=24))
+    assert sent(effects, OrderTaken) == [OrderTaken(order="O1")]
     assert announced(effects) == []
 
 
@@ -739,7 +756,7 @@ def test_an_order_that_is_cancelled_before_it_comes_is_never_begun() -> None:
     assert sent(effects, CancellationTaken) == [CancellationTaken(order="O2")]
     effects = rig.hear("gateway", order("O2", pump=24))
     assert facts(effects, OrderAccepted) == announced(effects) == []
-    assert sent(effects, OrderTaken)
+    assert sent(effects, OrderTaken) == [OrderTaken(order="O2")]
 
 
 def test_a_cancelled_order_that_is_released_again_is_not_made() -> None:
@@ -747,7 +764,15 @@ def test_a_cancelled_order_that_is_released_again_is_not_made() -> None:
     rig.hear("gateway", OrderCancelled(order="O1"))
     effects = rig.hear("gateway", order(pump=24))
     assert announced(effects) == []
-    assert sent(effects, OrderTaken)
+    assert sent(effects, OrderTaken) == [OrderTaken(order="O1")]
+
+
+def test_an_order_that_is_cancelled_when_all_of_it_has_arrived_stays_fulfilled() -> None:
+    rig, goal = making()
+    rig.arrive(goal, 24)
+    assert sent(rig.hear("gateway", OrderCancelled(order="O1")), CancellationTaken)
+    effects = rig.hear("gateway", order(pump=24))
+    assert sent(effects, OrderTaken) == [OrderTaken(order="O1", fulfilled=True)]
 
 
 def test_the_gate_is_shut_for_the_goals_of_a_cancelled_order() -> None:
@@ -808,7 +833,9 @@ def test_an_order_whose_last_pieces_come_before_the_gate_is_shut_is_fulfilled_an
     effects = rig.gate_answers(goal)
     assert facts(effects, OrderFulfilled) == [OrderFulfilled(order="O1")]
     assert sent(effects, RevocationTaken, to="gateway") == [RevocationTaken("O1", 1, (0,))]
-    assert announced(rig.hear("gateway", again(24))) == []
+    effects = rig.hear("gateway", again(24))
+    assert sent(effects, OrderTaken) == [OrderTaken(order="O1", release=2, fulfilled=True)]
+    assert announced(effects) == []
 
 
 def test_taking_back_is_answered_as_often_as_it_is_asked_for_and_with_the_same_count() -> None:
@@ -842,6 +869,8 @@ def test_an_order_that_was_taken_back_is_made_again_when_it_is_released_again_an
     assert rig.admitted(successor) == 20
     rig.arrive(successor, 20)
     assert facts(rig.all, OrderFulfilled) == [OrderFulfilled(order="O1")]
+    asked_again = rig.hear("gateway", again(20))
+    assert sent(asked_again, OrderTaken) == [OrderTaken(order="O1", release=2, fulfilled=True)]
 
 
 def test_a_release_that_overtakes_the_taking_back_of_the_one_before_is_not_taken_yet() -> None:

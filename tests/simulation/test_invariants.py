@@ -23,6 +23,7 @@ from dray.messages import (
     Message,
     OrderItem,
     OrderReleased,
+    OrderTaken,
     Pose,
     Production,
     Role,
@@ -295,6 +296,16 @@ def test_a_goal_closed_too_early_is_noticed(ordered: Watched) -> None:
 def test_an_order_fulfilled_too_early_is_noticed(ordered: Watched) -> None:
     ordered.bring("G1", 47)
     ordered.say("strategist", OrderFulfilled(order="O1"))
+    assert ordered.broken == 4
+
+
+def test_an_order_that_is_said_to_be_fulfilled_and_is_not_is_noticed(ordered: Watched) -> None:
+    ordered.bring("G1", 48)
+    ordered.say("strategist", OrderTaken(order="O1"), ">desk")
+    ordered.say("strategist", OrderFulfilled(order="O1"))
+    ordered.say("strategist", OrderTaken(order="O1", fulfilled=True), ">desk")
+    assert ordered.broken == 0
+    ordered.say("strategist", OrderTaken(order="O2", fulfilled=True), ">desk")
     assert ordered.broken == 4
 
 

@@ -32,6 +32,8 @@ class OrderTaken(Message, frozen=True):
     order: Id
     release: Count = 1
     """Which release of it this answers."""
+    fulfilled: bool = False
+    """All of it has arrived: nothing is to be done any more, whoever has missed the facts about that."""
 
 
 class OrderCancelled(Message, frozen=True):

@@ -93,8 +93,8 @@ class OrderBook:
         self._life = life
         self._orders: dict[str, OrderInWork] = {}
         self._goals: dict[str, OpenGoal] = {}
-        self._ended: dict[str, None] = {}
-        """Orders that have ended, or were cancelled before they came, oldest first; a dict for its order."""
+        self._ended: dict[str, bool] = {}
+        """Orders that have ended, or were cancelled before they came, oldest first: whether all of it has arrived."""
         self._returned: dict[str, ReturnedOrder] = {}
         """Orders that were taken back and have not come again, oldest first."""
         self._count = 0
@@ -115,6 +115,10 @@ class OrderBook:
             or order in self._ended
             or (order in self._returned and release <= self._returned[order].release)
         )
+
+    def fulfilled(self, order: str) -> bool:
+        """Whether an order has ended because all of it has arrived; False once that is forgotten."""
+        return self._ended.get(order, False)
 
     def returned(self, order: str) -> ReturnedOrder | None:
         """How an order was taken back; None when it was not, or has come again since."""
@@ -183,13 +187,17 @@ class OrderBook:
             del self._returned[next(iter(self._returned))]
         return returned
 
-    def end(self, order: str) -> OrderInWork | None:
+    def end(self, order: str, *, fulfilled: bool = False) -> OrderInWork | None:
         """Forget an order and its goals, and take none of this name any more.
+
+        Args:
+            order: which.
+            fulfilled: whether all of it has arrived; no cancellation that comes later undoes that.
 
         Returns:
             The order; None when it was not in work.
         """
-        self._ended[order] = None
+        self._ended[order] = fulfilled or self.fulfilled(order)
         self._returned.pop(order, None)
         if len(self._ended) > ENDED_KEPT:
             del self._ended[next(iter(self._ended))]
@@ -220,11 +228,13 @@ class OrderBook:
             ended=tuple(self._ended),
             goal_count=self._count,
             returned=tuple(self._returned.values()),
+            fulfilled=tuple(order for order, fulfilled in self._ended.items() if fulfilled),
         )
 
     def restore(self, memory: StrategistMemory) -> None:
         """Take up what an earlier life has written down."""
-        self._ended = dict.fromkeys(memory.ended)
+        fulfilled = frozenset(memory.fulfilled)
+        self._ended = {order: order in fulfilled for order in memory.ended}
         self._count = memory.goal_count
         self._returned = {kept.order: kept for kept in memory.returned}
         for kept in memory.orders:

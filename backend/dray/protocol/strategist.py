@@ -192,7 +192,8 @@ class Strategist(Core):
             for item in message.items:
                 self._ask_next(item.product, now_s)
             self._end_if_done(order)
-        self._out.append(Send(sender, OrderTaken(order=message.order, release=message.release)))
+        taken = OrderTaken(message.order, message.release, fulfilled=self._book.fulfilled(message.order))
+        self._out.append(Send(sender, taken))
 
     def _hear_cancelled(self, sender: str, message: OrderCancelled, now_s: float) -> None:
         """Drop an order, and say so as often as it is asked for, also of one that has not come yet."""
@@ -265,7 +266,7 @@ class Strategist(Core):
             returned = self._book.give_back(order.id, order.release)
             self._out.append(Record(OrderReturned(order.id, order.release, returned.outstanding)))
         else:
-            self._book.end(order.id)
+            self._book.end(order.id, fulfilled=True)
             self._out.append(Record(OrderFulfilled(order=order.id)))
         self._commit()
         if order.revoked_by:
