@@ -107,7 +107,7 @@ def test_an_order_that_was_taken_is_sent_no_more() -> None:
     async def answers_to_the_third(stage: Stage) -> None:
         stage.desk.release(order())
         await asyncio.sleep(2.0)
-        stage.desk.taken("O-1", 1)
+        stage.desk.answered(OrderTaken("O-1"))
         await asyncio.sleep(3600.0)
 
     assert play(answers_to_the_third).times_s == pytest.approx([0.0, 0.5, 1.5])
@@ -128,7 +128,7 @@ def test_every_order_has_its_own_pauses() -> None:
         await asyncio.sleep(5.0)
         stage.desk.release(order("O-2"))
         await asyncio.sleep(0.6)
-        stage.desk.taken("O-1", 1)
+        stage.desk.answered(OrderTaken("O-1"))
         await asyncio.sleep(1.0)
 
     stage = play(one_after_the_other)
@@ -141,11 +141,11 @@ def test_every_order_has_its_own_pauses() -> None:
 def test_an_answer_about_another_order_and_the_same_answer_again_change_nothing() -> None:
     async def strange_answers(stage: Stage) -> None:
         stage.desk.release(order())
-        stage.desk.taken("O-9", 1)
-        stage.desk.dropped("O-1")
+        stage.desk.answered(OrderTaken("O-9"))
+        stage.desk.answered(CancellationTaken("O-1"))
         await asyncio.sleep(0.6)
         for _ in range(2):
-            stage.desk.taken("O-1", 1)
+            stage.desk.answered(OrderTaken("O-1"))
         await asyncio.sleep(60.0)
 
     assert play(strange_answers).times_s == pytest.approx([0.0, 0.5])
@@ -193,9 +193,9 @@ def test_a_cancellation_takes_the_place_of_the_order_and_is_repeated() -> None:
         await asyncio.sleep(3.0)
         stage.desk.cancel("O-1")
         await asyncio.sleep(2.0)
-        stage.desk.taken("O-1", 1)
+        stage.desk.answered(OrderTaken("O-1"))
         await asyncio.sleep(2.0)
-        stage.desk.dropped("O-1")
+        stage.desk.answered(CancellationTaken("O-1"))
         await asyncio.sleep(60.0)
 
     stage = play(cancel)
@@ -218,10 +218,10 @@ def test_nothing_is_left_in_memory_when_all_is_answered() -> None:
     message = OrderCancelled(order="O-1")
     reminders.add("O-1", message, 0.0)
     assert "O-1" in reminders
-    assert not reminders.answered("O-1", OrderReleased)
+    assert not reminders.answered(OrderTaken("O-1"))
     assert reminders.due(PAUSE_S[0]) == [message]
-    assert reminders.answered("O-1", OrderCancelled)
-    assert not reminders.answered("O-1", OrderCancelled)
+    assert reminders.answered(CancellationTaken("O-1"))
+    assert not reminders.answered(CancellationTaken("O-1"))
     assert "O-1" not in reminders
     assert reminders.next_s() is None
     assert reminders.due(1e9) == []

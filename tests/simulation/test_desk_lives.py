@@ -57,6 +57,8 @@ class Office:
         self._desk: Desk | None = None
         self.orders: dict[str, Order] = {}
         self.cancelled: dict[str, None] = {}
+        self.fulfilled: set[str] = set()
+        """By the strategist's word."""
 
     def place(self, order: demand.Order) -> None:
         self.orders[order.id] = placed = Order(
@@ -105,10 +107,10 @@ class Office:
         assert sender == STRATEGIST
         if self._chance.random() < LOSS_FRAC:
             return
-        if isinstance(message, OrderTaken):
-            self._desk.taken(message.order, message.release)
-        elif isinstance(message, CancellationTaken):
-            self._desk.dropped(message.order)
+        assert isinstance(message, OrderTaken | CancellationTaken)
+        self._desk.answered(message)
+        if isinstance(message, OrderTaken) and message.fulfilled:
+            self.fulfilled.add(message.order)
 
 
 async def gateways(office: Office, chance: Random) -> None:
@@ -161,6 +163,8 @@ def test_every_order_is_delivered_once_or_dropped(seed: int) -> None:
         assert wanted
         assert {order: ended.fulfilled[order] for order in wanted} == dict.fromkeys(wanted, 1)
         assert not wanted & ended.dropped.keys()
+        assert office.fulfilled
+        assert all(ended.fulfilled[order] == 1 for order in office.fulfilled)
         # A cancelled order may have been delivered before; never both, and neither when it never came.
         assert all(ended.fulfilled[order] + ended.dropped[order] <= 1 for order in office.cancelled)
         assert [goal for goal in goals_held(factory) if goal in office.cancelled] == []

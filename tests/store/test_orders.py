@@ -10,7 +10,7 @@ from sqlalchemy.exc import IntegrityError
 from dray.store import Store
 from dray.store.keys import KeptAnswer
 from dray.store.orders import OrderTotals
-from dray.store.progress import OrderStatus, Progress
+from dray.store.progress import Goal, OrderStatus, Progress, progress
 
 pytestmark = pytest.mark.anyio
 
@@ -80,14 +80,14 @@ async def test_an_order_that_is_taken_back_is_stored_when_the_factory_says_so_an
 ) -> None:
     await keep(store, order(1, 4, 2))
     async with store.write() as work:
-        await work.orders.store("O-1", 1, (0, 1))
+        await work.orders.store("O-1", 1, (0, 1), 15.0)
         asked = [await work.orders.get("O-1")]
         for at_s in (20.0, 21.0):
             await work.orders.revoke("O-1", at_s)
         asked.append(await work.orders.get("O-1"))
-        await work.orders.store("O-1", 2, (0, 1))
+        await work.orders.store("O-1", 2, (0, 1), 25.0)
         asked.append(await work.orders.get("O-1"))
-        await work.orders.store("O-1", 1, (1, 2))
+        await work.orders.store("O-1", 1, (1, 2), 26.0)
         found = await work.orders.get("O-1")
         await work.orders.release("O-1", 30.0)
         again = await work.orders.get("O-1")
@@ -109,24 +109,90 @@ async def test_a_strategist_that_knows_nothing_of_a_release_leaves_what_is_known
     async with store.write() as work:
         await work.orders.advance(order(), Progress(OrderStatus.IN_DELIVERY, (3,), (2,), None))
         await work.orders.revoke("O-1", 20.0)
-        await work.orders.store("O-1", 1, ())
+        await work.orders.store("O-1", 1, (), 25.0)
         found = await work.orders.get("O-1")
     assert found is not None
     assert (found.status, found.delivered) == ("stored", (2,))
 
 
-async def test_an_order_that_was_taken_back_too_late_waits_for_the_facts_that_end_it(store: Store) -> None:
+async def test_an_order_that_was_taken_back_too_late_is_delivered(store: Store) -> None:
     await keep(store, order())
     async with store.write() as work:
         await work.orders.revoke("O-1", 20.0)
-        await work.orders.store("O-1", 1, (0,))
+        await work.orders.store("O-1", 1, (0,), 25.0)
         found = await work.orders.get("O-1")
-        assert found is not None
-        assert (found.status, found.revoked_at_s, found.delivered) == ("released", None, (4,))
-        await work.orders.advance(found, Progress(OrderStatus.DELIVERED, (4,), (4,), 9.0))
-        ended = await work.orders.get("O-1")
-    assert ended is not None
-    assert (ended.status, ended.delivered_at_s) == ("delivered", 9.0)
+    assert found is not None
+    assert (found.status, found.revoked_at_s, found.delivered) == ("delivered", None, (4,))
+    assert found.delivered_at_s == 25.0
+
+
+@pytest.mark.parametrize("told_s", [None, 15.0])
+async def test_an_order_ends_by_the_factorys_word_as_of_the_last_delivery_that_facts_tell_of(
+    store: Store, told_s: float | None
+) -> None:
+    await keep(store, order(1, 4, 2), order(2))
+    async with store.write() as work:
+        await work.goals.put(
+            [
+                Goal("G1", "O-1", 0, "P1", 4, "M1", incarnation=1, made=1, delivered_at_s=told_s),
+                Goal("G2", "O-1", 1, "P2", 2, "M2", incarnation=1, made=2),
+                Goal("G3", "O-2", 0, "P1", 4, "M1", incarnation=1, delivered=2, delivered_at_s=18.0),
+            ]
+        )
+        await work.orders.fulfil("O-1", 1, 20.0)
+        found, other = await work.orders.get("O-1"), await work.orders.get("O-2")
+    assert found is not None
+    assert other is not None
+    assert (found.status, found.delivered_at_s) == ("delivered", told_s or 20.0)
+    assert [(item.made, item.delivered) for item in found.items] == [(4, 4), (2, 2)]
+    assert other.status == "released"
+
+
+@pytest.mark.parametrize("status", [OrderStatus.CANCELLED, OrderStatus.STORED, OrderStatus.DELIVERED])
+async def test_the_factorys_word_ends_no_order_that_has_ended_or_is_stored(
+    store: Store, status: OrderStatus
+) -> None:
+    kept = msgspec.structs.replace(order(status=status), releases=1)
+    await keep(store, kept)
+    async with store.write() as work:
+        await work.orders.fulfil("O-1", 1, 20.0)
+        assert await work.orders.get("O-1") == kept
+
+
+async def test_the_factorys_word_ends_neither_another_release_nor_an_order_that_is_taken_back(
+    store: Store,
+) -> None:
+    await keep(store, order(1), order(2))
+    async with store.write() as work:
+        await work.orders.fulfil("O-1", 2, 20.0)
+        await work.orders.revoke("O-2", 10.0)
+        await work.orders.fulfil("O-2", 1, 20.0)
+        found = [await work.orders.get(f"O-{number}") for number in (1, 2)]
+    assert [one and (one.status, one.delivered) for one in found] == [("released", (0,))] * 2
+
+
+async def test_facts_that_come_when_an_order_has_ended_change_only_the_time_of_its_end(store: Store) -> None:
+    await keep(store, order(1, 4))
+    times_s: list[float | None] = []
+    async with store.write() as work:
+        await work.orders.fulfil("O-1", 1, 20.0)
+        for goals in ([], [delivered_goal(1, 15.0)], [delivered_goal(1, 15.0), delivered_goal(3, 16.0)]):
+            read = await work.orders.get("O-1")
+            assert read is not None
+            await work.orders.advance(read, progress(read.quantities, goals, 1, read.delivered))
+            found = await work.orders.get("O-1")
+            assert found is not None
+            assert (found.status, found.items) == ("delivered", read.items)
+            times_s.append(found.delivered_at_s)
+    assert times_s == [20.0, 15.0, 16.0]
+
+
+def delivered_goal(pieces: int, at_s: float) -> Goal:
+    """A goal of the first item of which so many pieces have arrived."""
+    goal = Goal(f"G{pieces}", "O-1", 0, "P1", pieces, "M1", incarnation=1)
+    goal.made = goal.delivered = pieces
+    goal.delivered_at_s = at_s
+    return goal
 
 
 async def test_an_advance_that_was_read_before_somebody_took_the_order_back_does_not_undo_that(
@@ -137,7 +203,7 @@ async def test_an_advance_that_was_read_before_somebody_took_the_order_back_does
         read = await work.orders.get("O-1")
         assert read is not None
         await work.orders.revoke("O-1", 20.0)
-        await work.orders.store("O-1", 1, (4,))
+        await work.orders.store("O-1", 1, (4,), 25.0)
         await work.orders.advance(read, Progress(OrderStatus.IN_PRODUCTION, (1,), (0,), None))
         found = await work.orders.get("O-1")
     assert found is not None

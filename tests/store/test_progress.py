@@ -11,7 +11,16 @@ from hypothesis import strategies as st
 
 from dray.messages import Event
 from dray.messages.fact import GoalLost, GoalWithdrawn
-from dray.store.progress import Goal, OrderStatus, Progress, goal_of, note, progress, status_after
+from dray.store.progress import (
+    Goal,
+    OrderStatus,
+    Progress,
+    delivered_after,
+    goal_of,
+    note,
+    progress,
+    status_after,
+)
 
 
 def reached(
@@ -124,6 +133,7 @@ def test_what_is_known_to_have_arrived_counts_before_its_facts_do() -> None:
     told = tell("M1", delivered("G1", 0, 2))
     assert reached(told, 4, arrived=(3,)).delivered == (3,)
     assert reached(told, 4, arrived=(1,)).delivered == (2,)
+    assert reached([], 4, arrived=(4,)) == Progress(OrderStatus.DELIVERED, (4,), (4,), None)
 
 
 @pytest.mark.parametrize(
@@ -139,6 +149,21 @@ def test_a_stored_order_stays_stored_unless_all_of_it_arrives(
     status: OrderStatus, goals_say: OrderStatus, after: OrderStatus
 ) -> None:
     assert status_after(status, goals_say) is after
+
+
+@pytest.mark.parametrize(
+    ("status", "known_s", "reached_s", "delivered_s"),
+    [
+        (OrderStatus.DELIVERED, None, 9.0, 9.0),
+        (OrderStatus.DELIVERED, 20.0, None, 20.0),
+        (OrderStatus.DELIVERED, 20.0, 9.0, 9.0),
+        (OrderStatus.CANCELLED, None, 9.0, None),
+    ],
+)
+def test_facts_know_best_when_an_order_was_delivered(
+    status: OrderStatus, known_s: float | None, reached_s: float | None, delivered_s: float | None
+) -> None:
+    assert delivered_after(status, known_s, reached_s) == delivered_s
 
 
 FACTS = [

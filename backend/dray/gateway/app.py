@@ -21,6 +21,7 @@ from dray.gateway.access.hasher import Hasher
 from dray.gateway.alertdesk import AlertDesk
 from dray.gateway.commands import Commands
 from dray.gateway.desk import CANCELLED_AGAIN_S, STRATEGIST, Desk
+from dray.gateway.endings import Endings
 from dray.gateway.faultdesk import FaultDesk
 from dray.gateway.health import Health
 from dray.gateway.ledger import Ledger
@@ -34,7 +35,6 @@ from dray.gateway.presence import Presence
 from dray.gateway.projection import Projection
 from dray.gateway.projection.orders import ENDED_KEPT
 from dray.gateway.recall import recall_news
-from dray.gateway.revocations import Revocations
 from dray.gateway.routes import API, REST
 from dray.gateway.sampler import Sampler
 from dray.gateway.shields import BodyLimit, SameOrigin, SecurityHeaders
@@ -107,7 +107,7 @@ def create_app(
             access=open_access(settings, store, wall_s, hasher),
             projection=projection,
             desk=desk,
-            revocations=Revocations(store, desk, projection),
+            endings=Endings(store, desk, projection, wall_s),
             commands=Commands(
                 peer.send,
                 authority=authority,
@@ -148,13 +148,13 @@ def create_app(
                 await stack.enter_async_context(historian.running(projection.fold))
             stack.push_async_callback(sampler.sample)
             stack.callback(peer.leave)
-            peer.join(projection, desk, parts.revocations, parts.commands)
+            peer.join(projection, desk, parts.endings, parts.commands)
             tasks = await stack.enter_async_context(asyncio.TaskGroup())
             running = [
                 tasks.create_task(each.run())
                 for each in (
                     parts.desk,
-                    parts.revocations,
+                    parts.endings,
                     parts.alerts,
                     parts.hub,
                     parts.access.watch,

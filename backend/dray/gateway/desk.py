@@ -14,7 +14,16 @@ from collections.abc import Callable, Collection, Iterable
 from contextlib import suppress
 
 from dray.gateway.timescale import TimeScale
-from dray.messages import Message, OrderCancelled, OrderItem, OrderReleased, OrderRevoked
+from dray.messages import (
+    CancellationTaken,
+    Message,
+    OrderCancelled,
+    OrderItem,
+    OrderReleased,
+    OrderRevoked,
+    OrderTaken,
+    RevocationTaken,
+)
 from dray.store.orders import Order
 
 STRATEGIST = "strategist"
@@ -30,6 +39,16 @@ the strategist has heard of it, and it is seldom away for a day."""
 
 NO_DUE_S = 8 * 3600.0
 """Factory seconds within which an order without a due time is wanted: a shift."""
+
+Answer = OrderTaken | CancellationTaken | RevocationTaken
+"""What the strategist says to what is repeated here."""
+
+ANSWERS: dict[type[Answer], type[Message]] = {
+    OrderTaken: OrderReleased,
+    CancellationTaken: OrderCancelled,
+    RevocationTaken: OrderRevoked,
+}
+"""What each of them is the answer to."""
 
 _log = logging.getLogger(__name__)
 
@@ -60,20 +79,20 @@ class Reminders:
         """It was said now: say it again until it is answered; replaces an older one."""
         self._reminders[order] = Reminder(message, now_s)
 
-    def waits(self, order: str, kind: type[Message], release: int | None = None) -> bool:
-        """Whether something of this kind, and about this release, is said again until it is answered."""
-        reminder = self._reminders.get(order)
+    def awaits(self, answer: Answer) -> bool:
+        """Whether something is said again until this answer comes."""
+        reminder = self._reminders.get(answer.order)
         return (
             reminder is not None
-            and isinstance(reminder.message, kind)
-            and release == getattr(reminder.message, "release", None)
+            and isinstance(reminder.message, ANSWERS[type(answer)])
+            and _release(reminder.message) == _release(answer)
         )
 
-    def answered(self, order: str, kind: type[Message], release: int | None = None) -> bool:
-        """The strategist has answered; returns whether something of this kind was waiting for it."""
-        if not self.waits(order, kind, release):
+    def answered(self, answer: Answer) -> bool:
+        """The strategist has answered; returns whether something was waiting for it."""
+        if not self.awaits(answer):
             return False
-        del self._reminders[order]
+        del self._reminders[answer.order]
         return True
 
     def due(self, now_s: float) -> list[Message]:
@@ -147,21 +166,13 @@ class Desk:
         """Let the strategist drop an order."""
         self._say(order, OrderCancelled(order=order))
 
-    def taken(self, order: str, release: int) -> None:
-        """The strategist has this release of the order."""
-        self._reminders.answered(order, OrderReleased, release)
+    def awaits(self, answer: Answer) -> bool:
+        """Whether the strategist is asked for this answer until it is `answered`."""
+        return self._reminders.awaits(answer)
 
-    def revokes(self, order: str, release: int) -> bool:
-        """Whether the strategist was asked to stop working at this release, and that is not written down."""
-        return self._reminders.waits(order, OrderRevoked, release)
-
-    def returned(self, order: str, release: int) -> None:
-        """It is written down that the strategist does not work at this release any more."""
-        self._reminders.answered(order, OrderRevoked, release)
-
-    def dropped(self, order: str) -> None:
-        """The strategist has dropped the order."""
-        self._reminders.answered(order, OrderCancelled)
+    def answered(self, answer: Answer) -> None:
+        """The strategist has answered, and what has to be written down of it is."""
+        self._reminders.answered(answer)
 
     async def run(self) -> None:
         """Repeat what is not answered, until cancelled."""
@@ -179,3 +190,8 @@ class Desk:
         self._reminders.add(order, message, asyncio.get_running_loop().time())
         self._send(STRATEGIST, message)
         self._news.set()
+
+
+def _release(message: Message) -> int | None:
+    """Which release of an order something is about; None for all of them."""
+    return getattr(message, "release", None)

@@ -13,6 +13,7 @@ from dray.gateway.access.access import Access
 from dray.gateway.alertdesk import AlertDesk
 from dray.gateway.commands import Commands
 from dray.gateway.desk import Desk
+from dray.gateway.endings import Endings
 from dray.gateway.faultdesk import FaultDesk
 from dray.gateway.health import Health
 from dray.gateway.ledger import Ledger
@@ -21,7 +22,6 @@ from dray.gateway.panels import Panels
 from dray.gateway.peer import Peer
 from dray.gateway.presence import Presence
 from dray.gateway.projection import Projection
-from dray.gateway.revocations import Revocations
 from dray.gateway.stream import Hub
 from dray.plant import Plant
 from dray.plant.model import PlantFile
@@ -41,7 +41,7 @@ class Parts:
     access: Access
     projection: Projection
     desk: Desk
-    revocations: Revocations
+    endings: Endings
     commands: Commands
     alerts: AlertDesk
     ledger: Ledger

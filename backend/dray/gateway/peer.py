@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dray.gateway.commands import Commands
 from dray.gateway.desk import STRATEGIST, Desk
+from dray.gateway.endings import Endings
 from dray.gateway.projection import Projection
-from dray.gateway.revocations import Revocations
 from dray.messages import CancellationTaken, CommandAnswered, Message, OrderTaken, RevocationTaken
 from dray.messages.keys import Keys
 from dray.ports import Bus, Receive, Session
@@ -32,23 +32,20 @@ class Peer:
         """Whether it takes part at this moment."""
         return self._session is not None
 
-    def join(self, projection: Projection, desk: Desk, revocations: Revocations, commands: Commands) -> None:
+    def join(self, projection: Projection, desk: Desk, endings: Endings, commands: Commands) -> None:
         """Take part, and hand on what is heard."""
 
         def receive(sender: str, message: Message) -> None:
             self._ear(sender, message)
             match message:
-                case OrderTaken(order=order, release=release):
+                case OrderTaken(fulfilled=True) | RevocationTaken():
                     if sender == STRATEGIST:
-                        desk.taken(order, release)
+                        self.ignored += not endings.hear(message)
+                case OrderTaken() | CancellationTaken():
+                    if sender == STRATEGIST:
+                        desk.answered(message)
                 case CommandAnswered():
                     self.ignored += not commands.answered(sender, message)
-                case CancellationTaken(order=order):
-                    if sender == STRATEGIST:
-                        desk.dropped(order)
-                case RevocationTaken():
-                    if sender == STRATEGIST:
-                        self.ignored += not revocations.hear(message)
                 case _:
                     projection.fold(message)
 

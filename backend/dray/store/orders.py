@@ -8,8 +8,8 @@ import msgspec
 from sqlalchemy import ColumnElement, Row, bindparam, func, insert, or_, select, tuple_, update
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from dray.store.progress import OPEN, OrderStatus, Progress, status_after
-from dray.store.tables import order_items, orders
+from dray.store.progress import OPEN, OrderStatus, Progress, delivered_after, status_after
+from dray.store.tables import goals, order_items, orders
 
 
 class Item(msgspec.Struct, gc=False):
@@ -170,13 +170,14 @@ class Orders:
             .values(revoked_at_s=at_s)
         )
 
-    async def store(self, order_id: str, release: int, outstanding: Sequence[int]) -> None:
-        """The factory does not work any more at an order that was taken back.
+    async def store(self, order_id: str, release: int, outstanding: Sequence[int], at_s: float) -> None:
+        """The factory does not work any more at an order that was taken back; too late, it is delivered.
 
         Args:
             order_id: which; one that is not being taken back, or was released again, stays as it is.
             release: which release the factory speaks of.
             outstanding: per item, what had not arrived by then; empty when it does not know.
+            at_s: when it said so.
         """
         order = await self.get(order_id)
         if order is None or not order.being_revoked or order.releases != release:
@@ -195,10 +196,29 @@ class Orders:
                 )
                 .values(delivered=pieces)
             )
-        # All of it had arrived already: the facts about that will end it.
         too_late = bool(outstanding) and not any(outstanding)
         after = {"revoked_at_s": None} if too_late else {"status": OrderStatus.STORED}
         await self._connection.execute(update(orders).where(orders.c.id == order_id).values(after))
+        if too_late:
+            await self.fulfil(order_id, release, at_s)
+
+    async def fulfil(self, order_id: str, release: int, at_s: float) -> None:
+        """All of an order has arrived, says the factory, whatever facts have told of that.
+
+        Args:
+            order_id: which; one that has ended, is stored or being taken back, or was released again stays
+                as it is.
+            release: which release the factory speaks of.
+            at_s: when it said so; the order was delivered then if no fact tells of any delivery.
+        """
+        order = await self.get(order_id)
+        if order is None or order.status not in OPEN or order.being_revoked or order.releases != release:
+            return
+        told = select(func.max(goals.c.delivered_at_s)).where(goals.c.order_id == order_id)
+        told_s = await self._connection.scalar(told)
+        delivered_at_s = at_s if told_s is None else told_s
+        all_of_it = order.quantities
+        await self.advance(order, Progress(OrderStatus.DELIVERED, all_of_it, all_of_it, delivered_at_s))
 
     async def cancel(self, order_id: str, at_s: float) -> None:
         """Cancel an order that is not delivered yet; any other stays as it is."""
@@ -221,12 +241,13 @@ class Orders:
     async def advance(self, order: Order, progress: Progress) -> None:
         """Write how far an order has come, as `status_after` has it."""
         status = status_after(order.status, progress.status)
-        if status is not order.status:
+        delivered_at_s = delivered_after(status, order.delivered_at_s, progress.delivered_at_s)
+        if (status, delivered_at_s) != (order.status, order.delivered_at_s):
             await self._connection.execute(
                 update(orders)
                 # Somebody may have taken it back or cancelled it since it was read.
                 .where(orders.c.id == order.id, orders.c.status == order.status)
-                .values(status=status, delivered_at_s=progress.delivered_at_s)
+                .values(status=status, delivered_at_s=delivered_at_s)
             )
         changed = [
             {"of": order.id, "at": index, "made": made, "delivered": delivered}

@@ -89,7 +89,7 @@ class Progress(msgspec.Struct, frozen=True, gc=False):
     """Per item, at most its quantity."""
     delivered: tuple[int, ...]
     delivered_at_s: float | None
-    """When the last piece arrived; None before."""
+    """When the last piece arrived that a fact tells of; None before all have arrived."""
 
 
 def goal_of(event: Event) -> str | None:
@@ -177,7 +177,7 @@ def progress(
         status = OrderStatus.IN_PRODUCTION
     else:
         status = OrderStatus.RELEASED
-    ended_s = last_s if status is OrderStatus.DELIVERED else None
+    ended_s = (last_s or None) if status is OrderStatus.DELIVERED else None
     return Progress(status, tuple(made), tuple(delivered), ended_s)
 
 
@@ -191,3 +191,14 @@ def status_after(status: OrderStatus, reached: OrderStatus) -> OrderStatus:
         status is OrderStatus.STORED and reached is not OrderStatus.DELIVERED
     )
     return status if keeps else reached
+
+
+def delivered_after(status: OrderStatus, known_s: float | None, reached_s: float | None) -> float | None:
+    """When the last piece of an order arrived that has this status now; None when they have not all arrived.
+
+    Args:
+        status: what the order is now.
+        known_s: what was written down before: without facts it is when the strategist's word came.
+        reached_s: what facts say; they know better, however late they come.
+    """
+    return (reached_s or known_s) if status is OrderStatus.DELIVERED else None

@@ -17,6 +17,7 @@ from dray.store.progress import (
     OrderStatus,
     ToWall,
     accepted_order,
+    delivered_after,
     goal_of,
     note,
     progress,
@@ -68,13 +69,15 @@ class Orders:
         self.delivered, self.on_time = totals.delivered, totals.on_time
 
     def put(self, order: Order) -> None:
-        """An order was placed, released or cancelled."""
+        """An order was placed, released, taken back or cancelled, or has ended by the strategist's word."""
         known = self._orders.get(order.id)
         if known is not None and known.status in ENDED:
             return
         if known is not None and order.status is not OrderStatus.CANCELLED:
             # What SQL said may lag behind what the factory has told since.
             order = self._advanced(order)
+            if order.status is OrderStatus.DELIVERED:
+                self._count(order)
         self._keep(order)
 
     def fold(self, event: Event) -> bool:
@@ -177,9 +180,8 @@ class Orders:
         )
         fields = {name: getattr(order, name) for name in order.__struct_fields__}
         fields["items"] = items
-        status = status_after(order.status, reached.status)
-        if status is not order.status:
-            fields["status"], fields["delivered_at_s"] = status, reached.delivered_at_s
+        status = fields["status"] = status_after(order.status, reached.status)
+        fields["delivered_at_s"] = delivered_after(status, order.delivered_at_s, reached.delivered_at_s)
         return Order(**fields)
 
     def _count(self, order: Order) -> None:

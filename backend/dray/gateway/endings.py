@@ -1,36 +1,42 @@
-"""Orders that the strategist has given back: written down, and only then not asked for any more.
+"""How orders have ended with the strategist, fulfilled or given back: written down, and only then not asked for.
 
 Whatever dies in between, nothing is lost: the desk asks until the answer is on disk, and the strategist gives
-the same answer as often as it is asked.
+the same answer as often as it is asked. Most orders are delivered in SQL by then, by the facts about their last
+pieces. The strategist's word ends those whose facts are late, or will never come.
 """
 
 from __future__ import annotations
 
 import asyncio
 import logging
+from collections.abc import Callable
 
 from dray.errors import UnavailableError
 from dray.gateway.desk import Desk
 from dray.gateway.projection import Projection
-from dray.messages import RevocationTaken
+from dray.messages import OrderTaken, RevocationTaken
 from dray.store import Store
+
+Ending = OrderTaken | RevocationTaken
+"""What the strategist answers about an order at which it does not work any more."""
 
 _log = logging.getLogger(__name__)
 
 
-class Revocations:
+class Endings:
     """Writes down what the strategist answers.
 
     Args:
         store: where to.
         desk: who has asked.
         projection: who shows it.
+        wall_s: the wall clock.
     """
 
-    def __init__(self, store: Store, desk: Desk, projection: Projection) -> None:
-        self._store, self._desk, self._projection = store, desk, projection
-        self._heard: dict[str, RevocationTaken] = {}
-        """By order, what is to be written: bounded by the orders that are being taken back."""
+    def __init__(self, store: Store, desk: Desk, projection: Projection, wall_s: Callable[[], float]) -> None:
+        self._store, self._desk, self._projection, self._wall_s = store, desk, projection, wall_s
+        self._heard: dict[str, Ending] = {}
+        """By order, what is to be written: bounded by the orders that are asked for."""
         self._news, self._written = asyncio.Event(), asyncio.Event()
         self._written.set()
 
@@ -38,9 +44,9 @@ class Revocations:
         """Wait until everything that has been heard is written, or has failed to be."""
         await self._written.wait()
 
-    def hear(self, answer: RevocationTaken) -> bool:
+    def hear(self, answer: Ending) -> bool:
         """Take an answer; returns whether the desk has asked for it and it is not written yet."""
-        if not self._desk.revokes(answer.order, answer.release):
+        if not self._desk.awaits(answer):
             return False
         self._heard[answer.order] = answer
         self._written.clear()
@@ -58,13 +64,17 @@ class Revocations:
                     await self._write(answer)
                 except UnavailableError as error:
                     # The desk asks again in some seconds.
-                    _log.warning("order %s is taken back, which cannot be written: %s", answer.order, error)
+                    _log.warning("how order %s has ended cannot be written: %s", answer.order, error)
             self._written.set()
 
-    async def _write(self, answer: RevocationTaken) -> None:
+    async def _write(self, answer: Ending) -> None:
+        now_s = self._wall_s()
         async with self._store.write() as work:
-            await work.orders.store(answer.order, answer.release, answer.outstanding)
+            if isinstance(answer, RevocationTaken):
+                await work.orders.store(answer.order, answer.release, answer.outstanding, now_s)
+            else:
+                await work.orders.fulfil(answer.order, answer.release, now_s)
             order = await work.orders.get(answer.order)
         if order is not None:
             self._projection.orders.put(order)
-        self._desk.returned(answer.order, answer.release)
+        self._desk.answered(answer)
