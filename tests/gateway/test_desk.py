@@ -8,9 +8,9 @@ from collections.abc import Awaitable, Callable
 from typing import Any
 
 import pytest
-from gateway_kit import NOW_S, OTHER_PRODUCT, PRODUCT, FakeBus, Wall, events, gateway
+from gateway_kit import NOW_S, OTHER_PRODUCT, PRODUCT, FakeBus, events, gateway
 
-from dray.gateway.desk import CANCELLED_AGAIN_S, NO_DUE_S, PAUSE_S, STRATEGIST, Desk, Reminders
+from dray.gateway.desk import NO_DUE_S, PAUSE_S, STRATEGIST, Desk, Reminders
 from dray.gateway.timescale import TimeScale
 from dray.messages import CancellationTaken, Message, OrderCancelled, OrderReleased, OrderTaken
 from dray.messages.fact import GoalContracted, GoodsDelivered, OrderAccepted
@@ -163,11 +163,22 @@ def test_times_are_told_on_the_plants_clock() -> None:
 
 def test_only_what_is_outstanding_is_ordered_and_every_item_keeps_its_place() -> None:
     async def release(stage: Stage) -> None:
-        stage.desk.begin([order("O-1", (4, 1), (2, 2), (3, 0))], [])
+        stage.desk.ask([order("O-1", (4, 1), (2, 2), (3, 0))])
 
     (message,) = [message for _, message in play(release).said]
     assert isinstance(message, OrderReleased)
     assert [item.quantity for item in message.items] == [3, 0, 3]
+
+
+def test_an_order_for_which_an_answer_is_awaited_is_not_asked_for_once_more() -> None:
+    async def ask_again(stage: Stage) -> None:
+        stage.desk.ask([order("O-1"), order("O-2")])
+        stage.desk.cancel("O-2")
+        stage.desk.answered(OrderTaken("O-1"))
+        stage.desk.ask([order("O-1"), order("O-2"), order("O-3")])
+
+    said = [(type(message), getattr(message, "order", "")) for _, message in play(ask_again).said]
+    assert said[3:] == [(OrderReleased, "O-1"), (OrderReleased, "O-3")]
 
 
 def test_an_order_for_what_this_plant_does_not_make_is_not_sent(caplog: pytest.LogCaptureFixture) -> None:
@@ -175,7 +186,7 @@ def test_an_order_for_what_this_plant_does_not_make_is_not_sent(caplog: pytest.L
     strange.items = (Item("P9", 1),)
 
     async def release(stage: Stage) -> None:
-        stage.desk.begin([strange, order("O-2")], [])
+        stage.desk.ask([strange, order("O-2")])
         await asyncio.sleep(0.1)
 
     with caplog.at_level(logging.ERROR):
@@ -333,21 +344,3 @@ async def test_the_word_of_the_strategist_ends_the_reminders(url: str) -> None:
         assert name in reminders
         house.bus.tell(STRATEGIST, "gateway", CancellationTaken(order=name))
         assert name not in reminders
-
-
-@pytest.mark.anyio
-async def test_a_cancellation_that_may_not_have_been_heard_is_said_again_after_a_restart(url: str) -> None:
-    wall = Wall()
-    async with gateway(url, wall=wall) as house:
-        name = (await house.place())["id"]
-        never_released = (await house.place(release=False))["id"]
-        for order_id in (name, never_released):
-            assert (await house.client.post(f"/api/orders/{order_id}/cancel")).status_code == 200
-    wall.now_s += CANCELLED_AGAIN_S / 2
-    async with gateway(url, wall=wall, incarnation=2) as house:
-        said = house.bus.sent_to(STRATEGIST, OrderCancelled)
-        assert [message.order for message in said] == [name]
-        assert house.bus.sent_to(STRATEGIST, OrderReleased) == []
-    wall.now_s += CANCELLED_AGAIN_S
-    async with gateway(url, wall=wall, incarnation=3) as house:
-        assert house.bus.sent_to(STRATEGIST, OrderCancelled) == []

@@ -95,8 +95,9 @@ class Office:
             products=self._factory.plant.products,
         )
         repeating = asyncio.create_task(self._desk.run())
-        still_open = [order for order in self.orders.values() if order.id not in self.cancelled]
-        self._desk.begin(still_open, self.cancelled)
+        for order in self.cancelled:
+            self._desk.cancel(order)
+        self._desk.ask(order for order in self.orders.values() if order.id not in self.cancelled)
         await asyncio.sleep(for_s)
         repeating.cancel()
         session.leave()

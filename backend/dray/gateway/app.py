@@ -20,7 +20,7 @@ from dray.gateway.access.gate import Gate
 from dray.gateway.access.hasher import Hasher
 from dray.gateway.alertdesk import AlertDesk
 from dray.gateway.commands import Commands
-from dray.gateway.desk import CANCELLED_AGAIN_S, STRATEGIST, Desk
+from dray.gateway.desk import STRATEGIST, Desk
 from dray.gateway.endings import Endings
 from dray.gateway.faultdesk import FaultDesk
 from dray.gateway.health import Health
@@ -35,6 +35,7 @@ from dray.gateway.presence import Presence
 from dray.gateway.projection import Projection
 from dray.gateway.projection.orders import ENDED_KEPT
 from dray.gateway.recall import recall_news
+from dray.gateway.rollcall import RollCall
 from dray.gateway.routes import API, REST
 from dray.gateway.sampler import Sampler
 from dray.gateway.shields import BodyLimit, SameOrigin, SecurityHeaders
@@ -143,6 +144,7 @@ def create_app(
             metrics.add(History(historian))
         app.state.parts = parts
         sampler = Sampler(projection, store, wall_s)
+        roll_call = RollCall(store, desk, wall_s)
         async with AsyncExitStack() as stack:
             if historian is not None:
                 await stack.enter_async_context(historian.running(projection.fold))
@@ -160,11 +162,10 @@ def create_app(
                     parts.access.watch,
                     presence,
                     sampler,
+                    roll_call,
                 )
             ]
-            async with store.read() as work:
-                dropped = await work.orders.cancelled(wall_s() - CANCELLED_AGAIN_S)
-                parts.desk.begin(await work.orders.open(), dropped)
+            await roll_call.begin()
             yield
             for task in running:
                 task.cancel()

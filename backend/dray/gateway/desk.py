@@ -1,9 +1,9 @@
 """The order desk: brings released orders to the strategist, and revocations and cancellations too.
 
 The bus promises nothing, so all are repeated with growing pauses until they are answered. Nothing is
-remembered here that SQL does not know: at the start all open orders are sent again, with what is
-still to be delivered, or taken back again, and late cancellations too; to a strategist who knows
-already that is no news.
+remembered here that SQL does not know: what was answered is forgotten, and when the roll is called
+(`dray.gateway.rollcall`) open orders are sent again, with what is still to be delivered, or taken back
+again; to a strategist who knows already that is no news.
 """
 
 from __future__ import annotations
@@ -32,10 +32,6 @@ STRATEGIST = "strategist"
 PAUSE_S = (0.5, 15.0)
 """Wall seconds before the first repetition, and between later ones at most; it doubles. The strategist
 may be away for hours, and should have its orders soon after it is back."""
-
-CANCELLED_AGAIN_S = 86_400.0
-"""At the start, orders that were cancelled in this time before are cancelled again: nobody wrote down whether
-the strategist has heard of it, and it is seldom away for a day."""
 
 NO_DUE_S = 8 * 3600.0
 """Factory seconds within which an order without a due time is wanted: a shift."""
@@ -130,15 +126,15 @@ class Desk:
         self._reminders = Reminders()
         self._news = asyncio.Event()
 
-    def begin(self, orders: Iterable[Order], cancelled: Iterable[str]) -> None:
-        """Send all open orders of an earlier life again, and drop those that were cancelled lately."""
-        for order in cancelled:
-            self.cancel(order)
-        for opened in orders:
-            if opened.being_revoked:
-                self.revoke(opened)
+    def ask(self, orders: Iterable[Order]) -> None:
+        """Send open orders again, or take them back again, except those for which an answer is awaited."""
+        for order in orders:
+            if order.id in self._reminders:
+                continue
+            if order.being_revoked:
+                self.revoke(order)
             else:
-                self.release(opened)
+                self.release(order)
 
     def release(self, order: Order) -> None:
         """Let the strategist have an order, with what is still to be delivered of it."""
