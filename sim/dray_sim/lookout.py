@@ -26,6 +26,9 @@ from dray.protocol.strategist import STRATEGIST
 from dray_sim.demand import Order
 from dray_sim.desk import DESK, Desk
 
+AGAIN_S = 0.1
+"""Who is there is asked so often."""
+
 LOOKOUT = "lookout"
 """Its name on the bus, and of its certificate, which names the desk too."""
 
@@ -72,7 +75,7 @@ async def look_out(post: Post) -> None:
         desk = Desk(bus, SystemClock(asyncio.get_running_loop()))
         # Else the first order would be said to nobody, and the next one seconds later.
         while STRATEGIST not in await bus.roll_call():
-            continue
+            await asyncio.sleep(AGAIN_S)
         await desk.order(Order("O-1", 0.0, 1e10, (post.order,)))
         await asyncio.Event().wait()
     finally:

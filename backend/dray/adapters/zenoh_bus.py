@@ -241,20 +241,19 @@ class ZenohBus:
 
     async def roll_call(self) -> frozenset[str]:
         """Who is there now, in any process, as far as the links reach."""
-        loop = asyncio.get_running_loop()
         present: set[str] = set()
-        all_told: asyncio.Future[None] = loop.create_future()
+        all_told = asyncio.Event()
 
         def note(reply: zenoh.Reply) -> None:
             if reply.ok is not None:
                 present.add(str(reply.ok.key_expr).split("/")[-2])
 
         def end() -> None:
-            self.arrivals.order(all_told.set_result, None)
+            self.arrivals.order(all_told.set)
 
         tokens = Callback(note, end, indirect=False)
         self.inner.liveliness().get(self.keys.alive("*", "*"), tokens, timeout=ROLL_CALL_S)
-        await all_told
+        await all_told.wait()
         return frozenset(present)
 
     def forget(self, session: ZenohSession) -> None:

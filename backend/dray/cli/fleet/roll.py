@@ -19,8 +19,14 @@ from dray.cli.fleet.software import Software
 from dray.cli.process import FLOOR
 from dray.errors import UnavailableError
 
+OBSERVER_LINKS = 5
+"""Of somebody who looks at a fleet. Every new link is told to everybody, so one to each process would keep a large
+fleet busy; with so many, a few processes that are away cut nobody off."""
+
 ROLL_CALL_S = 3.0
 """For the links of whoever asks who is there; they take milliseconds when the computer is not busy."""
+
+ROLL_CALL_AGAIN_S = 0.1
 
 
 class State(StrEnum):
@@ -97,7 +103,9 @@ def read_roll(folder: Path) -> Roll:
 def peer_of(roll: Roll, folder: Path) -> ZenohBus:
     """A place on a fleet's bus for a command that looks at it; on the running loop."""
     identity = None if roll.plain else Identity.in_folder(folder / CERTIFICATES, OBSERVER)
-    peers = tuple(member.address for member in roll.running)
+    running = roll.running
+    linked = running[:: -(-len(running) // OBSERVER_LINKS) or 1]
+    peers = tuple(member.address for member in linked)
     return ZenohBus(Links(peers=peers, identity=identity, plain=roll.plain), roll.plant)
 
 
@@ -109,8 +117,8 @@ async def roll_call(roll: Roll, folder: Path) -> frozenset[str]:
     try:
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(ROLL_CALL_S):
-                while not expected <= present:
-                    present = await bus.roll_call()
+                while not expected <= (present := await bus.roll_call()):
+                    await asyncio.sleep(ROLL_CALL_AGAIN_S)
     finally:
         bus.close()
     return present
