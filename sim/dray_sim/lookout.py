@@ -74,8 +74,10 @@ async def look_out(post: Post) -> None:
             session.subscribe(key)
         desk = Desk(bus, SystemClock(asyncio.get_running_loop()))
         # Else the first order would be said to nobody, and the next one seconds later.
-        while STRATEGIST not in await bus.roll_call():
+        present = await bus.roll_call()
+        while STRATEGIST not in present:
             await asyncio.sleep(AGAIN_S)
+            present = await bus.roll_call()
         await desk.order(Order("O-1", 0.0, 1e10, (post.order,)))
         await asyncio.Event().wait()
     finally:

@@ -117,8 +117,10 @@ async def roll_call(roll: Roll, folder: Path) -> frozenset[str]:
     try:
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(ROLL_CALL_S):
-                while not expected <= (present := await bus.roll_call()):
+                present = await bus.roll_call()
+                while not expected <= present:
                     await asyncio.sleep(ROLL_CALL_AGAIN_S)
+                    present = await bus.roll_call()
     finally:
         bus.close()
     return present
