@@ -8,7 +8,9 @@ from functools import partial
 from pathlib import Path
 
 import pytest
+from cryptography.hazmat.primitives import serialization
 
+from dray.adapters.certificates import read_key
 from dray.adapters.seals import Seals
 from dray.adapters.zenoh_links import Identity
 from dray.messages.speakers import Kind
@@ -69,11 +71,46 @@ def test_without_an_authority_nothing_is_issued(dray: Dray, tmp_path: Path) -> N
     assert "`dray certs make` makes an authority" in err
 
 
+@pytest.mark.parametrize("agent", ["", "A" * 65, "Fräse1", "a/b", "ATV 9", "../ATV9"])
+def test_a_name_that_no_agent_may_have_is_refused(dray: Dray, tmp_path: Path, agent: str) -> None:
+    dray("make", tmp_path)
+    before = sorted(tmp_path.iterdir())
+    code, _, err = dray("issue", tmp_path, "atv", agent)
+    assert code == 2
+    assert f"{agent!r}: is no id of an agent; write letters" in err
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize("agent", ["authority", "Authority"])
+def test_no_agent_takes_the_place_of_the_authority(dray: Dray, tmp_path: Path, agent: str) -> None:
+    dray("make", tmp_path)
+    before = (tmp_path / "authority.key").read_bytes()
+    code, _, err = dray("issue", tmp_path, "atv", agent)
+    assert code == 2
+    assert f"{agent}: is the name of the authority's own files" in err
+    assert (tmp_path / "authority.key").read_bytes() == before
+
+
 def test_a_kind_of_agent_that_there_is_not_is_refused(dray: Dray, tmp_path: Path) -> None:
     dray("make", tmp_path)
     code, _, err = dray("issue", tmp_path, "robot", "R1")
     assert code == 2
     assert "there is no 'robot'; choose one of atv, machine" in err
+
+
+def test_a_key_with_a_password_is_refused_with_a_remedy(dray: Dray, tmp_path: Path) -> None:
+    dray("make", tmp_path)
+    file = tmp_path / "authority.key"
+    file.write_bytes(
+        read_key(file.read_bytes()).private_bytes(
+            serialization.Encoding.PEM,
+            serialization.PrivateFormat.PKCS8,
+            serialization.BestAvailableEncryption(b"hunter2"),
+        )
+    )
+    code, _, err = dray("issue", tmp_path, "atv", "ATV9")
+    assert code == 2
+    assert f"{tmp_path}: holds no authority of ours: the key is encrypted; store it without" in err
 
 
 def test_a_folder_that_cannot_be_made_is_named(dray: Dray, tmp_path: Path) -> None:

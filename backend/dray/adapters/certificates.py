@@ -14,12 +14,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cryptography import x509
+from cryptography.exceptions import UnsupportedAlgorithm
 from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from dray.errors import SettingsError
 from dray.messages.speakers import Kind
+from dray.plant.model import ID_RULE, is_id
 
 AUTHORITY = "authority"
 """The name of the authority's files."""
@@ -89,7 +91,12 @@ class Authority:
             plant: the plant's id.
             agents: whom the process may speak for; not empty.
             days: how long it is valid.
+
+        Raises:
+            SettingsError: a name that no agent may have.
         """
+        for name in agents:
+            _check_name(name)
         first = next(iter(agents))
         key = ec.generate_private_key(ec.SECP256R1())
         names = [
@@ -114,7 +121,12 @@ def read_key(pem: bytes) -> ec.EllipticCurvePrivateKey:
     Raises:
         ValueError: it is none of our sort.
     """
-    key = serialization.load_pem_private_key(pem, password=None)
+    try:
+        key = serialization.load_pem_private_key(pem, password=None)
+    except TypeError:
+        raise ValueError("the key is encrypted; store it without a password, for its owner alone") from None
+    except UnsupportedAlgorithm as error:
+        raise ValueError(str(error)) from None
     if isinstance(key, ec.EllipticCurvePrivateKey):
         return key
     raise ValueError("no key on an elliptic curve")
@@ -132,6 +144,15 @@ def agents_of(certificate: x509.Certificate, plant: str) -> dict[str, Kind]:
         if match and match[1] == plant and match[2] in _KINDS:
             found[match[3]] = Kind(match[2])
     return found
+
+
+def _check_name(agent: str) -> None:
+    """Refuse a name that no agent may have, and the one under which it would replace the authority."""
+    if not is_id(agent):
+        raise SettingsError(repr(agent), f"is no id of an agent; {ID_RULE}")
+    # Some file systems do not tell capitals from small letters.
+    if agent.lower() == AUTHORITY:
+        raise SettingsError(agent, "is the name of the authority's own files; give the agent another id")
 
 
 def _name(text: str) -> x509.Name:

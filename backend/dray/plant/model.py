@@ -14,6 +14,19 @@ from msgspec import Meta
 Id = Annotated[str, Meta(pattern=r"^[A-Za-z][A-Za-z0-9_.-]{0,31}$")]
 """Letters, digits, ``_ . -``; begins with a letter, at most 32: it becomes a chunk of a bus key."""
 
+ID_RULE = "write letters, digits, _ . and -, a letter first, at most 32"
+"""The same for people who have written something else."""
+
+
+def is_id(text: str) -> bool:
+    """Whether something may be called so."""
+    try:
+        msgspec.convert(text, Id)
+    except msgspec.ValidationError:
+        return False
+    return True
+
+
 Positive = Annotated[float, Meta(gt=0)]
 NotNegative = Annotated[float, Meta(ge=0)]
 Fraction = Annotated[float, Meta(ge=0, le=1)]
