@@ -34,6 +34,12 @@ SINGLE_FAULTS = {
         "machines[0].id",
         "is an agent of every plant",
     ),
+    "a vehicle that takes the name of the floor's certificate": (
+        "id: ATV1",
+        "id: floor",
+        "fleet[0].id",
+        "floor is the name of a certificate of every plant",
+    ),
     "an unknown node": ("node: north\n", "node: nroth\n", "machines[0].node", "did you mean north?"),
     "an unknown node unlike any other": ("node: north\n", "node: q9\n", "machines[0].node", "add it there"),
     "an unknown end of a lane": ("end: east,", "end: aest,", "lanes[1].end", "there is no aest in `nodes`"),

@@ -26,8 +26,12 @@ SPACES = (
 )
 """Sections that share one space of ids: items are asked for by id alone, and so are places and agents."""
 
-RESERVED = frozenset({"strategist", "historian", "gateway"})
-"""Agents of every plant: a machine or vehicle of that name would get their messages."""
+RESERVED = {
+    **dict.fromkeys(("strategist", "historian", "gateway"), "an agent of every plant"),
+    **dict.fromkeys(("floor", "observer", "authority"), "the name of a certificate of every plant"),
+}
+"""Names that are taken, in small letters: a machine or vehicle of such a name would get the messages of another,
+or its certificate and its log would replace those of another."""
 
 MAX_COMPARED = 5_000
 """Names that a misspelt one is compared with; about 30 ms."""
@@ -65,8 +69,8 @@ def _ids(file: PlantFile) -> Iterator[Fault]:
                 if spec.id in owners:
                     yield f"{field}.id", f"{spec.id} is the id of {owners[spec.id]} already: choose another"
                 owners.setdefault(spec.id, field)
-                if "fleet" in sections and spec.id.lower() in RESERVED:
-                    yield f"{field}.id", f"{spec.id} is an agent of every plant: choose another"
+                if "fleet" in sections and (taken := RESERVED.get(spec.id.lower())):
+                    yield f"{field}.id", f"{spec.id} is {taken}: choose another"
 
 
 def _references(file: PlantFile) -> Iterator[Fault]:
