@@ -49,14 +49,22 @@ def test_an_agent_that_is_not_in_the_plant_is_refused(dray: Dray) -> None:
 
 
 @pytest.mark.parametrize(
-    ("options", "told"),
+    ("name", "options", "told"),
     [
-        (("--type", "zeppelin", "--node", "a1"), "--type: there is no 'zeppelin'"),
-        (("--node", "a1"), "NAME: there is no 'ATV99'"),
+        ("ATV99", ("--type", "zeppelin", "--node", "a1"), "--type: there is no 'zeppelin'"),
+        ("ATV99", ("--type", "light", "--node", "z9"), "--node: there is no 'z9'"),
+        ("ATV99", ("--node", "a1"), "--type: a newcomer needs it beside --node"),
+        ("ATV1", ("--type", "light"), "--node: a newcomer needs it beside --type"),
+        ("ATV1", ("--type", "light", "--node", "a1"), "NAME: ATV1 is in the plant file already"),
+        ("M1", ("--type", "light", "--node", "a1"), "NAME: M1 is somebody else in this plant"),
+        ("Gateway", ("--type", "light", "--node", "a1"), "NAME: Gateway is somebody else in this plant"),
+        ("ATV 9", ("--type", "light", "--node", "a1"), "NAME: 'ATV 9' is no id; write letters"),
     ],
 )
-def test_a_newcomer_needs_a_type_and_a_place(dray: Dray, options: tuple[str, ...], told: str) -> None:
-    code, error = dray("agent", "atv", "ATV99", *options)
+def test_a_newcomer_needs_a_name_a_type_and_a_place(
+    dray: Dray, name: str, options: tuple[str, ...], told: str
+) -> None:
+    code, error = dray("agent", "atv", name, *options)
     assert code == 2
     assert told in error
 

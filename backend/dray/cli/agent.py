@@ -14,7 +14,7 @@ import typer
 if TYPE_CHECKING:
     from dray.adapters.signing import TrustedKeys
     from dray.cli.process import Surroundings
-    from dray.plant import Plant
+    from dray.plant import Plant, VehicleSpec
 
 app = typer.Typer(no_args_is_help=True, help="One agent of a plant as a process of its own.")
 
@@ -90,14 +90,10 @@ def atv(
     from dray import __version__
     from dray.cli.output import one_of
     from dray.cli.process import run_agent
-    from dray.plant.model import VehicleSpec
     from dray.protocol.atv import Atv
 
     where = _surroundings(settings)
-    newcomer: VehicleSpec | None = None
-    if type_ is not None and node is not None:
-        one_of(where.plant.vehicle_types, type_, "--type")
-        newcomer = VehicleSpec(name, type_, one_of(where.plant.nodes, node, "--node").id)
+    newcomer = _newcomer(where.plant, name, type_, node)
     spec = newcomer or one_of(where.plant.fleet, name, "NAME")
     trusts = _trusted(where)
 
@@ -160,6 +156,38 @@ def _grown(plant: Plant, file: Path, name: str) -> Plant:
     if name in plant.machines:
         raise SettingsError("--newcomer", f"{name} is in the plant file already: start it without")
     return with_machine(plant, spec, str(file))
+
+
+def _newcomer(plant: Plant, name: str, type_: str | None, node: str | None) -> VehicleSpec | None:
+    """A vehicle that the plant does not know; None when nothing was said of one.
+
+    Raises:
+        SettingsError: too little was said of it, there is no such type or node, or the name is none or taken.
+    """
+    from dray.cli.output import one_of
+    from dray.errors import SettingsError
+    from dray.plant.check import RESERVED
+    from dray.plant.model import ID_RULE, VehicleSpec, is_id
+
+    if type_ is None and node is None:
+        return None
+    if type_ is None or node is None:
+        lacking, given = ("--type", "--node") if type_ is None else ("--node", "--type")
+        reason = f"a newcomer needs it beside {given}; give neither for a vehicle of the plant file"
+        raise SettingsError(lacking, reason)
+    if name in plant.fleet:
+        raise SettingsError(
+            "NAME", f"{name} is in the plant file already: start it without --type and --node"
+        )
+    if name in plant.machines or name.lower() in RESERVED:
+        raise SettingsError("NAME", f"{name} is somebody else in this plant: choose another id")
+    if not is_id(name):
+        raise SettingsError("NAME", f"{name!r} is no id; {ID_RULE}")
+    return VehicleSpec(
+        name,
+        one_of(plant.vehicle_types, type_, "--type").id,
+        one_of(plant.nodes, node, "--node").id,
+    )
 
 
 def _trusted(where: Surroundings) -> TrustedKeys:
