@@ -36,6 +36,12 @@ def test_the_password_may_come_apart_from_the_url_as_a_file(secrets: Path) -> No
     assert "let me in" not in repr(settings)
 
 
+def test_a_url_that_was_handed_on_with_the_password_is_taken_as_it_is(secrets: Path) -> None:
+    (secrets / "dray_database_password").write_text("p@ss/word\n")
+    first = Settings.load(database_url="postgresql://dray@db/factory")
+    assert Settings.load(database_url=first.database_url).database_url == first.database_url
+
+
 def test_a_variable_overrides_a_file(secrets: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (secrets / "dray_admin_token").write_text("old")
     monkeypatch.setenv("DRAY_ADMIN_TOKEN", "new")
@@ -56,6 +62,13 @@ def test_a_password_that_cannot_be_put_anywhere_is_refused_and_not_told(url: str
     with pytest.raises(SettingsError, match="DRAY_DATABASE_URL must name a user and no password") as raised:
         Settings.load(database_url=url, database_password="hunter2")
     assert "hunter2" not in str(raised.value)
+
+
+def test_a_settings_file_that_is_no_text_is_refused_by_name(tmp_path: Path) -> None:
+    file = tmp_path / "atv3.env"
+    file.write_bytes("DRAY_GATEWAY_NAME=Tür".encode("latin-1"))
+    with pytest.raises(SettingsError, match=r"--settings: .*atv3.env is not UTF-8"):
+        Settings.load(file)
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import Annotated, Literal, Self
-from urllib.parse import quote
+from urllib.parse import quote, unquote
 
 from pydantic import AfterValidator, BeforeValidator, Field, IPvAnyNetwork, SecretStr, ValidationError
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
@@ -203,8 +203,8 @@ class Settings(BaseSettings):
         Raises:
             SettingsError: names the variable or option, and why it cannot be used.
         """
-        if settings_file is not None and not settings_file.is_file():
-            raise SettingsError("--settings", f"there is no file {settings_file}")
+        if settings_file is not None:
+            _check_file(settings_file)
         given = {name: value for name, value in options.items() if value is not None}
         # A folder that is not there would be warned of.
         secrets = {"_secrets_dir": SECRETS} if SECRETS.is_dir() else {}
@@ -222,10 +222,23 @@ class Settings(BaseSettings):
         return settings.model_copy(update={"database_url": url})
 
 
+def _check_file(file: Path) -> None:
+    if not file.is_file():
+        raise SettingsError("--settings", f"there is no file {file}")
+    try:
+        file.read_text(encoding="utf-8")
+    except OSError as error:
+        raise SettingsError("--settings", f"{file} cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise SettingsError("--settings", f"{file} is not UTF-8: save it as UTF-8") from None
+
+
 def _with_password(url: str, password: str) -> str:
     scheme, _, rest = url.partition("://")
-    user, at, place = rest.partition("@")
-    if not at or ":" in user:
+    account, at, place = rest.partition("@")
+    user, mark, known = account.partition(":")
+    # A process that has started this one may have put the password there already.
+    if not at or (mark and unquote(known) != password):
         reason = "DRAY_DATABASE_URL must name a user and no password, as postgresql://user@host/name"
         raise SettingsError("DRAY_DATABASE_PASSWORD", reason)
     return f"{scheme}://{user}:{quote(password, safe='')}@{place}"
