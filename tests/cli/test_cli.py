@@ -216,6 +216,33 @@ def test_an_option_out_of_range_is_refused(dray, option, value) -> None:
     assert option in done.err
 
 
+@pytest.mark.parametrize("speed", ["0", "51", "nan"])
+def test_a_speed_that_no_fleet_can_have_is_refused(dray, speed) -> None:
+    done = dray("fleet", "up", "--speed", speed)
+    assert done.code == 2
+    assert "--speed" in done.err
+    assert not Path("fleet").exists()
+
+
+def test_a_fleet_whose_port_is_in_use_says_so_before_anything_is_made(dray) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        done = dray("fleet", "up", "--port", str(port))
+    assert done.code == 1
+    assert f"port {port} on 127.0.0.1" in done.err
+    assert "--port" in done.err
+    assert {each.name for each in Path("fleet").iterdir()} == {"fleet.lock", "logs"}
+
+
+@pytest.mark.parametrize("command", [("up",), ("fleet", "up")])
+def test_the_plant_file_of_the_environment_counts(dray, monkeypatch, tmp_path, command) -> None:
+    (tmp_path / "broken.yaml").write_text("plant: [")
+    monkeypatch.setenv("DRAY_PLANT_FILE", "broken.yaml")
+    done = dray(*command, "--port", "0")
+    assert done.code == 2
+    assert "broken.yaml" in done.err
+
+
 def test_up_refuses_a_broken_plant_file(dray, tmp_path) -> None:
     (tmp_path / "broken.yaml").write_text("plant: [")
     done = dray("up", "--plant", "broken.yaml", "--port", "0")

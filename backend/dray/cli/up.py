@@ -23,7 +23,10 @@ def up(
         typer.Option(help="URL of the database; else DRAY_DATABASE_URL, else sqlite:///dray.db."),
     ] = None,
     plant: Annotated[
-        Path | None, typer.Option(help="A plant file; else the default plant of 12 machines and 8 vehicles.")
+        Path | None,
+        typer.Option(
+            help="A plant file; else DRAY_PLANT_FILE, else the default plant of 12 machines and 8 vehicles."
+        ),
     ] = None,
     speed: Annotated[float, typer.Option(help="Factory seconds per real second.")] = 1.0,
     seed: Annotated[int, typer.Option(help="Everything that is left to chance follows from it.")] = 1,
@@ -41,5 +44,6 @@ def up(
     from dray.cli.plant import chosen_plant
     from dray.cli.service import Service, run_service
 
-    settings = load_settings(host=host, port=port, database_url=db)
-    asyncio.run(run_service(Service(settings, chosen_plant(plant), speed=speed, seed=seed, demand=demand)))
+    settings = load_settings(host=host, port=port, database_url=db, plant_file=plant)
+    chosen = chosen_plant(settings.plant_file)
+    asyncio.run(run_service(Service(settings, chosen, speed=speed, seed=seed, demand=demand)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated
 
@@ -22,7 +23,9 @@ def fleet() -> None:
 
 @app.command()
 def up(
-    plant: Annotated[Path | None, typer.Option(help="A plant file; else the default plant.")] = None,
+    plant: Annotated[
+        Path | None, typer.Option(help="A plant file; else DRAY_PLANT_FILE, else the default plant.")
+    ] = None,
     folder: Folder = DEFAULT_FOLDER,
     port: Annotated[
         int | None, typer.Option(min=0, max=65_535, help="Of the gateway; else DRAY_PORT, else 8000.")
@@ -39,6 +42,9 @@ def up(
     ] = False,
 ) -> None:
     """Start every agent of a plant as a process; whatever ends is started again. Ctrl-C stops all."""
+    if not math.isfinite(speed):
+        raise typer.BadParameter("must be a number", param_hint="--speed")
+
     import asyncio
 
     from dray.cli.fleet.muster import Muster, run_muster
@@ -52,7 +58,7 @@ def up(
         run_muster(
             Muster(
                 settings,
-                chosen_plant(plant),
+                chosen_plant(settings.plant_file),
                 folder,
                 speed=speed,
                 plain=plain,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import os
 import sys
 import time
@@ -27,11 +28,11 @@ from dray.cli.fleet.folder import (
     write_targets,
 )
 from dray.cli.fleet.keeper import Keeper, Order
-from dray.cli.fleet.posts import DISTANCES, free_addresses, posts_of
+from dray.cli.fleet.posts import DISTANCES, posts_of
 from dray.cli.fleet.roll import RollKeeper, read_roll
 from dray.cli.fleet.software import OWN
 from dray.cli.process import FLOOR
-from dray.cli.serving import stopped_by_signals
+from dray.cli.serving import listen, stopped_by_signals
 from dray.errors import UnavailableError
 from dray.gateway.access.tokens import new_token
 from dray.plant import Plant
@@ -70,25 +71,27 @@ async def run_muster(muster: Muster) -> None:
     """Run a fleet until a signal.
 
     Raises:
-        UnavailableError: the folder or the database is not to be had, processes of an earlier fleet run, or
-            the floor has ended.
+        UnavailableError: the folder, the port or the database is not to be had, processes of an earlier fleet
+            run, or the floor has ended.
     """
     folder = muster.folder.resolve()
     make(folder)
     with alone(folder, FLEET_LOCK, "`dray fleet up`"):
         _refuse_leftovers(folder)
-        prepare(folder, muster.plant, plain=muster.plain)
-        common = await _common_environment(muster, folder)
         token = muster.settings.admin_token or SecretStr(new_token())
-        posts = posts_of(
-            muster.plant,
-            folder,
-            common,
-            # The same for all of its lives: programs that have it go on after an update.
-            {f"{PREFIX}ADMIN_TOKEN": token.get_secret_value()},
-            demand=muster.demand,
-            metrics=muster.metrics,
-        )
+        # Held until all others have addresses: then the gateway finds it free.
+        with contextlib.closing(listen(muster.settings.host, muster.settings.port)) as held:
+            prepare(folder, muster.plant, plain=muster.plain)
+            common = await _common_environment(muster, folder, port=held.getsockname()[1])
+            posts = posts_of(
+                muster.plant,
+                folder,
+                common,
+                # The same for all of its lives: programs that have it go on after an update.
+                {f"{PREFIX}ADMIN_TOKEN": token.get_secret_value()},
+                demand=muster.demand,
+                metrics=muster.metrics,
+            )
         write_settings(folder, common, [post.address for post in posts[: len(DISTANCES)]])
         write_targets(folder, {post.name: post.metrics for post in posts if post.metrics})
         roll = RollKeeper(folder, muster.plant.id, plain=muster.plain)
@@ -136,7 +139,8 @@ def _refuse_leftovers(folder: Path) -> None:
         )
 
 
-async def _common_environment(muster: Muster, folder: Path) -> dict[str, str]:
+async def _common_environment(muster: Muster, folder: Path, port: int) -> dict[str, str]:
+    """The settings of all processes; the port is the gateway's, in all of its lives."""
     settings = muster.settings
     # Opened here first, so that no two processes make its tables at once.
     store = await open_store(settings.database_url)
@@ -144,8 +148,6 @@ async def _common_environment(muster: Muster, folder: Path) -> dict[str, str]:
         trusted = (await authority_of(store)).public.hex()
     finally:
         await store.close()
-    # Chosen here, so that a gateway that is started again is found where it was.
-    port = settings.port or int(free_addresses(1)[0].rpartition(":")[2])
     environment = {
         f"{PREFIX}DATABASE_URL": settings.database_url,
         f"{PREFIX}HOST": settings.host,
