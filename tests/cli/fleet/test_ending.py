@@ -95,6 +95,31 @@ def test_a_fleet_that_is_kept_is_ended_by_its_keeper(tmp_path: Path, left: Left)
     assert left.out.readline() == "1.0 ends by SIGTERM\n"
 
 
+def test_somebody_elses_fleet_is_told_of_in_one_error(
+    tmp_path: Path, left: Left, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    process = Process.of(left.process.pid)
+    write_roll(tmp_path, NOBODY, process, process)
+
+    def refuse(handle: int, number: int) -> None:
+        raise PermissionError
+
+    monkeypatch.setattr("signal.pidfd_send_signal", refuse)
+    with pytest.raises(UnavailableError, match="belongs to another user"):
+        asyncio.run(end_fleet(tmp_path))
+    assert (tmp_path / ROLL).exists()
+
+
+def test_a_fleet_whose_keeper_ends_without_its_processes_is_ended_all_the_same(
+    tmp_path: Path, left: Left
+) -> None:
+    with subprocess.Popen(["sleep", "60"]) as keeper:
+        write_roll(tmp_path, Process.of(keeper.pid), Process.of(left.process.pid))
+        assert asyncio.run(end_fleet(tmp_path)) == 1
+    assert left.out.readline() == "1.0 ends by SIGINT\n"
+    assert not (tmp_path / ROLL).exists()
+
+
 def test_a_folder_has_one_fleet(tmp_path: Path) -> None:
     (tmp_path / "logs").mkdir()
     busy = pytest.raises(UnavailableError, match="another one is at work")

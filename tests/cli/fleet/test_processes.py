@@ -6,6 +6,7 @@ import asyncio
 import signal
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
 
 import pytest
@@ -48,6 +49,21 @@ def test_two_processes_have_different_births_or_numbers(child: subprocess.Popen[
     with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as other:
         assert Process.of(child.pid) != Process.of(other.pid)
         other.communicate(b"\n")
+
+
+def test_a_number_that_a_thread_has_by_now_is_no_process() -> None:
+    done = threading.Event()
+    thread = threading.Thread(target=done.wait)
+    thread.start()
+    try:
+        assert thread.native_id is not None
+        for born in (birth_of(thread.native_id), "another birth"):
+            process = Process(thread.native_id, born)
+            assert not process.signal(signal.SIGTERM)
+            asyncio.run(process.gone())
+    finally:
+        done.set()
+        thread.join()
 
 
 def test_a_number_that_nobody_has_is_no_process() -> None:

@@ -25,19 +25,23 @@ async def end_fleet(folder: Path) -> int:
     running = roll.running
     if roll.keeper.signal(signal.SIGTERM):
         await roll.keeper.gone()
-    else:
-        async with asyncio.TaskGroup() as group:
-            for member in running:
-                group.create_task(_end(member))
-        (folder / ROLL).unlink(missing_ok=True)
+        if not (folder / ROLL).exists():
+            return len(running)
+        # It was told a second time, and has ended without its processes.
+        roll = read_roll(folder)
+    told = [member for member in roll.members if member.signal(signal.SIGINT)]
+    async with asyncio.TaskGroup() as group:
+        for member in told:
+            group.create_task(_ended(member))
+    (folder / ROLL).unlink(missing_ok=True)
     return len(running)
 
 
-async def _end(process: Process) -> None:
-    if not process.signal(signal.SIGINT):
-        return
+async def _ended(process: Process) -> None:
+    """Wait until it has ended; it is killed when that takes too long."""
     try:
-        await asyncio.wait_for(process.gone(), STOP_S)
+        async with asyncio.timeout(STOP_S):
+            await process.gone()
     except TimeoutError:
         process.signal(signal.SIGKILL)
         await process.gone()

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import errno
 import os
 import signal
 from collections.abc import Iterator
@@ -20,6 +21,9 @@ PROC = Path("/proc")
 
 ENDED = frozenset("ZX")
 """States of a process that has ended and that its parent has not yet asked about."""
+
+NOBODY = frozenset({errno.ESRCH, errno.EINVAL, errno.ENOENT})
+"""What the kernel says of a number that is no process any more: it is nobody's, or a thread's by now."""
 
 STATE, BIRTH = 0, 19
 """Places in `/proc/PID/stat`, counted after the name of the program (proc(5), fields 3 and 22)."""
@@ -82,12 +86,16 @@ class Process(msgspec.Struct, frozen=True):
     def _held(self) -> Iterator[int | None]:
         """A handle that means this process and no later one; None when it has ended."""
         try:
-            handle = os.pidfd_open(self.pid)
-        except ProcessLookupError:
+            handle = os.pidfd_open(self.pid) if self.runs else None
+        except OSError as error:
+            if error.errno not in NOBODY:
+                raise
+            handle = None
+        if handle is None:
             yield None
             return
         try:
-            # Asked only now: had the number been given anew before, this would be another birth.
+            # Asked once more: had the number been given anew meanwhile, this would be another birth.
             yield handle if self.runs else None
         finally:
             os.close(handle)
