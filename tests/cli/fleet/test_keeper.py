@@ -1,4 +1,4 @@
-"""A keeper: its process runs by the order that was given last, whatever happens, and is replaced over a socket."""
+"""A keeper: its post stays filled as was asked last, whatever happens; others ask for a replacement by a socket."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from actor import ends_at_once, make_actor
 
 from dray.cli.fleet import control
 from dray.cli.fleet.control import Refused, Replace, controlled
-from dray.cli.fleet.keeper import Keeper, Order, Replaced
+from dray.cli.fleet.keeper import Filling, Keeper, Replaced
 from dray.cli.fleet.posts import Post
 from dray.cli.fleet.roll import Member, RollKeeper, State, read_roll
 from dray.cli.fleet.software import Software
@@ -66,7 +66,7 @@ async def kept(
         environment = {**os.environ, "TOLD": "here"}
         post = Post("ATV1", kind, ("agent", "atv", "ATV1"), "127.0.0.1:1", environment, "", pipe)
         roll = RollKeeper(folder, "plant", plain=True)
-        keeper = Keeper(post, roll, turns or asyncio.Semaphore(), leave_s, Order(software))
+        keeper = Keeper(post, roll, turns or asyncio.Semaphore(), leave_s, Filling(software))
         keeping = asyncio.create_task(keeper.keep())
         try:
             yield Kept(folder, keeper, keeping, words)
@@ -83,7 +83,7 @@ def test_another_software_comes_when_the_old_one_has_left_in_order(tmp_path: Pat
     async def story() -> None:
         async with kept(tmp_path, old) as there:
             assert await there.says() == "1.0 agent atv ATV1 here"
-            done = await there.keeper.replace(Order(new, trial=3), at_once=False)
+            done = await there.keeper.replace(Filling(new, trial=3), at_once=False)
             assert (done.killed, done.starts) == (False, 2)
             assert await there.says() == "1.0 ends by SIGTERM"
             assert await there.says() == "2.0 agent atv ATV1 --trial 3 here"
@@ -108,7 +108,7 @@ def test_whoever_need_not_finish_ends_by_an_interrupt_as_all_do_when_the_fleet_e
     async def story() -> None:
         async with kept(tmp_path, old) as there:
             await there.says()
-            await there.keeper.replace(Order(new), at_once=True)
+            await there.keeper.replace(Filling(new), at_once=True)
             assert await there.says() == "1.0 ends by SIGINT"
             assert await there.says() == "2.0 agent atv ATV1 here"
             last = there
@@ -124,7 +124,7 @@ def test_whoever_does_not_leave_in_time_is_killed(tmp_path: Path, monkeypatch: p
     async def story() -> None:
         async with kept(tmp_path, old, leave_s=0.0) as there:
             await there.says()
-            done = await there.keeper.replace(Order(new), at_once=False)
+            done = await there.keeper.replace(Filling(new), at_once=False)
             assert done.killed
             assert await there.says() == "2.0 agent atv ATV1 here"
 
@@ -135,11 +135,52 @@ def test_what_ends_by_itself_is_replaced_too(tmp_path: Path) -> None:
     async def story() -> None:
         async with kept(tmp_path, ends_at_once(tmp_path)) as there:
             assert [await there.says() for _ in range(2)] == ["dead", "dead"]
-            done = await there.keeper.replace(Order(make_actor(tmp_path, "2.0")), at_once=False)
+            done = await there.keeper.replace(Filling(make_actor(tmp_path, "2.0")), at_once=False)
             assert not done.killed
             while (said := await there.says()) == "dead":
                 pass
             assert said == "2.0 agent atv ATV1 here"
+
+    asyncio.run(story())
+
+
+def test_what_hinders_a_start_is_told_and_tried_again_when_it_is_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr("dray.cli.fleet.keeper.REST_S", 0.05)
+    old, new = make_actor(tmp_path, "1.0"), make_actor(tmp_path, "2.0")
+    pipe, away = tmp_path / "ATV1.log", tmp_path / "away"
+
+    async def story() -> None:
+        async with kept(tmp_path, old) as there:
+            await there.says()
+            pipe.rename(away)
+            pipe.mkdir()
+            async with asyncio.timeout(LONG_S):
+                with pytest.raises(IsADirectoryError):
+                    await there.keeper.replace(Filling(new), at_once=True)
+            pipe.rmdir()
+            away.rename(pipe)
+            assert await there.says() == "1.0 ends by SIGINT"
+            assert await there.says() == "2.0 agent atv ATV1 here"
+
+    asyncio.run(story())
+    assert "ATV1 cannot be started: [Errno 21]" in caplog.text
+
+
+def test_a_roll_that_cannot_be_written_ends_nobody(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    old, new = make_actor(tmp_path, "1.0"), make_actor(tmp_path, "2.0")
+    hindrance = tmp_path / "fleet.new"
+    hindrance.mkdir()
+
+    async def story() -> None:
+        async with kept(tmp_path, old) as there:
+            assert await there.says() == "1.0 agent atv ATV1 here"
+            assert "fleet.json is not up to date for other commands" in caplog.text
+            hindrance.rmdir()
+            async with asyncio.timeout(LONG_S):
+                await there.keeper.replace(Filling(new), at_once=True)
+            assert (there.member.software, there.member.starts) == (new, 2)
 
     asyncio.run(story())
 
@@ -204,7 +245,7 @@ def test_kinds_that_know_no_trial_are_not_put_on_one(tmp_path: Path) -> None:
     async def story() -> None:
         async with kept(tmp_path, old, kind="strategist") as there:
             await there.says()
-            await there.keeper.replace(Order(new, trial=3), at_once=True)
+            await there.keeper.replace(Filling(new, trial=3), at_once=True)
             await there.says()
             assert await there.says() == "2.0 agent atv ATV1 here"
 
@@ -238,3 +279,20 @@ def test_other_commands_reach_the_keeper_by_a_socket_for_its_owner_alone(tmp_pat
             await control.settle(deep, "ATV1")
 
     asyncio.run(story())
+
+
+@pytest.mark.parametrize("hindrance", ["a path that is none", "a folder in the place of the socket"])
+def test_a_folder_in_which_no_socket_can_be_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, hindrance: str
+) -> None:
+    if hindrance == "a path that is none":
+        monkeypatch.setattr(control, "_short", lambda folder: contextlib.nullcontext("/proc/none/socket"))
+    else:
+        (tmp_path / control.SOCKET).mkdir()
+
+    async def story() -> None:
+        async with controlled(tmp_path, {}):
+            pass
+
+    with pytest.raises(UnavailableError, match=rf"{tmp_path}: .*; choose another --folder"):
+        asyncio.run(story())

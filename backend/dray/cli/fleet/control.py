@@ -18,7 +18,7 @@ from pathlib import Path
 
 import msgspec
 
-from dray.cli.fleet.keeper import Keeper, Order, Replaced
+from dray.cli.fleet.keeper import Filling, Keeper, Replaced
 from dray.cli.fleet.software import Software
 from dray.errors import UnavailableError
 
@@ -87,6 +87,9 @@ async def controlled(folder: Path, keepers: Mapping[str, Keeper]) -> AsyncIterat
     Args:
         folder: the fleet's, where nobody else does the same.
         keepers: by name.
+
+    Raises:
+        UnavailableError: there can be no socket in that folder.
     """
     at_work: set[asyncio.Task[None]] = set()
 
@@ -95,12 +98,7 @@ async def controlled(folder: Path, keepers: Mapping[str, Keeper]) -> AsyncIterat
         at_work.add(serving)
         serving.add_done_callback(at_work.discard)
 
-    (folder / SOCKET).unlink(missing_ok=True)
-    listener = socket.socket(socket.AF_UNIX)
-    with _short(folder) as path:
-        listener.bind(path)
-        (folder / SOCKET).chmod(0o600)
-    server = await asyncio.start_unix_server(let_in, sock=listener, backlog=BACKLOG)
+    server = await asyncio.start_unix_server(let_in, sock=_bound(folder), backlog=BACKLOG)
     try:
         yield
     finally:
@@ -108,6 +106,21 @@ async def controlled(folder: Path, keepers: Mapping[str, Keeper]) -> AsyncIterat
         for each in at_work:
             each.cancel()
         (folder / SOCKET).unlink(missing_ok=True)
+
+
+def _bound(folder: Path) -> socket.socket:
+    """The socket, for its owner alone."""
+    listener = socket.socket(socket.AF_UNIX)
+    try:
+        (folder / SOCKET).unlink(missing_ok=True)
+        with _short(folder) as path:
+            listener.bind(path)
+        (folder / SOCKET).chmod(0o600)
+    except OSError as error:
+        listener.close()
+        reason = f"no socket can be made there: {error.strerror or error}"
+        raise UnavailableError(str(folder), reason, "choose another --folder") from None
+    return listener
 
 
 async def _serve(
@@ -130,9 +143,9 @@ async def _obey(keepers: Mapping[str, Keeper], question: Question) -> Answer:
     if isinstance(question, Settle):
         keeper.settle()
         return Settled()
-    order = Order(question.software, question.trial)
+    filling = Filling(question.software, question.trial)
     try:
-        return await keeper.replace(order, at_once=question.at_once)
+        return await keeper.replace(filling, at_once=question.at_once)
     except OSError as error:
         return Refused(f"{question.software.python} cannot be started: {error.strerror or error}")
 

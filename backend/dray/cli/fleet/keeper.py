@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import logging
 import signal
 import time
 from collections.abc import Mapping
@@ -25,9 +26,11 @@ READY_S = 60.0
 STOP_S = 10.0
 """To end at once; then it is killed."""
 
+_log = logging.getLogger(__name__)
+
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class Filling:
     """How a post is to be filled from now on.
 
     Attributes:
@@ -40,7 +43,7 @@ class Order:
 
     @property
     def state(self) -> State:
-        """What a process is about that was started by this order."""
+        """What a process is about that was started so."""
         return State.ON_TRIAL if self.trial else State.AT_WORK
 
 
@@ -66,15 +69,15 @@ class Keeper:
         roll: where every start is written down.
         turns: held from a start until the process takes part: how many may begin at once.
         leave_s: real seconds in which a process that is asked to leave in order does so.
-        order: by which it is started at first.
+        filling: how the post is filled at first.
     """
 
     def __init__(
-        self, post: Post, roll: RollKeeper, turns: asyncio.Semaphore, leave_s: float, order: Order
+        self, post: Post, roll: RollKeeper, turns: asyncio.Semaphore, leave_s: float, filling: Filling
     ) -> None:
         self._post, self._roll, self._turns = post, roll, turns
         self._leave_s = leave_s
-        self._order = order
+        self._filling = filling
         self._process: asyncio.subprocess.Process | None = None
         self._starting = asyncio.Lock()
         """Held while a process is being started: it runs then, or has not begun."""
@@ -94,7 +97,7 @@ class Keeper:
                     await self._begin()
                 if self._process is not None:
                     await self._process.wait()
-            except asyncio.CancelledError:
+            except BaseException:
                 if self._process is not None:
                     await _end(self._process)
                 raise
@@ -102,13 +105,14 @@ class Keeper:
             if not self._post.comes_back:
                 return
             with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(self._hurry.wait(), REST_S)
+                async with asyncio.timeout(REST_S):
+                    await self._hurry.wait()
 
-    async def replace(self, order: Order, *, at_once: bool) -> Replaced:
-        """Let the process leave, and start another by this order; one replacement after the other.
+    async def replace(self, filling: Filling, *, at_once: bool) -> Replaced:
+        """Let the process leave, and fill the post so; one replacement after the other.
 
         Args:
-            order: holds for all later starts, too.
+            filling: holds for all later starts, too.
             at_once: it need not finish what it has begun.
 
         Raises:
@@ -117,7 +121,7 @@ class Keeper:
         async with self._replacing:
             began_s = time.monotonic()
             async with self._starting:
-                self._order, process = order, self._process
+                self._filling, process = filling, self._process
                 started = self._next_start
             killed = False
             if process is not None:
@@ -129,32 +133,43 @@ class Keeper:
 
     def settle(self) -> None:
         """The trial is passed: no later life is on trial any more."""
-        self._order = Order(self._order.software)
+        self._filling = Filling(self._filling.software)
         self._roll.entered(self._post.name, State.AT_WORK)
 
     async def _begin(self) -> None:
-        """Start it, and wait until it takes part, has ended, or must not hold up the others any longer."""
-        with listening() as listener:
-            if (process := await self._start(listener.environment)) is None:
-                return
-            waits = asyncio.create_task(listener.ready()), asyncio.create_task(process.wait())
-            try:
-                await asyncio.wait(waits, timeout=READY_S, return_when=asyncio.FIRST_COMPLETED)
-            finally:
-                for each in waits:
-                    each.cancel()
+        """Start it, and wait until it takes part, has ended, or must not hold up the others any longer.
 
-    async def _start(self, told: Mapping[str, str]) -> asyncio.subprocess.Process | None:
-        """Start it with these variables, too; None when that cannot be done."""
+        What hinders a start, a full disk say, may be over at the next one.
+        """
+        try:
+            with listening() as listener:
+                process = await self._start(listener.environment)
+                waits = asyncio.create_task(listener.ready()), asyncio.create_task(process.wait())
+                try:
+                    await asyncio.wait(waits, timeout=READY_S, return_when=asyncio.FIRST_COMPLETED)
+                finally:
+                    for each in waits:
+                        each.cancel()
+        except OSError as error:
+            _log.warning("%s cannot be started: %s", self._post.name, error)
+            if self._process is not None:
+                await _end(self._process)
+            self._answer(error)
+
+    async def _start(self, told: Mapping[str, str]) -> asyncio.subprocess.Process:
+        """Start it with these variables, too.
+
+        Raises:
+            OSError: that cannot be done.
+        """
         async with self._starting:
-            post, order = self._post, self._order
+            post, filling = self._post, self._filling
             self._hurry.clear()
-            waiting, self._next_start = self._next_start, asyncio.get_running_loop().create_future()
             with post.log.open("ab") as log:
                 try:
                     process = self._process = await asyncio.create_subprocess_exec(
-                        *order.software.command(*post.command, *post.trial(order.trial)),
-                        env=order.software.environment({**post.environment, **told}),
+                        *filling.software.command(*post.command, *post.trial(filling.trial)),
+                        env=filling.software.environment({**post.environment, **told}),
                         # The gateway tells on the terminal where the panels are.
                         stdout=None if post.speaks else log,
                         stderr=log,
@@ -162,14 +177,21 @@ class Keeper:
                         start_new_session=True,
                     )
                 except OSError as error:
-                    log.write(f"{order.software.python}: {error}\n".encode())
-                    waiting.set_exception(error)
-                    # Whoever waits for it hears of it; else it stands in the log.
-                    waiting.exception()
-                    return None
-            member = self._roll.started(post, process.pid, order.software, order.state)
-            waiting.set_result(member.starts)
+                    log.write(f"{filling.software.python}: {error}\n".encode())
+                    raise
+            member = self._roll.started(post, process.pid, filling.software, filling.state)
+            self._answer(member.starts)
         return process
+
+    def _answer(self, outcome: int | OSError) -> None:
+        """Tell whoever waits for the next start how often it was started, or why it was not."""
+        waiting, self._next_start = self._next_start, asyncio.get_running_loop().create_future()
+        if isinstance(outcome, OSError):
+            waiting.set_exception(outcome)
+            # Nobody may wait.
+            waiting.exception()
+        else:
+            waiting.set_result(outcome)
 
 
 async def _leave(process: asyncio.subprocess.Process, within_s: float) -> bool:
@@ -186,7 +208,8 @@ async def _told(process: asyncio.subprocess.Process, word: signal.Signals, withi
     with contextlib.suppress(ProcessLookupError):
         process.send_signal(word)
         try:
-            await asyncio.wait_for(process.wait(), within_s)
+            async with asyncio.timeout(within_s):
+                await process.wait()
         except TimeoutError:
             process.kill()
             await process.wait()

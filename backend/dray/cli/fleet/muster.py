@@ -27,7 +27,7 @@ from dray.cli.fleet.folder import (
     write_settings,
     write_targets,
 )
-from dray.cli.fleet.keeper import Keeper, Order
+from dray.cli.fleet.keeper import Filling, Keeper
 from dray.cli.fleet.posts import DISTANCES, posts_of
 from dray.cli.fleet.roll import RollKeeper, read_roll
 from dray.cli.fleet.software import OWN
@@ -97,7 +97,7 @@ async def run_muster(muster: Muster) -> None:
         roll = RollKeeper(folder, muster.plant.id, plain=muster.plain)
         leave_s = muster.settings.leave_s
         turns = asyncio.Semaphore(STARTS_AT_ONCE)
-        keepers = {post.name: Keeper(post, roll, turns, leave_s, Order(OWN)) for post in posts}
+        keepers = {post.name: Keeper(post, roll, turns, leave_s, Filling(OWN)) for post in posts}
         greeting = f"{len(posts)} processes; `dray fleet status --folder {muster.folder}` shows them"
         if muster.settings.admin_token is None:
             greeting += f"\n  Admin token       {token.get_secret_value()}"

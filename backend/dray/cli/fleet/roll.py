@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import logging
 import os
 from enum import StrEnum
 from pathlib import Path
@@ -27,6 +28,8 @@ ROLL_CALL_S = 3.0
 """For the links of whoever asks who is there; they take milliseconds when the computer is not busy."""
 
 ROLL_CALL_AGAIN_S = 0.1
+
+_log = logging.getLogger(__name__)
 
 
 class State(StrEnum):
@@ -180,5 +183,9 @@ class RollKeeper:
         roll = Roll(self._plant, self._plain, self._keeper, tuple(self._members.values()))
         # Replaced as a whole: a reader sees the old list or the new one.
         fresh = self._file.with_suffix(".new")
-        fresh.write_bytes(msgspec.json.encode(roll))
-        fresh.replace(self._file)
+        try:
+            fresh.write_bytes(msgspec.json.encode(roll))
+            fresh.replace(self._file)
+        except OSError as error:
+            # The processes go on all the same, and the next change is another attempt.
+            _log.warning("%s is not up to date for other commands: %s", self._file, error)
