@@ -92,7 +92,7 @@ def test_the_port_is_free_again_at_the_end() -> None:
     asyncio.run(test())
 
 
-@pytest.mark.parametrize("host", ["127.0.0.1", "nowhere.invalid"])
+@pytest.mark.parametrize("host", ["127.0.0.1", "nowhere.invalid", "a..b"])
 def test_an_address_that_is_not_to_be_had_is_told_with_a_remedy(host: str) -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))

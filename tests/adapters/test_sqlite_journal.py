@@ -82,3 +82,36 @@ def test_a_write_that_fails_leaves_what_was_there(tmp_path: Path) -> None:
             journal.write([event], AtvMemory(speed_frac=0.75))
         assert journal.memory == AtvMemory(speed_frac=0.5)
         assert journal.events(1, 1, 9) == [event]
+
+
+def event(number: int) -> Event:
+    return Event("A", 1, number, 0.0, OrderFulfilled("O"))
+
+
+def test_a_write_that_sqlite_has_taken_back_by_itself_is_told_with_its_cause(tmp_path: Path) -> None:
+    with closing(SqliteJournal(tmp_path / "journal.db", events_kept=10)) as journal:
+        # As it does when the disk is full.
+        journal._base.execute(
+            "CREATE TRIGGER full BEFORE INSERT ON event BEGIN SELECT RAISE(ROLLBACK, 'the disk is full'); END"
+        )
+        with pytest.raises(UnavailableError, match="the disk is full"):
+            journal.write([event(1)], None)
+        journal._base.execute("DROP TRIGGER full")
+        journal.write([event(1)], None)
+        assert journal.events(1, 1, 9) == [event(1)]
+
+
+def test_a_write_that_fails_at_its_end_hinders_no_later_one(tmp_path: Path) -> None:
+    with closing(SqliteJournal(tmp_path / "journal.db", events_kept=10)) as journal:
+        journal._base.executescript(
+            """
+            PRAGMA foreign_keys = ON;
+            CREATE TABLE debt (owed INTEGER REFERENCES life (only) DEFERRABLE INITIALLY DEFERRED);
+            CREATE TRIGGER owe AFTER INSERT ON event BEGIN INSERT INTO debt VALUES (2); END;
+            """
+        )
+        with pytest.raises(UnavailableError, match="FOREIGN KEY"):
+            journal.write([event(1)], None)
+        journal._base.execute("DROP TRIGGER owe")
+        journal.write([event(2)], None)
+        assert journal.events(1, 1, 9) == [event(2)]

@@ -65,9 +65,10 @@ async def metrics_port(address: str, read: Read) -> AsyncIterator[int]:
     try:
         # The name of the host is looked up, which may take a while.
         server, thread = await asyncio.to_thread(start_http_server, port, host, told)
-    except OSError as error:
+    except (OSError, UnicodeError) as error:
         remedy = "name a free port of this computer in DRAY_METRICS_LISTEN, or leave it empty"
-        raise UnavailableError(f"metrics at {address}", error.strerror or str(error), remedy) from error
+        reason = getattr(error, "strerror", None) or str(error)
+        raise UnavailableError(f"metrics at {address}", reason, remedy) from error
     _log.info("metrics on port %d of %s", server.server_port, host)
     try:
         yield server.server_port

@@ -150,10 +150,12 @@ class SqliteJournal:
         self._base.execute("BEGIN IMMEDIATE")
         try:
             yield
+            self._base.execute("COMMIT")
         except BaseException:
-            self._base.execute("ROLLBACK")
+            # On a full disk, say, SQLite has rolled back by itself.
+            if self._base.in_transaction:
+                self._base.execute("ROLLBACK")
             raise
-        self._base.execute("COMMIT")
 
     def _told(self) -> AbstractContextManager[None]:
         return _told(self._file)
