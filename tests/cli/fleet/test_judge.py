@@ -29,6 +29,7 @@ from dray.messages.fact import (
     GoalLost,
     TaskClosed,
 )
+from dray.protocol.carriage import HANDED_OVER
 from dray.protocol.strategist import STRATEGIST
 from dray.protocol.supervision import IN_ERROR, SILENT
 
@@ -213,6 +214,18 @@ def test_a_machine_passes_by_what_the_vehicles_that_it_has_hired_hand_over() -> 
     assert judge.done == 1
     tell(judge, "ATV2", msgspec.structs.replace(taken, task="M1-3"))
     tell(judge, "ATV2", msgspec.structs.replace(ended, task="M1-3"))
+    assert judge.passed
+
+
+def test_what_a_successor_hands_over_counts_though_the_contract_before_ends_later() -> None:
+    judge = machine()
+    first = ContractTaken(task="M1-1", epoch=1, role=Role.PRIMARY, coordinator="M1")
+    tell(judge, "ATV1", first)
+    tell(judge, "ATV2", msgspec.structs.replace(first, epoch=2))
+    ended = ContractEnded(task="M1-1", epoch=1, role=Role.PRIMARY, reason="superseded")
+    tell(judge, "ATV1", ended)
+    assert judge.done == 0
+    tell(judge, "ATV2", msgspec.structs.replace(ended, epoch=2, reason=HANDED_OVER))
     assert judge.passed
 
 

@@ -136,6 +136,7 @@ def test_vehicles_come_first_and_people_last_and_the_floor_never() -> None:
     names = [each.name for each in replaceable(roll(), plan())]
     assert names == ["ATV1", "ATV2", "M1", "strategist", "historian", "gateway"]
     assert [each.name for each in replaceable(roll(), plan("M1", "ATV2"))] == ["ATV2", "M1"]
+    assert [each.name for each in replaceable(roll(), plan("ATV1", "ATV1"))] == ["ATV1"]
 
 
 def test_an_update_goes_on_where_it_was_stopped() -> None:

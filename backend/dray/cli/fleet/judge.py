@@ -172,8 +172,8 @@ class MachineJudge(Judge):
 
     def __init__(self, agent: str, version: str, tasks: int, before: int, late_s: float) -> None:
         super().__init__(agent, version, tasks, before, late_s)
-        self._hired: dict[str, None] = {}
-        """Tasks that vehicles carry for it."""
+        self._hired: set[tuple[str, int]] = set()
+        """What vehicles carry for it, by task and epoch: when one takes over, the contract of the other ends later."""
         self._goals: dict[str, None] = {}
         """Goals that it has taken in this life."""
         self._on_fact = {
@@ -185,11 +185,12 @@ class MachineJudge(Judge):
 
     def _note_taken(self, _sender: str, taken: ContractTaken, _at_s: float) -> None:
         if taken.coordinator == self.agent and taken.role is Role.PRIMARY:
-            self._hired[taken.task] = None
+            self._hired.add((taken.task, taken.epoch))
 
     def _note_ended(self, _sender: str, ended: ContractEnded, _at_s: float) -> None:
-        if ended.role is Role.PRIMARY and ended.task in self._hired:
-            del self._hired[ended.task]
+        contract = (ended.task, ended.epoch)
+        if ended.role is Role.PRIMARY and contract in self._hired:
+            self._hired.remove(contract)
             self.done += ended.reason == HANDED_OVER
 
     def _note_goal(self, _sender: str, contracted: GoalContracted, _at_s: float) -> None:

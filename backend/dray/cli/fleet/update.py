@@ -100,7 +100,7 @@ def replaceable(roll: Roll, plan: Plan) -> list[Member]:
         SettingsError: a name that is none, or a software that does not speak with the others.
     """
     there = {member.name: member for member in roll.members if member.kind in ORDER}
-    chosen = [one_of(there, name, "--only") for name in plan.only] or list(there.values())
+    chosen = [one_of(there, name, "--only") for name in dict.fromkeys(plan.only)] or list(there.values())
     for member in there.values():
         if member.software.wire != plan.target.wire:
             raise SettingsError(
