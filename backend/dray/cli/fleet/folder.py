@@ -100,13 +100,18 @@ def read_settings(folder: Path) -> Settings:
 
 
 def write_settings(folder: Path, common: Mapping[str, str], peers: Sequence[str]) -> None:
-    """Write down what a newcomer needs: the settings of all, and some addresses to call."""
+    """Write down what a newcomer needs: the settings of all, and some addresses to call.
+
+    Raises:
+        UnavailableError: it cannot be written.
+    """
     file = folder / SETTINGS
     lines = [f"{name}={value}" for name, value in (*common.items(), (f"{PREFIX}BUS_PEERS", ",".join(peers)))]
     # The URL of the database may hold a password.
-    file.unlink(missing_ok=True)
-    file.touch(mode=0o600)
-    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    with _kept_in(folder):
+        file.unlink(missing_ok=True)
+        file.touch(mode=0o600)
+        file.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def write_targets(folder: Path, targets: Mapping[str, str]) -> None:
@@ -115,9 +120,13 @@ def write_targets(folder: Path, targets: Mapping[str, str]) -> None:
     Args:
         folder: the fleet's.
         targets: by the process's name, its address.
+
+    Raises:
+        UnavailableError: it cannot be written.
     """
     found = [{"targets": [address], "labels": {"instance": name}} for name, address in targets.items()]
-    (folder / METRICS).write_bytes(msgspec.json.format(msgspec.json.encode(found)) + b"\n")
+    with _kept_in(folder):
+        (folder / METRICS).write_bytes(msgspec.json.format(msgspec.json.encode(found)) + b"\n")
 
 
 def _certify(plant: Plant, folder: Path) -> None:
