@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import asyncio
 import multiprocessing
-import socket
 import tempfile
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
@@ -28,6 +27,7 @@ from zenoh.handlers import Callback
 from dray.adapters.certificates import Authority
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Identity, Links
+from dray.cli.fleet.addresses import free_addresses
 from dray.codec import decode, encode
 from dray.errors import UnavailableError
 from dray.messages.speakers import Kind
@@ -227,17 +227,11 @@ def _ends(folder: Path) -> tuple[End, End]:
     authority.write(folder)
     authority.issue(folder, PLANT, dict.fromkeys((HERE, RECEIPT, ECHO, SINK), Kind.ATV))
     identity = Identity.in_folder(folder, HERE)
-    plain, sealed = ((_free_address(),), (_free_address(),))
+    plain, sealed = ((address,) for address in free_addresses(2))
     return (
         End(Links(peers=plain, plain=True), Links(peers=sealed, identity=identity)),
         End(Links(listen=plain, plain=True), Links(listen=sealed, identity=identity)),
     )
-
-
-def _free_address() -> str:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return f"127.0.0.1:{probe.getsockname()[1]}"
 
 
 # --- the other process -----------------------------------------------------------------------------

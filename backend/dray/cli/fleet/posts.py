@@ -6,13 +6,12 @@ any two others, and the number of links grows with the factory and not with its 
 
 from __future__ import annotations
 
-import contextlib
 import os
-import socket
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from dray.cli.fleet.addresses import free_addresses
 from dray.cli.fleet.folder import GATEWAY, HISTORIAN, LOGS
 from dray.cli.process import FLOOR
 from dray.messages.speakers import Kind
@@ -118,13 +117,3 @@ def posts_of(
             )
         )
     return posts
-
-
-def free_addresses(count: int) -> list[str]:
-    """Addresses on this computer where nobody listens."""
-    with contextlib.ExitStack() as stack:
-        # All of them at once, so that none is given twice.
-        sockets = [stack.enter_context(socket.socket()) for _ in range(count)]
-        for each in sockets:
-            each.bind(("127.0.0.1", 0))
-        return [f"127.0.0.1:{each.getsockname()[1]}" for each in sockets]
