@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 import asyncio
+import signal
+import subprocess
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import msgspec
 import pytest
 
+from dray.cli.fleet.folder import LOGS, ROLL, write_settings
+from dray.cli.fleet.processes import Process, birth_of
+from dray.cli.fleet.roll import Member, Roll
+from dray.cli.fleet.software import Software
+from dray.errors import UnavailableError
+from dray.gateway.timescale import TimeScale
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
@@ -38,6 +47,7 @@ from dray.messages.fact import (
     TaskOpened,
     WatchLost,
 )
+from dray.messages.keys import Keys
 from dray.store.orders import Item, Order
 from dray.store.progress import OrderStatus
 from dray_sim.bench import losses
@@ -53,12 +63,15 @@ from dray_sim.bench.losses.cost import (
     Kill,
     fates,
 )
+from dray_sim.bench.losses.fleet import Fleet, running
 from dray_sim.bench.losses.history import History
 from dray_sim.bench.losses.judgement import ENDED, Aftermath, judge
 from dray_sim.bench.losses.victims import Kind, Rota, Victim, machine, vehicle
+from dray_sim.bench.losses.watch import gathered
 from dray_sim.bench.losses.works import Works
 from dray_sim.explore.trial import draw
 from dray_sim.floor import Pieces
+from dray_sim.witness import Witness
 
 WORK = Transport(item="shaft", quantity=40, sources=("S3",), destination="M8", ability="tote")
 GOAL = Production(product="pump-p3", quantity=24, order="O-1", item=0)
@@ -73,6 +86,9 @@ ORDER = Order(
     due_at_s=900.0,
     delivered_at_s=600.0,
 )
+PATIENCE_S = 30.0
+"""Real seconds for what takes a moment."""
+
 PIECES = Pieces(balance={"shaft": 100, "pump-p3": 0}, delivered={}, arrived={})
 
 
@@ -363,6 +379,152 @@ def test_a_kind_that_nobody_is_of_waits_for_its_turn() -> None:
     assert rota.choose([idle, loaded]) == idle
     assert rota.choose([loaded]) == loaded
     assert rota.choose([]) is None
+
+
+# --- a fleet that does not do what it should ---------------------------------------------------------
+
+
+class Ailing:
+    """A fleet that cannot be killed, or of which nobody comes back."""
+
+    url, token = "http://127.0.0.1:1", "t"
+    time = TimeScale(0.0, 0.0, 1.0)
+
+    def __init__(self, *, ended: bool) -> None:
+        self._ended = ended
+
+    def kill(self, name: str) -> bool:
+        if self._ended:
+            raise UnavailableError("fleet.json", "no such file", "start a fleet")
+        return True
+
+    def last_words(self, name: str) -> str:
+        return f"the log of {name} ends with: Aargh"
+
+
+class Deaf:
+    """A watch that hears nobody."""
+
+    heard = Witness()
+
+    def joined_since(self, agent: str, since_s: float) -> float | None:
+        return None
+
+
+@pytest.mark.parametrize(
+    ("ended", "told"),
+    [
+        (True, "fleet.json: no such file"),
+        (False, r"(\w+), \w+: not back in 0 s; the log of \1 ends with: Aargh"),
+    ],
+    ids=["has ended", "does not come back"],
+)
+def test_a_fleet_that_ends_or_does_not_recover_ends_the_campaign_with_the_reason(
+    monkeypatch: pytest.MonkeyPatch, ended: bool, told: str
+) -> None:
+    monkeypatch.setattr(campaign, "RETURN_S", 0.0)
+    plan: Any = replace(SMALL, calm_s=0.0, pause_s=0.01, head_start_s=0.0)
+    paper: Any = Ailing(ended=ended), Deaf(), None
+
+    async def play() -> None:
+        async with asyncio.timeout(PATIENCE_S):
+            await campaign._Field(plan, *paper).play()
+
+    with pytest.raises(UnavailableError, match=told):
+        asyncio.run(play())
+
+
+class Bus:
+    """A bus on which nobody is."""
+
+    keys = Keys("plant")
+
+    @property
+    def inner(self) -> Any:
+        return self
+
+    def join(self, name: str, hear: object) -> Any:
+        return self
+
+    def subscribe(self, key: str) -> None:
+        pass
+
+    def liveliness(self) -> Any:
+        return self
+
+    def declare_subscriber(self, key: str, hear: object, *, history: bool) -> None:
+        pass
+
+
+DEAF_TO_SIGNALS = """\
+#!/bin/sh
+trap '' TERM
+echo "2 processes; all of them were started"
+while true; do sleep 0.1; done
+"""
+
+
+def write_fleet(folder: Path, *pids: int) -> None:
+    """A fleet's folder whose keeper has ended and whose processes have not."""
+    software = Software("python", "1.0", 1)
+    members = tuple(
+        Member(
+            pid=pid,
+            born=birth_of(pid),
+            name=f"ATV{number}",
+            kind="atv",
+            address="",
+            starts=1,
+            software=software,
+            proven=software,
+        )
+        for number, pid in enumerate(pids, 1)
+    )
+    roll = Roll("plant", plain=True, keeper=Process(1, ""), members=members)
+    (folder / ROLL).write_bytes(msgspec.json.encode(roll))
+    write_settings(folder, {"DRAY_PORT": "4711", "DRAY_DATABASE_URL": f"sqlite:///{folder / 'fleet.db'}"}, ())
+    (folder / LOGS).mkdir()
+
+
+def test_whoever_is_not_there_in_time_is_named_with_what_it_has_said(tmp_path: Path) -> None:
+    with subprocess.Popen(["sleep", "60"]) as member:
+        write_fleet(tmp_path, member.pid)
+        (tmp_path / LOGS / "ATV1.log").write_text("first\n" * 20 + "no floor\n")
+        bus: Any = Bus()
+        with pytest.raises(UnavailableError, match=r"(?s)ATV1: not on the bus in 0 s; .*first\nno floor$"):
+            asyncio.run(gathered(Fleet(tmp_path, "t"), bus, 0.0))
+        member.kill()
+
+
+def test_a_fleet_is_known_by_its_folder_whatever_the_environment_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_fleet(tmp_path)
+    monkeypatch.setenv("DRAY_DATABASE_URL", "sqlite:///elsewhere.db")
+    monkeypatch.setenv("DRAY_PORT", "80")
+    fleet = Fleet(tmp_path, "t")
+    assert fleet.database_url.endswith(f"{tmp_path}/fleet.db")
+    assert fleet.url == "http://127.0.0.1:4711"
+
+
+def test_a_fleet_that_does_not_end_is_killed_with_all_its_processes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("dray_sim.bench.losses.fleet.STOP_S", 0.0)
+    python = tmp_path / "python"
+    python.write_text(DEAF_TO_SIGNALS)
+    python.chmod(0o700)
+    monkeypatch.setattr("sys.executable", str(python))
+
+    async def story() -> None:
+        async with running(tmp_path, SMALL.plant, speed=1.0, plain=True):
+            pass
+
+    with subprocess.Popen(["sleep", "60"]) as member:
+        write_fleet(tmp_path, member.pid)
+        asyncio.run(story())
+        assert member.wait(PATIENCE_S) == -signal.SIGINT
+    assert not (tmp_path / ROLL).exists()
 
 
 # --- a small fleet ----------------------------------------------------------------------------------

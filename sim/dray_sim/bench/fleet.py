@@ -22,6 +22,7 @@ import zenoh
 from zenoh.handlers import Callback
 
 from dray.adapters.zenoh_bus import ZenohBus
+from dray.cli.fleet.folder import GATEWAY
 from dray.cli.fleet.roll import Member
 from dray.cli.process import FLOOR
 from dray.errors import UnavailableError
@@ -30,7 +31,7 @@ from dray.messages.speakers import Kind
 from dray.plant import Plant
 from dray_sim.bench.losses.customer import Customer
 from dray_sim.bench.losses.fleet import Fleet, running
-from dray_sim.bench.losses.watch import Watch
+from dray_sim.bench.losses.watch import gathered
 from dray_sim.bench.row import Row
 from dray_sim.bench.usage import Usage
 from dray_sim.demand import Order
@@ -139,14 +140,13 @@ async def _observe(size: Size) -> Observed:
         began_s = time.monotonic()
         async with running(Path(folder), plant, speed=1.0, plain=False, lease_s=LEASE_S) as fleet:
             with fleet.bus() as bus:
-                agents = frozenset(member.name for member in fleet.roll.members if member.joins)
-                await _joined(bus, agents)
+                await gathered(fleet, bus, JOIN_S)
                 joined_s = time.monotonic() - began_s
                 await _order(fleet, plant)
                 await asyncio.sleep(size.warm_s)
                 members = fleet.roll.members
                 before, began_s = _used(members), time.monotonic()
-                ear = Ear(bus, agents)
+                ear = Ear(bus, frozenset(member.name for member in members if member.joins))
                 await asyncio.sleep(size.span_s)
                 _refuse_new_lives(members, fleet.roll.members)
                 said, span_s = Counter(ear.heard), time.monotonic() - began_s
@@ -168,14 +168,6 @@ async def _observe(size: Size) -> Observed:
     )
 
 
-async def _joined(bus: ZenohBus, agents: frozenset[str]) -> None:
-    try:
-        async with asyncio.timeout(JOIN_S):
-            await Watch(bus).until_joined(agents)
-    except TimeoutError:
-        raise UnavailableError("the fleet", f"is not on the bus in {JOIN_S:.0f} s", "see its logs") from None
-
-
 async def _order(fleet: Fleet, plant: Plant) -> None:
     """Order enough of everything that no machine is idle."""
     items = {product: PIECES * len(plant.machines_for(product)) for product in plant.products}
@@ -188,7 +180,7 @@ async def _order(fleet: Fleet, plant: Plant) -> None:
     await customer.place(orders, fleet.time.to_plant_s(time.time()))
     if customer.refused:
         why = next(iter(customer.refused.values()))
-        raise UnavailableError("the fleet", f"refuses an order: {why}", "see the gateway's log")
+        raise UnavailableError("the fleet", f"refuses an order: {why}", fleet.last_words(GATEWAY))
 
 
 def _refuse_new_lives(before: Iterable[Member], after: Iterable[Member]) -> None:

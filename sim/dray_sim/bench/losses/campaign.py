@@ -22,11 +22,14 @@ from dray_sim.bench.losses.fleet import Fleet, running
 from dray_sim.bench.losses.history import History, read_database, read_journals
 from dray_sim.bench.losses.judgement import Aftermath
 from dray_sim.bench.losses.victims import OFFICES, Rota, Victim, machine, vehicle
-from dray_sim.bench.losses.watch import Watch
+from dray_sim.bench.losses.watch import Watch, gathered
 from dray_sim.remote import count_pieces
 
 JOIN_S = 240.0
 """For two dozen processes with their imports, on a computer that is busy elsewhere."""
+
+RETURN_S = 240.0
+"""Longest that nobody can be killed, because those that were are not back: as long as all need to join."""
 
 LOOK_S = 1.0
 """How often it is looked whether all orders have been delivered."""
@@ -93,15 +96,14 @@ async def play(campaign: Campaign, folder: Path) -> Outcome:
         folder: an empty one.
 
     Raises:
-        UnavailableError: the fleet does not start.
+        UnavailableError: the fleet does not start, ends midway, or does not recover from what is killed.
     """
     plant = campaign.plant
     async with running(folder, plant, speed=campaign.speed, plain=campaign.plain) as fleet:
         store = await open_store(fleet.database_url)
         try:
             with fleet.bus() as bus:
-                watch = Watch(bus)
-                await _until_all_are_there(watch, fleet)
+                watch = await gathered(fleet, bus, JOIN_S)
                 first = await count_pieces(bus.inner, plant.id)
                 field = _Field(campaign, fleet, watch, store)
                 calm_s, killing_s = await field.play()
@@ -132,16 +134,6 @@ async def play(campaign: Campaign, folder: Path) -> Outcome:
     return Outcome(kills, calm_s, killing_s, field.customer.waited_s, after)
 
 
-async def _until_all_are_there(watch: Watch, fleet: Fleet) -> None:
-    names = frozenset(member.name for member in fleet.roll.members if member.joins)
-    try:
-        async with asyncio.timeout(JOIN_S):
-            await watch.until_joined(names)
-    except TimeoutError:
-        missing = ", ".join(sorted(names - watch.lives.keys()))
-        raise UnavailableError(missing, f"not on the bus in {JOIN_S:.0f} s", "see the fleet's logs") from None
-
-
 class _Field:
     """A campaign under way."""
 
@@ -157,9 +149,10 @@ class _Field:
         orders = demand.orders(
             campaign.plant, Random(f"{campaign.seed} demand"), load=campaign.load, until_s=float("inf")
         )
-        async with asyncio.TaskGroup() as group:
-            begun_s = self._now_s() - campaign.head_start_s
-            group.create_task(self.customer.place(orders, begun_s))
+        begun_s = self._now_s() - campaign.head_start_s
+        # No group of tasks: it would wrap what is wrong with the fleet, which is said as it is.
+        placing = asyncio.create_task(self.customer.place(orders, begun_s))
+        try:
             await asyncio.sleep(campaign.warm_s)
             began_s = self._now_s()
             await asyncio.sleep(campaign.calm_s)
@@ -167,6 +160,9 @@ class _Field:
             await self._kill_all()
             ended_s = self._now_s()
             self.customer.stop()
+            await placing
+        finally:
+            placing.cancel()
         await self._drain()
         return (began_s, kill_s), (kill_s, ended_s)
 
@@ -179,11 +175,17 @@ class _Field:
     async def _kill_all(self) -> None:
         campaign = self._campaign
         rota = Rota(Random(f"{campaign.seed} victims"), campaign.each)
+        latest_s = time.monotonic() + RETURN_S
         while len(self._killed) < campaign.kills:
-            if sum(kill.away_s is None for kill in self.kills) < campaign.down:
-                victim = rota.choose(self._living())
-                if victim is not None and self._fleet.kill(victim.name):
-                    self._killed.append((victim, time.time()))
+            away = [kill.victim.name for kill in self.kills if kill.away_s is None]
+            victim = rota.choose(self._living()) if len(away) < campaign.down else None
+            if victim is not None and self._fleet.kill(victim.name):
+                self._killed.append((victim, time.time()))
+                latest_s = time.monotonic() + RETURN_S
+            elif time.monotonic() > latest_s:
+                gone = away if victim is None else [victim.name]
+                reason = f"not back in {RETURN_S:.0f} s"
+                raise UnavailableError(", ".join(gone), reason, self._fleet.last_words(gone[0]))
             await asyncio.sleep(campaign.pause_s)
 
     def _living(self) -> Iterator[Victim]:

@@ -5,32 +5,34 @@ from __future__ import annotations
 import asyncio
 import os
 import signal
-import socket
 import sys
 from collections import deque
 from collections.abc import AsyncIterator, Iterator
-from contextlib import asynccontextmanager, contextmanager
+from contextlib import asynccontextmanager, contextmanager, suppress
 from pathlib import Path
 
 from dray.adapters.zenoh_bus import ZenohBus
-from dray.cli.fleet.folder import JOURNALS, SETTINGS
+from dray.cli.fleet.ending import end_fleet
+from dray.cli.fleet.folder import JOURNALS, LOGS, read_settings
 from dray.cli.fleet.roll import Roll, peer_of, read_roll
+from dray.cli.serving import url_of
 from dray.errors import UnavailableError
 from dray.gateway.access.tokens import new_token
 from dray.gateway.timescale import TimeScale
 from dray.plant import Plant, plant_yaml
-from dray.settings import PREFIX, Settings
+from dray.settings import PREFIX
 
 START_S = 600.0
 """For dozens of processes with their imports, on a computer that is busy elsewhere."""
 
 STOP_S = 60.0
+"""To end in order, on the same; then it is killed."""
 
 STARTED = " processes; "
 """In the line that tells that all of them were started."""
 
 LINES_SHOWN = 10
-"""Of what a fleet has said last, when it has ended too early."""
+"""Of what a fleet or one of its processes has said last, when something is wrong with it."""
 
 
 class Fleet:
@@ -38,19 +40,20 @@ class Fleet:
 
     Args:
         folder: its own.
-        url: of its gateway.
         token: of its administrator.
 
     Attributes:
+        url: of its gateway.
         time: the plant's clock and the wall's.
         journals: the folder of its agents' journals.
     """
 
-    def __init__(self, folder: Path, url: str, token: str) -> None:
-        self.url, self.token = url, token
+    def __init__(self, folder: Path, token: str) -> None:
+        self.token = token
         self.journals = folder / JOURNALS
         self._folder = folder
-        settings = Settings.load(settings_file=folder / SETTINGS)
+        settings = read_settings(folder)
+        self.url = url_of(settings.host, settings.port)
         self.database_url = settings.database_url
         self.time = TimeScale(settings.plant_epoch_s, settings.plant_epoch_s, settings.plant_speed)
 
@@ -62,6 +65,14 @@ class Fleet:
     def kill(self, name: str) -> bool:
         """Kill a process as a power failure does; False when it had ended by itself."""
         return self.roll.member(name).signal(signal.SIGKILL)
+
+    def last_words(self, name: str) -> str:
+        """What a process has said last, for whoever looks for what is wrong with it."""
+        try:
+            lines = (self._folder / LOGS / f"{name}.log").read_text(errors="replace").splitlines()
+        except OSError as error:
+            return f"{name} has no log: {error.strerror}"
+        return "\n".join((f"the log of {name} ends with:", *lines[-LINES_SHOWN:]))
 
     @contextmanager
     def bus(self) -> Iterator[ZenohBus]:
@@ -89,9 +100,9 @@ async def running(
     Raises:
         UnavailableError: it does not start.
     """
-    file, token, port = folder / "plant.yaml", new_token(), _free_port()
+    file, token = folder / "plant.yaml", new_token()
     file.write_text(plant_yaml(plant), encoding="utf-8")
-    options = ["--folder", str(folder), "--plant", str(file), "--port", str(port), "--speed", str(speed)]
+    options = ["--folder", str(folder), "--plant", str(file), "--port", "0", "--speed", str(speed)]
     lease = {} if lease_s is None else {f"{PREFIX}BUS_LEASE_S": str(lease_s)}
     process = await asyncio.create_subprocess_exec(
         *(sys.executable, "-m", "dray", "fleet", "up", "--no-demand", *options),
@@ -104,13 +115,25 @@ async def running(
     listening = asyncio.create_task(words.listen())
     try:
         await words.until_started()
-        yield Fleet(folder, f"http://127.0.0.1:{port}", token)
+        yield Fleet(folder, token)
     finally:
-        if process.returncode is None:
-            process.terminate()
+        await _end(process, folder)
+        listening.cancel()
+
+
+async def _end(process: asyncio.subprocess.Process, folder: Path) -> None:
+    """Let it end in order, or else at once; and with it all that it has started."""
+    if process.returncode is None:
+        process.terminate()
+    try:
         async with asyncio.timeout(STOP_S):
             await process.wait()
-        listening.cancel()
+    except TimeoutError:
+        process.kill()
+        await process.wait()
+    # One that has ended in order has left no fleet.
+    with suppress(UnavailableError):
+        await end_fleet(folder)
 
 
 class _Words:
@@ -140,13 +163,9 @@ class _Words:
             async with asyncio.timeout(START_S):
                 await self._started.wait()
         except TimeoutError:
-            raise UnavailableError("the fleet", f"not started in {START_S:.0f} s", "see its logs") from None
+            raise UnavailableError("the fleet", f"not started in {START_S:.0f} s", self._said()) from None
         if self._ended:
-            raise UnavailableError("the fleet", f"has ended: {''.join(self._last)}", "see what it says")
+            raise UnavailableError("the fleet", "has ended", self._said())
 
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
+    def _said(self) -> str:
+        return f"it has said last:\n{''.join(self._last)}"

@@ -9,8 +9,33 @@ from zenoh.handlers import Callback
 
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.cli.fleet.folder import OBSERVER
+from dray.errors import UnavailableError
 from dray.messages import Message
+from dray_sim.bench.losses.fleet import Fleet
 from dray_sim.witness import Witness
+
+
+async def gathered(fleet: Fleet, bus: ZenohBus, within_s: float) -> Watch:
+    """A watch on a fleet, when all its agents are on the bus.
+
+    Args:
+        fleet: whose agents.
+        bus: the fleet's; joined by this call.
+        within_s: real seconds.
+
+    Raises:
+        UnavailableError: one of them is not there in time.
+    """
+    watch = Watch(bus)
+    agents = frozenset(member.name for member in fleet.roll.members if member.joins)
+    try:
+        async with asyncio.timeout(within_s):
+            await watch.until_joined(agents)
+    except TimeoutError:
+        missing = sorted(agents - watch.lives.keys())
+        reason = f"not on the bus in {within_s:.0f} s"
+        raise UnavailableError(", ".join(missing), reason, fleet.last_words(missing[0])) from None
+    return watch
 
 
 class Watch:
