@@ -5,7 +5,7 @@ of all its transports (`coordinator`, `docking`). It watches its buffers (`suppl
 follows from `_pursue`, which is asked after every change: start the next cycle, order what runs low,
 have finished goods fetched, say so.
 
-One that is asked to leave takes no goal and announces nothing. It stays while somebody may be about to answer
+One that is asked to leave takes no goal and opens no new task. It stays while somebody may be about to answer
 it, or is at its dock. Its goals are its own if its next life speaks within GOAL_SILENCE_S (`machine_watch`);
 the body goes on with its cycle meanwhile.
 """
