@@ -11,18 +11,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from dray.cli.options import SettingsFile
+
 if TYPE_CHECKING:
     from dray.adapters.signing import TrustedKeys
     from dray.cli.process import Surroundings
     from dray.plant import Plant, VehicleSpec
 
 app = typer.Typer(no_args_is_help=True, help="One agent of a plant as a process of its own.")
-
-SettingsFile = Annotated[
-    Path | None,
-    typer.Option("--settings", help="A file of DRAY_...=... lines; the environment wins over it."),
-]
-
 
 Trial = Annotated[
     int,

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-SettingsFile = Annotated[
-    Path | None,
-    typer.Option("--settings", help="A file of DRAY_...=... lines; the environment wins over it."),
-]
+from dray.cli.options import SettingsFile
+
 Database = Annotated[
     str | None, typer.Option(help="URL of the database; else DRAY_DATABASE_URL, else sqlite:///dray.db.")
 ]
