@@ -8,6 +8,7 @@ import re
 import signal
 import subprocess
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from urllib.request import urlopen
@@ -70,13 +71,15 @@ class Fleet:
             cwd=folder,
         )
         self.told = ""
+        hurry = threading.Timer(START_S, self.process.kill)
+        hurry.start()
         assert self.process.stdout is not None
         for line in self.process.stdout:
             self.told += line
-            # The gateway says the last, when it answers.
-            if re.search(r"^\d+ processes", self.told, re.MULTILINE) and "Ctrl-C stops it" in line:
+            if re.search(r"^\d+ processes", self.told, re.MULTILINE) and "Ctrl-C stops it" in self.told:
+                hurry.cancel()
                 return
-        pytest.fail(f"the fleet has ended: {self.told}")
+        pytest.fail(f"the fleet has ended, or does not start: {self.told}")
 
     @property
     def roll(self) -> Roll:
