@@ -36,6 +36,8 @@ DOES_NOT_START = {
     )
 }
 
+TRIES = 3
+
 
 class Customers:
     """They order again whenever something has arrived."""
@@ -93,6 +95,16 @@ def assert_nothing_was_lost(report: Report) -> None:
     assert (report.cost.lost, report.cost.twice, report.cost.missing) == ((), (), 0)
 
 
+async def roll_out(fleet: Fleet, python: Path) -> tuple[int, Report]:
+    """Update all; again when an agent looked silent, as one does whose computer is busy with other tests."""
+    for _ in range(TRIES):
+        code, report = await asyncio.to_thread(fleet.update, python, "--trial", "1")
+        assert_nothing_was_lost(report)
+        if report.done or "silent" not in report.end:
+            break
+    return code, report
+
+
 @pytest.mark.slow
 def test_bad_versions_go_back_by_themselves_and_a_good_one_comes_to_all(fleet: Fleet, tmp_path: Path) -> None:
     good = make_version(tmp_path / "good", "9.0")
@@ -115,7 +127,7 @@ def test_bad_versions_go_back_by_themselves_and_a_good_one_comes_to_all(fleet: F
                 assert versions_of(fleet) == before
                 assert_nothing_was_lost(report)
             placed = len(customers.placed)
-            code, report = await asyncio.to_thread(fleet.update, good, "--trial", "1")
+            code, report = await roll_out(fleet, good)
             assert (code, report.end) == (0, f"{len(AGENTS)} processes updated"), report
             assert len(customers.placed) > placed, "production went on"
         assert versions_of(fleet) == dict.fromkeys(AGENTS, "9.0") | {"floor": __version__}
