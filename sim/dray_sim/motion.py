@@ -89,7 +89,7 @@ class Profile:
         """When `place_m`, not before the beginning, is reached; infinity beyond the end."""
         if place_m >= self.length_m - SHORT_M:
             return self.duration_s if place_m <= self.length_m + SHORT_M else float("inf")
-        i = bisect_right(self._begins_m, place_m) - 1
+        i = max(bisect_right(self._begins_m, place_m) - 1, 0)  # Rounding may put it before the beginning.
         run_m = place_m - self._begins_m[i]
         if run_m <= 0.0:
             return self._begins_s[i]

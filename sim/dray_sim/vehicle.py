@@ -132,6 +132,8 @@ class SimVehicle:
         self._settled_m = 0.0
         self._plan = 0
         """The number of the present plan: a call of the clock for another one is stale."""
+        self._due_s = NEVER_S
+        """When the present plan ends."""
         self._watch_s = NEVER_S
         """The next call that watches the battery; never after the battery is empty."""
         self._watch_battery()
@@ -164,7 +166,7 @@ class SimVehicle:
 
     def sense(self) -> VehicleState:
         """See `dray.ports.Body`."""
-        now_s, travel = self._clock.now_s(), self._travel
+        now_s, travel = self._now_s(), self._travel
         return VehicleState(
             pose=travel.pose(now_s),
             node=travel.node,
@@ -294,7 +296,7 @@ class SimVehicle:
     def odometer(self) -> Odometer:
         """Metres and seconds from the beginning until now."""
         sums = self._sums.copy()
-        self._add_to(sums, self._clock.now_s())
+        self._add_to(sums, self._now_s())
         return sums
 
     # --- instructions ----------------------------------------------------------------------------
@@ -458,6 +460,7 @@ class SimVehicle:
             charging_s = self._battery.charging_s(self._level_frac)
             left_s = charging_s if isinstance(self._action, Charge) else self._action_left_s
             when_s = self._settled_s + left_s
+        self._due_s = when_s
         if when_s < NEVER_S:
             self._clock.call_at(when_s, partial(self._due, self._plan))
         self._watch_battery()
@@ -521,11 +524,15 @@ class SimVehicle:
             if not self._fault:
                 self._reporter.say(ProblemCleared())
 
-    # --- sums ------------------------------------------------------------------------------------
+    # --- time and sums --------------------------------------------------------------------------
+
+    def _now_s(self) -> float:
+        """The time, which stands still at the end of a plan until the clock calls: a real one calls late."""
+        return min(self._clock.now_s(), self._due_s)
 
     def _settle(self) -> None:
         """Bring battery, odometer and action up to now."""
-        now_s = self._clock.now_s()
+        now_s = self._now_s()
         if now_s == self._settled_s:
             return
         self._add_to(self._sums, now_s)

@@ -671,3 +671,21 @@ def test_an_odometer_that_was_read_does_not_change(yard: Yard, vehicle: SimVehic
 
 def test_the_plant_of_these_tests_is_a_plant() -> None:
     assert PLANT.routes("light").way("west", "corner").nodes == TO_CORNER
+
+
+@pytest.mark.parametrize("late_s", [0.01, 3.0, 15.0, 60.0])
+def test_a_clock_that_calls_late_makes_it_later_and_nothing_else(
+    yard: Yard, vehicle: SimVehicle, late_s: float
+) -> None:
+    yard.do(vehicle, drive(*TO_CORNER, released=3), for_s=10.0)
+    (due_s, *_) = min(yard.clock.heap)
+    yard.clock.time_s = due_s + late_s
+    assert vehicle.sense().node == "west"
+    vehicle.instruct(LimitSpeed(speed_frac=0.5))
+    vehicle.instruct(ReleaseWay(order=1, released=5))
+    assert vehicle.sense().next_node == "middle"
+    yard.run(300.0)
+    assert [node for _, node in passed(yard)] == list(TO_CORNER)
+    assert [type(report) for _, _, report in yard.said].count(WayDone) == 1
+    assert vehicle.odometer().metres_m == pytest.approx(40.0)
+    assert place(vehicle) == (30.0, 10.0)
