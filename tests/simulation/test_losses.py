@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import signal
 import subprocess
+import sys
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -14,10 +15,12 @@ from typing import Any
 import msgspec
 import pytest
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "cli/fleet"))
+
+from rolls import NOBODY, write_roll
+
 from dray.cli.fleet.folder import LOGS, ROLL, write_settings
-from dray.cli.fleet.processes import Process, birth_of
-from dray.cli.fleet.roll import Member, Roll
-from dray.cli.fleet.software import Software
+from dray.cli.fleet.processes import Process
 from dray.errors import UnavailableError
 from dray.gateway.timescale import TimeScale
 from dray.messages import (
@@ -466,22 +469,7 @@ while true; do sleep 0.1; done
 
 def write_fleet(folder: Path, *pids: int) -> None:
     """A fleet's folder whose keeper has ended and whose processes have not."""
-    software = Software("python", "1.0", 1)
-    members = tuple(
-        Member(
-            pid=pid,
-            born=birth_of(pid),
-            name=f"ATV{number}",
-            kind="atv",
-            address="",
-            starts=1,
-            software=software,
-            proven=software,
-        )
-        for number, pid in enumerate(pids, 1)
-    )
-    roll = Roll("plant", plain=True, keeper=Process(1, ""), members=members)
-    (folder / ROLL).write_bytes(msgspec.json.encode(roll))
+    write_roll(folder, NOBODY, *map(Process.of, pids))
     write_settings(folder, {"DRAY_PORT": "4711", "DRAY_DATABASE_URL": f"sqlite:///{folder / 'fleet.db'}"}, ())
     (folder / LOGS).mkdir()
 

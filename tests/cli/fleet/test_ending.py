@@ -8,21 +8,18 @@ import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
-import msgspec
 import pytest
 from actor import make_actor
+from rolls import NOBODY, write_roll
 
 from dray.cli.fleet.ending import end_fleet
 from dray.cli.fleet.folder import FLEET_LOCK, ROLL, alone
 from dray.cli.fleet.muster import Muster, run_muster
 from dray.cli.fleet.processes import Process
-from dray.cli.fleet.roll import Member, Roll
 from dray.cli.fleet.software import Software
 from dray.errors import UnavailableError
 from dray.plant import default_plant
 from dray.settings import Settings
-
-NOBODY = Process(1, "")
 
 
 class Left:
@@ -45,25 +42,6 @@ def left(tmp_path: Path) -> Iterator[Left]:
     with there.process:
         yield there
         there.process.kill()
-
-
-def write_roll(folder: Path, keeper: Process, *processes: Process) -> None:
-    software = Software("python", "1.0", 1)
-    members = tuple(
-        Member(
-            pid=each.pid,
-            born=each.born,
-            name=f"ATV{number}",
-            kind="atv",
-            address="",
-            starts=1,
-            software=software,
-            proven=software,
-        )
-        for number, each in enumerate(processes, 1)
-    )
-    roll = Roll("plant", plain=True, keeper=keeper, members=members)
-    (folder / ROLL).write_bytes(msgspec.json.encode(roll))
 
 
 def muster(folder: Path) -> Muster:
