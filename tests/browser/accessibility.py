@@ -5,11 +5,13 @@ axe is handed to the page by the debugger's protocol, so the page's content poli
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from playwright.sync_api import Page
+from playwright.sync_api import TimeoutError as NeverShown
 
 AXE = Path(__file__).resolve().parents[2] / "frontend/node_modules/axe-core/axe.min.js"
 
@@ -31,9 +33,16 @@ def _axe() -> str:
 
 def violations(page: Page) -> list[str]:
     """What the page, as it is now, breaks: one line per rule, with the first elements that do."""
+    _wait_until_shown(page)
     # Within the call, so that nothing is left behind in the page.
     page.evaluate(_axe())
     return [_line(page, rule) for rule in page.evaluate(RUN, list(RULES))]
+
+
+def _wait_until_shown(page: Page) -> None:
+    """Wait for what a page's script puts into it, which may come after the page counts as loaded."""
+    with suppress(NeverShown):  # a page that shows nothing is one of the things that axe tells of
+        page.wait_for_selector("main", state="attached")
 
 
 def _line(page: Page, rule: dict[str, Any]) -> str:
