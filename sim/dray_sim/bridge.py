@@ -34,7 +34,11 @@ STOP_S = 10.0
 
 
 class BridgedSession:
-    """The place on the simulated network of an agent that lives on the outer loop."""
+    """The place on the simulated network of an agent that lives on the outer loop.
+
+    Joining, subscribing, unsubscribing and leaving raise `UnavailableError` where the simulation has left so
+    many of them undone that it must have stopped (`Crossing.order`).
+    """
 
     def __init__(self, bridge: BridgedBus, agent: str, receive: Receive) -> None:
         self._in, self._out = bridge.inbound, bridge.outbound
@@ -125,9 +129,10 @@ class BridgedBus:
 
     def join(self, agent: str, receive: Receive) -> BridgedSession:
         """See `dray.ports.Bus.join`; the joining takes effect with the next turn of the simulation."""
+        session = BridgedSession(self, agent, receive)
         if agent in self._sessions:
             self._sessions[agent].silence()
-        session = self._sessions[agent] = BridgedSession(self, agent, receive)
+        self._sessions[agent] = session
         return session
 
 

@@ -2,18 +2,24 @@
 
 Each side numbers what it says and keeps it until the other has heard it. A letter carries everything that is
 kept, and how far its writer has heard the other. Nothing here looks at a clock: whoever gets a letter that tells
-nothing new, or has something kept, writes again.
+nothing new, or has something kept, writes again. A letter that is lost is therefore no loss.
 """
 
 from __future__ import annotations
 
 import msgspec
 
+from dray.errors import ProtocolViolation
+
 Part = tuple[str, msgspec.Raw]
 """What is said, and of which kind it is."""
 
 PARTS_PER_LETTER = 50
 """Far more than wait where letters arrive; the rest is in the next one."""
+
+KEPT_MAX = 1000
+"""Parts that wait to be heard: a side that lacks so many is dead or cut off. What it lacks cannot be left out, so
+whoever has more to say lets go of it."""
 
 
 class Letter(msgspec.Struct, array_like=True, frozen=True):
@@ -45,12 +51,23 @@ class Exchange:
         return len(self._kept)
 
     @property
+    def full(self) -> bool:
+        """Whether so many parts are kept that no more may be said."""
+        return len(self._kept) >= KEPT_MAX
+
+    @property
     def due(self) -> bool:
         """Whether a letter is to be written: the other side lacks something, or does not know that we have heard it."""
         return self._repeated or bool(self._kept)
 
     def say(self, part: Part) -> None:
-        """Keep this until the other side has heard it."""
+        """Keep this until the other side has heard it.
+
+        Raises:
+            ProtocolViolation: it is full.
+        """
+        if self.full:
+            raise ProtocolViolation(f"{KEPT_MAX} parts are not heard yet; let go of the other side")
         self._kept.append(part)
 
     def write(self) -> Letter:

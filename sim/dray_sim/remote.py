@@ -9,8 +9,13 @@
     connect       -- query {plant}/body/@{agent} -> the state now; from then on this life's word counts
 
 A real vehicle has its body on its own computer, and wires lose nothing. The bus may: who passes on what others
-say may be killed. So instructions and reports are said until they are heard (`Exchange`). A killed agent leaves
-its body behind as hardware is left behind: a loaded vehicle stays loaded, and drives its way to the end.
+say may be killed. So instructions and reports are said until they are heard (`Exchange`), and whichever side has
+too much to say lets go of the other: no part is left out, and the next life begins with the state of the body. A
+killed agent leaves its body behind as hardware is left behind: a loaded vehicle stays loaded, and drives its way
+to the end.
+
+What comes in crosses to the loop by a bounded queue (`Crossing`). A letter that finds no room there is said again; a
+question is refused.
 
 A floor that begins anew knows nothing of the one before. To an agent that has taken over its body there, it
 says nothing, so that the agent finds its body lost; and to the next life it says that the body is new.
@@ -49,9 +54,6 @@ LOOK_EVERY_S = 1.0
 SILENT_LOOKS = 10
 """A body is asked whether it is there when so many looks one after the other find that it has told nothing, which
 it does ten times between two of them. A cut link is gone round sooner."""
-
-KEPT_MAX = 1000
-"""Reports that wait to be heard: a life that lacks so many is dead or cut off, and has lost its body."""
 
 REFUSED = zenoh.Encoding.TEXT_PLAIN
 """Of an answer that is the floor's own; Zenoh's, that nobody has answered in time, say, are of other encodings."""
@@ -176,6 +178,8 @@ class RemoteBody:
         self._report: Callable[[Report], None] = _nobody_hears
         self._state: BodyState
         self._silent = False
+        self._given_up = False
+        """The floor lacks as many instructions as are kept; it is told no more."""
         self.is_new = False
         session.declare_subscriber(f"{self._key}/told", Callback(self._hear, indirect=False))
 
@@ -192,28 +196,37 @@ class RemoteBody:
         self._state, self.is_new = _of(taken.state), not taken.known
 
     async def lost(self) -> None:
-        """Wait until it is there no more: its floor has ended or has begun anew, or has given this life up.
+        """Wait until it is there no more: its floor has ended or has begun anew, or one has given the other up.
 
         A floor that is only busy, or to which a link is cut for a while, answers when it is asked.
         """
         while True:
             await self._silence()
-            answer = await _answer(self._session, self._key, NO_LIFE)
-            if answer is None or msgspec.msgpack.decode(answer, type=_Taken).life != self._life:
+            if self._given_up or not await self._is_there():
                 return
+
+    async def _is_there(self) -> bool:
+        """Whether the floor still has the body, and this life has it there."""
+        try:
+            answer = await _answer(self._session, self._key, NO_LIFE)
+        except UnavailableError:
+            return True  # It has no time for questions, and is there to say so.
+        return answer is not None and msgspec.msgpack.decode(answer, type=_Taken).life == self._life
 
     async def _silence(self) -> None:
         """Wait until it has told nothing for a while, in looks and not in seconds: we may be held up ourselves."""
         looks = 0
-        while looks < SILENT_LOOKS:
+        while looks < SILENT_LOOKS and not self._given_up:
             self._silent = True
             await asyncio.sleep(LOOK_EVERY_S)
             looks = looks + 1 if self._silent else 0
 
     def instruct(self, instruction: Instruction) -> None:
-        """See `dray.ports.Body`."""
-        self._exchange.say(_part(instruction))
-        self._write()
+        """See `dray.ports.Body`. After an instruction that could not be kept, all are in vain: the body is lost."""
+        self._given_up |= self._exchange.full
+        if not self._given_up:
+            self._exchange.say(_part(instruction))
+            self._write()
 
     def sense(self) -> BodyState:
         """See `dray.ports.Body`: how it was at most `TELL_EVERY_S` ago."""
@@ -227,7 +240,7 @@ class RemoteBody:
         self._session.put(f"{self._key}/do", _encode(_Do(self._life, self._exchange.write())))
 
     def _hear(self, sample: zenoh.Sample) -> None:
-        self._crossing.order(self._take, sample.payload.to_bytes())
+        self._crossing.offer(self._take, sample.payload.to_bytes())
 
     def _take(self, data: bytes) -> None:
         told = msgspec.msgpack.decode(data, type=_Told)
@@ -273,8 +286,8 @@ class FloorServer:
         self._session, self._plant, self._floor = session, plant, floor
         self._crossing = Crossing(asyncio.get_running_loop())
         self._served = [self._serve(agent, body) for agent, body in floor.bodies.items()]
-        session.declare_queryable(_newcomers(plant), Callback(self._ask_in, indirect=False))
-        session.declare_queryable(_pieces(plant), Callback(self._ask_count, indirect=False))
+        session.declare_queryable(_newcomers(plant), _asking(self._crossing, self._receive))
+        session.declare_queryable(_pieces(plant), _asking(self._crossing, self._count))
 
     async def run(self) -> None:
         """Tell how all bodies are, until cancelled."""
@@ -285,12 +298,6 @@ class FloorServer:
 
     def _serve(self, agent: str, body: Body) -> _Served:
         return _Served(self._session, self._crossing, _key(self._plant, agent), body)
-
-    def _ask_in(self, query: zenoh.Query) -> None:
-        self._crossing.order(self._receive, query)
-
-    def _ask_count(self, query: zenoh.Query) -> None:
-        self._crossing.order(self._count, query)
 
     def _receive(self, query: zenoh.Query) -> None:
         with query:
@@ -316,7 +323,7 @@ class _Served:
         self._session, self._crossing, self._key, self._body = session, crossing, key, body
         self._life, self._known = 0, False
         self._exchange = Exchange()
-        session.declare_queryable(key, Callback(self._ask, indirect=False))
+        session.declare_queryable(key, _asking(crossing, self._answer))
         session.declare_subscriber(f"{key}/do", Callback(self._hear, indirect=False))
         body.attach(self._report)
 
@@ -327,21 +334,15 @@ class _Served:
             self._session.put(f"{self._key}/told", _encode(told))
 
     def _report(self, report: Report) -> None:
-        if self._exchange.kept >= KEPT_MAX:
-            self._life = 0
+        if self._exchange.full:
+            self._life = 0  # Dead or cut off: it has lost its body.
         if self._life:
             self._exchange.say(_part(report))
             self.tell()
 
-    # --- on Zenoh's threads ----------------------------------------------------------------------
-
-    def _ask(self, query: zenoh.Query) -> None:
-        self._crossing.order(self._answer, query)
-
     def _hear(self, sample: zenoh.Sample) -> None:
-        self._crossing.order(self._obey, sample.payload.to_bytes())
-
-    # --- on the loop -----------------------------------------------------------------------------
+        """On Zenoh's threads."""
+        self._crossing.offer(self._obey, sample.payload.to_bytes())
 
     def _answer(self, query: zenoh.Query) -> None:
         with query:
@@ -356,6 +357,17 @@ class _Served:
         if done.life == self._life:
             for instruction in self._exchange.read(done.letter):
                 self._body.instruct(_of(instruction))
+
+
+def _asking(crossing: Crossing, answer: Callable[[zenoh.Query], None]) -> Callback[zenoh.Query]:
+    """Answers on the loop; refuses at once, on Zenoh's thread, when the loop is too far behind."""
+
+    def ask(query: zenoh.Query) -> None:
+        if not crossing.offer(answer, query):
+            with query:
+                query.reply_err("too much waits there", encoding=REFUSED)
+
+    return Callback(ask, indirect=False)
 
 
 def _nobody_hears(report: Report) -> None:

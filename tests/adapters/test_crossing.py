@@ -12,6 +12,7 @@ from msgspec.structs import replace
 
 from dray.adapters import crossing as crossing_module
 from dray.adapters.crossing import Crossing
+from dray.errors import UnavailableError
 from dray.messages import AtvHeartbeat, AtvStatus, Message, OrderTaken, Pose
 
 SAY = OrderTaken(order="1")
@@ -93,9 +94,10 @@ def test_a_call_that_fails_holds_up_no_other(other_side: OtherSide) -> None:
 
 @pytest.fixture
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A queue of ten, half of it for heartbeats."""
+    """A queue of ten, half of it for heartbeats, and room for three orders more."""
     monkeypatch.setattr(crossing_module, "QUEUE", 10)
     monkeypatch.setattr(crossing_module, "HEARTBEAT_ROOM", 5)
+    monkeypatch.setattr(crossing_module, "ORDER_ROOM", 3)
 
 
 class Ear:
@@ -154,6 +156,32 @@ def test_a_full_queue_drops_and_counts_all_messages_but_no_subscription(other_si
     assert [message.order for _, message in ear.heard] == [str(number) for number in range(10)]
     assert seen == ["subscription"]
     assert (crossing.dropped_heartbeats, crossing.dropped_messages) == (1, 3)
+
+
+@pytest.mark.usefixtures("small")
+def test_an_order_too_many_is_refused_at_its_source_and_all_others_arrive(other_side: OtherSide) -> None:
+    crossing = Crossing(other_side)
+    seen: list[int] = []
+    for number in range(13):
+        crossing.order(seen.append, number)
+    with pytest.raises(UnavailableError, match="has 13 calls before it and makes none"):
+        crossing.order(seen.append, 13)
+    other_side.take_turn()
+    assert seen == list(range(13))
+    crossing.order(seen.append, 14)
+    other_side.take_turn()
+    assert seen[-1] == 14
+
+
+@pytest.mark.usefixtures("small")
+def test_an_offer_takes_no_room_of_orders_and_is_told_so(other_side: OtherSide) -> None:
+    crossing = Crossing(other_side)
+    seen: list[int] = []
+    assert [crossing.offer(seen.append, number) for number in range(12)] == [True] * 10 + [False] * 2
+    crossing.order(seen.append, 12)
+    other_side.take_turn()
+    assert seen == [*range(10), 12]
+    assert crossing.dropped_messages == 2
 
 
 def test_nothing_piles_up_for_a_side_that_has_closed(other_side: OtherSide) -> None:

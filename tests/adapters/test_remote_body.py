@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Coroutine
+from itertools import count
 from random import Random
 from typing import Any
 
@@ -11,21 +12,25 @@ import pytest
 from msgspec.structs import replace
 from zenoh_kit import PATIENCE_S, Row
 
+from dray.adapters import crossing
+from dray.adapters.crossing import Crossing
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.body import (
     Admit,
     Broken,
     Drive,
+    Hold,
     NodePassed,
     ReleaseWay,
     Report,
+    Unhold,
     VehicleState,
     WayDone,
     WorkcellState,
 )
 from dray.errors import UnavailableError
 from dray.plant import default_plant
-from dray_sim import remote
+from dray_sim import exchange, remote
 from dray_sim.floor import Floor
 from dray_sim.loop import clock, paced, run
 from dray_sim.remote import FloorServer, RemoteBody, count_pieces, put_down
@@ -191,7 +196,66 @@ def test_a_life_that_has_not_heard_too_much_has_lost_its_body(monkeypatch: pytes
         await asyncio.wait_for(body.lost(), PATIENCE_S * SPEED)
         assert not (await house.take_over(machine, 2)).is_new
 
-    monkeypatch.setattr(remote, "KEPT_MAX", 1)
+    monkeypatch.setattr(exchange, "KEPT_MAX", 1)
+    in_a_house(test)
+
+
+def test_a_life_that_is_not_heard_too_long_gives_its_body_up_and_leaves_no_instruction_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async def test(house: House) -> None:
+        nodes = way_of(ATV)
+        there = house.floor.vehicles[ATV]
+        body = await house.take_over(ATV, 1, Leaky(house.here, 1, through_frac=0.0))
+        lost = asyncio.create_task(body.lost())
+        body.instruct(Hold())
+        body.instruct(Drive(order=1, nodes=nodes, released=len(nodes)))
+        body.instruct(Unhold())
+        await asyncio.wait_for(lost, PATIENCE_S * SPEED)
+        assert not there.sense().held
+        after = await house.take_over(ATV, 2)
+        ear = Ear(after)
+        after.instruct(Drive(order=2, nodes=nodes, released=len(nodes)))
+        await ear.until(WayDone)
+        assert {report.order for report in ear.reports if isinstance(report, NodePassed)} == {2}
+
+    monkeypatch.setattr(exchange, "KEPT_MAX", 2)
+    in_a_house(test)
+
+
+def test_a_floor_that_is_too_far_behind_refuses_questions_and_its_bodies_are_not_lost(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async def test(house: House) -> None:
+        body = await house.take_over(ATV, 1)
+        house.serving.cancel()
+        monkeypatch.setattr(crossing, "QUEUE", 0)
+        with pytest.raises(UnavailableError, match="refuses: too much waits there"):
+            await count_pieces(house.here, PLANT.id)
+        with pytest.raises(TimeoutError):
+            await asyncio.wait_for(body.lost(), 2 * remote.SILENT_LOOKS * remote.LOOK_EVERY_S)
+        monkeypatch.undo()
+        assert await count_pieces(house.here, PLANT.id) == house.floor.count()
+
+    in_a_house(test)
+
+
+def test_letters_that_find_no_room_are_said_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def test(house: House) -> None:
+        nodes = way_of(ATV)
+        body = await house.take_over(ATV, 1)
+        ear = Ear(body)
+        offer, calls = Crossing.offer, count(1)
+
+        def offer_one_in_four(self: Crossing, call: Callable[..., object], *args: Any) -> bool:
+            return next(calls) % 4 == 0 and offer(self, call, *args)
+
+        monkeypatch.setattr(Crossing, "offer", offer_one_in_four)
+        body.instruct(Drive(order=1, nodes=nodes, released=len(nodes)))
+        await ear.until(WayDone)
+        assert next(calls) > 4
+        assert [report.node for report in ear.reports if isinstance(report, NodePassed)] == list(nodes)
+
     in_a_house(test)
 
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 from random import Random
 
 import msgspec
+import pytest
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
-from dray_sim.exchange import PARTS_PER_LETTER, Exchange, Letter, Part
+from dray.errors import ProtocolViolation
+from dray_sim.exchange import KEPT_MAX, PARTS_PER_LETTER, Exchange, Letter, Part
 
 
 def part(number: int) -> Part:
@@ -27,7 +29,7 @@ class Exchanging(RuleBasedStateMachine):
 
     @rule(side=st.integers(0, 1), count=st.integers(1, 2 * PARTS_PER_LETTER))
     def say(self, side: int, count: int) -> None:
-        for _ in range(count):
+        for _ in range(min(count, KEPT_MAX - self.sides[side].kept)):
             self.said[side].append(part(len(self.said[side])))
             self.sides[side].say(self.said[side][-1])
 
@@ -60,3 +62,19 @@ class Exchanging(RuleBasedStateMachine):
 
 
 TestExchanging = Exchanging.TestCase
+
+
+def test_a_side_that_keeps_too_much_says_nothing_more_and_has_lost_nothing() -> None:
+    side, other = Exchange(), Exchange()
+    for number in range(KEPT_MAX):
+        assert not side.full
+        side.say(part(number))
+    assert side.full
+    with pytest.raises(ProtocolViolation, match="let go of the other side"):
+        side.say(part(KEPT_MAX))
+    heard: list[Part] = []
+    while side.due:
+        heard.extend(other.read(side.write()))
+        side.read(other.write())
+    assert heard == [part(number) for number in range(KEPT_MAX)]
+    assert not side.full

@@ -1,16 +1,20 @@
-"""The bridge: the factory's own thread."""
+"""The bridge: the factory's own thread, and what it does not take up."""
 
 from __future__ import annotations
 
 import asyncio
 import threading
 from collections.abc import Callable
+from random import Random
 
 import pytest
 
+from dray.adapters import crossing
 from dray.errors import UnavailableError
-from dray_sim.bridge import SimThread
-from dray_sim.loop import clock, paced
+from dray.messages import Message, OrderTaken
+from dray_sim.bridge import BridgedBus, SimThread
+from dray_sim.loop import VirtualLoop, clock, paced
+from dray_sim.network import SimNetwork
 
 FAST = paced(1e6)
 
@@ -124,3 +128,38 @@ def test_a_factory_that_does_not_stop_is_named() -> None:
         thread.stop(timeout_s=0.01)
     let_go.set()
     thread.stop()
+
+
+# --- the bus that is used from outside ----------------------------------------------------------------
+
+
+def test_a_factory_that_takes_up_nothing_refuses_to_be_joined_and_whoever_is_there_stays(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(crossing, "QUEUE", 0)
+    monkeypatch.setattr(crossing, "ORDER_ROOM", 1)
+    inside, heard = VirtualLoop(), list[Message]()
+
+    async def main() -> None:
+        network = SimNetwork(inside.clock, Random(1))
+        bus = BridgedBus(network, inside, asyncio.get_running_loop())
+        bus.join("G", lambda _, message: heard.append(message))
+        with pytest.raises(UnavailableError, match="makes none"):
+            bus.join("G", lambda *_: None)
+        monkeypatch.undo()
+        said, crossed = OrderTaken(order="1"), asyncio.Event()
+
+        async def live_inside() -> None:
+            await asyncio.sleep(0)
+            network.join("S", lambda *_: None).send("G", said)
+            await asyncio.sleep(1.0)
+
+        thread = threading.Thread(target=inside.run_until_complete, args=(live_inside(),))
+        thread.start()
+        thread.join()
+        bus.outbound.order(crossed.set)
+        await crossed.wait()
+        assert heard == [said]
+
+    asyncio.run(main())
+    inside.close()

@@ -11,6 +11,7 @@ import threading
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
+from dray.errors import UnavailableError
 from dray.messages import Heartbeat, Message
 
 if TYPE_CHECKING:
@@ -26,6 +27,10 @@ HEARTBEAT_ROOM = QUEUE // 2
 """From this filling on a heartbeat takes the place of the one before it, if that still waits: the newest
 says all that the older ones have said."""
 
+ORDER_ROOM = 1_000
+"""Beyond `QUEUE`, for orders alone. A gateway joins with a handful of sessions of some ten keys each: who has
+ordered so much, and nothing of it was done, is not heard at all."""
+
 CALLS_PER_TURN = 500
 """Calls made before the loop may look at its sockets again: some 5 ms of a gateway's work."""
 
@@ -35,14 +40,17 @@ class Crossing:
 
     Policy: from half full on, of heartbeats that differ in their last argument alone only the newest is
     kept; full, every message is dropped; both are counted. Joining, leaving and subscribing are never
-    dropped: they are few, and the other side would be wrong for good.
+    dropped: they are few, and the other side would be wrong for good. They have room of their own beyond the
+    rest; where that is full, too, whoever orders is refused, and nothing has changed.
+
+    The bounds hold to within one call for each thread that calls at the same moment.
 
     Args:
         loop: where the calls are made.
 
     Attributes:
         dropped_heartbeats: heartbeats that a newer one has replaced, or that found the queue full.
-        dropped_messages: other messages that found it full.
+        dropped_messages: other messages and offers that found it full.
     """
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
@@ -58,18 +66,40 @@ class Crossing:
 
     def say(self, message: Message, call: Callable[..., object], *args: Any) -> None:
         """Cross with something that is said, the last of `args`: dropped when there is no room."""
-        waiting = len(self._calls)
-        if waiting < HEARTBEAT_ROOM:
-            self.order(call, *args)
+        if len(self._calls) < HEARTBEAT_ROOM:
+            self._append(call, args)
         elif isinstance(message, Heartbeat):
             self._say_beat((call, args[:-1]), args)
-        elif waiting < QUEUE:
-            self.order(call, *args)
         else:
+            self.offer(call, *args)
+
+    def offer(self, call: Callable[..., object], *args: Any) -> bool:
+        """Cross with something whose loss is made up for: it is said again, or whoever asks is told.
+
+        Returns:
+            False when there is no room: the call will not be made.
+        """
+        if len(self._calls) >= QUEUE:
             self.dropped_messages += 1
+            return False
+        self._append(call, args)
+        return True
 
     def order(self, call: Callable[..., object], *args: Any) -> None:
-        """Cross with something that must arrive."""
+        """Cross with something that must arrive.
+
+        Raises:
+            UnavailableError: `ORDER_ROOM` is full, too; the call will not be made.
+        """
+        if len(self._calls) >= QUEUE + ORDER_ROOM:
+            raise UnavailableError(
+                "the other thread",
+                f"has {len(self._calls)} calls before it and makes none",
+                "end the process",
+            )
+        self._append(call, args)
+
+    def _append(self, call: Callable[..., object], args: tuple[Any, ...]) -> None:
         self._calls.append((call, args))
         if not self._awake:
             self._wake()
@@ -81,7 +111,7 @@ class Crossing:
                 self.dropped_heartbeats += 1
             elif len(self._calls) < QUEUE:
                 self._beats[slot] = args
-                self.order(self._take_beat, slot)
+                self._append(self._take_beat, (slot,))
             else:
                 self.dropped_heartbeats += 1
 

@@ -65,6 +65,8 @@ class ZenohSession:
         self._bus = bus
         self._receive = receive
         self._left = False
+        self._replaced = False
+        """Another life was seen. Said to the loop once, however often others come and go."""
         self._said: Counter[str] = Counter()
         """How many messages on each key; keys are few: agents, cells, products, berths."""
         self._heard = Tally()
@@ -187,7 +189,9 @@ class ZenohSession:
     def _see_other(self, sample: zenoh.Sample) -> None:
         """Another life of this agent is there, or was: the latest of them is the agent."""
         life = str(sample.key_expr).rpartition("/")[2]
-        if sample.kind == zenoh.SampleKind.PUT and life.isdecimal() and int(life) > self._life:
+        later = sample.kind == zenoh.SampleKind.PUT and life.isdecimal() and int(life) > self._life
+        if later and not self._replaced:
+            self._replaced = True
             self._bus.arrivals.order(self._give_way)
 
 

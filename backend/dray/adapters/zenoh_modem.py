@@ -81,7 +81,8 @@ class Modem:
     # --- on Zenoh's threads ----------------------------------------------------------------------
 
     def _see(self, _event: zenoh.LinkEvent) -> None:
-        self._crossing.order(self._loop.call_later, SETTLE_S, self._notice)
+        # An event that finds no room is not missed: those that wait there look later, at all links.
+        self._crossing.offer(self._loop.call_later, SETTLE_S, self._notice)
 
 
 def address_of(locator: str) -> IPv4Address | IPv6Address:
