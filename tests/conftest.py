@@ -26,8 +26,10 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from databases import Files, Postgres, PostgresMissing
+from databases import Files, Postgres
 from forbidden import Forbidden
+
+from dray_sim.bench.postgres import MISSING, installed
 
 UNDER_CI = os.environ.get("CI", "").lower() in {"1", "true", "yes"}
 
@@ -96,10 +98,10 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Files:
 @pytest.fixture(scope="session")
 def postgres() -> Iterator[Postgres]:
     """A PostgreSQL server, one for all tests."""
-    try:
-        server = Postgres()
-    except PostgresMissing as missing:
-        pytest.skip(str(missing))
+    programs = installed()
+    if programs is None:
+        pytest.skip(MISSING)
+    server = Postgres(programs)
     yield server
     server.close()
 
