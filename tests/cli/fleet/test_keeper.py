@@ -168,6 +168,38 @@ def test_what_hinders_a_start_is_told_and_tried_again_when_it_is_over(
     assert "ATV1 cannot be started: [Errno 21]" in caplog.text
 
 
+def test_what_is_killed_to_stay_away_is_started_when_its_time_is_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("dray.cli.fleet.keeper.REST_S", LONG_S)
+
+    async def story() -> None:
+        async with kept(tmp_path, make_actor(tmp_path, "1.0")) as there:
+            assert await there.says() == "1.0 agent atv ATV1 here"
+            assert there.keeper.kill(away_s=0.05)
+            assert await there.says() == "1.0 agent atv ATV1 here"
+            assert there.member.starts == 2
+
+    asyncio.run(story())
+
+
+def test_who_stays_away_is_no_more_to_be_killed_and_comes_back_for_a_replacement(tmp_path: Path) -> None:
+    old, new = make_actor(tmp_path, "1.0"), make_actor(tmp_path, "2.0")
+
+    async def story() -> None:
+        async with kept(tmp_path, old) as there, controlled(tmp_path, {"ATV1": there.keeper}):
+            await there.says()
+            process = there.member
+            assert await control.kill(tmp_path, "ATV1", away_s=1e6)
+            await process.gone()
+            assert not await control.kill(tmp_path, "ATV1", away_s=1e6)
+            assert not there.member.runs
+            await control.replace(tmp_path, Replace("ATV1", new))
+            assert await there.says() == "2.0 agent atv ATV1 here"
+
+    asyncio.run(story())
+
+
 def test_a_roll_that_cannot_be_written_ends_nobody(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     old, new = make_actor(tmp_path, "1.0"), make_actor(tmp_path, "2.0")
     hindrance = tmp_path / "fleet.new"

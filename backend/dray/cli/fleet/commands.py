@@ -142,16 +142,26 @@ def status(folder: Folder = DEFAULT_FOLDER) -> None:
 
 @app.command()
 def kill(
-    name: Annotated[str, typer.Argument(help="Which process, as ATV3.")], folder: Folder = DEFAULT_FOLDER
+    name: Annotated[str, typer.Argument(help="Which process, as ATV3.")],
+    away: Annotated[
+        float | None,
+        typer.Option(
+            min=1.0, help="Seconds until it is started again; else it is at once.", metavar="SECONDS"
+        ),
+    ] = None,
+    folder: Folder = DEFAULT_FOLDER,
 ) -> None:
     """Kill a process as a power failure does; `dray fleet up` starts it again."""
+    import asyncio
     import signal
 
+    from dray.cli.fleet import control
     from dray.cli.fleet.roll import read_roll
     from dray.cli.output import one_of
     from dray.errors import UnavailableError
 
     member = one_of({member.name: member for member in read_roll(folder).members}, name, "NAME")
-    if not member.signal(signal.SIGKILL):
+    killed = member.signal(signal.SIGKILL) if away is None else asyncio.run(control.kill(folder, name, away))
+    if not killed:
         raise UnavailableError(name, "does not run", "wait until `dray fleet up` has started it")
     typer.echo(f"{name}: killed process {member.pid}")

@@ -44,8 +44,19 @@ class Settle(msgspec.Struct, frozen=True, tag=True):
     name: str
 
 
+class Kill(msgspec.Struct, frozen=True, tag=True):
+    """Kill this process, and start it again after so many real seconds."""
+
+    name: str
+    away_s: float
+
+
 class Settled(msgspec.Struct, frozen=True, tag=True):
     """Noted."""
+
+
+class Killed(msgspec.Struct, frozen=True, tag=True):
+    """It was."""
 
 
 class Refused(msgspec.Struct, frozen=True, tag=True):
@@ -54,8 +65,8 @@ class Refused(msgspec.Struct, frozen=True, tag=True):
     reason: str
 
 
-Question = Replace | Settle
-Answer = Replaced | Settled | Refused
+Question = Replace | Settle | Kill
+Answer = Replaced | Settled | Killed | Refused
 
 _question: msgspec.json.Decoder[Question] = msgspec.json.Decoder(Question)
 _answer: msgspec.json.Decoder[Answer] = msgspec.json.Decoder(Answer)
@@ -68,7 +79,7 @@ async def replace(folder: Path, wanted: Replace) -> Replaced | Refused:
         UnavailableError: nobody answers.
     """
     answer = await _ask(folder, wanted)
-    return Refused("it answers something else") if isinstance(answer, Settled) else answer
+    return answer if isinstance(answer, Replaced | Refused) else Refused("it answers something else")
 
 
 async def settle(folder: Path, name: str) -> None:
@@ -78,6 +89,20 @@ async def settle(folder: Path, name: str) -> None:
         UnavailableError: nobody answers.
     """
     await _ask(folder, Settle(name))
+
+
+async def kill(folder: Path, name: str, away_s: float) -> bool:
+    """Let the `dray fleet up` of a folder kill a process, and start it again later; False when it does not run.
+
+    Args:
+        folder: the fleet's.
+        name: of the process.
+        away_s: real seconds.
+
+    Raises:
+        UnavailableError: nobody answers.
+    """
+    return isinstance(await _ask(folder, Kill(name, away_s)), Killed)
 
 
 @contextlib.asynccontextmanager
@@ -143,6 +168,8 @@ async def _obey(keepers: Mapping[str, Keeper], question: Question) -> Answer:
     if isinstance(question, Settle):
         keeper.settle()
         return Settled()
+    if isinstance(question, Kill):
+        return Killed() if keeper.kill(question.away_s) else Refused("it does not run")
     filling = Filling(question.software, question.trial)
     try:
         return await keeper.replace(filling, at_once=question.at_once)

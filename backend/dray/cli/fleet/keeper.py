@@ -84,6 +84,8 @@ class Keeper:
         self._replacing = asyncio.Lock()
         self._hurry = asyncio.Event()
         """Set: there is no need to rest."""
+        self._away_s: float | None = None
+        """How long the post stays empty when its process ends next; None for as long as usual."""
         self._next_start: asyncio.Future[int] = asyncio.get_running_loop().create_future()
 
     async def keep(self) -> None:
@@ -104,9 +106,23 @@ class Keeper:
             self._process = None
             if not self._post.comes_back:
                 return
+            rest_s, self._away_s = REST_S if self._away_s is None else self._away_s, None
             with contextlib.suppress(TimeoutError):
-                async with asyncio.timeout(REST_S):
+                async with asyncio.timeout(rest_s):
                     await self._hurry.wait()
+
+    def kill(self, away_s: float) -> bool:
+        """Kill the process, and leave the post empty, as of a computer that stays away; False when nothing runs.
+
+        Args:
+            away_s: real seconds; a replacement ends them.
+        """
+        process = self._process
+        if process is None or process.returncode is not None:
+            return False
+        self._away_s = away_s
+        process.kill()
+        return True
 
     async def replace(self, filling: Filling, *, at_once: bool) -> Replaced:
         """Let the process leave, and fill the post so; one replacement after the other.
