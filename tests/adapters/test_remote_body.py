@@ -30,10 +30,10 @@ from dray.body import (
 )
 from dray.errors import UnavailableError
 from dray.plant import default_plant
-from dray_sim import exchange, remote
 from dray_sim.floor import Floor
 from dray_sim.loop import clock, paced, run
-from dray_sim.remote import FloorServer, RemoteBody, count_pieces, put_down
+from dray_sim.remote import FloorServer, RemoteBody, count_pieces, exchange, put_down, questions
+from dray_sim.remote.body import LOOK_EVERY_S, SILENT_LOOKS
 
 PLANT = default_plant()
 SPEED = 20.0
@@ -191,7 +191,7 @@ def test_a_life_that_has_not_heard_too_much_has_lost_its_body(monkeypatch: pytes
         workcell = house.floor.workcells[machine]
         workcell.break_down("a belt has torn")
         with pytest.raises(TimeoutError):
-            await asyncio.wait_for(body.lost(), 2 * remote.SILENT_LOOKS * remote.LOOK_EVERY_S)
+            await asyncio.wait_for(body.lost(), 2 * SILENT_LOOKS * LOOK_EVERY_S)
         workcell.repair()
         await asyncio.wait_for(body.lost(), PATIENCE_S * SPEED)
         assert not (await house.take_over(machine, 2)).is_new
@@ -233,7 +233,7 @@ def test_a_floor_that_is_too_far_behind_refuses_questions_and_its_bodies_are_not
         with pytest.raises(UnavailableError, match="refuses: too much waits there"):
             await count_pieces(house.here, PLANT.id)
         with pytest.raises(TimeoutError):
-            await asyncio.wait_for(body.lost(), 2 * remote.SILENT_LOOKS * remote.LOOK_EVERY_S)
+            await asyncio.wait_for(body.lost(), 2 * SILENT_LOOKS * LOOK_EVERY_S)
         monkeypatch.undo()
         assert await count_pieces(house.here, PLANT.id) == house.floor.count()
 
@@ -289,7 +289,7 @@ def test_without_a_floor_an_agent_does_not_begin(monkeypatch: pytest.MonkeyPatch
         with pytest.raises(UnavailableError, match="the body of ATV99: nobody answers"):
             await stranger.connect()
 
-    monkeypatch.setattr(remote, "PATIENCE_S", 0.5)
+    monkeypatch.setattr(questions, "PATIENCE_S", 0.5)
     in_a_house(test)
 
 
@@ -328,7 +328,7 @@ def test_a_body_is_lost_with_its_floor_and_not_while_that_is_only_busy() -> None
         body = await house.take_over(ATV, 1)
         for _ in ("it tells", "it is too busy for it"):
             with pytest.raises(TimeoutError):
-                await asyncio.wait_for(body.lost(), 2 * remote.SILENT_LOOKS * remote.LOOK_EVERY_S)
+                await asyncio.wait_for(body.lost(), 2 * SILENT_LOOKS * LOOK_EVERY_S)
             house.serving.cancel()
         house.end()
         await asyncio.wait_for(body.lost(), PATIENCE_S * SPEED)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from dray.errors import ProtocolViolation
-from dray_sim.exchange import KEPT_MAX, PARTS_PER_LETTER, Exchange, Letter, Part
+from dray_sim.remote.exchange import KEPT_MAX, PARTS_PER_LETTER, Exchange, Letter, Part
 
 
 def part(number: int) -> Part:

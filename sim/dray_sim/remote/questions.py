@@ -1,0 +1,95 @@
+"""Questions to a floor elsewhere, and how they are answered there: on its loop, or with a refusal."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+
+import msgspec
+import zenoh
+from zenoh.handlers import Callback
+
+from dray.adapters.crossing import Crossing
+from dray.errors import UnavailableError
+from dray_sim.floor import Pieces
+from dray_sim.remote.wire import Newcomer, encode, newcomers_key, pieces_key, to_part
+
+PATIENCE_S = 30.0
+"""Longest wait for a floor, which may be starting too."""
+
+AGAIN_S = 0.25
+"""The floor is asked so often."""
+
+REFUSED = zenoh.Encoding.TEXT_PLAIN
+"""Of an answer that is the floor's own; Zenoh's, that nobody has answered in time, say, are of other encodings."""
+
+
+async def ask_until_answered(session: zenoh.Session, key: str, question: bytes, what: str) -> bytes:
+    """The answer of a floor, which may be starting too.
+
+    Raises:
+        UnavailableError: nobody answers, or the floor refuses.
+    """
+    try:
+        async with asyncio.timeout(PATIENCE_S):
+            answer = await ask(session, key, question)
+            while answer is None:
+                await asyncio.sleep(AGAIN_S)
+                answer = await ask(session, key, question)
+    except TimeoutError:
+        raise UnavailableError(what, "nobody answers", "start `dray floor` first") from None
+    return answer
+
+
+async def ask(session: zenoh.Session, key: str, question: bytes) -> bytes | None:
+    """What is answered now; None when nobody does.
+
+    Raises:
+        UnavailableError: the floor refuses.
+    """
+    loop, end = asyncio.get_running_loop(), asyncio.Event()
+    answers: list[bytes] = []
+    refusals: list[str] = []
+
+    def take(reply: zenoh.Reply) -> None:
+        if reply.ok is not None:
+            answers.append(reply.ok.payload.to_bytes())
+        elif reply.err is not None and reply.err.encoding == REFUSED:
+            refusals.append(reply.err.payload.to_string())
+
+    taken = Callback(take, lambda: loop.call_soon_threadsafe(end.set), indirect=False)
+    session.get(key, taken, payload=question, timeout=PATIENCE_S)
+    await end.wait()
+    if refusals:
+        raise UnavailableError("the floor", f"refuses: {refusals[0]}", "see which plant file it has")
+    return answers[0] if answers else None
+
+
+async def put_down(session: zenoh.Session, plant: str, spec: Newcomer) -> None:
+    """Put a vehicle or a machine on a floor elsewhere, unless it stands there already.
+
+    Raises:
+        UnavailableError: there is no floor, or it does not fit there.
+    """
+    await ask_until_answered(session, newcomers_key(plant), encode(to_part(spec)), "the floor")
+
+
+async def count_pieces(session: zenoh.Session, plant: str) -> Pieces:
+    """Count all pieces of a floor elsewhere.
+
+    Raises:
+        UnavailableError: there is no floor.
+    """
+    answer = await ask_until_answered(session, pieces_key(plant), b"", "the floor")
+    return msgspec.msgpack.decode(answer, type=Pieces)
+
+
+def answering(crossing: Crossing, answer: Callable[[zenoh.Query], None]) -> Callback[zenoh.Query]:
+    """Answers on the loop; refuses at once, on Zenoh's thread, when the loop is too far behind."""
+
+    def queue(query: zenoh.Query) -> None:
+        if not crossing.offer(answer, query):
+            with query:
+                query.reply_err("too much waits there", encoding=REFUSED)
+
+    return Callback(queue, indirect=False)

@@ -1,0 +1,118 @@
+"""The floor's side: agents elsewhere use its bodies, one agent each."""
+
+from __future__ import annotations
+
+import asyncio
+
+import msgspec
+import zenoh
+from zenoh.handlers import Callback
+
+from dray.adapters.crossing import Crossing
+from dray.body import Report
+from dray.errors import PlantError
+from dray.ports import Body
+from dray_sim.floor import Floor
+from dray_sim.remote.exchange import Exchange, Part
+from dray_sim.remote.questions import REFUSED, answering
+from dray_sim.remote.wire import (
+    NO_LIFE,
+    Do,
+    Taken,
+    Told,
+    body_key,
+    encode,
+    from_part,
+    newcomers_key,
+    pieces_key,
+    to_part,
+)
+
+TELL_EVERY_S = 0.1
+"""How often a body's state is told when nothing happens: as the pose on a panel is refreshed."""
+
+
+class FloorServer:
+    """Lets agents elsewhere use the bodies of a floor, one agent each.
+
+    Args:
+        session: of the floor's process.
+        plant: the plant's id.
+        floor: newcomers are put down here.
+    """
+
+    def __init__(self, session: zenoh.Session, plant: str, floor: Floor) -> None:
+        self._session, self._plant, self._floor = session, plant, floor
+        self._crossing = Crossing(asyncio.get_running_loop())
+        self._served = [self._serve(agent, body) for agent, body in floor.bodies.items()]
+        session.declare_queryable(newcomers_key(plant), answering(self._crossing, self._receive))
+        session.declare_queryable(pieces_key(plant), answering(self._crossing, self._count))
+
+    async def run(self) -> None:
+        """Tell how all bodies are, until cancelled."""
+        while True:
+            await asyncio.sleep(TELL_EVERY_S)
+            for served in self._served:
+                served.tell()
+
+    def _serve(self, agent: str, body: Body) -> _Served:
+        return _Served(self._session, self._crossing, body_key(self._plant, agent), body)
+
+    def _receive(self, query: zenoh.Query) -> None:
+        with query:
+            data = b"" if query.payload is None else query.payload.to_bytes()
+            spec = from_part(msgspec.msgpack.decode(data, type=Part))
+            try:
+                if spec.id not in self._floor.bodies:
+                    self._served.append(self._serve(spec.id, self._floor.add(spec)))
+            except PlantError as error:
+                query.reply_err(str(error), encoding=REFUSED)
+            else:
+                query.reply(newcomers_key(self._plant), b"there")
+
+    def _count(self, query: zenoh.Query) -> None:
+        with query:
+            query.reply(pieces_key(self._plant), encode(self._floor.count()))
+
+
+class _Served:
+    """One body, and the life of its agent that it obeys."""
+
+    def __init__(self, session: zenoh.Session, crossing: Crossing, key: str, body: Body) -> None:
+        self._session, self._crossing, self._key, self._body = session, crossing, key, body
+        self._life, self._known = NO_LIFE, False
+        self._exchange = Exchange()
+        session.declare_queryable(key, answering(crossing, self._answer))
+        session.declare_subscriber(f"{key}/do", Callback(self._hear, indirect=False))
+        body.attach(self._report)
+
+    def tell(self) -> None:
+        """Say how it is, and what is not heard yet, if anybody has taken it over."""
+        if self._life:
+            told = Told(self._life, self._exchange.write(), to_part(self._body.sense()))
+            self._session.put(f"{self._key}/told", encode(told))
+
+    def _report(self, report: Report) -> None:
+        if self._exchange.full:
+            self._life = NO_LIFE  # Dead or cut off: it has lost its body.
+        if self._life:
+            self._exchange.say(to_part(report))
+            self.tell()
+
+    def _hear(self, sample: zenoh.Sample) -> None:
+        """On Zenoh's threads."""
+        self._crossing.offer(self._obey, sample.payload.to_bytes())
+
+    def _answer(self, query: zenoh.Query) -> None:
+        with query:
+            life = int(query.payload.to_string()) if query.payload is not None else NO_LIFE
+            known = self._known
+            if life > self._life:
+                self._life, self._known, self._exchange = life, True, Exchange()
+            query.reply(self._key, encode(Taken(to_part(self._body.sense()), self._life, known)))
+
+    def _obey(self, data: bytes) -> None:
+        done = msgspec.msgpack.decode(data, type=Do)
+        if done.life == self._life:
+            for instruction in self._exchange.read(done.letter):
+                self._body.instruct(from_part(instruction))
