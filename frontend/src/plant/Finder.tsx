@@ -46,7 +46,7 @@ export function Finder({ plant, onChosen }: Props) {
         aria-controls="finder-list"
         aria-autocomplete="list"
         aria-activedescendant={listed ? `finder-${active.value}` : undefined}
-        placeholder={t("map.findHint")}
+        placeholder={t("map.find")}
         autoComplete="off"
         value={words.value}
         onFocus={() => (open.value = true)}

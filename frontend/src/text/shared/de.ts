@@ -199,7 +199,6 @@ export const de: Catalogue<typeof en> = {
   "map.zoomOut": "Verkleinern",
   "map.fit": "Das ganze Werk zeigen",
   "map.find": "Suchen",
-  "map.findHint": "Fahrzeug, Maschine, Ort",
   "map.findNone": "Nichts mit diesem Namen",
   "map.heat.title": "Fahrten in der letzten Stunde",
   "map.heat.none": "In der letzten Stunde fuhr niemand",

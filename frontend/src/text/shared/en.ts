@@ -196,7 +196,6 @@ export const en = {
   "map.zoomOut": "Zoom out",
   "map.fit": "Show the whole plant",
   "map.find": "Find",
-  "map.findHint": "Vehicle, machine, place",
   "map.findNone": "Nothing of that name",
   "map.heat.title": "Passes in the last hour",
   "map.heat.none": "No lane was passed in the last hour",

@@ -199,7 +199,6 @@ export const es: Catalogue<typeof en> = {
   "map.zoomOut": "Alejar",
   "map.fit": "Mostrar toda la planta",
   "map.find": "Buscar",
-  "map.findHint": "Vehículo, máquina, lugar",
   "map.findNone": "Nada con ese nombre",
   "map.heat.title": "Pasos en la última hora",
   "map.heat.none": "Nadie ha pasado en la última hora",
