@@ -18,24 +18,18 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping
-from dataclasses import dataclass
 from enum import IntEnum
 from random import Random
 from typing import TYPE_CHECKING
 
 from dray.adapters.signing import SigningKey
-from dray.messages import (
-    AtvHeartbeat,
-    AtvStatus,
-    CommandAnswered,
-    CommandKind,
-    Message,
-    VehicleCommand,
-)
+from dray.messages import AtvStatus, CommandKind
 from dray.messages.keys import Keys
 from dray.plant import Plant
-from dray.ports import Bus, Clock, Session
+from dray.ports import Bus, Clock
+from dray_sim.habits import Habits, Range
 from dray_sim.hands import Hands
+from dray_sim.tablet import Sight, Tablet
 from dray_sim.vehicle import LOAD_SHIFTED
 
 if TYPE_CHECKING:
@@ -44,54 +38,8 @@ if TYPE_CHECKING:
 LOOK_S = 5.0
 """How often somebody glances at the tablet."""
 
-ANSWER_S = 2.0
-"""A vehicle answers within a network round trip; after this long a command is said again."""
-
-TRIES = 15
-"""Half a minute of saying it again; then the vehicle does not hear."""
-
-GRANT_S = 60.0
-"""How long a command is good for: as long as it is repeated, and as it may then be under way."""
-
 EVERYWHERE = "plant"
 """The area of the only operator of a plant that has no areas."""
-
-Range = tuple[float, float]
-"""From and to; chance takes anything in between."""
-
-
-@dataclass(frozen=True, slots=True)
-class Habits:
-    """How an operator works. Seconds are from and to.
-
-    Attributes:
-        present_frac: the chance that an alarm finds somebody at all.
-        away_s: how long nobody is there when it does not.
-        react_s: from seeing an alarm to doing something about it.
-        promises_frac: the chance that somebody tells a vehicle to be on the way.
-        estimate: what is promised, as a part of the time that it will take; above 1 is cautious.
-        walk_s: to the vehicle.
-        mend_s: to put a problem right.
-        carry_s: to bring a dead vehicle's load to where it belongs.
-        push_s: to bring a dead vehicle to a charger.
-        silent_s: a vehicle that was not heard for so long is looked for; well above what a takeover
-            takes, so that people come after the agents have helped themselves.
-        slow_frac: a shifted load is driven on with this part of the top speed; 1 for as before.
-        slow_s: how long.
-    """
-
-    present_frac: float = 1.0
-    away_s: Range = (300.0, 900.0)
-    react_s: Range = (3.0, 15.0)
-    promises_frac: float = 1.0
-    estimate: Range = (1.0, 1.5)
-    walk_s: Range = (15.0, 60.0)
-    mend_s: Range = (15.0, 90.0)
-    carry_s: Range = (30.0, 90.0)
-    push_s: Range = (30.0, 120.0)
-    silent_s: float = 30.0
-    slow_frac: float = 0.5
-    slow_s: float = 60.0
 
 
 class Duty(IntEnum):
@@ -109,15 +57,6 @@ class Duty(IntEnum):
 
 OWN = frozenset({Duty.RELEASE, Duty.SPEED_UP})
 """What is left of something that the operator has begun, wherever the vehicle is by now."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Sight:
-    """A vehicle as the tablet shows it."""
-
-    heartbeat: AtvHeartbeat
-    at_s: float
-    """When that was heard."""
 
 
 class Operator:
@@ -160,21 +99,19 @@ class Operator:
         self.colleagues: Mapping[str, Operator] = {area: self}
         self._area = area
         self._plant = plant
-        self._bus = bus
         self._clock = clock
-        self._authority = authority
         self._hands = hands
         self._random = random
         self._habits = habits
-        self._sights: dict[str, _Sight] = {}
-        """The last heartbeat of every vehicle, wherever it is."""
+        own = None if area == EVERYWHERE else (area,)
+        keys = Keys(plant.id)
+        self._tablet = Tablet(self.name, own, keys=keys, bus=bus, clock=clock, authority=authority)
+        self._sights = self._tablet.sights
+        """All that is known of vehicles from afar."""
         self._stops: dict[str, float] = {}
         """Vehicles that a stop may hold which is this person's to end, and since when."""
         self._slowed: dict[str, float] = {}
         """Vehicles that a limit holds back which is this person's to end, and until when."""
-        self._commands = 0
-        self._answers: dict[str, asyncio.Future[CommandAnswered]] = {}
-        """At most one: the command that waits for its answer."""
 
     def look_after_stop(self, atv: str, since_s: float) -> None:
         """Release a vehicle that one's own or a colleague's stop may hold since then."""
@@ -186,31 +123,18 @@ class Operator:
 
     async def run(self) -> None:
         """Work until cancelled."""
-        session = self._bus.join(self.name, self._hear)
-        session.subscribe(Keys(self._plant.id).atv_heartbeat("*"))
-        try:
+        with self._tablet.on():
             while True:
                 await asyncio.sleep(LOOK_S)
                 alarm = self._most_urgent()
                 if alarm is None:
                     continue
                 if self._random.random() < self._habits.present_frac:
-                    await self._attend(session, *alarm)
+                    await self._attend(*alarm)
                 else:
                     await self._spend(self._habits.away_s)
-        finally:
-            session.leave()
 
     # --- seeing ----------------------------------------------------------------------------------
-
-    def _hear(self, _sender: str, message: Message) -> None:
-        if isinstance(message, AtvHeartbeat):
-            self._sights[message.atv] = _Sight(message, self._clock.now_s())
-        elif isinstance(message, CommandAnswered):
-            answer = self._answers.get(message.command)
-            # A command that was said twice may be answered twice.
-            if answer is not None and not answer.done():
-                answer.set_result(message)
 
     def _most_urgent(self) -> tuple[Duty, str] | None:
         """What to do next, and for which vehicle; what is equally urgent in the order of names."""
@@ -225,7 +149,7 @@ class Operator:
         duty, _, atv = min(alarms)
         return duty, atv
 
-    def _alarm(self, atv: str, sight: _Sight, now_s: float) -> tuple[Duty, float] | None:
+    def _alarm(self, atv: str, sight: Sight, now_s: float) -> tuple[Duty, float] | None:
         """What a vehicle needs, and by when."""
         heartbeat = sight.heartbeat
         if now_s - sight.at_s > self._habits.silent_s:
@@ -240,50 +164,50 @@ class Operator:
             return Duty.SPEED_UP, now_s
         return None
 
-    def _is_here(self, sight: _Sight) -> bool:
+    def _is_here(self, sight: Sight) -> bool:
         return self._whose(sight) == self._area
 
-    def _whose(self, sight: _Sight) -> str:
+    def _whose(self, sight: Sight) -> str:
         """The area that the vehicle is in."""
         pose = sight.heartbeat.pose
         return area_at(self._plant, pose.x_m, pose.y_m)
 
     # --- doing -----------------------------------------------------------------------------------
 
-    async def _attend(self, session: Session, duty: Duty, atv: str) -> None:
+    async def _attend(self, duty: Duty, atv: str) -> None:
         await self._spend(self._habits.react_s)
         if duty is Duty.HELP:
-            await self._help(session, atv)
+            await self._help(atv)
         elif duty is Duty.RELEASE:
             self._hands.mend(atv)
-            await self._release(session, atv)
+            await self._release(atv)
         elif duty is Duty.RECOVER:
             await self._recover(atv)
         else:
-            await self._speed_up(session, atv)
+            await self._speed_up(atv)
         self.done[duty] += 1
 
-    async def _help(self, session: Session, atv: str) -> None:
+    async def _help(self, atv: str) -> None:
         """Mend a vehicle, where it is still needed."""
         walk_s, mend_s = self._draw(self._habits.walk_s), self._draw(self._habits.mend_s)
         promises = self._random.random() < self._habits.promises_frac
         estimate_s = (walk_s + mend_s) * self._draw(self._habits.estimate)
         if promises and self._sights[atv].heartbeat.help is not None:
-            await self._say(session, atv, CommandKind.PROMISE, wait_s=estimate_s)
+            await self._tablet.say(atv, CommandKind.PROMISE, wait_s=estimate_s)
         await asyncio.sleep(walk_s)
         problem = self._hands.problem(atv)
         # Who else has stopped it lets it go, too.
         if problem == LOAD_SHIFTED and self._sights[atv].heartbeat.status is not AtvStatus.STOPPED:
-            await self._secure(session, atv, mend_s)
+            await self._secure(atv, mend_s)
         elif problem:
             await asyncio.sleep(mend_s)
             self._hands.mend(atv)
 
-    async def _secure(self, session: Session, atv: str, mend_s: float) -> None:
+    async def _secure(self, atv: str, mend_s: float) -> None:
         """Put a shifted load right: nobody reaches into a vehicle that could drive on by itself."""
         # From here on it may be stopped, answered or not.
         self._stops[atv] = self._clock.now_s()
-        answer = await self._say(session, atv, CommandKind.STOP)
+        answer = await self._tablet.say(atv, CommandKind.STOP)
         if answer is not None and not answer.done:
             # It has driven on meanwhile, and slipped once more: out there it is a colleague's.
             del self._stops[atv]
@@ -292,14 +216,14 @@ class Operator:
         await asyncio.sleep(mend_s)
         self._hands.mend(atv)
         if self._habits.slow_frac < 1.0:
-            await self._say(session, atv, CommandKind.SET_SPEED, speed_frac=self._habits.slow_frac)
+            await self._tablet.say(atv, CommandKind.SET_SPEED, speed_frac=self._habits.slow_frac)
             self._slowed[atv] = self._clock.now_s() + self._habits.slow_s
-        await self._release(session, atv)
+        await self._release(atv)
 
-    async def _release(self, session: Session, atv: str) -> None:
+    async def _release(self, atv: str) -> None:
         """End an own stop. Whether it has worked is seen in the heartbeats that follow."""
         for kind in (CommandKind.ACKNOWLEDGE, CommandKind.RESUME):
-            answer = await self._say(session, atv, kind)
+            answer = await self._tablet.say(atv, kind)
             if answer is None or not answer.done:
                 break
         # It may have come to its stand beyond the border.
@@ -324,9 +248,9 @@ class Operator:
         if self._sights[atv] is sight:
             del self._sights[atv]
 
-    async def _speed_up(self, session: Session, atv: str) -> None:
+    async def _speed_up(self, atv: str) -> None:
         """Take an own limit back, or leave that to whoever's area the vehicle has come to."""
-        answer = await self._say(session, atv, CommandKind.SET_SPEED, speed_frac=1.0)
+        answer = await self._tablet.say(atv, CommandKind.SET_SPEED, speed_frac=1.0)
         if answer is None:
             return
         until_s = self._slowed.pop(atv)
@@ -336,43 +260,6 @@ class Operator:
     def _colleague(self, atv: str) -> Operator:
         """The operator of the area where a vehicle is now."""
         return self.colleagues.get(self._whose(self._sights[atv]), self)
-
-    async def _say(
-        self,
-        session: Session,
-        atv: str,
-        kind: CommandKind,
-        *,
-        speed_frac: float | None = None,
-        wait_s: float | None = None,
-    ) -> CommandAnswered | None:
-        """Give a command, again and again until it is answered; None when it never is."""
-        self._commands += 1
-        command = VehicleCommand(
-            command=f"{self.name}-{self._commands}",
-            kind=kind,
-            speed_frac=speed_frac,
-            wait_s=wait_s,
-            issued_by=self.name,
-        )
-        granted = self._authority.grant(
-            atv,
-            command,
-            person=self.name,
-            areas=None if self._area == EVERYWHERE else (self._area,),
-            valid_until_s=self._clock.now_s() + GRANT_S,
-        )
-        answer: asyncio.Future[CommandAnswered] = asyncio.get_running_loop().create_future()
-        self._answers[command.command] = answer
-        try:
-            for _ in range(TRIES):
-                session.send(atv, granted)
-                await asyncio.wait((answer,), timeout=ANSWER_S)
-                if answer.done():
-                    return answer.result()
-            return None
-        finally:
-            del self._answers[command.command]
 
     # --- chance ----------------------------------------------------------------------------------
 

@@ -21,11 +21,12 @@ from dray_sim.evidence import HELD
 from dray_sim.factory import Ears, SimFactory
 from dray_sim.faults import Faults
 from dray_sim.floor import FIRST_STOCK_FRAC
+from dray_sim.habits import Habits
 from dray_sim.invariants import Invariants
 from dray_sim.loop import JUMP, clock, run
 from dray_sim.network import WLAN, Latency
 from dray_sim.observer import Observer
-from dray_sim.people import Habits, hire
+from dray_sim.people import hire
 from dray_sim.report import Report, make_report
 from dray_sim.trace import Trace
 from dray_sim.witness import Witness

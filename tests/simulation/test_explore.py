@@ -76,9 +76,9 @@ from dray_sim.explore.story import Story
 from dray_sim.explore.trial import FAULTS_UNTIL_S, PROFILES, draw
 from dray_sim.factory import SimFactory
 from dray_sim.faults import Crashed, LinkTrouble, PoweredOff, RadioCut, SentAway, WlanCut
+from dray_sim.habits import Habits
 from dray_sim.loop import JUMP, VirtualClock, clock, run
 from dray_sim.network import SimNetwork
-from dray_sim.people import Habits
 
 PLANT = default_plant()
 WORK = Transport(item="shaft", quantity=40, sources=("S3",), destination="M8", ability="tote")

@@ -29,11 +29,13 @@ from dray_sim import demand
 from dray_sim.desk import Desk
 from dray_sim.factory import Ears, SimFactory
 from dray_sim.faults import Faults, LinkTrouble
+from dray_sim.habits import Habits
 from dray_sim.hands import Hands
 from dray_sim.invariants import Invariants
 from dray_sim.loop import clock, run
 from dray_sim.network import SimNetwork
-from dray_sim.people import ANSWER_S, LOOK_S, TRIES, Duty, Habits, Operator, area_at, hire
+from dray_sim.people import LOOK_S, Duty, Operator, area_at, hire
+from dray_sim.tablet import ANSWER_S, TRIES
 from dray_sim.vehicle import BATTERY_EMPTY, LOAD_SHIFTED
 
 PLANT = default_plant()

@@ -15,6 +15,7 @@ from dray.adapters.signing import SigningKey
 from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand
 from dray.ports import Bus, Clock
 from dray.protocol.obedience import NOT_STOPPED
+from dray_sim.answers import Answers
 
 NAME = "passerby"
 
@@ -72,7 +73,7 @@ class Passerby:
         self._random = random
         self._grants = grants
         self._said = 0
-        self._answers: dict[str, asyncio.Future[CommandAnswered]] = {}
+        self._answers = Answers()
 
     async def meddle(self) -> None:
         """Give commands until cancelled."""
@@ -102,12 +103,10 @@ class Passerby:
     async def _insist(self, atv: str, kind: CommandKind) -> CommandAnswered:
         """Give a command until it is answered."""
         command = self._command(kind, speed_frac=1.0)
-        answer: asyncio.Future[CommandAnswered] = asyncio.get_running_loop().create_future()
-        self._answers[command.command] = answer
-        while not answer.done():
-            self._session.send(atv, self._granted(self._authority, atv, command, None))
-            await asyncio.wait((answer,), timeout=AGAIN_S)
-        del self._answers[command.command]
+        with self._answers.to(command.command) as answer:
+            while not answer.done():
+                self._session.send(atv, self._granted(self._authority, atv, command, None))
+                await asyncio.wait((answer,), timeout=AGAIN_S)
         return answer.result()
 
     def _command(self, kind: CommandKind, speed_frac: float | None = None) -> VehicleCommand:
@@ -138,7 +137,4 @@ class Passerby:
 
     def _hear(self, _sender: str, message: Message) -> None:
         if isinstance(message, CommandAnswered):
-            answer = self._answers.get(message.command)
-            # A command that was said twice may be answered twice.
-            if answer is not None and not answer.done():
-                answer.set_result(message)
+            self._answers.take(message)

@@ -16,7 +16,9 @@ from __future__ import annotations
 
 from dray.plant import Plant
 from dray.protocol.auction import AuctionRules
-from dray_sim.people import ANSWER_S, LOOK_S, TRIES, Habits
+from dray_sim.habits import Habits
+from dray_sim.people import LOOK_S
+from dray_sim.tablet import ANSWER_S, TRIES
 
 NOTICE_S = 90.0
 """From the end of the last fault until agents know who lives and who carries what: the longest bound of

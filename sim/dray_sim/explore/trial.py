@@ -34,7 +34,7 @@ from dray_sim.faults import (
     random_schedule,
 )
 from dray_sim.generator import generate_plant
-from dray_sim.people import Habits
+from dray_sim.habits import Habits
 
 DURATION_S = 1200.0
 """The least virtual time of a trial."""

@@ -10,7 +10,7 @@ from dray.messages import AtvHeartbeat, CommandAnswered, CommandKind, Message, P
 from dray.messages.fact import CarrierChanged, CommandObeyed, HelpAsked, TookOver
 from dray_sim.evidence import Check
 from dray_sim.faults import FaultError, LoadShifted
-from dray_sim.people import Habits
+from dray_sim.habits import Habits
 from dray_sim.scenario import Findings, Scenario
 from dray_sim.scenarios.figure_6 import (
     Contract,

@@ -9,7 +9,7 @@ from dray.messages.fact import PhaseEntered, PrimarySuspected, TookOver
 from dray.protocol.suspicion import WORKING_INTERVAL_S, bound_s
 from dray_sim.evidence import Check
 from dray_sim.faults import PoweredOff
-from dray_sim.people import Habits
+from dray_sim.habits import Habits
 from dray_sim.scenario import Findings, Scenario
 from dray_sim.scenarios.figure_6 import (
     PRIMARY,

@@ -9,7 +9,7 @@ from functools import partial
 from dray.plant import default_plant
 from dray_sim.evidence import Check, Table
 from dray_sim.faults import LinkTrouble, PoweredOff
-from dray_sim.people import Habits
+from dray_sim.habits import Habits
 from dray_sim.scenario import Findings, Scenario
 from dray_sim.scenarios.tally import HEAD, SETTLE_S, Tally, all_delivered, row, run_out, tally
 from dray_sim.stage import Shift, Stage, play

@@ -1,0 +1,42 @@
+"""How an operator works: how quick, how careful, how often there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+Range = tuple[float, float]
+"""From and to; chance takes anything in between."""
+
+
+@dataclass(frozen=True, slots=True)
+class Habits:
+    """How an operator works. Seconds are from and to.
+
+    Attributes:
+        present_frac: the chance that an alarm finds somebody at all.
+        away_s: how long nobody is there when it does not.
+        react_s: from seeing an alarm to doing something about it.
+        promises_frac: the chance that somebody tells a vehicle to be on the way.
+        estimate: what is promised, as a part of the time that it will take; above 1 is cautious.
+        walk_s: to the vehicle.
+        mend_s: to put a problem right.
+        carry_s: to bring a dead vehicle's load to where it belongs.
+        push_s: to bring a dead vehicle to a charger.
+        silent_s: a vehicle that was not heard for so long is looked for; well above what a takeover
+            takes, so that people come after the agents have helped themselves.
+        slow_frac: a shifted load is driven on with this part of the top speed; 1 for as before.
+        slow_s: how long.
+    """
+
+    present_frac: float = 1.0
+    away_s: Range = (300.0, 900.0)
+    react_s: Range = (3.0, 15.0)
+    promises_frac: float = 1.0
+    estimate: Range = (1.0, 1.5)
+    walk_s: Range = (15.0, 60.0)
+    mend_s: Range = (15.0, 90.0)
+    carry_s: Range = (30.0, 90.0)
+    push_s: Range = (30.0, 120.0)
+    silent_s: float = 30.0
+    slow_frac: float = 0.5
+    slow_s: float = 60.0
