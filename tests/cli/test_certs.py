@@ -14,7 +14,7 @@ from dray.adapters.certificates import read_key
 from dray.adapters.seals import Seals
 from dray.adapters.zenoh_links import Identity
 from dray.messages.speakers import Kind
-from dray.plant import default_plant
+from dray.plant import default_plant, plant_yaml
 
 Dray = Callable[..., tuple[int, str, str]]
 
@@ -118,3 +118,39 @@ def test_a_folder_that_cannot_be_made_is_named(dray: Dray, tmp_path: Path) -> No
     code, _, err = dray("make", tmp_path / "file" / "certs")
     assert code == 1
     assert str(tmp_path / "file" / "certs") in err
+
+
+@pytest.fixture
+def elsewhere(tmp_path: Path) -> Path:
+    """The file of another plant than the default one."""
+    file = tmp_path / "elsewhere.yaml"
+    file.write_text(plant_yaml(default_plant()).replace("plant: dray\n", "plant: elsewhere\n", 1))
+    return file
+
+
+def test_a_newcomer_belongs_to_the_plant_of_its_authority(
+    dray: Dray, tmp_path: Path, elsewhere: Path
+) -> None:
+    folder = tmp_path / "certs"
+    dray("make", folder, "--plant", elsewhere)
+    code, _, _ = dray("issue", folder, "atv", "ATV9")
+    assert code == 0
+    assert Seals(Identity.in_folder(folder, "ATV9"), "elsewhere").agents == {"ATV9": Kind.ATV}
+
+
+def test_an_authority_certifies_nobody_of_another_plant(dray: Dray, tmp_path: Path, elsewhere: Path) -> None:
+    folder = tmp_path / "certs"
+    dray("make", folder)
+    code, _, err = dray("issue", folder, "atv", "ATV9", "--plant", elsewhere)
+    assert code == 2
+    assert "is of the plant elsewhere, and the authority of dray; leave it out" in err
+    assert not (folder / "ATV9.pem").exists()
+
+
+def test_certificates_are_for_the_plant_that_the_environment_names(
+    dray: Dray, tmp_path: Path, elsewhere: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("DRAY_PLANT_FILE", str(elsewhere))
+    code, out, _ = dray("make", tmp_path / "certs")
+    assert code == 0
+    assert "certificates for elsewhere" in out

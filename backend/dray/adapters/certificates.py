@@ -39,6 +39,9 @@ _KINDS = frozenset[str](Kind)
 
 _URI = re.compile(r"dray:([^/]+)/([^/]+)/([^/]+)")
 
+_OF = "Dray authority of "
+"""Before the plant's id, in the name of an authority."""
+
 
 @dataclass(frozen=True, slots=True)
 class Authority:
@@ -56,7 +59,7 @@ class Authority:
     def make(cls, plant: str) -> Authority:
         """A new one."""
         key = ec.generate_private_key(ec.SECP256R1())
-        name = _name(f"Dray authority of {plant}")
+        name = _name(_OF + plant)
         builder = (
             _builder(name, name, key.public_key(), AUTHORITY_DAYS)
             .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
@@ -77,6 +80,15 @@ class Authority:
             return cls(x509.load_pem_x509_certificate(certificate), read_key(key))
         except ValueError as error:
             raise SettingsError(str(folder), f"holds no authority of ours: {error}") from None
+
+    @property
+    def plant(self) -> str:
+        """The plant's id, as its certificate says it; empty when somebody else has made it."""
+        for each in self.certificate.subject.get_attributes_for_oid(NameOID.COMMON_NAME):
+            name = str(each.value)
+            if name.startswith(_OF):
+                return name.removeprefix(_OF)
+        return ""
 
     def write(self, folder: Path) -> None:
         """Write both files into `folder`, which is made if need be."""

@@ -5,14 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from dray.adapters.certificates import Authority
 
 app = typer.Typer(no_args_is_help=True, help="Certificates for the agents of a plant.")
 
 Folder = Annotated[Path, typer.Argument(help="The folder of the certificates.")]
-PlantFile = Annotated[Path | None, typer.Option("--plant", help="A plant file; else the default plant.")]
+PlantFile = Annotated[
+    Path | None, typer.Option("--plant", help="A plant file; else DRAY_PLANT_FILE, else the default plant.")
+]
 Days = Annotated[
     int | None, typer.Option(min=1, max=3650, help="How long they are valid; else a year and a month.")
 ]
@@ -31,11 +36,12 @@ def make(folder: Folder, plant: PlantFile = None, days: Days = None) -> None:
     authority.key, belongs on none of them.
     """
     from dray.adapters.certificates import AUTHORITY, DAYS, Authority
+    from dray.cli.options import load_settings
     from dray.cli.plant import chosen_plant
     from dray.errors import SettingsError
     from dray.messages.speakers import Kind
 
-    chosen = chosen_plant(plant)
+    chosen = chosen_plant(load_settings(plant_file=plant).plant_file)
     if (folder / f"{AUTHORITY}.pem").exists():
         raise SettingsError(
             str(folder), "has an authority already; `dray certs issue` uses it, or choose another folder"
@@ -62,20 +68,42 @@ def issue(
         str, typer.Argument(help="What the agent is: atv, machine, strategist, gateway or historian.")
     ],
     agent: Annotated[str, typer.Argument(help="Its id.")],
-    plant: PlantFile = None,
+    plant: Annotated[
+        Path | None,
+        typer.Option("--plant", help="A plant file, when the authority's certificate names no plant."),
+    ] = None,
     days: Days = None,
 ) -> None:
-    """Make a certificate for one agent, with the authority of that folder."""
+    """Make a certificate for one agent, with the authority of that folder and for its plant."""
     from dray.adapters.certificates import DAYS, Authority
     from dray.cli.output import one_of
-    from dray.cli.plant import chosen_plant
     from dray.messages.speakers import Kind
 
     chosen = one_of({str(each): each for each in Kind}, kind, "KIND")
     authority = Authority.load(folder)
     with _writing_into(folder):
-        authority.issue(folder, chosen_plant(plant).id, {agent: chosen}, days=days or DAYS)
+        authority.issue(folder, _plant_of(authority, plant), {agent: chosen}, days=days or DAYS)
     typer.echo(f"{folder / agent}.pem")
+
+
+def _plant_of(authority: Authority, file: Path | None) -> str:
+    """The id of the plant for which an authority issues certificates.
+
+    Raises:
+        PlantError: the plant file cannot be used.
+        SettingsError: it is another plant's.
+    """
+    from dray.cli.options import load_settings
+    from dray.cli.plant import chosen_plant
+    from dray.errors import SettingsError
+
+    if file is None and authority.plant:
+        return authority.plant
+    plant = chosen_plant(load_settings(plant_file=file).plant_file).id
+    if authority.plant not in {"", plant}:
+        reason = f"{file} is of the plant {plant}, and the authority of {authority.plant}; leave it out"
+        raise SettingsError("--plant", reason)
+    return plant
 
 
 @contextmanager

@@ -39,7 +39,10 @@ def add(
     role: Annotated[str, typer.Option(help="manager or operator.")] = "operator",
     called: Annotated[str, typer.Option(help="What people call them; else NAME.")] = "",
     area: Annotated[list[str] | None, typer.Option(help="Where an operator works; may be repeated.")] = None,
-    plant: Annotated[Path | None, typer.Option(help="Whose areas these are; else the default plant.")] = None,
+    plant: Annotated[
+        Path | None,
+        typer.Option(help="Whose areas these are; else DRAY_PLANT_FILE's, else the default plant's."),
+    ] = None,
     db: Database = None,
 ) -> None:
     """Let somebody new log in; give them a link, a password, a PIN or a badge afterwards."""
@@ -188,14 +191,15 @@ def enable(name: Who, db: Database = None) -> None:
 
 def _areas(areas: list[str], role: str, plant: Path | None) -> tuple[str, ...]:
     """The areas, which the plant must have and an operator needs."""
+    from dray.cli.options import load_settings
+    from dray.cli.plant import chosen_plant
     from dray.errors import SettingsError
-    from dray.plant import default_plant, load_plant
 
     if role == "manager":
         if areas:
             raise SettingsError("--area", "a manager works everywhere; leave it out")
         return ()
-    known = (default_plant() if plant is None else load_plant(plant)).areas
+    known = chosen_plant(load_settings(plant_file=plant).plant_file).areas
     unknown = [area for area in areas if area not in known]
     if unknown or not areas:
         wrong = f"there is no {unknown[0]!r}" if unknown else "an operator needs one"
