@@ -110,12 +110,41 @@ def test_what_was_said_long_ago_is_not_heard_again(folder: Path, later_s: float,
         listener.examine(seal, "M1", "p/k", 1, 1, b"said")
 
 
-def test_an_expired_certificate_speaks_no_more(folder: Path) -> None:
+@pytest.fixture
+def short(folder: Path) -> Path:
+    """A certificate for M2 that is valid for a day."""
     Authority.load(folder).issue(folder, "p", {"M2": Kind.MACHINE}, days=1)
-    later_s = Path(folder / "M2.pem").stat().st_mtime + 2 * 86_400
-    seal = seals(folder, "M2", later_s).seal("p/k", 1, 1, b"said")
+    return folder
+
+
+TWO_DAYS_S = 2 * 86_400.0
+
+
+def test_an_expired_certificate_speaks_no_more(short: Path) -> None:
+    now_s = (short / "M2.pem").stat().st_mtime
+    times_s = iter((now_s, now_s + TWO_DAYS_S))
+    seal = Seals(Identity.in_folder(short, "M2"), "p", now_s=lambda: next(times_s)).seal("p/k", 1, 1, b"said")
     with pytest.raises(SealError, match="expired"):
-        seals(folder, "ATV1", later_s).examine(seal, "M2", "p/k", 1, 1, b"said")
+        seals(short, "ATV1", now_s + TWO_DAYS_S).examine(seal, "M2", "p/k", 1, 1, b"said")
+
+
+@pytest.mark.parametrize("apart_s", [TWO_DAYS_S, -TWO_DAYS_S])
+def test_who_would_not_be_believed_does_not_begin(short: Path, apart_s: float) -> None:
+    now_s = (short / "M2.pem").stat().st_mtime
+    with pytest.raises(SettingsError, match=r"M2\.pem: nobody would trust it .* see that the clock is right"):
+        seals(short, "M2", now_s + apart_s)
+
+
+def test_a_certificate_of_another_authority_is_noticed_by_its_owner(folder: Path, stranger: Path) -> None:
+    mixed = Identity(folder / "authority.pem", stranger / "M1.pem", stranger / "M1.key")
+    with pytest.raises(SettingsError, match="nobody would trust it"):
+        Seals(mixed, "p")
+
+
+def test_a_key_of_another_certificate_is_named(folder: Path) -> None:
+    mixed = Identity(folder / "authority.pem", folder / "M1.pem", folder / "ATV1.key")
+    with pytest.raises(SettingsError, match=r"ATV1\.key: is not the key of .*M1\.pem"):
+        Seals(mixed, "p")
 
 
 # --- on the bus ------------------------------------------------------------------------------------

@@ -11,6 +11,7 @@ has to bear anyway.
 
 from __future__ import annotations
 
+import datetime as dt
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -32,6 +33,8 @@ FRESH_S = 30.0
 
 KNOWN = 1000
 """Certificates whose examination is remembered: three times the agents of a large plant."""
+
+_DAY = "%Y-%m-%d %H:%M"
 
 _ECDSA = ec.ECDSA(hashes.SHA256())
 
@@ -67,7 +70,8 @@ class Seals:
         agents: for whom this process may speak.
 
     Raises:
-        SettingsError: the files hold no certificates or keys of ours, or name no agent of this plant.
+        SettingsError: the files hold no certificates or keys of ours, do not belong together, name no agent of this
+            plant, or are not valid now: nobody would hear us.
     """
 
     def __init__(self, identity: Identity, plant: str, *, now_s: Callable[[], float] = time.time) -> None:
@@ -80,7 +84,24 @@ class Seals:
             raise SettingsError(str(identity.certificate), f"cannot be used: {error}") from None
         self.agents = agents_of(own, plant)
         if not self.agents:
-            raise SettingsError(str(identity.certificate), f"names no agent of the plant {plant}")
+            raise SettingsError(
+                str(identity.certificate),
+                f"names no agent of the plant {plant}; `dray certs issue` makes one that does, by its authority",
+            )
+        if self._key.public_key() != own.public_key():
+            raise SettingsError(
+                str(identity.key), f"is not the key of {identity.certificate}: copy both anew"
+            )
+        try:
+            self._verify(own, dt.datetime.fromtimestamp(now_s(), dt.UTC))
+        except VerificationError as fault:
+            begins, ends = own.not_valid_before_utc, own.not_valid_after_utc
+            raise SettingsError(
+                str(identity.certificate),
+                f"nobody would trust it ({fault}); it is valid from {begins:{_DAY}} to {ends:{_DAY}} UTC and has to "
+                f"be signed by {identity.authority}: see that the clock is right, or make a new one with "
+                "`dray certs issue`",
+            ) from None
         self._certificate = own.public_bytes(serialization.Encoding.DER)
         self._known: dict[bytes, _Examined] = {}
 
@@ -119,8 +140,7 @@ class Seals:
             return known
         try:
             loaded = x509.load_der_x509_certificate(certificate)
-            # Built anew each time: a verifier judges by the time at which it was built.
-            PolicyBuilder().store(Store(self._authorities)).build_client_verifier().verify(loaded, [])
+            self._verify(loaded, dt.datetime.now(dt.UTC))
         except (ValueError, VerificationError) as fault:
             raise SealError(f"its certificate: {fault}", data) from fault
         key = loaded.public_key()
@@ -131,6 +151,16 @@ class Seals:
             self._known.clear()
         self._known[certificate] = examined
         return examined
+
+    def _verify(self, certificate: x509.Certificate, at: dt.datetime) -> None:
+        """See that an authority that we trust has signed it, and that it is valid at that moment.
+
+        Raises:
+            VerificationError: it has not, or is not.
+        """
+        PolicyBuilder().store(Store(self._authorities)).time(at).build_client_verifier().verify(
+            certificate, []
+        )
 
 
 def _signed(key: str, life: int, number: int, at_s: float, data: bytes) -> bytes:
