@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import socket
 import subprocess
@@ -12,13 +13,22 @@ from pathlib import Path
 
 import pytest
 
+from dray.adapters.certificates import Authority
 from dray.adapters.sqlite_journal import SqliteJournal
+from dray.adapters.zenoh_bus import ZenohBus
+from dray.adapters.zenoh_links import Links
+from dray.cli.office import run_historian
+from dray.cli.process import Surroundings
 from dray.memory import AtvMemory
+from dray.messages.speakers import Kind
 from dray.plant import default_plant, plant_yaml
 from dray.settings import Settings
 from dray_sim.generator import generate_plant
 
 Dray = Callable[..., tuple[int, str]]
+
+PATIENCE_S = 30.0
+"""For what takes milliseconds on a computer with nothing else to do."""
 
 
 @pytest.fixture
@@ -155,6 +165,41 @@ def test_an_agent_does_not_begin_on_a_floor_that_knows_nothing_of_what_binds_it(
     code, told = dray("agent", "atv", "ATV1")
     assert code == 1
     assert "journals/ATV1.db is about: is gone, for the floor has begun anew; move away the journals" in told
+
+
+def test_a_gateway_without_a_certificate_of_its_own_says_so(dray: Dray, tmp_path: Path) -> None:
+    authority = Authority.make(default_plant().id)
+    authority.write(tmp_path)
+    authority.issue(tmp_path, default_plant().id, {"M1": Kind.MACHINE})
+    for end in ("pem", "key"):
+        (tmp_path / f"M1.{end}").rename(tmp_path / f"gateway.{end}")
+    code, told = dray("gateway", "--port", "0", DRAY_BUS_CERTIFICATES=str(tmp_path))
+    assert code == 2
+    assert "gateway: the certificate names M1 only" in told
+    assert "Traceback" not in told
+
+
+def test_a_historian_ends_when_another_one_has_been_started(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    address, plant = free_address(), default_plant()
+    url = f"sqlite:///{tmp_path / 'dray.db'}"
+    settings = Settings.load(database_url=url, bus_plain=True, bus_listen=address)
+
+    async def main() -> None:
+        ready = asyncio.Event()
+        monkeypatch.setattr("dray.cli.office.say_ready", lambda _name: ready.set())
+        async with asyncio.timeout(PATIENCE_S), asyncio.TaskGroup() as group:
+            first = group.create_task(run_historian(Surroundings(settings, plant)))
+            await ready.wait()
+            with closing(ZenohBus(Links(peers=(address,), plain=True), plant.id)) as bus:
+                bus.join("historian", lambda _sender, _message: None)
+                await asyncio.wait((first,))
+
+    with pytest.raises(ExceptionGroup) as raised:
+        asyncio.run(main())
+    (told,) = raised.value.exceptions
+    assert str(told) == "historian: has been started elsewhere; stop one of the two"
 
 
 def test_settings_come_from_a_file_and_the_environment_wins(

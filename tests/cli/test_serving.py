@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import logging
 import signal
+from collections.abc import AsyncIterator
 
 import pytest
+from fastapi import FastAPI
 
-from dray.cli.serving import asked_by_signals
+from dray.cli.serving import Server, asked_by_signals, listen
+from dray.errors import UnavailableError
+from dray.settings import Settings
 
 LONG_S = 600.0
 """Nothing in a test takes so long."""
@@ -56,3 +62,20 @@ def test_afterwards_signals_are_what_they_were(signals: tuple[signal.Signals, ..
     before = [signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM)]
     ends(*signals)
     assert [signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM)] == before
+
+
+def test_an_application_that_cannot_start_tells_why_and_no_traceback(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    away = UnavailableError("the bus", "is away", "bring it back")
+
+    @contextlib.asynccontextmanager
+    async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
+        raise away
+        yield
+
+    server = Server(FastAPI(lifespan=lifespan), Settings.load(), lambda: pytest.fail("it answers"))
+    with contextlib.closing(listen("127.0.0.1", 0)) as listener, caplog.at_level(logging.INFO):
+        asyncio.run(server.serve(sockets=[listener]))
+    assert server.failure is away
+    assert "Traceback" not in caplog.text

@@ -60,12 +60,19 @@ async def run_historian(where: Surroundings) -> None:
     """Run the historian until a signal.
 
     Raises:
-        UnavailableError: the bus or the database is not to be had.
+        UnavailableError: the bus or the database is not to be had, or a historian has been started elsewhere.
     """
     stopped = asyncio.Event()
+    elsewhere = False
+
+    def give_way(_agent: str) -> None:
+        nonlocal elsewhere
+        elsewhere = True
+        stopped.set()
+
     store = await open_store(where.settings.database_url)
     try:
-        async with where.bus(HISTORIAN) as bus:
+        async with where.bus(HISTORIAN, give_way) as bus:
             historian = historian_of(where.settings, where.plant, store, bus, where.time)
             async with where.told(BusMeter(bus), History(historian)):
                 with stopped_by_signals(stopped.set):
@@ -74,3 +81,5 @@ async def run_historian(where: Surroundings) -> None:
                         await stopped.wait()
     finally:
         await store.close()
+    if elsewhere:
+        raise UnavailableError(HISTORIAN, "has been started elsewhere", "stop one of the two")

@@ -234,6 +234,7 @@ async def serve(
 
     Raises:
         UnavailableError: Prometheus' port is not to be had.
+        whatever keeps the gateway from starting.
     """
     ready = asyncio.Event()
     server = Server(app, service.settings, ready.set)
@@ -249,6 +250,8 @@ async def serve(
             await server.serve(sockets=[listener])
             for task in tasks:
                 task.cancel()
+    if server.failure is not None:
+        raise server.failure
 
 
 async def _greet(greeting: str, ready: asyncio.Event) -> None:

@@ -71,8 +71,38 @@ def url_of(host: str, port: int) -> str:
     return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
 
 
+class _Candid:
+    """An ASGI application whose failure to start is kept, and not written to the log.
+
+    Args:
+        app: the application.
+
+    Attributes:
+        failure: what has ended its lifespan.
+    """
+
+    def __init__(self, app: Any) -> None:
+        self._app = app
+        self.failure: BaseException | None = None
+
+    async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
+        """See the ASGI specification."""
+        if scope["type"] != "lifespan":
+            await self._app(scope, receive, send)
+            return
+
+        async def send_without_traceback(message: dict[str, Any]) -> None:
+            await send({name: value for name, value in message.items() if name != "message"})
+
+        try:
+            await self._app(scope, receive, send_without_traceback)
+        except BaseException as failure:
+            self.failure = failure
+            raise
+
+
 class Server(uvicorn.Server):
-    """uvicorn with a word when it answers, and with signals left to us.
+    """uvicorn with a word when it answers, with signals left to us, and with the reason when it cannot start.
 
     Args:
         app: an ASGI application.
@@ -81,8 +111,9 @@ class Server(uvicorn.Server):
     """
 
     def __init__(self, app: Any, settings: Settings, on_ready: Callable[[], None]) -> None:
+        self._candid = _Candid(app)
         config = uvicorn.Config(
-            app,
+            self._candid,
             log_level=settings.log_level,
             # Ours: see `dray.cli.service`.
             log_config=None,
@@ -101,9 +132,20 @@ class Server(uvicorn.Server):
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Start to answer."""
-        await super().startup(sockets)
+        try:
+            await super().startup(sockets)
+        except SystemExit:
+            # uvicorn would end the process with a code of its own.
+            if self.failure is None:
+                raise
+            self.should_exit = True
         if self.started:
             self._on_ready()
+
+    @property
+    def failure(self) -> BaseException | None:
+        """Why the application could not start, or was ended; None while all is well."""
+        return self._candid.failure
 
     def stop(self) -> None:
         """Answer what has been asked, and end."""
