@@ -84,3 +84,12 @@ def test_an_address_that_is_none_is_refused_by_name(address: str, monkeypatch: p
     monkeypatch.setenv("DRAY_METRICS_LISTEN", address)
     with pytest.raises(SettingsError, match=r"DRAY_METRICS_LISTEN: .*:9101"):
         Settings.load()
+
+
+@pytest.mark.parametrize("variable", ["DRAY_BUS_LISTEN", "DRAY_BUS_PEERS"])
+def test_one_of_several_addresses_that_is_none_is_named(
+    variable: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(variable, "10.0.0.1:7447, strategist")
+    with pytest.raises(SettingsError, match=f"{variable}: 'strategist': write it as HOST:PORT"):
+        Settings.load()

@@ -6,6 +6,9 @@ are checked here, and nowhere else is the environment read.
 
 from __future__ import annotations
 
+import os
+import re
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Literal, Self
 from urllib.parse import quote, unquote
@@ -19,6 +22,12 @@ PREFIX = "DRAY_"
 
 SECRETS = Path("/run/secrets")
 """Where containers find their secrets: a file for each, named as its variable, in small letters."""
+
+ALIKE = 0.9
+"""Of two names (`difflib`): a letter too few or wrong is alike, another word is not."""
+
+_NAMED = re.compile(rf"^\s*(?:export\s+)?({PREFIX}\w+)\s*=", re.MULTILINE)
+"""A variable that a line of a settings file names."""
 
 _DRIVERS = {
     "sqlite": "sqlite+aiosqlite",
@@ -64,12 +73,36 @@ def _address(text: str) -> str:
     return text
 
 
+def _addresses(several: tuple[str, ...]) -> tuple[str, ...]:
+    for address in several:
+        try:
+            host_and_port(address)
+        except ValueError as error:
+            raise ValueError(f"{address!r}: {error}") from None
+    return several
+
+
+def _agent_name(text: str) -> str:
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_.-]{0,31}", text):
+        raise ValueError("write letters, digits, _ . and -, a letter first, at most 32")
+    return text
+
+
+def _web_address(text: str) -> str:
+    if not re.fullmatch(r"(https?://\S+)?", text):
+        raise ValueError("write it as http://127.0.0.1:4318/v1/traces")
+    return text
+
+
 def _several(text: object) -> object:
     return tuple(part.strip() for part in text.split(",") if part.strip()) if isinstance(text, str) else text
 
 
 Several = Annotated[tuple[str, ...], NoDecode, BeforeValidator(_several)]
 """Several in one variable, with commas between."""
+
+Addresses = Annotated[Several, AfterValidator(_addresses)]
+"""Likewise, HOST:PORT each."""
 
 Networks = Annotated[tuple[IPvAnyNetwork, ...], NoDecode, BeforeValidator(_several)]
 """Likewise, as 10.8.0.0/16."""
@@ -98,7 +131,7 @@ class Settings(BaseSettings):
     log_format: Literal["text", "json"] = "text"
     """`json`: one object in a line, with agents' facts by task and epoch; for programs, not for people."""
 
-    trace_url: Annotated[str, Field(pattern=r"^(https?://\S+)?$")] = ""
+    trace_url: Annotated[str, AfterValidator(_web_address)] = ""
     """Where traces go (OTLP over HTTP), as http://127.0.0.1:4318/v1/traces; empty: nobody traces anything."""
 
     trace_share_frac: Annotated[float, Field(ge=0, le=1)] = 1.0
@@ -148,16 +181,16 @@ class Settings(BaseSettings):
     audit_kept: Annotated[int, Field(ge=1000)] = 1_000_000
     """Lines of the audit log kept, some 300 MB: years of what people do."""
 
-    gateway_name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_.-]{0,31}$")] = "gateway"
+    gateway_name: Annotated[str, AfterValidator(_agent_name)] = "gateway"
     """On the bus; several gateways of one plant need a name each, and a certificate for it."""
 
     plant_file: Path | None = None
     """None for the default plant of 12 machines and 8 vehicles."""
 
-    bus_listen: Several = ()
+    bus_listen: Addresses = ()
     """HOST:PORT, several with commas: where other agents reach this one. Without any it only calls."""
 
-    bus_peers: Several = ()
+    bus_peers: Addresses = ()
     """HOST:PORT, several with commas: whom this agent calls. One that is there is enough: others relay."""
 
     bus_multicast: bool = False
@@ -220,6 +253,23 @@ class Settings(BaseSettings):
             return settings
         url = _with_password(settings.database_url, password.get_secret_value())
         return settings.model_copy(update={"database_url": url})
+
+
+def misspelt(settings_file: Path | None = None) -> dict[str, str]:
+    """Variables that are no setting and look like one, and the one that may be meant.
+
+    Others may be somebody else's, or another version's.
+
+    Args:
+        settings_file: is read, too; one that `Settings.load` has read.
+    """
+    names = set(os.environ)
+    if settings_file is not None:
+        names |= set(_NAMED.findall(settings_file.read_text(encoding="utf-8")))
+    known = [f"{PREFIX}{field.upper()}" for field in Settings.model_fields]
+    strangers = sorted(name for name in names if name.startswith(PREFIX) and name not in known)
+    meant = {name: get_close_matches(name, known, 1, ALIKE) for name in strangers}
+    return {name: matches[0] for name, matches in meant.items() if matches}
 
 
 def _check_file(file: Path) -> None:

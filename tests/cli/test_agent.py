@@ -120,7 +120,7 @@ def test_a_folder_without_the_agents_certificate_is_named(dray: Dray, tmp_path: 
 def test_a_key_that_is_none_is_named(dray: Dray) -> None:
     code, told = dray("agent", "atv", "ATV1", DRAY_TRUSTED_KEYS="beef")
     assert code == 2
-    assert "DRAY_TRUSTED_KEYS: holds no public key" in told
+    assert "DRAY_TRUSTED_KEYS: holds something that is no public key in hex" in told
 
 
 def test_an_agent_without_a_floor_says_what_to_start(dray: Dray, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -217,3 +217,12 @@ def test_a_settings_file_that_is_not_there_is_named(dray: Dray) -> None:
     code, told = dray("strategist", "--settings", "nowhere.env")
     assert code == 2
     assert "there is no file nowhere.env" in told
+
+
+def test_a_misspelt_variable_is_told(dray: Dray, tmp_path: Path) -> None:
+    file = tmp_path / "atv3.env"
+    file.write_text("# DRAY_BUS_LISTE=1\nDRAY_BUS_PEER=10.0.0.1:7447\nDRAY_NEXT_YEAR=1\n", encoding="utf-8")
+    _, told = dray("strategist", "--settings", str(file), DRAY_BUS_CERTIFICATE="certs", DRAY_SKIP_PANELS="1")
+    assert "dray: DRAY_BUS_CERTIFICATE is no setting and is not used; is DRAY_BUS_CERTIFICATES meant?" in told
+    assert "dray: DRAY_BUS_PEER is no setting and is not used; is DRAY_BUS_PEERS meant?" in told
+    assert told.count("is no setting") == 2

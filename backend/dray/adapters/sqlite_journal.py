@@ -170,4 +170,5 @@ def _told(file: Path) -> Iterator[None]:
         remedy = (
             "make room and let the agent write there, or move the file away: it then forgets its contracts"
         )
-        raise UnavailableError(f"the journal {file}", str(error), remedy) from error
+        reason = (isinstance(error, OSError) and error.strerror) or str(error)
+        raise UnavailableError(f"the journal {file}", reason, remedy) from error

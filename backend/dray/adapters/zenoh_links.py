@@ -98,8 +98,10 @@ class Links:
             return zenoh.open(config)
         except zenoh.ZError as error:
             where = ", ".join(self.listen) or "no address"
+            # After this it tells where in its own sources it was noticed.
+            reason = str(error).splitlines()[0].partition(" at /")[0]
             raise UnavailableError(
-                f"the bus on {where}", str(error).splitlines()[0], "choose another address, or free this one"
+                f"the bus on {where}", reason, "choose another address, or free this one"
             ) from None
 
     def config(self) -> zenoh.Config:

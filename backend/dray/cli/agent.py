@@ -192,5 +192,6 @@ def _trusted(where: Surroundings) -> TrustedKeys:
 
     try:
         return TrustedKeys(*(bytes.fromhex(key) for key in where.settings.trusted_keys))
-    except ValueError as error:
-        raise SettingsError("DRAY_TRUSTED_KEYS", f"holds no public key: {error}") from None
+    except ValueError:
+        reason = "holds something that is no public key in hex; `dray key signing` prints one"
+        raise SettingsError("DRAY_TRUSTED_KEYS", reason) from None

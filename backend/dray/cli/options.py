@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -24,12 +25,23 @@ OPTIONS = {"--database-url": "--db", "--gateway-name": "--name", "--plant-file":
 def load_settings(settings_file: Path | None = None, **options: object) -> Settings:
     """A file, overridden by the environment, overridden by the options that were given.
 
+    Says on stderr which variable is probably misspelt.
+
     Raises:
         SettingsError: names the option as the user typed it.
     """
-    from dray.settings import Settings
+    from dray.settings import Settings, misspelt
 
     try:
-        return Settings.load(settings_file, **options)
+        settings = Settings.load(settings_file, **options)
     except SettingsError as error:
         raise SettingsError(OPTIONS.get(error.name, error.name), error.reason) from None
+    for name, meant in misspelt(settings_file).items():
+        _say_once(f"dray: {name} is no setting and is not used; is {meant} meant?")
+    return settings
+
+
+@cache
+def _say_once(line: str) -> None:
+    """A command may load its settings several times."""
+    typer.echo(line, err=True)

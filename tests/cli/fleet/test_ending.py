@@ -101,7 +101,7 @@ def test_a_fleet_whose_keeper_ends_without_its_processes_is_ended_all_the_same(
 def test_a_folder_has_one_fleet(tmp_path: Path) -> None:
     (tmp_path / "logs").mkdir()
     busy = pytest.raises(UnavailableError, match="another one is at work")
-    with alone(tmp_path, FLEET_LOCK, "`dray fleet up`"), busy:
+    with alone(tmp_path, FLEET_LOCK, "`dray fleet up`", "wait"), busy:
         asyncio.run(run_muster(muster(tmp_path)))
-    with alone(tmp_path, FLEET_LOCK, "`dray fleet up`"):
+    with alone(tmp_path, FLEET_LOCK, "`dray fleet up`", "wait"):
         pass

@@ -62,13 +62,14 @@ def prepare(folder: Path, plant: Plant, *, plain: bool) -> None:
 
 
 @contextlib.contextmanager
-def alone(folder: Path, lock: str, what: str) -> Iterator[None]:
+def alone(folder: Path, lock: str, what: str, remedy: str) -> Iterator[None]:
     """See to it that nobody else does the same with this folder; the lock ends with our process, however it ends.
 
     Args:
         folder: it is there.
         lock: the name of a file in it.
         what: what is being done.
+        remedy: what to do when somebody else does it.
 
     Raises:
         UnavailableError: somebody else does.
@@ -79,7 +80,7 @@ def alone(folder: Path, lock: str, what: str) -> Iterator[None]:
         try:
             fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise UnavailableError(what, f"another one is at work in {folder}", "wait for its end") from None
+            raise UnavailableError(what, f"another one is at work in {folder}", remedy) from None
         yield
 
 

@@ -76,7 +76,8 @@ async def run_muster(muster: Muster) -> None:
     """
     folder = muster.folder.resolve()
     make(folder)
-    with alone(folder, FLEET_LOCK, "`dray fleet up`"):
+    remedy = "end it with `dray fleet down`, or choose another --folder"
+    with alone(folder, FLEET_LOCK, "`dray fleet up`", remedy):
         _refuse_leftovers(folder)
         token = muster.settings.admin_token or SecretStr(new_token())
         # Held until all others have addresses: then the gateway finds it free.

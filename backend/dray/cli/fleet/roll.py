@@ -100,7 +100,8 @@ def read_roll(folder: Path) -> Roll:
     try:
         return msgspec.json.decode((folder / ROLL).read_bytes(), type=Roll)
     except (OSError, msgspec.MsgspecError) as error:
-        raise UnavailableError(str(folder / ROLL), str(error), "start a fleet with `dray fleet up`") from None
+        reason = (isinstance(error, OSError) and error.strerror) or str(error)
+        raise UnavailableError(str(folder / ROLL), reason, "start a fleet with `dray fleet up`") from None
 
 
 def peer_of(roll: Roll, folder: Path) -> ZenohBus:

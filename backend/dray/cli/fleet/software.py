@@ -72,10 +72,13 @@ def ask(python: Path) -> Software:
             check=False,
             timeout=ANSWER_S,
         )
-    except (OSError, subprocess.TimeoutExpired) as error:
-        raise SettingsError("--python", f"{python} cannot be run: {error}") from None
+    except OSError as error:
+        raise SettingsError("--python", f"{python} cannot be run: {error.strerror or error}") from None
+    except subprocess.TimeoutExpired:
+        reason = f"{python} has not said which Dray it has within {ANSWER_S:.0f} s"
+        raise SettingsError("--python", reason) from None
     told = _TOLD.fullmatch(done.stdout.strip())
     if told is None:
-        said = (done.stderr or done.stdout).strip().rpartition("\n")[2]
+        said = (done.stderr or done.stdout).strip().rpartition("\n")[2] or "nothing"
         raise SettingsError("--python", f"{python} has no Dray that can be updated to; it says: {said}")
     return msgspec.structs.replace(asked, version=told[1], wire=int(told[2]))

@@ -80,7 +80,7 @@ async def update_fleet(plan: Plan, tell: Tell) -> Report:
         UnavailableError: there is no fleet, or its `dray fleet up` does not answer.
     """
     roll = read_roll(plan.folder)
-    with alone(plan.folder, UPDATE_LOCK, "`dray fleet update`"):
+    with alone(plan.folder, UPDATE_LOCK, "`dray fleet update`", "wait for its end"):
         settings = read_settings(plan.folder)
         members = replaceable(roll, plan)
         listener = Listener(roll, plan.folder)
