@@ -124,7 +124,7 @@ def test_a_key_that_is_none_is_named(dray: Dray) -> None:
 
 
 def test_an_agent_without_a_floor_says_what_to_start(dray: Dray, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("dray_sim.remote.PATIENCE_S", 0.5)
+    monkeypatch.setattr("dray_sim.remote.questions.PATIENCE_S", 0.5)
     code, told = dray("agent", "machine", "M1", DRAY_BUS_PLAIN="true")
     assert code == 1
     assert "the body of M1: nobody answers; start `dray floor` first" in told
@@ -150,7 +150,7 @@ def floor(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[subproces
 def test_an_agent_whose_floor_ends_does_not_go_on_with_an_old_picture(
     dray: Dray, floor: subprocess.Popen[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("dray_sim.remote.LOOK_EVERY_S", 0.2)
+    monkeypatch.setattr("dray_sim.remote.body.LOOK_EVERY_S", 0.2)
     monkeypatch.setattr("dray.cli.process.say_ready", lambda _name: floor.kill())
     code, told = dray("agent", "machine", "M1")
     assert code == 1
