@@ -29,7 +29,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from databases import Files, Postgres
 from forbidden import Forbidden
 
-from dray_sim.bench.postgres import MISSING, installed
+from dray_sim.bench.postgres import MISSING, PostgresServer, installed
 
 UNDER_CI = os.environ.get("CI", "").lower() in {"1", "true", "yes"}
 
@@ -102,6 +102,17 @@ def postgres() -> Iterator[Postgres]:
     if programs is None:
         pytest.skip(MISSING)
     server = Postgres(programs)
+    yield server
+    server.close()
+
+
+@pytest.fixture
+def mortal_postgres() -> Iterator[PostgresServer]:
+    """A PostgreSQL server for one test alone, which may kill it."""
+    programs = installed()
+    if programs is None:
+        pytest.skip(MISSING)
+    server = PostgresServer(programs)
     yield server
     server.close()
 

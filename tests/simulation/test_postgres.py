@@ -3,24 +3,13 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Iterator
-from contextlib import closing
 from pathlib import Path
 
 import asyncpg
 import pytest
 
 from dray.cli.fleet.processes import PROC
-from dray_sim.bench.postgres import MISSING, PostgresServer, installed
-
-
-@pytest.fixture
-def server() -> Iterator[PostgresServer]:
-    programs = installed()
-    if programs is None:
-        pytest.skip(MISSING)
-    with closing(PostgresServer(programs)) as server:
-        yield server
+from dray_sim.bench.postgres import PostgresServer
 
 
 async def connect(server: PostgresServer) -> asyncpg.Connection:
@@ -28,8 +17,10 @@ async def connect(server: PostgresServer) -> asyncpg.Connection:
 
 
 def test_a_killed_server_is_gone_at_once_and_has_what_was_committed_when_it_is_back(
-    server: PostgresServer, tmp_path: Path
+    mortal_postgres: PostgresServer, tmp_path: Path
 ) -> None:
+    server = mortal_postgres
+
     async def story() -> None:
         connection = await connect(server)
         await connection.execute("CREATE TABLE kept (it INTEGER)")

@@ -6,10 +6,11 @@ import asyncio
 import time
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from random import Random
 
+from dray.cli.fleet.folder import GATEWAY, HISTORIAN
 from dray.errors import UnavailableError
 from dray.plant import Plant
 from dray.store import Store, open_store
@@ -21,8 +22,20 @@ from dray_sim.bench.losses.customer import Customer
 from dray_sim.bench.losses.fleet import Fleet, running
 from dray_sim.bench.losses.history import History, read_database, read_journals
 from dray_sim.bench.losses.judgement import Aftermath
-from dray_sim.bench.losses.victims import OFFICES, Rota, Victim, machine, vehicle
+from dray_sim.bench.losses.outage import Breaker, Outage, caught_up, single_pieces
+from dray_sim.bench.losses.victims import (
+    DATABASE,
+    LASTING,
+    OFFICES,
+    STAYS_AWAY,
+    Kind,
+    Rota,
+    Victim,
+    machine,
+    vehicle,
+)
 from dray_sim.bench.losses.watch import Watch, gathered
+from dray_sim.bench.postgres import PostgresServer
 from dray_sim.remote import count_pieces
 
 JOIN_S = 240.0
@@ -48,9 +61,12 @@ class Campaign:
         warm_s: real seconds before anything is measured: buffers fill, and vehicles find their rhythm.
         calm_s: real seconds in which nobody is killed: the baseline.
         each: kills of every kind in turn.
-        kills: of these and of random ones together.
+        lasting: of these, a vehicle and a machine that stay away.
+        kills: of all these and of random ones together.
         pause_s: real seconds from one kill to the next, at least.
-        down: processes that are away at once, at most: a busy computer starts them slowly.
+        down: processes that are away at once, at most, beside those that stay away: a busy computer starts them slowly.
+        lasting_s: real seconds for which somebody stays away.
+        dark_s: real seconds before a killed database is started again.
         drain_s: real seconds for the last orders, at most.
         seed: of the demand, and of who is killed.
     """
@@ -63,9 +79,12 @@ class Campaign:
     warm_s: float
     calm_s: float
     each: int
+    lasting: int
     kills: int
     pause_s: float
     down: int
+    lasting_s: float
+    dark_s: float
     drain_s: float
     seed: int
 
@@ -75,53 +94,65 @@ class Outcome:
     """What has come of it.
 
     Attributes:
-        kills: all of them, in order.
+        campaign: what was done.
+        kills: of processes, in order.
+        outages: of the database, in order.
         calm_s, killing_s: when nobody was killed, and when everybody was: from and to (plant clock).
         answered_s: until the slowest order was answered, in real seconds.
         after: what is left.
     """
 
+    campaign: Campaign
     kills: list[Kill]
+    outages: list[Outage]
     calm_s: tuple[float, float]
     killing_s: tuple[float, float]
     answered_s: float
     after: Aftermath
 
 
-async def play(campaign: Campaign, folder: Path) -> Outcome:
+async def play(campaign: Campaign, folder: Path, server: PostgresServer | None = None) -> Outcome:
     """Play it.
 
     Args:
         campaign: what is done.
         folder: an empty one.
+        server: for the database, and killed like all else; without one it is on SQLite, in a file that nobody can kill.
 
     Raises:
         UnavailableError: the fleet does not start, ends midway, or does not recover from what is killed.
     """
     plant = campaign.plant
-    async with running(folder, plant, speed=campaign.speed, plain=campaign.plain) as fleet:
+    database_url = "" if server is None else server.url()
+    async with running(
+        folder, plant, speed=campaign.speed, plain=campaign.plain, database_url=database_url
+    ) as fleet:
         store = await open_store(fleet.database_url)
         try:
             with fleet.bus() as bus:
                 watch = await gathered(fleet, bus, JOIN_S)
                 first = await count_pieces(bus.inner, plant.id)
-                field = _Field(campaign, fleet, watch, store)
+                field = _Field(campaign, fleet, watch, store, server)
                 calm_s, killing_s = await field.play()
                 last = await count_pieces(bus.inner, plant.id)
+                await caught_up(fleet, watch, store)
                 kills, roll = field.kills, fleet.roll
                 heartbeats = list(watch.heard.machines.values())
         finally:
             await store.close()
     store = await open_store(fleet.database_url)
     try:
+        written, journalled = await read_database(store), read_journals(fleet.journals)
         history = History()
-        history.add(await read_database(store))
-        history.add(read_journals(fleet.journals))
+        history.add(written)
+        unwritten = history.lacking(event for event in journalled if event.at_s < killing_s[1])
+        history.add(journalled)
         orders = await _all_orders(store)
     finally:
         await store.close()
     after = Aftermath(
         history=history,
+        unwritten=unwritten,
         heartbeats=heartbeats,
         accepted=field.customer.accepted,
         refused=field.customer.refused,
@@ -131,15 +162,27 @@ async def play(campaign: Campaign, folder: Path) -> Outcome:
         starts={member.name: member.starts for member in roll.members},
         kills=Counter(kill.victim.name for kill in kills),
     )
-    return Outcome(kills, calm_s, killing_s, field.customer.waited_s, after)
+    return Outcome(campaign, kills, field.outages, calm_s, killing_s, field.customer.waited_s, after)
 
 
 class _Field:
     """A campaign under way."""
 
-    def __init__(self, campaign: Campaign, fleet: Fleet, watch: Watch, store: Store) -> None:
+    def __init__(
+        self,
+        campaign: Campaign,
+        fleet: Fleet,
+        watch: Watch,
+        store: Store,
+        server: PostgresServer | None,
+    ) -> None:
         self._campaign, self._fleet, self._watch, self._store = campaign, fleet, watch, store
         self.customer = Customer(fleet.url, fleet.token, fleet.time)
+        self.outages: list[Outage] = []
+        self._breaker: Breaker | None = None
+        if server is not None:
+            pieces = single_pieces(campaign.plant)
+            self._breaker = Breaker(server, fleet, watch, store, self.customer, pieces, campaign.dark_s)
         self._killed: list[tuple[Victim, float]] = []
         """Each with its moment (wall clock)."""
 
@@ -174,13 +217,12 @@ class _Field:
 
     async def _kill_all(self) -> None:
         campaign = self._campaign
-        rota = Rota(Random(f"{campaign.seed} victims"), campaign.each)
+        rota = Rota(Random(f"{campaign.seed} victims"), self._turns())
         latest_s = time.monotonic() + RETURN_S
-        while len(self._killed) < campaign.kills:
-            away = [kill.victim.name for kill in self.kills if kill.away_s is None]
+        while len(self._killed) + len(self.outages) < campaign.kills:
+            away = [victim.name for victim in self._away() if victim.kind not in LASTING]
             victim = rota.choose(self._living()) if len(away) < campaign.down else None
-            if victim is not None and self._fleet.kill(victim.name):
-                self._killed.append((victim, time.time()))
+            if victim is not None and await self._kill(victim):
                 latest_s = time.monotonic() + RETURN_S
             elif time.monotonic() > latest_s:
                 gone = away if victim is None else [victim.name]
@@ -188,16 +230,47 @@ class _Field:
                 raise UnavailableError(", ".join(gone), reason, self._fleet.last_words(gone[0]))
             await asyncio.sleep(campaign.pause_s)
 
+    def _turns(self) -> dict[Kind, int]:
+        campaign = self._campaign
+        turns = dict.fromkeys(Kind, campaign.each) | dict.fromkeys(LASTING, campaign.lasting)
+        if self._breaker is None:
+            del turns[Kind.DATABASE]
+        return turns
+
+    async def _kill(self, victim: Victim) -> bool:
+        """Kill it; False when it had ended by itself."""
+        if victim.kind is Kind.DATABASE and self._breaker is not None:
+            self.outages.append(await self._breaker.kill())
+            return True
+        if victim.kind in LASTING:
+            killed = await self._fleet.take_away(victim.name, self._campaign.lasting_s)
+        else:
+            killed = self._fleet.kill(victim.name)
+        if killed:
+            self._killed.append((victim, time.time()))
+        return killed
+
     def _living(self) -> Iterator[Victim]:
-        """Those whose last life is on the bus."""
+        """Those whose last life is on the bus; who has work may also be one that stays away, one of a kind at a time."""
         heard = self._watch.heard
         said = (*map(vehicle, heard.atvs.values()), *map(machine, heard.machines.values()))
         offices = (Victim(name, kind) for name, kind in OFFICES.items())
-        killed_s = {victim.name: at_s for victim, at_s in self._killed}
+        away = self._away()
+        gone, kinds = {victim.name for victim in away}, {victim.kind for victim in away}
         for victim in (*said, *offices):
-            at_s = killed_s.get(victim.name)
-            if at_s is None or self._away_s(victim, at_s) is not None:
+            if victim.name not in gone:
                 yield victim
+                lasting = STAYS_AWAY.get(victim.kind)
+                if victim.work and lasting is not None and lasting not in kinds:
+                    yield replace(victim, kind=lasting)
+        # Without a database these two do not start: their keeper would be measured, and nothing else.
+        if self._breaker is not None and gone.isdisjoint({GATEWAY, HISTORIAN}):
+            yield DATABASE
+
+    def _away(self) -> list[Victim]:
+        """Those whose last life is not on the bus yet."""
+        last = {victim.name: (victim, at_s) for victim, at_s in self._killed}
+        return [victim for victim, at_s in last.values() if self._away_s(victim, at_s) is None]
 
     def _away_s(self, victim: Victim, at_s: float) -> float | None:
         joined_s = self._watch.joined_since(victim.name, at_s)

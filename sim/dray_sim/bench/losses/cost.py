@@ -113,5 +113,7 @@ _LOOKS: Mapping[Kind, Callable[[str, Sequence[Event]], Fate | None]] = {
     Kind.FETCHING: _carried,
     Kind.LOADED: _carried,
     Kind.WATCHING: _watched,
+    Kind.VEHICLE_AWAY: _carried,
     Kind.MACHINE: _made,
+    Kind.MACHINE_AWAY: _made,
 }

@@ -5,7 +5,9 @@ from __future__ import annotations
 import asyncio
 import http.client
 import time
+from collections import Counter
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from http import HTTPStatus
 from urllib.error import HTTPError, URLError
@@ -29,6 +31,22 @@ _LATER = frozenset({HTTPStatus.CONFLICT, HTTPStatus.TOO_MANY_REQUESTS, HTTPStatu
 """Answers that ask for patience."""
 
 
+NO_ANSWER = "no answer"
+
+
+@dataclass(frozen=True, slots=True)
+class Patience:
+    """What it took to place an order.
+
+    Attributes:
+        waited_s: until it was answered, or given up (wall clock).
+        before: what came instead of an answer, and how often: a status, or nothing.
+    """
+
+    waited_s: float
+    before: Counter[str]
+
+
 class _Answer(msgspec.Struct):
     """What is read of the answer to an order."""
 
@@ -46,7 +64,7 @@ class Customer:
     Attributes:
         accepted: the id of every order that was answered with 201, by the customer's own reference.
         refused: why others were not, by reference.
-        waited_s: how long the answer to the slowest of them took (wall clock).
+        waited_s: how long the answer to the slowest took of those placed at their times (wall clock).
     """
 
     def __init__(self, url: str, token: str, time: TimeScale) -> None:
@@ -70,7 +88,7 @@ class Customer:
                 due_s = self._time.to_wall_s(begin_s + order.at_s) - time.time()
                 if await self._stopped_within(due_s):
                     return
-                group.create_task(self._order(order))
+                group.create_task(self._place(order))
 
     def stop(self) -> None:
         """Place no more."""
@@ -84,7 +102,12 @@ class Customer:
             return False
         return True
 
-    async def _order(self, order: Order) -> None:
+    async def _place(self, order: Order) -> None:
+        patience = await self.order(order)
+        self.waited_s = max(self.waited_s, patience.waited_s)
+
+    async def order(self, order: Order) -> Patience:
+        """Place one order now, and send it until it is answered."""
         began_s = time.time()
         due_s = began_s + (order.due_s - order.at_s) / self._time.speed
         draft = {
@@ -94,15 +117,17 @@ class Customer:
             "due_at": datetime.fromtimestamp(due_s, UTC).isoformat(),
         }
         body = msgspec.json.encode(draft)
-        while not await asyncio.to_thread(self._send, order.id, body):
+        before: Counter[str] = Counter()
+        while came := await asyncio.to_thread(self._send, order.id, body):
+            before[came] += 1
             if time.time() > began_s + PATIENCE_S:
                 self.refused[order.id] = f"not answered in {PATIENCE_S:.0f} s"
-                return
+                break
             await asyncio.sleep(AGAIN_S)
-        self.waited_s = max(self.waited_s, time.time() - began_s)
+        return Patience(time.time() - began_s, before)
 
-    def _send(self, reference: str, body: bytes) -> bool:
-        """Whether the order was answered; else it should be sent again."""
+    def _send(self, reference: str, body: bytes) -> str:
+        """What came instead of an answer, so that the order should be sent again; empty when it was answered."""
         headers = {
             "Authorization": f"Bearer {self._token}",
             "Content-Type": "application/json",
@@ -115,9 +140,9 @@ class Customer:
         except HTTPError as error:
             with error:
                 if error.code in _LATER:
-                    return False
+                    return str(error.code)
                 self.refused[reference] = error.read().decode(errors="replace")
         except (URLError, OSError, http.client.HTTPException):
             # Nobody is there, or not any more.
-            return False
-        return True
+            return NO_ANSWER
+        return ""

@@ -12,6 +12,7 @@ from contextlib import asynccontextmanager, contextmanager, suppress
 from pathlib import Path
 
 from dray.adapters.zenoh_bus import ZenohBus
+from dray.cli.fleet import control
 from dray.cli.fleet.ending import end_fleet
 from dray.cli.fleet.folder import JOURNALS, LOGS, read_settings
 from dray.cli.fleet.roll import Roll, peer_of, read_roll
@@ -66,6 +67,10 @@ class Fleet:
         """Kill a process as a power failure does; False when it had ended by itself."""
         return self.roll.member(name).signal(signal.SIGKILL)
 
+    async def take_away(self, name: str, away_s: float) -> bool:
+        """Likewise, and it stays away for so many real seconds."""
+        return await control.kill(self._folder, name, away_s)
+
     def last_words(self, name: str) -> str:
         """What a process has said last, for whoever looks for what is wrong with it."""
         try:
@@ -86,9 +91,15 @@ class Fleet:
 
 @asynccontextmanager
 async def running(
-    folder: Path, plant: Plant, *, speed: float, plain: bool, lease_s: float | None = None
+    folder: Path,
+    plant: Plant,
+    *,
+    speed: float,
+    plain: bool,
+    lease_s: float | None = None,
+    database_url: str = "",
 ) -> AsyncIterator[Fleet]:
-    """A fleet on SQLite, without a demand of its own; it has ended when the context has.
+    """A fleet without a demand of its own; it has ended when the context has.
 
     Args:
         folder: an empty one.
@@ -96,6 +107,7 @@ async def running(
         speed: factory seconds per real second.
         plain: links without certificates.
         lease_s: of its links; None for the usual one.
+        database_url: empty for SQLite in the folder.
 
     Raises:
         UnavailableError: it does not start.
@@ -107,6 +119,7 @@ async def running(
     process = await asyncio.create_subprocess_exec(
         *(sys.executable, "-m", "dray", "fleet", "up", "--no-demand", *options),
         *(["--plain"] if plain else []),
+        *(["--db", database_url] if database_url else []),
         env={**os.environ, **lease, f"{PREFIX}ADMIN_TOKEN": token},
         stdout=asyncio.subprocess.PIPE,
         stderr=asyncio.subprocess.STDOUT,

@@ -6,7 +6,7 @@ are journalled before they are told, so both together have what a kill has kept 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import groupby
 from pathlib import Path
 
@@ -35,6 +35,14 @@ class History:
         for event in events:
             self._events.setdefault((event.agent, event.incarnation, event.number), event)
 
+    def lacking(self, events: Iterable[Event]) -> list[str]:
+        """Which of these are not there, in words as those of `holes`."""
+        lacking: dict[tuple[str, int], list[int]] = {}
+        for event in events:
+            if (event.agent, event.incarnation, event.number) not in self._events:
+                lacking.setdefault((event.agent, event.incarnation), []).append(event.number)
+        return _in_words(lacking)
+
     @property
     def events(self) -> list[Event]:
         """In the order of time; those of one agent in the order in which it has numbered them."""
@@ -47,14 +55,17 @@ class History:
         numbers: dict[tuple[str, int], set[int]] = {}
         for agent, life, number in self._events:
             numbers.setdefault((agent, life), set()).add(number)
-        missing = {
-            place: sorted(set(range(1, max(there))) - there) for place, there in sorted(numbers.items())
-        }
-        return [
-            f"{agent}, life {life}: {', '.join(_runs(lacking))}"
-            for (agent, life), lacking in missing.items()
-            if lacking
-        ]
+        missing = {place: set(range(1, max(there))) - there for place, there in numbers.items()}
+        return _in_words(missing)
+
+
+def _in_words(numbers: Mapping[tuple[str, int], Iterable[int]]) -> list[str]:
+    """By agent and life; those of which there are none are left out."""
+    return [
+        f"{agent}, life {life}: {', '.join(_runs(lacking))}"
+        for (agent, life), each in sorted(numbers.items())
+        if (lacking := sorted(each))
+    ]
 
 
 def _runs(numbers: Iterable[int]) -> Iterator[str]:

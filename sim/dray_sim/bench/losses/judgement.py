@@ -31,6 +31,7 @@ class Aftermath:
 
     Attributes:
         history: of all agents.
+        unwritten: what they have told before the last kill and the database still lacks, in words.
         heartbeats: the last one of every machine.
         accepted: the ids of orders that were answered with 201, by the customer's reference.
         refused: why other orders were not.
@@ -41,6 +42,7 @@ class Aftermath:
     """
 
     history: History
+    unwritten: Sequence[str]
     heartbeats: Sequence[MachineHeartbeat]
     accepted: Mapping[str, str]
     refused: Mapping[str, str]
@@ -104,6 +106,7 @@ def judge(after: Aftermath) -> list[Finding]:
         Finding("pieces lost or made of nothing", pieces, "pieces ordered", _unbalanced(after)),
         Finding(ENDED, len(after.starts), "processes", tuple(_fallen(after))),
         Finding("holes in histories", len(events), "facts", tuple(after.history.holes)),
+        Finding("facts not in the database", len(events), "facts", tuple(after.unwritten)),
     ]
 
 

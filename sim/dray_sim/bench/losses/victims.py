@@ -13,7 +13,10 @@ from dray.protocol.strategist import STRATEGIST
 
 
 class Kind(StrEnum):
-    """What a process was when it was killed."""
+    """What a process was when it was killed.
+
+    The database's turn is before those who cannot start without it: it is not killed while they are away.
+    """
 
     IDLE = "vehicle without a task"
     FETCHING = "vehicle before its load"
@@ -21,18 +24,22 @@ class Kind(StrEnum):
     WATCHING = "secondary"
     MACHINE = "machine"
     STRATEGIST = "strategist"
+    DATABASE = "database"
     HISTORIAN = "historian"
     GATEWAY = "gateway"
+    VEHICLE_AWAY = "vehicle that stays away"
+    MACHINE_AWAY = "machine that stays away"
 
 
-OFFICES: Mapping[str, Kind] = {
-    STRATEGIST: Kind.STRATEGIST,
-    HISTORIAN: Kind.HISTORIAN,
-    GATEWAY: Kind.GATEWAY,
+STAYS_AWAY: Mapping[Kind, Kind] = {
+    Kind.FETCHING: Kind.VEHICLE_AWAY,
+    Kind.LOADED: Kind.VEHICLE_AWAY,
+    Kind.MACHINE: Kind.MACHINE_AWAY,
 }
-"""The processes of which there is one."""
+"""What a victim with work is when it is not started again for a long time."""
 
-_BEFORE_THE_LOAD = frozenset({Phase.APPROACHING, Phase.LOADING})
+LASTING = frozenset(STAYS_AWAY.values())
+"""It is their turn so many times, and chance never names them: each is away for long."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +55,18 @@ class Victim:
     name: str
     kind: Kind
     work: tuple[str, ...] = ()
+
+
+DATABASE = Victim("database", Kind.DATABASE)
+
+OFFICES: Mapping[str, Kind] = {
+    STRATEGIST: Kind.STRATEGIST,
+    HISTORIAN: Kind.HISTORIAN,
+    GATEWAY: Kind.GATEWAY,
+}
+"""The processes of which there is one."""
+
+_BEFORE_THE_LOAD = frozenset({Phase.APPROACHING, Phase.LOADING})
 
 
 def vehicle(heartbeat: AtvHeartbeat) -> Victim:
@@ -71,17 +90,19 @@ class Rota:
 
     Args:
         random: the only source of chance.
-        each: how often it is every kind's turn.
+        turns: how often it is each kind's turn.
     """
 
-    def __init__(self, random: Random, each: int) -> None:
+    def __init__(self, random: Random, turns: Mapping[Kind, int]) -> None:
         self._random = random
-        self._turns = [kind for _ in range(each) for kind in Kind]
+        rounds = range(max(turns.values()))
+        self._turns = [kind for turn in rounds for kind in Kind if turn < turns.get(kind, 0)]
 
     def choose(self, living: Iterable[Victim]) -> Victim | None:
         """The next one; None when nobody lives."""
         chosen = self._of_the_next_kind(there := sorted(living, key=lambda victim: victim.name))
-        return chosen or (self._random.choice(there) if there else None)
+        others = [victim for victim in there if victim.kind not in LASTING]
+        return chosen or (self._random.choice(others) if others else None)
 
     def _of_the_next_kind(self, there: Sequence[Victim]) -> Victim | None:
         """Of the first kind that waits for its turn and that somebody is of now."""

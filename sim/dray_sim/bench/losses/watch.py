@@ -10,7 +10,7 @@ from zenoh.handlers import Callback
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.cli.fleet.folder import OBSERVER
 from dray.errors import UnavailableError
-from dray.messages import Message
+from dray.messages import Event, Message
 from dray_sim.bench.losses.fleet import Fleet
 from dray_sim.witness import Witness
 
@@ -50,15 +50,18 @@ class Watch:
     Attributes:
         heard: the last heartbeat of each.
         lives: when each of an agent's lives has joined the bus (wall clock), in order.
+        told: the life and the number of the newest fact of each agent.
     """
 
     def __init__(self, bus: ZenohBus) -> None:
         self.heard = Witness()
         self.lives: dict[str, list[float]] = {}
+        self.told: dict[str, tuple[int, int]] = {}
         self._bus = bus
         self._joined = asyncio.Event()
         session = bus.join(OBSERVER, self._hear)
-        session.subscribe(bus.keys.all_heartbeats)
+        for key in (bus.keys.all_heartbeats, bus.keys.all_events):
+            session.subscribe(key)
         tokens = bus.keys.alive("*", "*")
         bus.inner.liveliness().declare_subscriber(tokens, Callback(self._see, indirect=False), history=True)
 
@@ -74,6 +77,9 @@ class Watch:
 
     def _hear(self, sender: str, message: Message) -> None:
         self.heard.hear(0.0, sender, "", message)
+        if isinstance(message, Event):
+            newest = (message.incarnation, message.number)
+            self.told[message.agent] = max(newest, self.told.get(message.agent, newest))
 
     def _see(self, token: zenoh.Sample) -> None:
         """On a thread of Zenoh's."""
