@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from msgspec.structs import replace
+from prometheus_client import CollectorRegistry
 from zenoh_kit import PATIENCE_S, Row
 
 from dray.adapters import crossing
@@ -28,6 +29,7 @@ from dray.body import (
     WayDone,
     WorkcellState,
 )
+from dray.cli.meters.floor import FloorMeter
 from dray.errors import UnavailableError
 from dray.plant import default_plant
 from dray_sim.floor import Floor
@@ -61,7 +63,8 @@ class House:
 
     def _serve(self, bus: ZenohBus) -> tuple[Floor, asyncio.Task[None]]:
         floor = Floor(PLANT, clock(), seed=1)
-        return floor, self._group.create_task(FloorServer(bus.inner, PLANT.id, floor).run())
+        self.server = FloorServer(bus.inner, PLANT.id, floor)
+        return floor, self._group.create_task(self.server.run())
 
     async def take_over(self, agent: str, life: int, session: Any = None) -> RemoteBody:
         body = RemoteBody(session or self.here, PLANT.id, agent, life)
@@ -279,6 +282,48 @@ def test_a_body_obeys_the_latest_life_of_its_agent_alone_and_goes_on_meanwhile()
         dead.instruct(Drive(order=2, nodes=nodes[:1], released=1))
         await ear.until(WayDone)
         assert house.floor.vehicles[ATV].sense().node == nodes[-1]
+
+    in_a_house(test)
+
+
+def test_a_floor_tells_who_has_its_bodies_and_what_went_between_them_over_all_lives(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async def test(house: House) -> None:
+        registry = CollectorRegistry()
+        registry.register(FloorMeter(house.server))
+
+        def told(name: str, **labels: str) -> float | None:
+            return registry.get_sample_value(f"dray_floor_{name}", labels)
+
+        count = len(house.floor.bodies)
+        assert (told("bodies", state="free"), told("bodies", state="taken")) == (count, 0)
+        nodes = way_of(ATV)
+        dead = await house.take_over(ATV, 1)
+        ear = Ear(dead)
+        dead.instruct(Drive(order=1, nodes=nodes, released=len(nodes)))
+        await ear.until(WayDone)
+        assert (told("bodies", state="free"), told("bodies", state="taken")) == (count - 1, 1)
+        reports = told("reports_total")
+        assert reports == len(ear.reports)
+        assert told("instructions_total") == 1
+        await house.take_over(ATV, 2)
+        assert told("reports_total") == reports, "a new life forgets nothing"
+        dead.instruct(Hold())
+        while not told("letters_refused_total", reason="of an earlier life"):
+            await count_pieces(house.here, PLANT.id)
+        assert told("instructions_total") == 1
+        machine = next(iter(PLANT.machines))
+        await house.take_over(machine, 1, Leaky(house.here, 1, through_frac=0.0))
+        monkeypatch.setattr(exchange, "KEPT_MAX", 1)
+        workcell = house.floor.workcells[machine]
+        workcell.break_down("a belt has torn")
+        while not told("reports_waiting"):
+            await count_pieces(house.here, PLANT.id)
+        workcell.repair()
+        while not told("bodies", state="lost"):
+            await count_pieces(house.here, PLANT.id)
+        assert (told("bodies", state="lost"), told("bodies", state="taken")) == (1, 1)
 
     in_a_house(test)
 

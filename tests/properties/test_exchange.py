@@ -64,6 +64,20 @@ class Exchanging(RuleBasedStateMachine):
 TestExchanging = Exchanging.TestCase
 
 
+def test_a_part_counts_as_written_again_until_the_other_side_has_said_that_it_is_heard() -> None:
+    here, there = Exchange(), Exchange()
+    here.say(part(1))
+    here.write()
+    assert here.again == 0
+    here.say(part(2))
+    there.read(here.write())
+    assert here.again == 1
+    here.read(there.write())
+    here.say(part(3))
+    here.write()
+    assert (here.said, there.heard, here.again) == (3, 2, 1)
+
+
 def test_a_side_that_keeps_too_much_says_nothing_more_and_has_lost_nothing() -> None:
     side, other = Exchange(), Exchange()
     for number in range(KEPT_MAX):

@@ -22,6 +22,7 @@ from dray.body import VehicleState
 from dray.cli.logs import prepare_logs
 from dray.cli.meters.agent import AgentMeter
 from dray.cli.meters.bus import BusMeter
+from dray.cli.meters.floor import FloorMeter
 from dray.cli.readiness import tell_ready
 from dray.cli.serving import asked_by_signals, stopped_by_signals
 from dray.cli.traces import traced, watched
@@ -223,8 +224,9 @@ async def serve_floor(surroundings: Surroundings, seed: int) -> None:
     plant = surroundings.plant
     async with surroundings.bus(FLOOR) as bus, asyncio.TaskGroup() as group:
         floor = Floor(plant, surroundings.clock(), seed=seed, stock_frac=NEARLY_EMPTY_FRAC)
-        telling = group.create_task(FloorServer(bus.inner, plant.id, floor).run())
-        async with surroundings.told():
+        server = FloorServer(bus.inner, plant.id, floor)
+        telling = group.create_task(server.run())
+        async with surroundings.told(FloorMeter(server)):
             with stopped_by_signals(stopped.set):
                 say_ready(FLOOR)
                 await stopped.wait()

@@ -37,13 +37,26 @@ class Letter(msgspec.Struct, array_like=True, frozen=True):
 
 
 class Exchange:
-    """One side of it."""
+    """One side of it.
+
+    Attributes:
+        heard: how many parts of the other side have been heard.
+        again: how often a part was written that had been written before.
+    """
 
     def __init__(self) -> None:
-        self._heard = 0
+        self.heard = 0
+        self.again = 0
         self._first = 1
         self._kept: list[Part] = []
+        self._written = 0
+        """Number of the last part that was written."""
         self._repeated = False
+
+    @property
+    def said(self) -> int:
+        """How many parts were said."""
+        return self._first - 1 + len(self._kept)
 
     @property
     def kept(self) -> int:
@@ -73,7 +86,11 @@ class Exchange:
     def write(self) -> Letter:
         """What the other side is to get now."""
         self._repeated = False
-        return Letter(self._heard, self._first, tuple(self._kept[:PARTS_PER_LETTER]))
+        parts = tuple(self._kept[:PARTS_PER_LETTER])
+        last = self._first + len(parts) - 1
+        self.again += max(0, min(last, self._written) - self._first + 1)
+        self._written = max(last, self._written)
+        return Letter(self.heard, self._first, parts)
 
     def read(self, letter: Letter) -> tuple[Part, ...]:
         """What is new in a letter."""
@@ -81,10 +98,10 @@ class Exchange:
         if known > 0:
             del self._kept[:known]
             self._first += known
-        old = self._heard + 1 - letter.first
+        old = self.heard + 1 - letter.first
         if old < 0:
             return ()  # What is between has been lost; its writer keeps it.
         new = letter.parts[old:]
         self._repeated |= bool(letter.parts[:old])
-        self._heard += len(new)
+        self.heard += len(new)
         return new

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import msgspec
 import zenoh
@@ -32,6 +35,34 @@ TELL_EVERY_S = 0.1
 """How often a body's state is told when nothing happens: as the pose on a panel is refreshed."""
 
 
+@dataclass(frozen=True, slots=True)
+class Traffic:
+    """What has gone between bodies and their agents so far.
+
+    Attributes:
+        bodies: how many there are, by whether an agent has them: TAKEN, FREE or LOST.
+        reports: what bodies have reported.
+        waiting: reports that are not heard yet, as far as is known here.
+        again: how often a report was told once more.
+        instructions: what agents have instructed.
+        refused: letters that nothing was done about, by reason.
+    """
+
+    bodies: Mapping[str, int]
+    reports: int
+    waiting: int
+    again: int
+    instructions: int
+    refused: Mapping[str, int]
+
+
+TAKEN, FREE, LOST = "taken", "free", "lost"
+"""A life of its agent has it; none has had it yet; one had it and has not heard too much."""
+
+EARLIER_LIFE, FULL = "of an earlier life", "a full queue"
+"""Why a letter is refused."""
+
+
 class FloorServer:
     """Lets agents elsewhere use the bodies of a floor, one agent each.
 
@@ -55,6 +86,23 @@ class FloorServer:
             for served in self._served:
                 served.tell()
 
+    @property
+    def traffic(self) -> Traffic:
+        """As of now."""
+        served = self._served
+        counts = sum((each.counts for each in served), Counter[str]())
+        return Traffic(
+            bodies=dict.fromkeys((TAKEN, FREE, LOST), 0) | Counter(each.state for each in served),
+            reports=counts["reports"],
+            waiting=sum(each.waiting for each in served),
+            again=counts["again"],
+            instructions=counts["instructions"],
+            refused={
+                EARLIER_LIFE: sum(each.refused for each in served),
+                FULL: self._crossing.dropped_messages,
+            },
+        )
+
     def _serve(self, agent: str, body: Body) -> _Served:
         return _Served(self._session, self._crossing, body_key(self._plant, agent), body)
 
@@ -76,15 +124,40 @@ class FloorServer:
 
 
 class _Served:
-    """One body, and the life of its agent that it obeys."""
+    """One body, and the life of its agent that it obeys.
+
+    Attributes:
+        refused: letters of earlier lives.
+    """
 
     def __init__(self, session: zenoh.Session, crossing: Crossing, key: str, body: Body) -> None:
         self._session, self._crossing, self._key, self._body = session, crossing, key, body
         self._life, self._known = NO_LIFE, False
         self._exchange = Exchange()
+        self._past = Counter[str]()
+        """What was counted in earlier lives: sums must never fall."""
+        self.refused = 0
         session.declare_queryable(key, answering(crossing, self._answer))
         session.declare_subscriber(f"{key}/do", Callback(self._hear, indirect=False))
         body.attach(self._report)
+
+    @property
+    def state(self) -> str:
+        """Whether an agent has it."""
+        if self._life:
+            return TAKEN
+        return LOST if self._known else FREE
+
+    @property
+    def waiting(self) -> int:
+        """Reports that are not heard yet."""
+        return self._exchange.kept
+
+    @property
+    def counts(self) -> Counter[str]:
+        """In all lives."""
+        now = self._exchange
+        return self._past + Counter(reports=now.said, again=now.again, instructions=now.heard)
 
     def tell(self) -> None:
         """Say how it is, and what is not heard yet, if anybody has taken it over."""
@@ -108,11 +181,14 @@ class _Served:
             life = int(query.payload.to_string()) if query.payload is not None else NO_LIFE
             known = self._known
             if life > self._life:
+                self._past = self.counts
                 self._life, self._known, self._exchange = life, True, Exchange()
             query.reply(self._key, encode(Taken(to_part(self._body.sense()), self._life, known)))
 
     def _obey(self, data: bytes) -> None:
         done = msgspec.msgpack.decode(data, type=Do)
-        if done.life == self._life:
-            for instruction in self._exchange.read(done.letter):
-                self._body.instruct(from_part(instruction))
+        if done.life != self._life:
+            self.refused += 1
+            return
+        for instruction in self._exchange.read(done.letter):
+            self._body.instruct(from_part(instruction))

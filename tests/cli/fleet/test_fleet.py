@@ -51,6 +51,7 @@ def assert_each_tells_its_own(told: dict[str, str]) -> None:
         assert ("dray_bus_messages_lost_total" in text) == (name != "floor"), name
         acts = name in PLANT.machines or name in PLANT.fleet or name == STRATEGIST
         assert ("dray_journal_write_seconds_count" in text) == acts, name
+    assert 'dray_floor_bodies{state="free"} 0.0' in told["floor"]
     assert "dray_historian_up 1.0" in told["historian"]
     assert "dray_database_up 1.0" in told["gateway"]
 

@@ -1,0 +1,36 @@
+"""What a simulated floor counts whose agents are elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from prometheus_client import Metric
+from prometheus_client.registry import Collector
+
+from dray.adapters.metric_families import counter, counters, gauge, gauges
+from dray_sim.remote import FloorServer
+
+
+class FloorMeter(Collector):
+    """What has gone between a floor's bodies and their agents.
+
+    Args:
+        server: the floor's.
+    """
+
+    def __init__(self, server: FloorServer) -> None:
+        self._server = server
+
+    def collect(self) -> Iterator[Metric]:
+        """Everything as of now."""
+        traffic = self._server.traffic
+        yield gauges(
+            "floor_bodies", "Simulated bodies, by whether an agent has them.", "state", traffic.bodies
+        )
+        yield counter("floor_reports", "What bodies have reported to their agents.", traffic.reports)
+        yield counter("floor_reports_repeated", "Reports that were told once more.", traffic.again)
+        yield gauge("floor_reports_waiting", "Reports that are not heard yet.", traffic.waiting)
+        yield counter("floor_instructions", "What agents have instructed their bodies.", traffic.instructions)
+        yield counters(
+            "floor_letters_refused", "Agents' letters that nobody obeyed.", "reason", traffic.refused
+        )
