@@ -48,14 +48,14 @@ class Recorder:
         """There is no answer: a bug of ours."""
         try:
             await self._write("failed", HTTPStatus.INTERNAL_SERVER_ERROR)
-        except UnavailableError:
-            self._tell_the_log()
+        except UnavailableError as error:
+            self._tell_the_log(error)
 
     async def _record(self, status: int) -> None:
         try:
             await self._write(self._note.result or result_of(status), status)
-        except UnavailableError:
-            self._tell_the_log()
+        except UnavailableError as error:
+            self._tell_the_log(error)
             if status >= HTTPStatus.INTERNAL_SERVER_ERROR:
                 return  # The answer says already that it went wrong, and why.
             self._lost = True
@@ -82,9 +82,15 @@ class Recorder:
             detail=detail,
         )
 
-    def _tell_the_log(self) -> None:
+    def _tell_the_log(self, error: UnavailableError) -> None:
         who = "nobody" if self._note.who is None else self._note.who.id
-        _log.exception("not in the audit log: %s by %s, about %s", self._action, who, self._note.target)
+        _log.error(
+            "not in the audit log: %s by %s, about %s: %s",
+            self._action,
+            who,
+            self._note.target or "nothing",
+            error.reason,
+        )
 
 
 def address_of(scope: Scope) -> str:
