@@ -222,6 +222,19 @@ def test_an_order_that_waits_says_why_rather_than_that_it_is_late(projection: Pr
     assert (alert.kind, alert.problem) == ("order_waits", "M1 is silent")
 
 
+def test_an_order_for_what_this_plant_does_not_make_asks_for_its_end(projection: Projection) -> None:
+    strange = order(at(100.0))
+    strange.items = (Item("gear-unit-g1", 4), Item("P9", 1), Item("P8", 1))
+    projection.orders.put(strange)
+    alert = the_alert(projection, 101.0)
+    assert (alert.kind, alert.response) == ("order_impossible", "cancel_order")
+    assert alert.problem == "this plant does not make P8 and P9"
+    (view,) = projection.orders.views()
+    assert view.waits == alert.problem
+    projection.orders.put(order(at(100.0), OrderStatus.CANCELLED))
+    assert alerts(projection, 102.0) == []
+
+
 # --- how long ------------------------------------------------------------------------------------
 
 

@@ -181,18 +181,24 @@ def test_an_order_for_which_an_answer_is_awaited_is_not_asked_for_once_more() ->
     assert said[3:] == [(OrderReleased, "O-1"), (OrderReleased, "O-3")]
 
 
-def test_an_order_for_what_this_plant_does_not_make_is_not_sent(caplog: pytest.LogCaptureFixture) -> None:
+def test_an_order_for_what_this_plant_does_not_make_is_not_sent_and_named_once(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
     strange = order()
     strange.items = (Item("P9", 1),)
 
     async def release(stage: Stage) -> None:
-        stage.desk.ask([strange, order("O-2")])
+        for _roll_call in range(3):
+            stage.desk.ask([strange, order("O-2")])
+            stage.desk.answered(OrderTaken("O-2"))
         await asyncio.sleep(0.1)
 
     with caplog.at_level(logging.ERROR):
         stage = play(release)
-    assert [message.order for _, message in stage.said if isinstance(message, OrderReleased)] == ["O-2"]
-    assert "P9" in caplog.text
+    assert [message.order for _, message in stage.said if isinstance(message, OrderReleased)] == ["O-2"] * 3
+    assert [record.getMessage() for record in caplog.records] == [
+        "order O-1 waits: this plant does not make P9"
+    ]
 
 
 # --- cancelling ----------------------------------------------------------------------------------

@@ -134,13 +134,17 @@ class Desk:
             if order.being_revoked:
                 self.revoke(order)
             else:
+        self._strange: set[str] = set()
+        """Orders of which it was said that this plant cannot make them: such as an earlier plant file could."""
                 self.release(order)
 
     def release(self, order: Order) -> None:
         """Let the strategist have an order, with what is still to be delivered of it."""
-        missing = {item.product for item in order.items} - set(self._products)
-        if missing:
-            _log.error("order %s waits: this plant does not make %s", order.id, ", ".join(sorted(missing)))
+        if strange := order.strange_to(self._products):
+            # Panels show it as long as it lasts (`dray.gateway.projection.orders`).
+            if order.id not in self._strange:
+                self._strange.add(order.id)
+                _log.error("order %s waits: this plant does not make %s", order.id, ", ".join(strange))
             return
         items = zip(order.items, order.outstanding, strict=True)
         wanted_s = order.due_at_s

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 
 import msgspec
 from sqlalchemy import ColumnElement, Row, bindparam, func, insert, or_, select, tuple_, update
@@ -71,6 +71,10 @@ class OrderTotals(msgspec.Struct, frozen=True, gc=False):
     on_time: int
     """Delivered by their due time; an order without one is never late."""
 
+
+    def strange_to(self, products: Collection[str]) -> list[str]:
+        """Which of its products are not among these, by id."""
+        return sorted({item.product for item in self.items}.difference(products))
 
 class Orders:
     """The orders, inside one transaction."""

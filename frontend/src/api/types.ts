@@ -21,6 +21,7 @@ export interface AlertView {
     | "machine_error"
     | "machine_lost"
     | "machine_starved"
+    | "order_impossible"
     | "order_late"
     | "order_waits"
     | "task_trouble";
@@ -29,6 +30,7 @@ export interface AlertView {
   problem: string;
   response:
     | "bring_to_charger"
+    | "cancel_order"
     | "find_vehicle"
     | "help"
     | "look_at_auction"

@@ -69,6 +69,7 @@ describe("texts", () => {
     speak("de", managerDe, "de-DE");
     expect(failureText("the load has shifted")).toBe("die Ladung ist verrutscht");
     expect(failureText("M1 is silent, M2 is broken")).toBe("M1 ist stumm, M2 ist ausgefallen");
+    expect(failureText("this plant does not make P8 and P9")).toBe("dieses Werk fertigt P8, P9 nicht");
     speak("en", managerEn, "en-GB");
     expect(failureText("M1 is silent")).toBe("M1 is silent");
     expect(failureText("the bridge is up")).toBe("the bridge is up");

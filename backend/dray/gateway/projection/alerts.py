@@ -29,6 +29,7 @@ RESPONSES: Mapping[AlertKind, tuple[Literal["alarm", "warning"], AlertResponse]]
     "atv_stopped": ("warning", "resume"),
     "atv_battery": ("warning", "bring_to_charger"),
     "task_trouble": ("warning", "look_at_auction"),
+    "order_impossible": ("warning", "cancel_order"),
     "order_waits": ("warning", "restore_machines"),
     "order_late": ("warning", "tell_customer"),
 }

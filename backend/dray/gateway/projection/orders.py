@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 
 from dray.gateway.projection.changes import Changes
 from dray.gateway.views import OrderItemView, OrderView
@@ -34,9 +34,10 @@ class Orders:
     Args:
         to_wall_s: plant clock to wall clock.
     """
+        products: what this plant can make.
 
-    def __init__(self, to_wall_s: ToWall) -> None:
-        self._to_wall_s = to_wall_s
+    def __init__(self, to_wall_s: ToWall, products: Collection[str]) -> None:
+        self._to_wall_s, self._products = to_wall_s, products
         self._orders: dict[str, Order] = {}
         self._goals: dict[str, dict[str, Goal]] = {}
         """Per order that is kept here, its goals by id."""
@@ -45,6 +46,8 @@ class Orders:
         self._waits: dict[str, dict[str, str]] = {}
         """Per order that waits, the goals that nobody can make now, and why."""
         self._ended: dict[str, None] = {}
+        self._strange: dict[str, list[str]] = {}
+        """Per open order, products that this plant does not make: it had another plant file before."""
         """Ended orders, oldest first."""
         self.delivered, self.on_time = 0, 0
         """Over all orders there ever were."""
@@ -116,7 +119,13 @@ class Orders:
 
     def views(self) -> tuple[OrderView, ...]:
         """The open ones, and the last that ended."""
+        if strange := self._strange.get(order):
+            return f"this plant does not make {' and '.join(strange)}"
         return tuple(self._view(order) for order in self._orders.values())
+
+    def impossible(self) -> Collection[str]:
+        """Ids of those that wait for a product that this plant does not make."""
+        return self._strange.keys()
 
     def take_changed(self) -> tuple[OrderView, ...]:
         """Those that have changed since the last call."""
@@ -200,6 +209,9 @@ class Orders:
                 self._forget(next(iter(self._ended)))
 
     def _forget(self, order: str) -> None:
+        self._strange.pop(order.id, None)
+        if order.status in OPEN and (strange := order.strange_to(self._products)):
+            self._strange[order.id] = strange
         del self._ended[order], self._orders[order]
         for goal in self._goals.pop(order, {}):
             del self._order_of[goal]

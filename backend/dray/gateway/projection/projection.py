@@ -45,7 +45,7 @@ class Projection:
         self.site = Site(plant)
         self.machines = Machines(self.site, time.to_wall_s)
         self.tasks = Tasks(time.to_wall_s)
-        self.orders = Orders(time.to_wall_s)
+        self.orders = Orders(time.to_wall_s, frozenset(product.id for product in plant.products))
         self.news = News(time.to_wall_s)
         self.alerts = Alerts()
         self.traffic = Traffic(plant.lanes)
@@ -118,7 +118,7 @@ class Projection:
             *troubles.of_machines(self.machines.heartbeats(), now),
             *of_atvs,
             *troubles.of_transports(self.tasks.under_way(), of_atvs),
-            *troubles.of_orders(self.orders.under_way(), now),
+            *troubles.of_orders(self.orders.under_way(), self.orders.impossible(), now),
         )
         return self.alerts.look(wrong, wall_s)
 

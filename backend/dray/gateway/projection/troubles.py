@@ -5,7 +5,7 @@ Each thing has at most one trouble at a time, the gravest: who is silent is not 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator
 
 import msgspec
 
@@ -114,10 +114,18 @@ def of_transports(tasks: Iterable[TaskView], told: Iterable[Trouble]) -> Iterato
             )
 
 
-def of_orders(orders: Iterable[OrderView], now: Moment) -> Iterator[Trouble]:
-    """What is wrong with orders that have not ended."""
+def of_orders(orders: Iterable[OrderView], impossible: Container[str], now: Moment) -> Iterator[Trouble]:
+    """What is wrong with orders.
+
+    Args:
+        orders: those that have not ended.
+        impossible: ids of those that this plant cannot make.
+        now: when it is looked at.
+    """
     for order in orders:
-        if order.waits:
+        if order.id in impossible:
+            yield Trouble(kind="order_impossible", order=order.id, problem=order.waits)
+        elif order.waits:
             yield Trouble(kind="order_waits", order=order.id, problem=order.waits)
         elif order.due_at_s is not None and order.due_at_s < now.wall_s:
             yield Trouble(kind="order_late", order=order.id, until_at_s=order.due_at_s)

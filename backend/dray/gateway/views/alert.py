@@ -12,6 +12,7 @@ AlertKind = Literal[
     "atv_lost",
     "atv_help",
     "atv_error",
+    "order_impossible",
     "order_waits",
     "order_late",
     "machine_starved",
@@ -34,6 +35,7 @@ AlertResponse = Literal[
     "resume",
     "bring_to_charger",
     "look_at_auction",
+    "cancel_order",
     "restore_machines",
     "tell_customer",
 ]

@@ -124,6 +124,7 @@ export const de: Catalogue<typeof en> = {
   "phase.returning": "bringt die Ware zurück",
 
   "failure.of": "{agent} ist {what}",
+  "failure.notMade": "dieses Werk fertigt {products} nicht",
   "failure.broken": "ausgefallen",
   "failure.battery empty": "Batterie leer",
   "failure.the load has shifted": "die Ladung ist verrutscht",
@@ -170,6 +171,7 @@ export const de: Catalogue<typeof en> = {
   "alerts.what.help_late": "Braucht Hilfe, und die Zeit dafür ist vorbei",
   "alerts.what.atv_promised": "{by} ist unterwegs, erwartet in {left}",
   "alerts.what.task_trouble": "Transport geht nicht weiter",
+  "alerts.what.order_impossible": "Auftrag kann nicht gefertigt werden",
   "alerts.what.order_late": "Fällig {due}, nicht geliefert",
   "alerts.what.order_waits": "Auftrag wartet",
   "alerts.asks.look_at_machine": "Nachsehen, ob sie Strom und Netz hat",
@@ -182,6 +184,7 @@ export const de: Catalogue<typeof en> = {
   "alerts.asks.resume": "Quittieren und freigeben, wenn der Weg frei ist",
   "alerts.asks.bring_to_charger": "Zu einer Ladestation bringen",
   "alerts.asks.look_at_auction": "In der Auktion nachsehen, warum ihn niemand ausführt",
+  "alerts.asks.cancel_order": "Den Auftrag stornieren, oder Dray mit einer Werksdatei starten, die das enthält",
   "alerts.asks.restore_machines": "Eine dieser Maschinen wieder in Gang bringen",
   "alerts.asks.tell_customer": "Dem Kunden Bescheid geben oder neu terminieren",
 

@@ -121,6 +121,7 @@ export const en = {
   "phase.returning": "bringing its load back",
 
   "failure.of": "{agent} is {what}",
+  "failure.notMade": "this plant does not make {products}",
   "failure.broken": "broken",
   "failure.battery empty": "battery empty",
   "failure.the load has shifted": "the load has shifted",
@@ -167,6 +168,7 @@ export const en = {
   "alerts.what.help_late": "Needs help, and the time for it is over",
   "alerts.what.atv_promised": "{by} is on the way, expected within {left}",
   "alerts.what.task_trouble": "Transport does not go on",
+  "alerts.what.order_impossible": "Order cannot be made",
   "alerts.what.order_late": "Due {due}, not delivered",
   "alerts.what.order_waits": "Order waits",
   "alerts.asks.look_at_machine": "See whether it has power and network",
@@ -179,6 +181,7 @@ export const en = {
   "alerts.asks.resume": "Acknowledge and resume it when its way is clear",
   "alerts.asks.bring_to_charger": "Bring it to a charger",
   "alerts.asks.look_at_auction": "See in its auction why nobody carries it",
+  "alerts.asks.cancel_order": "Cancel it, or start Dray with a plant file that makes it",
   "alerts.asks.restore_machines": "Get one of these machines back to work",
   "alerts.asks.tell_customer": "Tell the customer, or give it another date",
 

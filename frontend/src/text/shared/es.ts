@@ -124,6 +124,7 @@ export const es: Catalogue<typeof en> = {
   "phase.returning": "devolviendo la carga",
 
   "failure.of": "{agent} está {what}",
+  "failure.notMade": "esta planta no fabrica {products}",
   "failure.broken": "averiada",
   "failure.battery empty": "batería agotada",
   "failure.the load has shifted": "la carga se ha movido",
@@ -170,6 +171,7 @@ export const es: Catalogue<typeof en> = {
   "alerts.what.help_late": "Necesita ayuda y el plazo ya ha pasado",
   "alerts.what.atv_promised": "{by} va de camino, se espera en {left}",
   "alerts.what.task_trouble": "El transporte no avanza",
+  "alerts.what.order_impossible": "El pedido no se puede fabricar",
   "alerts.what.order_late": "Para {due}, sin entregar",
   "alerts.what.order_waits": "El pedido espera",
   "alerts.asks.look_at_machine": "Mirar si tiene corriente y red",
@@ -182,6 +184,7 @@ export const es: Catalogue<typeof en> = {
   "alerts.asks.resume": "Confirmar y reanudar cuando el paso esté libre",
   "alerts.asks.bring_to_charger": "Llevarlo a un cargador",
   "alerts.asks.look_at_auction": "Mirar en su subasta por qué nadie lo lleva",
+  "alerts.asks.cancel_order": "Cancelarlo, o iniciar Dray con un archivo de planta que lo fabrique",
   "alerts.asks.restore_machines": "Poner en marcha una de estas máquinas",
   "alerts.asks.tell_customer": "Avisar al cliente o darle otra fecha",
 
