@@ -1,4 +1,9 @@
-"""The sampler: writes down once a wall minute what the factory's figures have added."""
+"""The sampler: writes down once a wall minute what the factory's figures have added.
+
+Several gateways see the same factory, and a minute that each of them wrote down would count as often. So the
+first one writes it, and the others leave it out. When one of them begins or ends in the middle of a minute, the
+rest of that minute may be missing.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +42,7 @@ class Sampler:
     def __init__(self, projection: Projection, store: Store, wall_s: Callable[[], float]) -> None:
         self._projection, self._store, self._wall_s = projection, store, wall_s
         self._before = projection.totals(wall_s())
-        """The totals at the end of the last sample that was written."""
+        """The totals at the end of the last sample that was written, by whatever gateway."""
 
     async def run(self) -> None:
         """Sample at every full minute, until cancelled."""
@@ -46,15 +51,20 @@ class Sampler:
             await self.sample()
 
     async def sample(self) -> None:
-        """Write what has come since the last sample; what cannot be written is in the next one."""
+        """Write what has come since the last sample, unless another gateway has written of that time.
+
+        What cannot be written is in the next sample.
+        """
         totals = self._projection.totals(self._wall_s())
         sample = _difference(self._before, totals)
         if sample.span_s <= 0:
             return
         try:
             async with self._store.write() as work:
-                await work.kpis.add(sample)
-                await work.kpis.forget_before(totals.at_s - KEPT_S)
+                newest_at_s = await work.kpis.newest_at_s()
+                if newest_at_s is None or newest_at_s <= self._before.at_s:
+                    await work.kpis.add(sample)
+                    await work.kpis.forget_before(totals.at_s - KEPT_S)
         except UnavailableError as error:
             _log.warning("the factory's figures cannot be written: %s", error)
         else:

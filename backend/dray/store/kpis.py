@@ -70,6 +70,11 @@ class Kpis:
         rows = await self._connection.execute(query)
         return [KpiSample(**row._mapping) for row in rows]  # noqa: SLF001 - SQLAlchemy's public name
 
+    async def newest_at_s(self) -> float | None:
+        """The end of the sample that was added last, by whatever gateway; None before the first one."""
+        newest = select(kpi_samples.c.at_s).order_by(kpi_samples.c.position.desc()).limit(1)
+        return (await self._connection.execute(newest)).scalar()
+
     async def forget_before(self, at_s: float) -> None:
         """Forget samples that are older."""
         await self._connection.execute(delete(kpi_samples).where(kpi_samples.c.at_s < at_s))
