@@ -18,7 +18,7 @@ from gateway_kit import (
 
 from dray.errors import UnavailableError
 from dray.gateway.projection import Projection
-from dray.gateway.projection.alerts import REMEMBERED_S, RESPONSES
+from dray.gateway.projection.alerts import LOOK_S, REMEMBERED_S, RESPONSES
 from dray.gateway.projection.troubles import PATIENCE_S
 from dray.gateway.timescale import TimeScale
 from dray.gateway.views import AlertKind, AlertView
@@ -233,6 +233,21 @@ def test_an_order_for_what_this_plant_does_not_make_asks_for_its_end(projection:
     assert view.waits == alert.problem
     projection.orders.put(order(at(100.0), OrderStatus.CANCELLED))
     assert alerts(projection, 102.0) == []
+
+
+def test_what_was_acknowledged_at_another_gateway_is_of_the_alert_that_began_by_then(
+    projection: Projection,
+) -> None:
+    projection.fold(machine_heartbeat("M8", 1, status=MachineStatus.ERROR))
+    alert = the_alert(projection)
+    before, just_now = (
+        Acknowledgement(alert.id, alert.since_at_s - 9.0, name, alert.since_at_s - ago_s)
+        for name, ago_s in (("Night shift", LOOK_S), ("Day shift", LOOK_S / 2))
+    )
+    projection.alerts.hear([before, Acknowledgement("machine_error-M1", NOW_S, "Day shift", NOW_S)])
+    assert the_alert(projection).acknowledged_by == ""
+    projection.alerts.hear([just_now])
+    assert the_alert(projection).acknowledged_by == "Day shift"
 
 
 # --- how long ------------------------------------------------------------------------------------

@@ -82,7 +82,9 @@ async def test_a_running_gateway_calls_the_roll_and_ends_what_is_fulfilled(
     monkeypatch.setattr(rollcall, "CALL_EVERY_S", 0.0)
     async with gateway(url) as house:
         order = await taken(house)
-        await house.bus.next_to(STRATEGIST, OrderReleased, after=1)
+        await house.bus.next_to(
+            STRATEGIST, OrderReleased, after=len(house.bus.sent_to(STRATEGIST, OrderReleased))
+        )
         house.bus.tell(STRATEGIST, "gateway", OrderTaken(order, fulfilled=True))
         await house.parts.endings.written()
         assert (await house.get(f"/api/orders/{order}"))["status"] == "delivered"

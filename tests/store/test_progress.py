@@ -17,6 +17,7 @@ from dray.store.progress import (
     Progress,
     delivered_after,
     goal_of,
+    merge,
     note,
     progress,
     status_after,
@@ -75,6 +76,26 @@ def test_what_a_lost_life_made_is_gone_and_what_it_delivered_stays() -> None:
     assert reached(first + again, 4, life=2).made == (2,)
     done = again + tell("M1", made("Gr2", 2), delivered("Gr2", 0, 2), life=2)
     assert reached(first + done, 4, life=2).status is OrderStatus.DELIVERED
+
+
+TOLD_OF_A_GOAL = [
+    *tell("strategist", contracted("G1", 0, 4)),
+    *tell("M1", made("G1", 2), made("G1", 3), delivered("G1", 0, 2), at_s=50.0),
+    *tell("strategist", GoalLost(goal="G1", machine="M1", arrived=3, successor=""), life=2, at_s=90.0),
+]
+
+
+@given(st.lists(st.sampled_from(TOLD_OF_A_GOAL)), st.lists(st.sampled_from(TOLD_OF_A_GOAL)))
+def test_what_two_know_of_a_goal_is_what_one_knows_who_was_told_all(
+    here: list[Event], there: list[Event]
+) -> None:
+    mine, theirs, whole = Goal("G1"), Goal("G1"), Goal("G1")
+    for goal, told in ((mine, here), (theirs, there), (whole, [*here, *there])):
+        for event in told:
+            note(goal, event, same_clock)
+    merge(mine, theirs)
+    for life in (0, 1, 2):
+        assert progress((4,), [mine], life, (0,)) == progress((4,), [whole], life, (0,))
 
 
 def test_more_than_was_ordered_counts_as_what_was_ordered() -> None:

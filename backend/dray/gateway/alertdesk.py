@@ -8,12 +8,10 @@ from collections.abc import Callable
 
 from dray.errors import UnavailableError
 from dray.gateway.projection import Projection
+from dray.gateway.projection.alerts import LOOK_S, is_meant
 from dray.gateway.views import AlertView
 from dray.store import Store
 from dray.store.acknowledgements import Acknowledgement
-
-LOOK_S = 1.0
-"""Between two looks: sooner than anybody could do something about it."""
 
 _log = logging.getLogger(__name__)
 
@@ -30,8 +28,9 @@ class AlertDesk:
     def __init__(self, projection: Projection, store: Store, wall_s: Callable[[], float]) -> None:
         self._projection, self._store, self._wall_s = projection, store, wall_s
         self._writing = asyncio.Lock()
-        self._ended: set[str] = set()
-        """Acknowledged alerts that have ended and are still in SQL: bounded as alerts are."""
+        self._ended: dict[str, float] = {}
+        """Acknowledged alerts that have ended and are still in SQL, and when that was seen: bounded as alerts
+        are."""
 
     async def begin(self) -> None:
         """Recall what was acknowledged before the gateway was started."""
@@ -53,20 +52,23 @@ class AlertDesk:
             known = self._projection.alerts.get(alert)
             if known is None or known.acknowledged_by:
                 return known
-            acknowledgement = Acknowledgement(alert, known.since_at_s, by, self._wall_s())
             async with self._store.write() as work:
-                await work.acknowledgements.put(acknowledgement)
-            taken = self._projection.alerts.acknowledge(acknowledgement)
+                first = await work.acknowledgements.get(alert)
+                if first is None or not is_meant(known, first):
+                    first = Acknowledgement(alert, known.since_at_s, by, self._wall_s())
+                    await work.acknowledgements.put(first)
+            taken = self._projection.alerts.acknowledge(first)
             if taken is None:
-                self._ended.add(alert)
+                self._ended[alert] = first.at_s
             else:
                 # It has come again: what is in SQL now is of this one.
-                self._ended.discard(alert)
+                self._ended.pop(alert, None)
             return taken
 
     async def look(self) -> None:
         """Look once, and forget acknowledgements of what has ended."""
-        self._ended.update(self._projection.look(self._wall_s()))
+        now_s = self._wall_s()
+        self._ended.update(dict.fromkeys(self._projection.look(now_s), now_s))
         async with self._writing:
             if not self._ended:
                 return

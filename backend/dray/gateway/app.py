@@ -25,6 +25,7 @@ from dray.gateway.endings import Endings
 from dray.gateway.faultdesk import FaultDesk
 from dray.gateway.health import Health
 from dray.gateway.ledger import Ledger
+from dray.gateway.lookout import Lookout
 from dray.gateway.metrics import Metrics, Stopwatch
 from dray.gateway.metrics.history import History
 from dray.gateway.metrics.state import State
@@ -33,7 +34,6 @@ from dray.gateway.parts import Parts
 from dray.gateway.peer import Peer
 from dray.gateway.presence import Presence
 from dray.gateway.projection import Projection
-from dray.gateway.projection.orders import ENDED_KEPT
 from dray.gateway.recall import recall_news
 from dray.gateway.rollcall import RollCall
 from dray.gateway.routes import API, REST
@@ -47,9 +47,6 @@ from dray.plant.model import PlantFile
 from dray.ports import Bus
 from dray.settings import Settings
 from dray.store import Historian, Store
-from dray.store.progress import ENDED, OPEN, OrderStatus
-
-UNENDED = (OrderStatus.STORED, *OPEN)
 
 
 def create_app(
@@ -137,7 +134,12 @@ def create_app(
             faults=faults,
             keys_at_work=set(),
         )
-        await _remember(parts, time)
+        async with store.write() as work:
+            await work.products.replace(plant.products)
+        lookout = Lookout(store, projection, desk)
+        await lookout.begin()
+        async with store.read() as work:
+            await recall_news(work, projection.news, time)
         await parts.alerts.begin()
         metrics.add(State(parts))
         if historian is not None:
@@ -163,6 +165,7 @@ def create_app(
                     presence,
                     sampler,
                     roll_call,
+                    lookout,
                 )
             ]
             await roll_call.begin()
@@ -198,18 +201,3 @@ def create_app(
     app.add_middleware(SecurityHeaders)
     app.add_middleware(Stopwatch)
     return app
-
-
-async def _remember(parts: Parts, time: TimeScale) -> None:
-    """Learn from SQL what panels show, and tell SQL what this plant makes."""
-    async with parts.store.write() as work:
-        await work.products.replace(parts.plant.products)
-    async with parts.store.read() as work:
-        orders = await work.orders.page(UNENDED, None, None) + await work.orders.page(ENDED, None, ENDED_KEPT)
-        goals = await work.goals.of_orders(order.id for order in orders)
-        parts.projection.orders.begin(
-            # Oldest first, so that the oldest ended one leaves first.
-            [(order, goals[order.id]) for order in reversed(orders)],
-            await work.orders.totals(),
-        )
-        await recall_news(work, parts.projection.news, time)

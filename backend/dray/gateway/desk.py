@@ -25,6 +25,7 @@ from dray.messages import (
     RevocationTaken,
 )
 from dray.store.orders import Order
+from dray.store.progress import OPEN, OrderStatus
 
 STRATEGIST = "strategist"
 """The strategist's name on the bus (protocol, "Who")."""
@@ -75,6 +76,15 @@ class Reminders:
         """It was said now: say it again until it is answered; replaces an older one."""
         self._reminders[order] = Reminder(message, now_s)
 
+    def get(self, order: str) -> Message | None:
+        """What is said again about an order; None for nothing."""
+        reminder = self._reminders.get(order)
+        return None if reminder is None else reminder.message
+
+    def forget(self, order: str) -> None:
+        """Say nothing more about an order; harmless when nothing is said."""
+        self._reminders.pop(order, None)
+
     def awaits(self, answer: Answer) -> bool:
         """Whether something is said again until this answer comes."""
         reminder = self._reminders.get(answer.order)
@@ -124,6 +134,8 @@ class Desk:
     ) -> None:
         self._send, self._time, self._wall_s, self._products = send, time, wall_s, products
         self._reminders = Reminders()
+        self._strange: set[str] = set()
+        """Orders of which it was said that this plant cannot make them: such as an earlier plant file could."""
         self._news = asyncio.Event()
 
     def ask(self, orders: Iterable[Order]) -> None:
@@ -134,9 +146,18 @@ class Desk:
             if order.being_revoked:
                 self.revoke(order)
             else:
-        self._strange: set[str] = set()
-        """Orders of which it was said that this plant cannot make them: such as an earlier plant file could."""
                 self.release(order)
+
+    def follow(self, order: Order) -> None:
+        """Somebody else has changed an order: what is repeated about it must not be what held before."""
+        said, kind = self._reminders.get(order.id), _kind(order)
+        if said is None or (type(said) is kind and _release(said) in {None, order.releases}):
+            return
+        self._reminders.forget(order.id)
+        if kind is OrderCancelled:
+            self.cancel(order.id)
+        elif kind is not None:
+            self.ask([order])
 
     def release(self, order: Order) -> None:
         """Let the strategist have an order, with what is still to be delivered of it."""
@@ -190,6 +211,15 @@ class Desk:
         self._reminders.add(order, message, asyncio.get_running_loop().time())
         self._send(STRATEGIST, message)
         self._news.set()
+
+
+def _kind(order: Order) -> type[OrderReleased | OrderRevoked | OrderCancelled] | None:
+    """What the strategist is to be told of an order that is as it is now; None for nothing."""
+    if order.status is OrderStatus.CANCELLED:
+        return OrderCancelled
+    if order.status not in OPEN:
+        return None
+    return OrderRevoked if order.being_revoked else OrderReleased
 
 
 def _release(message: Message) -> int | None:

@@ -8,8 +8,12 @@ import msgspec
 from sqlalchemy import ColumnElement, Row, bindparam, func, insert, or_, select, tuple_, update
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from dray.store.progress import OPEN, OrderStatus, Progress, delivered_after, status_after
+from dray.store.progress import OPEN, UNENDED, OrderStatus, Progress, delivered_after, status_after
 from dray.store.tables import goals, order_items, orders
+
+Mark = tuple[OrderStatus, int, float | None]
+"""What of an order differs after whatever a person or the strategist has decided about it: its status, how often
+it was released, and when that was taken back."""
 
 
 class Item(msgspec.Struct, gc=False):
@@ -54,6 +58,11 @@ class Order(msgspec.Struct, kw_only=True, gc=False):
         return tuple(item.delivered for item in self.items)
 
     @property
+    def mark(self) -> Mark:
+        """See `Mark`."""
+        return self.status, self.releases, self.revoked_at_s
+
+    @property
     def being_revoked(self) -> bool:
         """Whether it was taken back and the factory has not confirmed that."""
         return self.status in OPEN and self.revoked_at_s is not None
@@ -63,6 +72,10 @@ class Order(msgspec.Struct, kw_only=True, gc=False):
         """Pieces still to be delivered, per item."""
         return tuple(item.quantity - item.delivered for item in self.items)
 
+    def strange_to(self, products: Collection[str]) -> list[str]:
+        """Which of its products are not among these, by id."""
+        return sorted({item.product for item in self.items}.difference(products))
+
 
 class OrderTotals(msgspec.Struct, frozen=True, gc=False):
     """Counts over all orders there ever were."""
@@ -71,10 +84,6 @@ class OrderTotals(msgspec.Struct, frozen=True, gc=False):
     on_time: int
     """Delivered by their due time; an order without one is never late."""
 
-
-    def strange_to(self, products: Collection[str]) -> list[str]:
-        """Which of its products are not among these, by id."""
-        return sorted({item.product for item in self.items}.difference(products))
 
 class Orders:
     """The orders, inside one transaction."""
@@ -110,6 +119,12 @@ class Orders:
         """All orders that the factory works at, oldest first."""
         found = await self._select(orders.c.status.in_(OPEN))
         return sorted(found, key=lambda order: (order.created_at_s, order.id))
+
+    async def marks(self) -> dict[str, Mark]:
+        """The marks of all orders that have not ended."""
+        columns = (orders.c.id, orders.c.status, orders.c.releases, orders.c.revoked_at_s)
+        rows = await self._connection.execute(select(*columns).where(orders.c.status.in_(UNENDED)))
+        return {row.id: (OrderStatus(row.status), row.releases, row.revoked_at_s) for row in rows}
 
     async def cancelled(self, since_s: float) -> list[str]:
         """Ids of orders that the factory had, and that were cancelled since then, the oldest first."""
@@ -228,7 +243,7 @@ class Orders:
         """Cancel an order that is not delivered yet; any other stays as it is."""
         await self._connection.execute(
             update(orders)
-            .where(orders.c.id == order_id, orders.c.status.in_([OrderStatus.STORED, *OPEN]))
+            .where(orders.c.id == order_id, orders.c.status.in_(UNENDED))
             .values(status=OrderStatus.CANCELLED, cancelled_at_s=at_s)
         )
 

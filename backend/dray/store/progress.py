@@ -44,6 +44,9 @@ class OrderStatus(StrEnum):
 OPEN = (OrderStatus.RELEASED, OrderStatus.IN_PRODUCTION, OrderStatus.IN_DELIVERY)
 """The factory works at these."""
 
+UNENDED = (OrderStatus.STORED, *OPEN)
+"""Something may still become of these."""
+
 ENDED = (OrderStatus.DELIVERED, OrderStatus.CANCELLED)
 """Nothing changes any more."""
 
@@ -142,6 +145,21 @@ def note(goal: Goal, event: Event, to_wall_s: ToWall) -> None:
             goal.delivered_at_s = max(goal.delivered_at_s or 0.0, to_wall_s(event.at_s))
         case _:
             return
+
+
+def merge(goal: Goal, other: Goal) -> None:
+    """Add to a goal what somebody else knows of it, as if all facts behind that were noted, too."""
+    if other.item is not None:
+        goal.order_id, goal.item = other.order_id, other.item
+    goal.product = other.product or goal.product
+    if (other.incarnation, other.number) > (goal.incarnation, goal.number):
+        goal.incarnation, goal.number = other.incarnation, other.number
+        goal.quantity, goal.machine = other.quantity, other.machine
+        goal.promised_at_s = other.promised_at_s
+    goal.made = max(goal.made, other.made)
+    goal.delivered = max(goal.delivered, other.delivered)
+    if other.delivered_at_s is not None:
+        goal.delivered_at_s = max(goal.delivered_at_s or 0.0, other.delivered_at_s)
 
 
 def progress(

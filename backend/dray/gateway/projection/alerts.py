@@ -38,6 +38,9 @@ RESPONSES: Mapping[AlertKind, tuple[Literal["alarm", "warning"], AlertResponse]]
 ORDER = {kind: place for place, kind in enumerate(get_args(AlertKind))}
 """Graver kinds come first in their level."""
 
+LOOK_S = 1.0
+"""Wall seconds between two looks: sooner than anybody could do something about it."""
+
 REMEMBERED_S = 60.0
 """Wall seconds after a start in which all agents have spoken: what is not wrong again by then has ended."""
 
@@ -75,6 +78,13 @@ class Alerts:
             over += self._remembered
             self._remembered = {}
         return over
+
+    def hear(self, acknowledged: Iterable[Acknowledgement]) -> None:
+        """Take in what SQL knows: people at other gateways have acknowledged some."""
+        for each in acknowledged:
+            alert = self._alerts.get(each.alert)
+            if alert is not None and is_meant(alert, each):
+                self.acknowledge(each)
 
     def get(self, alert: str) -> AlertView | None:
         """One alert, as long as its cause lasts."""
@@ -117,6 +127,14 @@ class Alerts:
             alert.acknowledged_by, alert.acknowledged_at_s = remembered.by, remembered.at_s
         self._alerts[alert.id] = alert
         self.changes.mark(alert.id)
+
+
+def is_meant(alert: AlertView, acknowledgement: Acknowledgement) -> bool:
+    """Whether this alert was taken on, and not an earlier one of the same cause.
+
+    At another gateway it may have begun a look earlier.
+    """
+    return acknowledgement.at_s + LOOK_S > alert.since_at_s
 
 
 def _view(trouble: Trouble, wall_s: float) -> AlertView:

@@ -19,6 +19,7 @@ from dray.store.progress import (
     accepted_order,
     delivered_after,
     goal_of,
+    merge,
     note,
     progress,
     status_after,
@@ -33,8 +34,8 @@ class Orders:
 
     Args:
         to_wall_s: plant clock to wall clock.
-    """
         products: what this plant can make.
+    """
 
     def __init__(self, to_wall_s: ToWall, products: Collection[str]) -> None:
         self._to_wall_s, self._products = to_wall_s, products
@@ -45,9 +46,9 @@ class Orders:
         """Per goal that is kept here, its order."""
         self._waits: dict[str, dict[str, str]] = {}
         """Per order that waits, the goals that nobody can make now, and why."""
-        self._ended: dict[str, None] = {}
         self._strange: dict[str, list[str]] = {}
         """Per open order, products that this plant does not make: it had another plant file before."""
+        self._ended: dict[str, None] = {}
         """Ended orders, oldest first."""
         self.delivered, self.on_time = 0, 0
         """Over all orders there ever were."""
@@ -71,11 +72,18 @@ class Orders:
                 self._adopt(order.id, goal)
         self.delivered, self.on_time = totals.delivered, totals.on_time
 
-    def put(self, order: Order) -> None:
-        """An order was placed, released, taken back or cancelled, or has ended by the strategist's word."""
+    def put(self, order: Order, goals: Iterable[Goal] = ()) -> None:
+        """An order was placed, released, taken back or cancelled, or has ended by the strategist's word.
+
+        Args:
+            order: as SQL has it.
+            goals: what SQL knows of it, where that may be more than was heard here.
+        """
         known = self._orders.get(order.id)
         if known is not None and known.status in ENDED:
             return
+        for goal in goals:
+            self._adopt(order.id, goal)
         if known is not None and order.status is not OrderStatus.CANCELLED:
             # What SQL said may lag behind what the factory has told since.
             order = self._advanced(order)
@@ -111,7 +119,13 @@ class Orders:
 
     def waits(self, order: str) -> str:
         """Why an order waits; empty when it goes on, or is not kept here."""
+        if strange := self._strange.get(order):
+            return f"this plant does not make {' and '.join(strange)}"
         return next(iter(self._waits.get(order, {}).values()), "")
+
+    def impossible(self) -> Collection[str]:
+        """Ids of those that wait for a product that this plant does not make."""
+        return self._strange.keys()
 
     def under_way(self) -> Iterator[OrderView]:
         """Those that have not ended."""
@@ -119,13 +133,7 @@ class Orders:
 
     def views(self) -> tuple[OrderView, ...]:
         """The open ones, and the last that ended."""
-        if strange := self._strange.get(order):
-            return f"this plant does not make {' and '.join(strange)}"
         return tuple(self._view(order) for order in self._orders.values())
-
-    def impossible(self) -> Collection[str]:
-        """Ids of those that wait for a product that this plant does not make."""
-        return self._strange.keys()
 
     def take_changed(self) -> tuple[OrderView, ...]:
         """Those that have changed since the last call."""
@@ -171,7 +179,7 @@ class Orders:
         return order
 
     def _adopt(self, order: str, goal: Goal) -> None:
-        self._goals.setdefault(order, {})[goal.id] = goal
+        merge(self._goals.setdefault(order, {}).setdefault(goal.id, Goal(goal.id)), goal)
         self._order_of[goal.id] = order
 
     def _advanced(self, order: Order) -> Order:
@@ -201,6 +209,9 @@ class Orders:
     def _keep(self, order: Order) -> None:
         self._orders[order.id] = order
         self.changes.mark(order.id)
+        self._strange.pop(order.id, None)
+        if order.status in OPEN and (strange := order.strange_to(self._products)):
+            self._strange[order.id] = strange
         if order.status not in OPEN:
             self._waits.pop(order.id, None)
         if order.status in ENDED and order.id not in self._ended:
@@ -209,9 +220,6 @@ class Orders:
                 self._forget(next(iter(self._ended)))
 
     def _forget(self, order: str) -> None:
-        self._strange.pop(order.id, None)
-        if order.status in OPEN and (strange := order.strange_to(self._products)):
-            self._strange[order.id] = strange
         del self._ended[order], self._orders[order]
         for goal in self._goals.pop(order, {}):
             del self._order_of[goal]
