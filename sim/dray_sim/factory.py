@@ -12,11 +12,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from hashlib import sha256
 from random import Random
-from typing import Protocol
 
 from dray import __version__
 from dray.adapters.signing import SigningKey, TrustedKeys
-from dray.messages import Message
 from dray.messages.keys import Keys
 from dray.plant import Plant, with_machine
 from dray.plant.model import MachineSpec, VehicleSpec
@@ -28,33 +26,13 @@ from dray.protocol.machine import Machine
 from dray.protocol.strategist import STRATEGIST, Strategist
 from dray.worker import Worker
 from dray_sim.coverage import Coverage
+from dray_sim.ears import Ear
 from dray_sim.floor import FIRST_STOCK_FRAC, Floor
 from dray_sim.journal import HeldJournal
 from dray_sim.loop import VirtualClock
 from dray_sim.network import WLAN, Latency, SimNetwork
 from dray_sim.vehicle import SimVehicle
 from dray_sim.workcell import SimWorkcell
-
-
-class Ear(Protocol):
-    """Whoever wants to know all that is said."""
-
-    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None: ...
-
-
-class Ears:
-    """Several listeners in one, asked in the order in which they were added."""
-
-    def __init__(self) -> None:
-        self._ears: tuple[Ear, ...] = ()
-
-    def add(self, *ears: Ear) -> None:
-        self._ears += ears
-
-    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
-        for ear in self._ears:
-            ear.hear(at_s, sender, address, message)
-
 
 MakeAgent = Callable[[int, str, int], Agent]
 """Makes an agent for one life, from the number of that life, the version of its software, and the transports

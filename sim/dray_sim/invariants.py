@@ -34,7 +34,8 @@ from dray.protocol.carriage import HANDED_OVER
 from dray_sim.broken import InvariantBroken
 from dray_sim.company import ReplacedInTime, SpeaksOn
 from dray_sim.delivered import DeliveredExactly
-from dray_sim.factory import Ear, SimFactory
+from dray_sim.ears import Ear
+from dray_sim.factory import SimFactory
 from dray_sim.granted import GrantedOnly
 
 BRAKING_S = 10.0

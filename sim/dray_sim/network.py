@@ -38,9 +38,9 @@ if TYPE_CHECKING:
 
     from dray.messages import Message, Pose
     from dray.ports import Receive
+    from dray_sim.ears import Ear
     from dray_sim.faults.kinds import NetworkFault
     from dray_sim.loop import VirtualClock
-    from dray_sim.trace import Ear
 
 __all__ = [
     "APART",

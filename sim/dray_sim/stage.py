@@ -17,8 +17,9 @@ from dray.messages import OrderItem
 from dray.plant import Plant
 from dray_sim import demand
 from dray_sim.desk import Desk
+from dray_sim.ears import Ears
 from dray_sim.evidence import HELD
-from dray_sim.factory import Ears, SimFactory
+from dray_sim.factory import SimFactory
 from dray_sim.faults import Faults
 from dray_sim.floor import FIRST_STOCK_FRAC
 from dray_sim.habits import Habits

@@ -8,7 +8,7 @@ from __future__ import annotations
 import hashlib
 from collections import deque
 from struct import Struct
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 from dray.codec import encode
 
@@ -20,21 +20,6 @@ TAIL = 200
 
 _HEAD = Struct("<dII")
 """The time, and the lengths of what follows, so that no two utterances write the same bytes."""
-
-
-class Ear(Protocol):
-    """Whoever wants to know all that is said on a network."""
-
-    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
-        """Note one utterance; must not raise, and must not say anything itself.
-
-        Args:
-            at_s: virtual seconds.
-            sender: an agent's id.
-            address: a key, or ``>`` and the id of the one agent it was sent to.
-            message: what was said.
-        """
-        ...
 
 
 class Utterance(NamedTuple):

@@ -16,7 +16,8 @@ from dray.plant import default_plant
 from dray.ports import Bus, Receive, Session
 from dray_sim.demand import Order
 from dray_sim.desk import Desk
-from dray_sim.factory import Ear, Ears, SimFactory
+from dray_sim.ears import Ear, Ears
+from dray_sim.factory import SimFactory
 from dray_sim.invariants import Invariants
 from dray_sim.loop import clock, paced, run
 

@@ -13,7 +13,8 @@ from dray.plant import default_plant
 from dray.protocol.authority import NOT_GRANTED, NOT_HERE, NOT_TRUSTED
 from dray_sim import demand
 from dray_sim.desk import Desk
-from dray_sim.factory import Ears, SimFactory
+from dray_sim.ears import Ears
+from dray_sim.factory import SimFactory
 from dray_sim.invariants import Invariants
 from dray_sim.loop import clock, run
 

@@ -16,7 +16,8 @@ from dray.plant import default_plant
 from dray.store.orders import Item, Order
 from dray.store.progress import OrderStatus
 from dray_sim import demand
-from dray_sim.factory import Ears, SimFactory
+from dray_sim.ears import Ears
+from dray_sim.factory import SimFactory
 from dray_sim.invariants import Invariants
 from dray_sim.loop import VirtualClock, clock, run
 

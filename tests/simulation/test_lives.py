@@ -20,7 +20,8 @@ from dray.store.goals import Goal
 from dray.store.orders import Order
 from dray_sim import demand
 from dray_sim.desk import Desk
-from dray_sim.factory import Ear, Ears, SimFactory
+from dray_sim.ears import Ear, Ears
+from dray_sim.factory import SimFactory
 from dray_sim.invariants import Invariants
 from dray_sim.journal import HeldJournal
 from dray_sim.loop import clock, run

@@ -27,7 +27,8 @@ from dray.messages import (
 from dray.plant import default_plant
 from dray_sim import demand
 from dray_sim.desk import Desk
-from dray_sim.factory import Ears, SimFactory
+from dray_sim.ears import Ears
+from dray_sim.factory import SimFactory
 from dray_sim.faults import Faults, LinkTrouble
 from dray_sim.habits import Habits
 from dray_sim.hands import Hands

@@ -10,6 +10,7 @@ from dray.errors import DrayError
 from dray.messages import Event, Message
 from dray.messages.fact import TaskClosed, TookOver
 from dray_sim.desk import Desk
+from dray_sim.ears import Ears
 from dray_sim.explore.blame import Blame
 from dray_sim.explore.bonds import Bonds
 from dray_sim.explore.calm import Calm
@@ -20,7 +21,7 @@ from dray_sim.explore.regret import Regret
 from dray_sim.explore.revision import Revision
 from dray_sim.explore.story import Story
 from dray_sim.explore.trial import Trial, draw
-from dray_sim.factory import Ears, SimFactory
+from dray_sim.factory import SimFactory
 from dray_sim.faults import Fault, Faults, describe, kind_of
 from dray_sim.faults import play as let_happen
 from dray_sim.invariants import Invariants

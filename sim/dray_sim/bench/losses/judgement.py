@@ -17,7 +17,7 @@ from dray.store.progress import OrderStatus
 from dray_sim.bench.losses.history import History
 from dray_sim.broken import InvariantBroken
 from dray_sim.delivered import DeliveredExactly
-from dray_sim.factory import Ear
+from dray_sim.ears import Ear
 from dray_sim.floor import Pieces
 from dray_sim.invariants import HandedOverOnce, MaterialConserved, OnePrimaryEach, TasksEnd
 

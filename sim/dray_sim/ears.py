@@ -1,0 +1,39 @@
+"""Ears: whoever hears all that is said on a network, and takes no part."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from dray.messages import Message
+
+
+class Ear(Protocol):
+    """Whoever wants to know all that is said on a network."""
+
+    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
+        """Note one utterance; must not say anything itself. What it raises ends the run: a broken invariant.
+
+        Args:
+            at_s: virtual seconds.
+            sender: an agent's id.
+            address: a key, or ``>`` and the id of the one agent it was sent to.
+            message: what was said.
+        """
+        ...
+
+
+class Ears:
+    """Several listeners in one, asked in the order in which they were added."""
+
+    def __init__(self) -> None:
+        self._ears: tuple[Ear, ...] = ()
+
+    def add(self, *ears: Ear) -> None:
+        """Let these hear everything, too, from now on."""
+        self._ears += ears
+
+    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
+        """See `Ear`."""
+        for ear in self._ears:
+            ear.hear(at_s, sender, address, message)
