@@ -29,8 +29,9 @@ from dray_sim.coverage import Coverage
 from dray_sim.ears import Ear
 from dray_sim.floor import FIRST_STOCK_FRAC, Floor
 from dray_sim.journal import HeldJournal
+from dray_sim.latency import WLAN, Latency
 from dray_sim.loop import VirtualClock
-from dray_sim.network import WLAN, Latency, SimNetwork
+from dray_sim.network import SimNetwork
 from dray_sim.vehicle import SimVehicle
 from dray_sim.workcell import SimWorkcell
 

@@ -4,9 +4,10 @@ Every delivery to every receiver is an event of its own on the clock, after a de
 comes from the generators that are handed in and from nothing else, and receivers are gone through in the
 order in which they joined, so one seed gives one run.
 
-What a delivery meets on its way is decided in one place: `SimNetwork._carry`, as long as nothing is
-wrong, and `SimNetwork._carry_ill` while a fault is active or a vehicle could be without WLAN. A run
-without faults pays for faults with one question per utterance, and none of their chances is drawn.
+Here it is decided which way a message goes. As long as nothing is wrong, there is one, the WLAN; another is
+looked for while a fault is active or a vehicle could be without WLAN (`_publish_ill`, `_send_ill`). A run without
+faults pays for faults with one question per utterance. What a message meets on its way is left to `dray_sim.wlan`
+and `dray_sim.radio`.
 
     sender --WLAN--> receiver                                    all is well, or the link has troubles
     vehicle --radio--> vehicles ... gateway --WLAN--> receiver   the sender has no WLAN: a frame rises
@@ -27,11 +28,12 @@ from msgspec.structs import replace
 from dray.codec import decode, encode
 from dray.messages import AtvHeartbeat, Link
 from dray_sim.coverage import Coverage
-from dray_sim.latency import QUANTILE_BITS, WLAN, Latency
+from dray_sim.latency import WLAN, Latency
 from dray_sim.links import Links
 from dray_sim.listeners import Listeners
 from dray_sim.modem import Modem, Modems
 from dray_sim.radio import RADIO, UNFIT, Frame, Radio, RadioSpec
+from dray_sim.wlan import Wlan
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -42,30 +44,10 @@ if TYPE_CHECKING:
     from dray_sim.faults.kinds import NetworkFault
     from dray_sim.loop import VirtualClock
 
-__all__ = [
-    "APART",
-    "HELD_UP_S",
-    "LOST",
-    "NO_GATEWAY",
-    "NO_WLAN",
-    "WLAN",
-    "Latency",
-    "SimNetwork",
-    "SimSession",
-]
-
-AGAIN_S = 1.0
-"""A second copy comes at most so much later: longer than any protocol waits before it repeats."""
-
-HELD_UP_S = 2.0
-"""A held-up message is late by at most so much: a heartbeat is overtaken by the next one or two."""
-
 GATEWAY_S = 12.0
 """A vehicle is reached over whom it was last heard over, for two heartbeats of an idle vehicle and some."""
 
 NO_WLAN = "no WLAN"
-APART = "partition"
-LOST = "link loss"
 NO_GATEWAY = "no way by radio"
 
 
@@ -140,9 +122,8 @@ class SimNetwork:
         missed: messages that found nobody: sent to or by an agent that is not, or no longer, there.
         lost: what faults and the radio have lost, by reason; reasons are few and fixed. A publication
             whose sender is without WLAN counts once, every other loss once for each receiver.
-        doubled: second copies made by a link's trouble.
-        held_up: messages that later ones might overtake.
         relayed: frames that a gateway has put on the bus.
+        wlan: its deliveries.
         radio: the vehicles' radios.
     """
 
@@ -161,26 +142,21 @@ class SimNetwork:
         self.delivered = 0
         self.missed = 0
         self.lost: Counter[str] = Counter()
-        self.doubled = 0
-        self.held_up = 0
         self.relayed = 0
         self._clock = clock
-        self._draw = random.getrandbits
-        self._delays_s = latency.quantiles()
         self._codec = codec
         self._trace = trace
         self._joins = 0
         self._sessions: dict[str, SimSession] = {}
         self._listeners = Listeners()
-        # Grows to (agents that ever talked) x (agents they talked to), and no further: names are few.
-        self._last_arrival_s: dict[tuple[str, str], float] = {}
         # A generator of their own, so that a fault does not shift the chances of what it does not touch.
-        self._chance = chance if chance is not None else Random("network faults")
+        chance = chance if chance is not None else Random("network faults")
         self._links = Links(coverage if coverage is not None else Coverage())
         self._modems = Modems(clock, self._links)
+        self.wlan = Wlan(clock, random, latency, links=self._links, chance=chance, lost=self.lost)
         self.radio = Radio(
             clock,
-            self._chance,
+            chance,
             radio,
             stations=self._modems.stations,
             on_air=self._on_air,
@@ -255,8 +231,9 @@ class SimNetwork:
         if self._modems.busy:
             self._publish_ill(sender, key, message, receivers)
             return
+        carry = self.wlan.carry
         for receiver in receivers:
-            self._carry(sender, receiver, message)
+            carry(sender, receiver, message)
 
     def send(self, sender: SimSession, to: str, message: Message) -> None:
         """Carry `message` to one agent."""
@@ -271,7 +248,7 @@ class SimNetwork:
         if self._modems.busy:
             self._send_ill(sender, receiver, message)
         else:
-            self._carry(sender, receiver, message)
+            self.wlan.carry(sender, receiver, message)
 
     def subscribe(self, session: SimSession, key: str) -> None:
         """Let `session` hear `key`, which may hold wildcards."""
@@ -295,20 +272,6 @@ class SimNetwork:
             self._trace.hear(self._clock.time_s, sender, address, message)
         return decode(encode(sender, message))[1] if self._codec else message
 
-    def _carry(self, sender: SimSession, receiver: SimSession, message: Message) -> None:
-        """Decide the fate of one delivery while nothing is wrong: when it arrives."""
-        when_s = self._clock.time_s + self._delays_s[self._draw(QUANTILE_BITS)]
-        # First in, first out between any two agents: a later message waits for an earlier slow one.
-        pair = (sender.agent, receiver.agent)
-        last_s = self._last_arrival_s.get(pair, 0.0)
-        if when_s < last_s:  # noqa: PLR1730 (a call of max costs more than all of this)
-            when_s = last_s
-        self._last_arrival_s[pair] = when_s
-        if sender.context:
-            self._clock.call_at(when_s, receiver.deliver_with, sender.context, sender.agent, message)
-        else:
-            self._clock.call_at(when_s, receiver.deliver, sender.agent, message)
-
     # --- the way of a message while something is wrong -------------------------------------------
 
     def _publish_ill(
@@ -316,7 +279,7 @@ class SimNetwork:
     ) -> None:
         if not self._modems.talks_wlan(sender.agent):
             if sender in receivers:
-                self._carry(sender, sender, message)
+                self.wlan.carry(sender, sender, message)
             if type(message) is AtvHeartbeat:
                 self._rise(Frame(sender.agent, message, key=key))
             else:
@@ -327,7 +290,7 @@ class SimNetwork:
 
     def _send_ill(self, sender: SimSession, receiver: SimSession, message: Message) -> None:
         if receiver is sender:
-            self._carry(sender, receiver, message)
+            self.wlan.carry(sender, receiver, message)
         elif not self._modems.talks_wlan(sender.agent):
             self._rise(Frame(sender.agent, message, to=receiver.agent))
         elif self._modems.has_wlan(receiver.agent):
@@ -342,39 +305,9 @@ class SimNetwork:
         if receiver.agent != over and not self._modems.has_wlan(receiver.agent):
             self.lost[NO_WLAN] += 1
         elif context:
-            self._pass_link(over, receiver.agent, receiver.deliver_with, context, sender, message)
+            self.wlan.pass_link(over, receiver.agent, receiver.deliver_with, context, sender, message)
         else:
-            self._pass_link(over, receiver.agent, receiver.deliver, sender, message)
-
-    def _pass_link(self, start: str, end: str, arrive: Callable[..., None], *args: object) -> None:
-        """Let something pass a link with all its troubles: it arrives in time, late, twice or never."""
-        when_s = self._clock.time_s + self._delays_s[self._draw(QUANTILE_BITS)]
-        troubles = self._links.troubles(start, end)
-        if troubles is None:
-            self.lost[APART] += 1
-            return
-        chance = self._chance.random
-        held_up = copied = False
-        for trouble in troubles:
-            if trouble.loss_frac and chance() < trouble.loss_frac:
-                self.lost[LOST] += 1
-                return
-            when_s += trouble.latency_s
-            if trouble.jitter_s:
-                when_s += trouble.jitter_s * chance()
-            held_up = held_up or bool(trouble.reorder_frac and chance() < trouble.reorder_frac)
-            copied = copied or bool(trouble.duplicate_frac and chance() < trouble.duplicate_frac)
-        if held_up:
-            self.held_up += 1
-            when_s += HELD_UP_S * chance()
-        else:
-            pair = (start, end)
-            when_s = max(when_s, self._last_arrival_s.get(pair, 0.0))
-            self._last_arrival_s[pair] = when_s
-        self._clock.call_at(when_s, arrive, *args)
-        if copied:
-            self.doubled += 1
-            self._clock.call_at(when_s + AGAIN_S * chance(), arrive, *args)
+            self.wlan.pass_link(over, receiver.agent, receiver.deliver, sender, message)
 
     # --- the radio -------------------------------------------------------------------------------
 
@@ -411,7 +344,7 @@ class SimNetwork:
             self.lost[NO_GATEWAY] += 1
             return
         falling = Frame(frame.origin, short, to=frame.to, rising=False, reached=frame.reached)
-        self._pass_link(start, gateway.agent, self._fall, gateway.agent, falling)
+        self.wlan.pass_link(start, gateway.agent, self._fall, gateway.agent, falling)
 
     def _fall(self, gateway: str, frame: Frame) -> None:
         """A frame for a vehicle without WLAN has come to the gateway that is to say it by radio."""
@@ -460,7 +393,7 @@ class SimNetwork:
         if addressee is None:
             self.missed += 1
         elif self._modems.has_wlan(frame.to):
-            self._pass_link(gateway.agent, frame.to, self._reach, addressee, frame)
+            self.wlan.pass_link(gateway.agent, frame.to, self._reach, addressee, frame)
         else:
             self._hand_down(gateway.agent, frame)
 

@@ -24,8 +24,8 @@ from dray_sim.faults import Faults
 from dray_sim.floor import FIRST_STOCK_FRAC
 from dray_sim.habits import Habits
 from dray_sim.invariants import Invariants
+from dray_sim.latency import WLAN, Latency
 from dray_sim.loop import JUMP, clock, run
-from dray_sim.network import WLAN, Latency
 from dray_sim.observer import Observer
 from dray_sim.people import hire
 from dray_sim.report import Report, make_report

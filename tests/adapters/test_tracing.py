@@ -39,8 +39,9 @@ from dray.plant import default_plant
 from dray_sim.demand import Order
 from dray_sim.desk import Desk
 from dray_sim.factory import SimFactory
+from dray_sim.latency import WLAN
 from dray_sim.loop import clock, run
-from dray_sim.network import WLAN, SimNetwork
+from dray_sim.network import SimNetwork
 
 PLANT = default_plant()
 

@@ -21,8 +21,9 @@ from dray.ports import Bus, Receive, Session
 from dray_sim.bridge import BridgedBus, SimThread
 from dray_sim.coverage import Coverage, Hole
 from dray_sim.faults import LinkTrouble, Partition, WlanCut
+from dray_sim.latency import WLAN
 from dray_sim.loop import VirtualLoop, clock, paced, run
-from dray_sim.network import WLAN, SimNetwork
+from dray_sim.network import SimNetwork
 
 
 class World(ABC):

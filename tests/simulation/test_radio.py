@@ -691,7 +691,7 @@ async def storm(seed: int, *, codec: bool = False) -> str:
     await asyncio.sleep(50.0)
     assert network.relayed > 50
     assert all(network.link_of(f"V{number}") is Link.WLAN for number in range(8))
-    counts = (network.delivered, network.doubled, network.relayed, sorted(network.lost.items()))
+    counts = (network.delivered, network.wlan.doubled, network.relayed, sorted(network.lost.items()))
     return f"{trace.hexdigest()} {counts}"
 
 

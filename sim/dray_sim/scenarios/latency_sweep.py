@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from dray.plant import default_plant
 from dray_sim.evidence import Check, Table
-from dray_sim.network import WLAN, Latency
+from dray_sim.latency import WLAN, Latency
 from dray_sim.scenario import Findings, Scenario
 from dray_sim.scenarios.tally import HEAD, Tally, all_delivered, listed, row, run_out
 from dray_sim.stage import Played, Shift, play

@@ -12,7 +12,7 @@ from dray.plant import default_plant
 from dray.protocol.suspicion import LATENESS_MAX_S, WORKING_INTERVAL_S, bound_s
 from dray_sim.evidence import Check, Table
 from dray_sim.faults import Fault, PoweredOff, RadioCut, WlanCut
-from dray_sim.network import WLAN
+from dray_sim.latency import WLAN
 from dray_sim.observer import percentile
 from dray_sim.radio import RADIO
 from dray_sim.scenario import Findings, Scenario
