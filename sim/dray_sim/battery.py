@@ -10,6 +10,7 @@ The charging power is what arrives in the battery: the charger also feeds the ve
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import exp, log
 
 from dray.plant.model import VehicleType
@@ -18,6 +19,10 @@ SECONDS_PER_HOUR = 3600.0
 
 LEFT_AT_FULL = 0.1
 """The part of the full charging power that is left when the battery is full (`VehicleType.charge_w`)."""
+
+
+HALVINGS = 50
+"""Of a ride of minutes, to find when its battery ends: far below a nanosecond."""
 
 
 class Battery:
@@ -77,3 +82,20 @@ class Battery:
         goal_frac = self._bend_frac + 1.0 / self._fall
         begin_frac = max(level_frac, self._bend_frac)
         return flat_s + log((goal_frac - begin_frac) / (goal_frac - to_frac)) / self._decay_per_s
+
+
+def runs_out_s(level_frac: Callable[[float], float], begin_s: float, end_s: float) -> float:
+    """When a battery is empty, in seconds from where its times count.
+
+    Args:
+        level_frac: its level at a time in between; it only falls.
+        begin_s: not after the end of the battery.
+        end_s: the battery is empty then.
+    """
+    for _ in range(HALVINGS):
+        middle_s = 0.5 * (begin_s + end_s)
+        if level_frac(middle_s) > 0.0:
+            begin_s = middle_s
+        else:
+            end_s = middle_s
+    return end_s

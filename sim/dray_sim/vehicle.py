@@ -4,10 +4,11 @@ It implements `dray.ports.Body`, behind which a real vehicle that speaks VDA 505
 ways have a released part (base) and one that is not (horizon), picking and dropping are actions, and
 what cannot be done is reported. It leaves all decisions to its agent, and does not see other vehicles.
 
-Theory of operation. Nothing ticks. A moving vehicle has a speed profile (`dray_sim.travel`), a working
-one a time when the action ends; where it is and what its battery holds follow from the time in closed
-form. One call of the clock is open at a time, for the next node or the end of the action; it carries the
-number of the plan that it belongs to, and a change of plan makes it stale. Another watches the battery.
+Theory of operation. Nothing ticks. A moving vehicle has a speed profile (`dray_sim.travel`), a working one
+a time when the action ends (`dray_sim.handling`); where it is and what its battery holds follow from the
+time in closed form. One call of the clock is open at a time, for the next node or the end of the action; it
+carries the number of the plan that it belongs to, and a change of plan makes it stale. Another watches the
+battery.
 
     standing --Drive--> driving --WayDone--> standing --Pick, Drop, Charge--> acting --> standing
     Hold, a breakdown and an empty battery stop either; the rest of the way or action is kept.
@@ -46,8 +47,9 @@ from dray.messages import Link
 from dray.plant import Plant
 from dray.plant.model import VehicleSpec, VehicleType
 from dray.ports import Clock
-from dray_sim.battery import Battery
+from dray_sim.battery import Battery, runs_out_s
 from dray_sim.chargers import Chargers
+from dray_sim.handling import Action, Handling
 from dray_sim.odometer import Activity, Odometer
 from dray_sim.reporter import Reporter
 from dray_sim.stores import Place
@@ -67,9 +69,6 @@ EMPTY_FRAC = 1e-9
 WATCH_EXACT_S = 60.0
 """A battery that lasts longer is looked at again after half of that time. So a vehicle keeps a handful
 of calls open, and not one for each time it has moved."""
-
-HALVINGS = 50
-"""Of a ride of minutes, to find when its battery ends: far below a nanosecond."""
 
 
 class SimVehicle:
@@ -104,27 +103,16 @@ class SimVehicle:
     ) -> None:
         self.id = spec.id
         self._type = vehicle_type
-        self._plant = plant
         self._clock = clock
-        self._places = places
-        self._docks = docks
-        self._chargers = chargers
         self._reporter = Reporter(clock)
         self._battery = Battery(vehicle_type)
         self._travel = Travel(plant, vehicle_type, spec.node, clock.now_s())
-        self._load = ""
-        self._quantity = 0
+        self._handling = Handling(spec.id, vehicle_type, plant, places, docks, chargers)
         self._held = False
         self._fault = ""
         self._empty = False
         self._off = False
         self._link = Link.WLAN
-        self._charger = ""
-        """Where it is plugged in."""
-        self._action: Pick | Drop | Charge | None = None
-        self._action_left_s = 0.0
-        self._out_of_stock = False
-        """The pick has come to its end, and there is nothing to take yet."""
         # As of `_settled_s`:
         self._level_frac = spec.battery_frac
         self._sums = Odometer()
@@ -174,8 +162,8 @@ class SimVehicle:
             next_node_s=travel.next_node_s(now_s),
             speed_mps=travel.motion(now_s)[1],
             battery_frac=self._level(now_s),
-            load=self._load,
-            load_quantity=self._quantity,
+            load=self._handling.load,
+            load_quantity=self._handling.quantity,
             held=self._held,
             charging=self._charging,
             link=self._link,
@@ -220,7 +208,7 @@ class SimVehicle:
             return
         self._settle()
         self._off = True
-        self._action, self._out_of_stock = None, False
+        self._handling.end()
         self._travel.strand(self._settled_s)
         self._reporter.mute()
         self._schedule()
@@ -240,7 +228,7 @@ class SimVehicle:
         Returns:
             False when there is no load that could slip.
         """
-        if not self._load and not isinstance(self._action, Pick):
+        if not self._handling.load and not isinstance(self._handling.action, Pick):
             return False
         self.break_down(LOAD_SHIFTED)
         return True
@@ -252,9 +240,8 @@ class SimVehicle:
             The item and how many pieces; `("", 0)` when nothing is on board.
         """
         self._settle()
-        load = self._load, self._quantity
-        self._load, self._quantity = "", 0
-        if isinstance(self._action, Drop):
+        load = self._handling.take_off()
+        if isinstance(self._handling.action, Drop):
             self._end_action("the load was taken off by hand")
         self._change_of_fortune()
         return load
@@ -265,8 +252,7 @@ class SimVehicle:
         if self._travel.way is not None:
             self._fail(self._travel.way.order, MOVED_BY_HAND)
         self._end_action(MOVED_BY_HAND)
-        self._chargers.unplug(self._charger, self.id)
-        self._charger = ""
+        self._handling.unplug()
         self._travel.place_at(node, self._settled_s)
         self._change_of_fortune()
 
@@ -308,63 +294,23 @@ class SimVehicle:
             self._fail(drive.order, reason)
             travel.cut(now_s)
             return
-        if self._action is not None:
+        if self._handling.action is not None:
             self._end_action("a new way was given")
-        self._chargers.unplug(self._charger, self.id)
-        self._charger = ""
+        self._handling.unplug()
         way = travel.way
         if way is not None and not way.lead:
             self._pass_node(way, 0)
 
-    def _act(self, action: Pick | Drop | Charge) -> None:
-        if isinstance(self._action, Charge):
+    def _act(self, action: Action) -> None:
+        if isinstance(self._handling.action, Charge):
             self._end_action("")
-        reason = self._refusal(action)
+        busy = self._travel.way is not None
+        reason = "the way is not finished" if busy else self._handling.begin(action, self._travel.node)
         if reason:
             self._fail(action.order, reason)
-            return
-        self._action, self._out_of_stock = action, False
-        if isinstance(action, Pick):
-            self._action_left_s = self._type.load_s
-        elif isinstance(action, Drop):
-            self._action_left_s = self._type.unload_s
-        else:
-            self._charger = action.charger
+        elif isinstance(action, Charge):
             self._revive()
             self._obey_stops()
-
-    def _refusal(self, action: Pick | Drop | Charge) -> str:
-        """Why an action cannot begin; empty when it can."""
-        if self._travel.way is not None:
-            return "the way is not finished"
-        if self._action is not None:
-            return "busy with another action"
-        if isinstance(action, Charge):
-            if action.charger not in self._plant.chargers:
-                return f"no charger {action.charger}"
-            if self._plant.node_of(action.charger) != self._travel.node:
-                return f"not at {action.charger}"
-            return self._chargers.plug(action.charger, self.id)
-        if action.station not in self._places:
-            return f"no station {action.station}"
-        if self._docks[action.station] != self._travel.node:
-            return f"not at {action.station}"
-        if isinstance(action, Drop):
-            return "" if self._load else "nothing on board"
-        return self._why_not_pick(action)
-
-    def _why_not_pick(self, pick: Pick) -> str:
-        """Why this vehicle can never pick this; empty when it can."""
-        item = self._plant.materials.get(pick.item) or self._plant.products.get(pick.item)
-        if self._load:
-            return f"{self._load} is on board"
-        if item is None:
-            return f"no item {pick.item}"
-        if item.ability not in self._type.abilities:
-            return f"cannot carry {item.ability}"
-        if not 1 <= pick.quantity <= item.lot:
-            return f"{pick.quantity} is not within a lot of {item.lot}"
-        return ""
 
     # --- what happens at its time ----------------------------------------------------------------
 
@@ -373,14 +319,14 @@ class SimVehicle:
         if plan != self._plan:
             return
         self._settle()
-        way = self._travel.way
+        way, action = self._travel.way, self._handling.action
         if way is not None:
             self._pass_node(way, self._travel.arrive())
-        elif isinstance(self._action, Charge):
+        elif isinstance(action, Charge):
             self._level_frac = 1.0
-            self._complete(self._action.order)
-        elif self._action is not None:
-            self._transfer(self._action)
+            self._complete(action.order)
+        elif action is not None:
+            self._transfer(action)
         self._schedule()
         self._reporter.flush()
 
@@ -392,42 +338,32 @@ class SimVehicle:
             self._reporter.say(WayDone(order=way.order, node=node))
 
     def _transfer(self, action: Pick | Drop) -> None:
-        """The load changes hands at the end of the manoeuvre, at once and wholly."""
-        place = self._places[action.station]
-        if isinstance(action, Drop):
-            reason = place.put(self.id, self._load, self._quantity, action.goal)
-            if not reason:
-                self._load, self._quantity = "", 0
-        else:
-            reason = place.take(self.id, action.item, action.quantity)
-            if not reason:
-                self._load, self._quantity = action.item, action.quantity
-            elif place.wait_for(action.item, action.quantity, partial(self._stocked, action.order)):
-                self._out_of_stock = True
-                return
+        reason = self._handling.transfer(action, partial(self._stocked, action.order))
         if reason:
             self._end_action(reason)
-        else:
+        elif not self._handling.out_of_stock:
             self._complete(action.order)
 
     def _stocked(self, order: int) -> None:
         """What the pick has waited for may be there now."""
-        if not self._out_of_stock or self._action is None or self._action.order != order:
+        handling = self._handling
+        if not handling.out_of_stock or handling.action is None or handling.action.order != order:
             return
         self._settle()
-        self._out_of_stock = False
+        handling.out_of_stock = False
         if not self.stopped:
             self._due(self._plan)
 
     def _complete(self, order: int) -> None:
-        self._action = None
+        self._handling.end()
         self._reporter.say(ActionDone(order=order))
 
     def _end_action(self, reason: str) -> None:
         """End the action without effect; a charge has had its effect and ends without a word."""
-        if self._action is not None and not isinstance(self._action, Charge):
-            self._fail(self._action.order, reason)
-        self._action, self._out_of_stock = None, False
+        action = self._handling.action
+        if action is not None and not isinstance(action, Charge):
+            self._fail(action.order, reason)
+        self._handling.end()
 
     def _fail(self, order: int, reason: str) -> None:
         self._reporter.say(ActionFailed(order=order, reason=reason))
@@ -436,7 +372,7 @@ class SimVehicle:
 
     @property
     def _charging(self) -> bool:
-        return isinstance(self._action, Charge) and not self.stopped
+        return isinstance(self._handling.action, Charge) and not self.stopped
 
     def _change_of_fortune(self) -> None:
         """Something outside has changed: stop or go on, and tell."""
@@ -456,9 +392,9 @@ class SimVehicle:
         when_s = NEVER_S
         if self._travel.way is not None:
             when_s = self._travel.next_at_s
-        elif self._action is not None and not self.stopped and not self._out_of_stock:
+        elif self._handling.action is not None and not self.stopped and not self._handling.out_of_stock:
             charging_s = self._battery.charging_s(self._level_frac)
-            left_s = charging_s if isinstance(self._action, Charge) else self._action_left_s
+            left_s = charging_s if self._charging else self._handling.left_s
             when_s = self._settled_s + left_s
         self._due_s = when_s
         if when_s < NEVER_S:
@@ -475,7 +411,9 @@ class SimVehicle:
         if self._charging:
             return self._battery.charged_frac(self._level_frac, seconds)
         metres = self._travel.driven_m(now_s) - self._settled_m
-        return max(self._level_frac - self._battery.spent_frac(metres, bool(self._load), seconds), 0.0)
+        return max(
+            self._level_frac - self._battery.spent_frac(metres, bool(self._handling.load), seconds), 0.0
+        )
 
     def _watch_battery(self) -> None:
         """See to it that a call comes not later than the battery is empty."""
@@ -494,13 +432,7 @@ class SimVehicle:
         level_frac = self._level(end_s)
         if level_frac > 0.0:
             return end_s + self._battery.lasts_s(level_frac)
-        for _ in range(HALVINGS):
-            middle_s = 0.5 * (begin_s + end_s)
-            if self._level(middle_s) > 0.0:
-                begin_s = middle_s
-            else:
-                end_s = middle_s
-        return end_s
+        return runs_out_s(self._level, begin_s, end_s)
 
     def _look_at_battery(self, when_s: float) -> None:
         if when_s == self._watch_s:
@@ -537,8 +469,8 @@ class SimVehicle:
             return
         self._add_to(self._sums, now_s)
         self._level_frac = self._level(now_s)
-        if self._action is not None and not self.stopped:
-            self._action_left_s = max(self._action_left_s - (now_s - self._settled_s), 0.0)
+        if not self.stopped:
+            self._handling.spend(now_s - self._settled_s)
         self._settled_s, self._settled_m = now_s, self._travel.driven_m(now_s)
 
     def _add_to(self, sums: Odometer, now_s: float) -> None:
@@ -547,7 +479,7 @@ class SimVehicle:
         stands_s = min(max(self._travel.moves_until_s, begin_s), now_s)
         if stands_s > begin_s:
             metres = max(self._travel.driven_m(now_s) - self._settled_m, 0.0)
-            sums.move(metres, stands_s - begin_s, loaded=bool(self._load))
+            sums.move(metres, stands_s - begin_s, loaded=bool(self._handling.load))
         if now_s > stands_s:
             sums.stand(self._activity(), now_s - stands_s)
 
@@ -557,8 +489,8 @@ class SimVehicle:
             return Activity.OFF
         if self.stopped:
             return Activity.HELD
-        if isinstance(self._action, Charge):
+        if self._charging:
             return Activity.CHARGING
-        if self._action is not None:
-            return Activity.WAITING if self._out_of_stock else Activity.HANDLING
+        if self._handling.action is not None:
+            return Activity.WAITING if self._handling.out_of_stock else Activity.HANDLING
         return Activity.WAITING if self._travel.waits else Activity.IDLE

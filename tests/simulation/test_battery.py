@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dray.plant import VehicleType
-from dray_sim.battery import Battery
+from dray_sim.battery import Battery, runs_out_s
 
 TYPE = VehicleType(id="t", name="T", battery_wh=500.0, charge_w=600.0, charge_taper_frac=0.8, idle_w=30.0)
 BATTERY = Battery(TYPE)
@@ -89,3 +89,13 @@ def test_spending_adds_metres_and_seconds(metres: float, seconds: float, loaded:
 def test_a_standing_vehicle_lasts_as_long_as_its_battery() -> None:
     assert BATTERY.lasts_s(0.5) == pytest.approx(250.0 / 30.0 * 3600.0)
     assert Battery(VehicleType(id="t", name="T", idle_w=0.0)).lasts_s(0.5) == inf
+
+
+@given(st.floats(0.0, 1.0), st.floats(1e-3, 1e4))
+def test_the_end_of_a_battery_is_found_on_any_curve_that_falls(when_frac: float, duration_s: float) -> None:
+    begin_s, empty_s = 1000.0, 1000.0 + when_frac * duration_s
+
+    def level_frac(at_s: float) -> float:
+        return max(empty_s - at_s, 0.0) ** 2
+
+    assert runs_out_s(level_frac, begin_s, begin_s + duration_s) == pytest.approx(empty_s, abs=1e-9)
