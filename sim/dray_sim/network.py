@@ -107,7 +107,7 @@ class SimNetwork:
 
     Args:
         clock: deliveries are its callbacks.
-        random: the only source of chance.
+        random: the only source of chance for delays.
         latency: how long messages are under way.
         codec: pass every message through the wire format. Slower, and the trace is the same.
         trace: a `Trace` or another ear; hears every utterance, whether or not anybody else does. What
