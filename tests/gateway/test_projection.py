@@ -14,8 +14,9 @@ from dray.gateway.projection import atvs as atvs_module
 from dray.gateway.projection import machines as machines_module
 from dray.gateway.projection import tasks as tasks_module
 from dray.gateway.projection.bids import MAX_BIDS
+from dray.gateway.projection.early import EARLY_KEPT
 from dray.gateway.projection.orders import ENDED_KEPT
-from dray.gateway.projection.tasks import CLOSED_KEPT, EARLY_KEPT
+from dray.gateway.projection.tasks import CLOSED_KEPT
 from dray.gateway.timescale import TimeScale
 from dray.gateway.views import TaskView, TrialView
 from dray.messages import (
@@ -43,6 +44,7 @@ from dray.messages.fact import (
     BidRefused,
     ContractTaken,
     GoalContracted,
+    GoalWaits,
     GoodsDelivered,
     OrderAccepted,
     PhaseEntered,
@@ -316,6 +318,13 @@ def test_what_contractors_say_before_the_announcement_is_kept(projection: Projec
     view = task(projection)
     assert [refusal.agent for refusal in view.refusals] == ["ATV3"]
     assert (view.phase, view.primary) == ("approaching", "ATV2")
+
+
+def test_that_nobody_can_make_a_goal_is_kept_until_its_announcement(projection: Projection) -> None:
+    tell(projection, "strategist", GoalWaits(goal="G1", order="O-1", reason="M1 is silent"))
+    work = Production(product="P1", quantity=4, order="O-1", item=0)
+    tell(projection, "strategist", opened("G1", work=work))
+    assert task(projection, "G1").trouble == "M1 is silent"
 
 
 def test_what_came_before_its_announcement_is_bounded(projection: Projection) -> None:

@@ -8,13 +8,13 @@ ignored.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Iterable
 from typing import Any
 
 from dray.gateway.projection.bids import add_bid, add_refusal, last_bid, note_award
 from dray.gateway.projection.carriers import add_carrier, begin_again, give_to, undo_takeover
 from dray.gateway.projection.changes import Changes
+from dray.gateway.projection.early import Early, task_of
 from dray.gateway.projection.transports import Transports
 from dray.gateway.projection.why import why_of
 from dray.gateway.views import CarrierView, TaskView
@@ -54,9 +54,6 @@ MAX_OPEN = 5_000
 MAX_BOUND = 10_000
 """Contractors whose contract is remembered: as many as vehicles."""
 
-EARLY_KEPT = 512
-"""Facts kept that came before their task was opened: some seconds of a plant of 1,000 vehicles."""
-
 
 class Tasks:
     """The tasks.
@@ -70,7 +67,7 @@ class Tasks:
         self._open: dict[str, TaskView] = {}
         self._closed: dict[str, TaskView] = {}
         """Oldest first."""
-        self._early: deque[Event] = deque(maxlen=EARLY_KEPT)
+        self._early = Early()
         self._bound: dict[str, tuple[str, str]] = {}
         """Per contractor that carries something, by its own word: the task, and for whom."""
         self._lives: dict[str, int] = {}
@@ -110,12 +107,11 @@ class Tasks:
         handler = self._on.get(type(fact))
         if handler is None:
             return False
-        # Every fact with a handler is about a task; a goal is the task that gives it out.
-        name: str = fact.goal if isinstance(fact, GoalWaits) else fact.task  # type: ignore[union-attr]
+        name = task_of(event)
         task = self._open.get(name)
         if task is None:
             if name not in self._closed:
-                self._early.append(event)
+                self._early.keep(event)
             return False
         if not handler(task, event, fact):
             return False
@@ -207,11 +203,8 @@ class Tasks:
         self._mark(task.id)
         if task.kind == "transport":
             self.transports.opened(fact.task, event.at_s)
-        waiting = [early for early in self._early if getattr(early.fact, "task", "") == fact.task]
-        if waiting:
-            self._early = deque((e for e in self._early if e not in waiting), maxlen=EARLY_KEPT)
-            for early in waiting:
-                self.fold(early)
+        for early in self._early.take(fact.task):
+            self.fold(early)
 
     def _answer(self, task: TaskView, event: Event, fact: AwardAnswered) -> bool:
         if fact.epoch < task.epoch:
@@ -302,7 +295,7 @@ class Tasks:
         if task is None:
             if fact.task not in self._closed:
                 # Its announcement was lost, and may be fetched again: it must not stay open then.
-                self._early.append(event)
+                self._early.keep(event)
             return False
         task.epoch = max(task.epoch, fact.epoch)
         task.state = "delivered" if fact.outcome == "delivered" else "withdrawn"
