@@ -5,13 +5,13 @@ A form of a page is answered with a page; a program that sends the same form get
 
 from __future__ import annotations
 
-from collections.abc import Callable, Coroutine, Iterable, Mapping
+from collections.abc import Callable, Coroutine
 from http import HTTPStatus
 from typing import Annotated, Any, Literal
 from urllib.parse import urlencode
 
 from fastapi import APIRouter, Query, Request
-from fastapi.responses import HTMLResponse, PlainTextResponse, RedirectResponse, Response
+from fastapi.responses import RedirectResponse, Response
 from fastapi.routing import APIRoute
 
 from dray.errors import UnavailableError
@@ -19,18 +19,15 @@ from dray.gateway.access import cookies
 from dray.gateway.access.caller import Caller
 from dray.gateway.access.gate import COOKIE, wants_page
 from dray.gateway.access.login import LinkUsedUp, WrongLogin
-from dray.gateway.access.onward import HOMES, onward
+from dray.gateway.access.onward import onward
+from dray.gateway.access.page import login_form, page, refused
 from dray.gateway.access.principal import Role
 from dray.gateway.access.recorder import address_of
 from dray.gateway.access.sessions import principal_of
 from dray.gateway.access.stations import stations_in
-from dray.gateway.access.texts import TEXTS
 from dray.gateway.access.trail import Noted
-from dray.gateway.language import language_of, remember_language
-from dray.gateway.panels import NotBuilt
 from dray.gateway.parts import Gateway, Parts, parts_of
-from dray.gateway.problems import AWAY, FieldError, Problem, away, unusable
-from dray.gateway.tracking.page import switches
+from dray.gateway.problems import FieldError, Problem, away, unusable
 from dray.store.people import Person
 
 
@@ -46,7 +43,7 @@ class _Page(APIRoute):
                 return await handle(request)
             except UnavailableError as error:
                 wanted = request.query_params.get("next", "")
-                return _refused(parts_of(request), request, away(request, error), {"next": wanted})
+                return refused(parts_of(request), request, away(request, error), {"next": wanted})
 
         return answer
 
@@ -58,19 +55,6 @@ FORM = "application/x-www-form-urlencoded"
 FIELDS = 10
 """In a form: the login's has six."""
 
-HEADERS = {
-    "Cache-Control": "no-store",
-    # With no referrer at all, browsers would hide the origin of a form that is sent, and the shield against
-    # other sites' pages would refuse it.
-    "Referrer-Policy": "same-origin",
-    "X-Robots-Tag": "noindex, nofollow",
-}
-
-NOT_BUILT = """\
-The login page is not built. Run `make panels` in the checkout and load this page again.
-Programs need no page: they send Authorization: Bearer TOKEN.
-"""
-
 Next = Annotated[str, Query(alias="next", max_length=2000)]
 As = Annotated[Literal["", "manager", "operator"], Query(alias="as")]
 
@@ -81,7 +65,7 @@ async def login_page(gateway: Gateway, request: Request, wanted: Next = "", role
     caller = await gateway.access.sessions.recognise(request.cookies.get(COOKIE, ""))
     if caller is not None and caller.role is not None and not caller.over:
         return _go(onward(wanted, caller.role))
-    return _login(gateway, request, HTTPStatus.OK, {"next": wanted, "as": role})
+    return login_form(gateway, request, HTTPStatus.OK, {"next": wanted, "as": role})
 
 
 @router.post("/login")
@@ -99,9 +83,9 @@ async def log_in(gateway: Gateway, request: Request, note: Noted) -> Response:
             )
     except WrongLogin as wrong:
         note.result, note.target = "refused", wrong.claimed
-        return _refused(gateway, request, wrong, form)
+        return refused(gateway, request, wrong, form)
     except Problem as problem:
-        return _refused(gateway, request, problem, form)
+        return refused(gateway, request, problem, form)
     return await _welcome(gateway, request, note, person, form.get("next", ""))
 
 
@@ -109,7 +93,7 @@ async def log_in(gateway: Gateway, request: Request, note: Noted) -> Response:
 async def station_page(gateway: Gateway, request: Request, caller: Caller, wanted: Next = "") -> Response:
     """Where do you work?"""
     stations = stations_in(gateway.plant, caller.areas or ())
-    return _page(
+    return page(
         gateway,
         request,
         HTTPStatus.OK,
@@ -140,8 +124,8 @@ async def link_page(gateway: Gateway, request: Request, token: str) -> Response:
     try:
         person = await gateway.access.login.whose_link(token)
     except LinkUsedUp as used:
-        return _refused(gateway, request, used, {})
-    return _page(gateway, request, HTTPStatus.OK, "login-link.html", person=person)
+        return refused(gateway, request, used, {})
+    return page(gateway, request, HTTPStatus.OK, "login-link.html", person=person)
 
 
 @router.post("/login/{token}")
@@ -152,9 +136,9 @@ async def use_link(gateway: Gateway, request: Request, note: Noted, token: str) 
         person = await gateway.access.login.by_link(token, address_of(request.scope))
     except LinkUsedUp as used:
         note.result = "refused"
-        return _refused(gateway, request, used, {})
+        return refused(gateway, request, used, {})
     except Problem as problem:
-        return _refused(gateway, request, problem, {})
+        return refused(gateway, request, problem, {})
     return await _welcome(gateway, request, note, person, "")
 
 
@@ -165,8 +149,7 @@ async def log_out(gateway: Gateway, request: Request, note: Noted) -> Response:
     if ended is not None:
         note.who = principal_of(*ended)
         await gateway.access.watch.soon()
-    page = wants_page(request.scope)
-    answer = _go("/login") if page else Response(status_code=HTTPStatus.NO_CONTENT)
+    answer = _go("/login") if wants_page(request.scope) else Response(status_code=HTTPStatus.NO_CONTENT)
     cookies.take_session(answer, request)
     return answer
 
@@ -221,95 +204,3 @@ def _station(gateway: Parts, request: Request, person: Person) -> str:
 
 def _go(path: str) -> Response:
     return RedirectResponse(path, HTTPStatus.SEE_OTHER, headers={"Cache-Control": "no-store"})
-
-
-def _refused(gateway: Parts, request: Request, problem: Problem, form: Mapping[str, str]) -> Response:
-    """What went wrong: for a person as a page, for a program as a problem."""
-    if not wants_page(request.scope):
-        raise problem
-    if isinstance(problem, LinkUsedUp):
-        return _page(gateway, request, HTTPStatus(problem.status), "login-gone.html")
-    return _login(gateway, request, HTTPStatus(problem.status), form, problem)
-
-
-def _login(
-    gateway: Parts,
-    request: Request,
-    status: HTTPStatus,
-    form: Mapping[str, str],
-    problem: Problem | None = None,
-) -> Response:
-    """The form, as it was filled in, without the secret."""
-    wanted = form.get("next", "")
-    operator = form.get("as") == "operator" or (
-        not form.get("as") and wanted.startswith(HOMES[Role.OPERATOR])
-    )
-    return _page(
-        gateway,
-        request,
-        status,
-        "login.html",
-        operator=operator,
-        next=wanted,
-        typed=form.get("name", ""),
-        known=cookies.known_people(request) if operator else [],
-        chosen=form.get("known", ""),
-        wrong="" if problem is None else _words(problem, language_of(request)),
-        headers={} if problem is None else problem.headers,
-        carried=[("next", wanted), ("as", form.get("as", ""))],
-        # A page of another site led here, so the browser has kept our cookie to itself. Loaded again by
-        # this page, the same address is asked for with it.
-        again=request.headers.get("sec-fetch-site") == "cross-site",
-    )
-
-
-def _words(problem: Problem, language: str) -> str:
-    texts = TEXTS[language]
-    match problem.status:
-        case HTTPStatus.TOO_MANY_REQUESTS:
-            wait_s = int(problem.headers["Retry-After"])
-            wait = (
-                texts.seconds.format(n=wait_s) if wait_s < 120 else texts.minutes.format(n=-(-wait_s // 60))
-            )
-            return texts.too_many.format(wait=wait)
-        case HTTPStatus.SERVICE_UNAVAILABLE:
-            return texts.away if problem.kind == AWAY else texts.busy
-        case _:
-            return texts.wrong
-
-
-def _page(
-    gateway: Parts,
-    request: Request,
-    status: HTTPStatus,
-    template: str,
-    headers: Mapping[str, str] | None = None,
-    carried: Iterable[tuple[str, str]] = (),
-    **context: Any,
-) -> Response:
-    """A page in the visitor's language.
-
-    Args:
-        gateway: ours.
-        request: what is answered.
-        status: of the answer.
-        template: its name.
-        headers: more of them.
-        carried: what the address must keep when only the language changes.
-        context: what the template shows.
-    """
-    language = language_of(request)
-    try:
-        html = gateway.panels.render(
-            template,
-            language=language,
-            texts=TEXTS[language],
-            switches=switches(language),
-            carried=urlencode({name: value for name, value in carried if value}),
-            **context,
-        )
-    except NotBuilt:
-        return PlainTextResponse(NOT_BUILT, HTTPStatus.SERVICE_UNAVAILABLE, headers=HEADERS)
-    answer = HTMLResponse(html, status, headers=HEADERS | dict(headers or {}))
-    remember_language(answer, request)
-    return answer
