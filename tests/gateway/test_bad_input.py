@@ -11,7 +11,7 @@ import pytest
 from gateway_kit import PLANT, PRODUCT, House, draft, gateway, problem
 
 from dray.gateway.answers import write_cursor
-from dray.gateway.intake import MAX_ITEMS, MAX_QUANTITY
+from dray.gateway.drafts import MAX_ITEMS, MAX_QUANTITY
 from dray.messages import OrderReleased
 
 pytestmark = pytest.mark.anyio

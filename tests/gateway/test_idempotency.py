@@ -11,7 +11,7 @@ from gateway_kit import NOW_S, PRODUCT, House, draft, gateway, problem
 
 from dray.gateway import intake
 from dray.gateway.access.principal import Scope
-from dray.gateway.intake import KEYS_KEPT_S
+from dray.gateway.idempotency import KEYS_KEPT_S, alone
 from dray.gateway.parts import Parts
 from dray.messages import OrderReleased
 
@@ -75,7 +75,7 @@ async def test_a_key_at_work_is_refused_until_its_request_is_answered(
     place_once = intake.place_once
 
     async def slowly(gateway: Parts, draft: Any, key: str, render: Any) -> Any:
-        async with intake._alone(gateway.keys_at_work, key):
+        async with alone(gateway.keys_at_work, key):
             begun.set()
             await go_on.wait()
         return await place_once(gateway, draft, key, render)

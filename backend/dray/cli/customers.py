@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 from random import Random
 
 from dray.gateway import intake
-from dray.gateway.intake import OrderDraft
+from dray.gateway.drafts import OrderDraft
 from dray.gateway.parts import Parts
 from dray.gateway.problems import Problem
 from dray.plant import Plant

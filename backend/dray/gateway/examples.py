@@ -12,8 +12,8 @@ from dray.gateway.ledger import ON_TIME_S, PromiseLedger, PromiseLine
 from dray.gateway.preview import MachineOffer, MaterialNeed, OrderPreview, StorageShare
 from dray.gateway.routes.alerts import EXAMPLE as ALERT
 from dray.gateway.routes.events import EventAnswer
+from dray.gateway.routes.imports import ImportAnswer, ImportedOrder
 from dray.gateway.routes.orders import EXAMPLE as ORDER
-from dray.gateway.routes.orders import ImportAnswer, ImportedOrder
 from dray.gateway.routes.products import ProductAnswer
 from dray.gateway.tracking.answer import TrackAnswer, TrackEta, TrackStage
 from dray.gateway.tracking.track import StageName, TrackedItem

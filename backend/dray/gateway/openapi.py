@@ -19,8 +19,9 @@ from dray.gateway.problems import ProblemDetails
 from dray.gateway.routes.atvs import CommandAnswer
 from dray.gateway.routes.events import EventAnswer
 from dray.gateway.routes.faults import FaultsAnswer
+from dray.gateway.routes.imports import ImportAnswer
 from dray.gateway.routes.me import MeAnswer
-from dray.gateway.routes.orders import ImportAnswer, OrderAnswer
+from dray.gateway.routes.orders import OrderAnswer
 from dray.gateway.routes.products import ProductAnswer
 from dray.gateway.routes.traffic import TrafficAnswer
 from dray.gateway.tracking.answer import TrackAnswer

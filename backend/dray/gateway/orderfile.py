@@ -15,7 +15,7 @@ from typing import Any
 import msgspec
 from pydantic import ValidationError
 
-from dray.gateway.intake import MAX_ITEMS, OrderDraft
+from dray.gateway.drafts import MAX_ITEMS, OrderDraft
 from dray.gateway.problems import FieldError, field_error
 
 COLUMNS = ("customer", "reference", "product", "quantity", "due_at", "release")

@@ -11,6 +11,7 @@ from dray.gateway.routes import (
     events,
     faults,
     health,
+    imports,
     kpis,
     login,
     machines,
@@ -27,6 +28,8 @@ from dray.gateway.routes import (
 )
 
 API = (
+    # Its path looks like that of an order, so it comes first.
+    imports,
     orders,
     track,
     products,

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Query, Response
 
 from dray.gateway.answers import Json, described
-from dray.gateway.intake import Moment
+from dray.gateway.drafts import Moment
 from dray.gateway.kpis import KpiHistory, KpiPoint, points
 from dray.gateway.parts import Gateway
 from dray.gateway.problems import FieldError, unusable

@@ -7,12 +7,10 @@ from http import HTTPStatus
 from typing import Annotated
 
 import msgspec
-from fastapi import APIRouter, Depends, Header, Query, Request, Response
-from pydantic import BaseModel, ConfigDict, Field
+from fastapi import APIRouter, Depends, Query, Request, Response
 
-from dray.gateway import intake
+from dray.gateway import decisions, intake
 from dray.gateway.access.caller import Caller
-from dray.gateway.access.principal import Principal
 from dray.gateway.access.trail import Noted
 from dray.gateway.answers import (
     PAGE,
@@ -28,32 +26,18 @@ from dray.gateway.answers import (
     write_cursor,
 )
 from dray.gateway.bodies import json_only
-from dray.gateway.intake import OrderDraft, WorkDraft
-from dray.gateway.orderfile import RowFault, place, read_orders
-from dray.gateway.orderids import new_token
+from dray.gateway.drafts import OrderDraft, WorkDraft
+from dray.gateway.idempotency import Key, own_key
 from dray.gateway.parts import Gateway, Parts
 from dray.gateway.preview import OrderPreview
-from dray.gateway.problems import MAX_FIELD_ERRORS, FieldError, not_found, unusable
+from dray.gateway.problems import not_found
 from dray.gateway.projection.orders import order_view
 from dray.gateway.spreadsheet import Format, Row, table, with_csv
 from dray.gateway.views import OrderItemView, OrderView
-from dray.store.digest import digest
 from dray.store.orders import Order
 from dray.store.progress import OrderStatus
 
 router = APIRouter(tags=["orders"])
-
-Key = Annotated[
-    str | None,
-    Header(
-        alias="Idempotency-Key",
-        min_length=1,
-        max_length=255,
-        pattern=r"^[\x21-\x7e]+$",
-        description="Any text that is new for a new order. Sent again with the same body it gets the same "
-        "answer, so an order can be sent until it is answered.",
-    ),
-]
 
 
 class OrderAnswer(OrderView, kw_only=True):
@@ -63,47 +47,6 @@ class OrderAnswer(OrderView, kw_only=True):
     due_at: str | None = None
     delivered_at: str | None = None
     tracking_url: str
-
-
-class ImportRequest(BaseModel):
-    """A file of orders."""
-
-    model_config = ConfigDict(
-        extra="forbid",
-        json_schema_extra={
-            "examples": [
-                {
-                    "csv": "customer,reference,product,quantity,due_at\r\nMuster GmbH,4711,P1,5,\r\n",
-                    "dry_run": True,
-                }
-            ]
-        },
-    )
-
-    csv: str
-    """The text of the file."""
-    dry_run: Annotated[bool, Field(strict=True)] = False
-    """Only look what is in it."""
-
-
-class ImportedOrder(msgspec.Struct, frozen=True, kw_only=True):
-    """An order of the file."""
-
-    id: str
-    """Empty in a dry run."""
-    customer: str
-    reference: str | None
-    items: int
-    pieces: int
-    """Over all of its items."""
-
-
-class ImportAnswer(msgspec.Struct, frozen=True, kw_only=True):
-    """What was in the file."""
-
-    orders: tuple[ImportedOrder, ...]
-    faults: tuple[RowFault, ...]
-    """What is wrong with it, by row; 50 at most. Empty when it was placed."""
 
 
 EXAMPLE = OrderAnswer(
@@ -183,58 +126,10 @@ async def place_order(
         note.target = placed.id
         return _created(placed.id, msgspec.json.encode(order_answer(placed, base)))
     kept, replayed = await intake.place_once(
-        gateway, draft, _own(caller, key), lambda order: msgspec.json.encode(order_answer(order, base))
+        gateway, draft, own_key(caller, key), lambda order: msgspec.json.encode(order_answer(order, base))
     )
     note.target = kept.order_id
     return _created(kept.order_id, kept.answer.encode(), {"Idempotency-Replayed": "true"} if replayed else {})
-
-
-@router.post(
-    "/orders/import",
-    dependencies=[Depends(json_only)],
-    responses={
-        200: described(ImportAnswer, "What is in the file; unless it was a dry run, all of it is on disk"),
-        **problems(
-            p409="A request with this key is still being answered",
-            p503="Too many orders are open",
-        ),
-    },
-    response_class=Json,
-)
-async def import_orders(
-    gateway: Gateway, caller: Caller, note: Noted, file: ImportRequest, key: Key = None
-) -> Json:
-    """Place the orders of a spreadsheet, all of them or none.
-
-    The first row names the columns: `customer`, `reference`, `product`, `quantity`, `due_at`, `release`. Rows
-    that follow one another with the same customer and reference are one order. A dry run places nothing and
-    tells what is wrong in which row; without one, a single fault refuses the whole file.
-    """
-    read, faults = read_orders(file.csv)
-    now_s = gateway.wall_s()
-    for each in read:
-        faults += [place(error, each.row) for error in intake.nonsense(gateway, each.draft, now_s)]
-    faults.sort(key=lambda fault: fault.row)
-    drafts = [each.draft for each in read]
-    note.detail |= {"orders": len(drafts), "dry_run": file.dry_run}
-    if file.dry_run:
-        return Json(_imported([(draft, "") for draft in drafts], faults[:MAX_FIELD_ERRORS]))
-    if faults:
-        named = (
-            FieldError(f"row {fault.row}, {fault.column}".rstrip(", "), fault.reason) for fault in faults
-        )
-        raise unusable(*list(named)[:MAX_FIELD_ERRORS])
-
-    def render(orders: Sequence[Order]) -> bytes:
-        pairs = zip(drafts, (order.id for order in orders), strict=True)
-        return msgspec.json.encode(_imported(list(pairs), []))
-
-    # Without a key of its own every request is another one. An order and a file of that order alone are
-    # answered differently, so a key stands for another thing here.
-    own = _own(caller, f"import {key or new_token()}")
-    kept, _replayed = await intake.place_all_once(gateway, drafts, own, render)
-    note.target = kept.order_id
-    return Json(kept.answer.encode())
 
 
 @router.post(
@@ -305,7 +200,7 @@ async def get_order(gateway: Gateway, request: Request, order: str) -> Json:
 )
 async def release_order(gateway: Gateway, request: Request, order: str) -> Json:
     """Hand a stored order to the factory; doing it twice is harmless."""
-    return _answer(gateway, await intake.release(gateway, order), order, request)
+    return _answer(gateway, await decisions.release(gateway, order), order, request)
 
 
 @router.post(
@@ -323,7 +218,7 @@ async def revoke_order(gateway: Gateway, request: Request, order: str) -> Json:
     has stopped, `status` is `stored`, and the rest can be released again. Pieces that are made and have not
     arrived go to the next order of that product.
     """
-    return _answer(gateway, await intake.revoke(gateway, order), order, request)
+    return _answer(gateway, await decisions.revoke(gateway, order), order, request)
 
 
 @router.post(
@@ -336,12 +231,7 @@ async def revoke_order(gateway: Gateway, request: Request, order: str) -> Json:
 )
 async def cancel_order(gateway: Gateway, request: Request, order: str) -> Json:
     """Cancel an order; doing it twice is harmless. What is made already is not taken apart."""
-    return _answer(gateway, await intake.cancel(gateway, order), order, request)
-
-
-def _own(caller: Principal, key: str) -> str:
-    """Each caller has its own keys: another one's order is not to be had by guessing."""
-    return digest(f"{caller.kind} {caller.id} {key}")
+    return _answer(gateway, await decisions.cancel(gateway, order), order, request)
 
 
 def order_answer(order: Order, base_url: str, waits: str = "") -> OrderAnswer:
@@ -379,22 +269,6 @@ async def _rows(gateway: Parts, statuses: Sequence[OrderStatus]) -> AsyncIterato
         if len(orders) < ROWS_AT_ONCE:
             return
         after = orders[-1].created_at_s, orders[-1].id
-
-
-def _imported(orders: Sequence[tuple[OrderDraft, str]], faults: Sequence[RowFault]) -> ImportAnswer:
-    return ImportAnswer(
-        orders=tuple(
-            ImportedOrder(
-                id=name,
-                customer=draft.customer,
-                reference=draft.reference,
-                items=len(draft.items),
-                pieces=sum(item.quantity for item in draft.items),
-            )
-            for draft, name in orders
-        ),
-        faults=tuple(faults),
-    )
 
 
 def _created(order_id: str, answer: bytes, headers: Mapping[str, str] | None = None) -> Json:
