@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import stat
 from pathlib import Path
 
 import pytest
@@ -38,6 +39,20 @@ async def test_sqlite_writes_through_and_checks_foreign_keys(sqlite_url: str) ->
         "foreign_keys": 1,
         "busy_timeout": 5000,
     }
+
+
+def modes(folder: Path) -> dict[str, int]:
+    """Who may do what with the files of a folder, by their names."""
+    return {file.name: stat.S_IMODE(file.stat().st_mode) for file in folder.iterdir()}
+
+
+async def test_nobody_else_may_read_a_file_that_holds_the_key_for_commands(tmp_path: Path) -> None:
+    store = await open_store(f"sqlite+aiosqlite:///{tmp_path / 'new.db'}")
+    try:
+        found = modes(tmp_path)
+    finally:
+        await store.close()
+    assert found == dict.fromkeys(("new.db", "new.db-wal", "new.db-shm"), 0o600)
 
 
 async def test_postgresql_writes_through_and_readers_cannot_write(postgresql_url: str) -> None:

@@ -9,6 +9,8 @@ from __future__ import annotations
 import asyncio
 import sqlite3
 from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -56,6 +58,9 @@ class Sqlite:
 
 
 def _open_once(path: str) -> None:
+    # It holds the key by which commands are signed: made for its owner alone. SQLite says why it cannot be made.
+    with suppress(OSError):
+        Path(path).touch(mode=0o600)
     sqlite3.connect(path).close()
 
 
