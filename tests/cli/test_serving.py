@@ -11,8 +11,10 @@ from collections.abc import AsyncIterator
 import pytest
 from fastapi import FastAPI
 
+from dray.cli.service import Service, greeting_of
 from dray.cli.serving import Server, asked_by_signals, listen
 from dray.errors import UnavailableError
+from dray.plant import default_plant
 from dray.settings import Settings
 
 LONG_S = 600.0
@@ -79,3 +81,19 @@ def test_an_application_that_cannot_start_tells_why_and_no_traceback(
         asyncio.run(server.serve(sockets=[listener]))
     assert server.failure is away
     assert "Traceback" not in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("url", "option"),
+    [
+        ("sqlite:///dray.db", ""),
+        ("sqlite:////var/lib/dray/my data.db", " --db 'sqlite+aiosqlite:////var/lib/dray/my data.db'"),
+        ("postgresql://dray@db/factory", " --db postgresql+asyncpg://dray@db/factory"),
+        ("postgresql://dray:secret@db/factory", ""),
+    ],
+)
+def test_whoever_is_greeted_is_told_where_passwords_are_set(url: str, option: str) -> None:
+    service = Service(Settings.load(database_url=url), default_plant(), speed=1.0, seed=1, demand=False)
+    told = greeting_of(service, "http://127.0.0.1:8000", "", {"manager": "once"})
+    assert f"dray user password manager{option}, dray user pin NAME{option}.\n" in told
+    assert "secret@" not in told

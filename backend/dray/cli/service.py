@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import shlex
 import socket
 import time
 from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Iterable, Mapping
@@ -18,7 +19,7 @@ from fastapi import FastAPI
 from opentelemetry.sdk.trace import TracerProvider
 from prometheus_client import Metric
 from pydantic import SecretStr
-from sqlalchemy import make_url
+from sqlalchemy import URL, make_url
 
 from dray import __version__
 from dray.adapters.metrics_port import metrics_port
@@ -66,7 +67,7 @@ FOR_ADMIN = """\
 LINKS = """\
 Each of these links logs in once, within a day:
 {links}
-Whoever has a secret needs no link: dray user password manager, dray user pin NAME.
+Whoever has a secret needs no link: dray user password manager{db}, dray user pin NAME{db}.
 """
 
 
@@ -269,7 +270,7 @@ def greeting_of(service: Service, url: str, token: str, links: Mapping[str, str]
         token: the administrator's, if it was made for this run.
         links: per person without a secret, the token of a login link.
     """
-    plant = service.plant
+    plant, database = service.plant, make_url(service.settings.database_url)
     lines = GREETING.format(
         version=__version__,
         plant=plant.name,
@@ -277,15 +278,23 @@ def greeting_of(service: Service, url: str, token: str, links: Mapping[str, str]
         vehicles=len(plant.fleet),
         speed=service.speed,
         url=url,
-        database=make_url(service.settings.database_url).render_as_string(hide_password=True),
+        database=database.render_as_string(hide_password=True),
     )
     if token:
         lines += FOR_ADMIN.format(token=token)
     if links:
         lines += LINKS.format(
-            links="\n".join(f"  {person:<16}  {url}/login/{link}" for person, link in links.items())
+            links="\n".join(f"  {person:<16}  {url}/login/{link}" for person, link in links.items()),
+            db=_db_option(database),
         )
     return lines + "Ctrl-C stops it.\n"
+
+
+def _db_option(database: URL) -> str:
+    """How other commands find this database; empty where they do by themselves, or need its password, too."""
+    if database == make_url(Settings.model_fields["database_url"].default) or database.password is not None:
+        return ""
+    return f" --db {shlex.quote(database.render_as_string())}"
 
 
 @contextlib.asynccontextmanager

@@ -30,7 +30,10 @@ def up(
     port: Annotated[
         int | None, typer.Option(min=0, max=65_535, help="Of the gateway; else DRAY_PORT, else 8000.")
     ] = None,
-    db: Annotated[str | None, typer.Option(help="URL of the database; else a file in the folder.")] = None,
+    db: Annotated[
+        str | None,
+        typer.Option(help="URL of the database; else DRAY_DATABASE_URL, else a file in the folder."),
+    ] = None,
     speed: Annotated[float, typer.Option(help="Factory seconds per real second.", min=0.1, max=50.0)] = 1.0,
     plain: Annotated[
         bool, typer.Option("--plain", help="No certificates: links can be read, and words forged.")
@@ -51,9 +54,10 @@ def up(
     from dray.cli.options import load_settings
     from dray.cli.plant import chosen_plant
 
-    settings = load_settings(
-        port=port, plant_file=plant, database_url=db or f"sqlite:///{folder.resolve() / 'dray.db'}"
-    )
+    settings = load_settings(port=port, plant_file=plant, database_url=db)
+    if "database_url" not in settings.model_fields_set:
+        own = f"sqlite:///{folder.resolve() / 'dray.db'}"
+        settings = load_settings(port=port, plant_file=plant, database_url=own)
     asyncio.run(
         run_muster(
             Muster(

@@ -97,7 +97,9 @@ def read_settings(folder: Path) -> Settings:
             str(folder / SETTINGS), error.strerror or str(error), "start a fleet with `dray fleet up`"
         ) from None
     pairs = (line.partition("=") for line in lines)
-    return load_settings(None, **{name.removeprefix(PREFIX).lower(): value for name, _, value in pairs})
+    return load_settings(
+        None, **{name.removeprefix(PREFIX).lower(): value for name, _, value in pairs if value}
+    )
 
 
 def write_settings(folder: Path, common: Mapping[str, str], peers: Sequence[str]) -> None:

@@ -19,6 +19,7 @@ from dray.cli.fleet.control import controlled
 from dray.cli.fleet.folder import (
     CERTIFICATES,
     FLEET_LOCK,
+    GATEWAY,
     JOURNALS,
     LOGS,
     alone,
@@ -158,9 +159,10 @@ async def _common_environment(muster: Muster, folder: Path, port: int) -> dict[s
         f"{PREFIX}PLANT_SPEED": str(muster.speed),
         f"{PREFIX}PLANT_EPOCH_S": str(time.time()),
         f"{PREFIX}BUS_PLAIN": str(muster.plain),
+        # Said also where it is as ever: whoever has started us may have set something else for one process.
+        f"{PREFIX}BUS_CERTIFICATES": "" if muster.plain else str(folder / CERTIFICATES),
+        f"{PREFIX}GATEWAY_NAME": GATEWAY,
     }
-    if not muster.plain:
-        environment[f"{PREFIX}BUS_CERTIFICATES"] = str(folder / CERTIFICATES)
     if settings.plant_file is not None:
         environment[f"{PREFIX}PLANT_FILE"] = str(settings.plant_file.resolve())
     return environment
