@@ -18,7 +18,8 @@ from dray.adapters.sqlite_journal import SqliteJournal
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Links
 from dray.cli.office import run_historian
-from dray.cli.process import Surroundings
+from dray.cli.process import Surroundings, serve_floor
+from dray.errors import UnavailableError
 from dray.memory import AtvMemory
 from dray.messages.speakers import Kind
 from dray.plant import default_plant, plant_yaml
@@ -200,6 +201,26 @@ def test_a_historian_ends_when_another_one_has_been_started(
         asyncio.run(main())
     (told,) = raised.value.exceptions
     assert str(told) == "historian: has been started elsewhere; stop one of the two"
+
+
+def test_a_plant_has_one_floor_and_the_first_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    address, plant = free_address(), default_plant()
+    first_has = Settings.load(bus_plain=True, bus_listen=address)
+    second_has = Settings.load(bus_plain=True, bus_peers=address)
+
+    async def main() -> None:
+        ready = asyncio.Event()
+        monkeypatch.setattr("dray.cli.process.say_ready", lambda _name: ready.set())
+        async with asyncio.timeout(PATIENCE_S):
+            first = asyncio.create_task(serve_floor(Surroundings(first_has, plant), seed=1))
+            await ready.wait()
+            with pytest.raises(UnavailableError, match="the floor of dray: runs elsewhere already; end that"):
+                await serve_floor(Surroundings(second_has, plant), seed=1)
+            assert not first.done()
+            first.cancel()
+            await asyncio.wait((first,))
+
+    asyncio.run(main())
 
 
 def test_settings_come_from_a_file_and_the_environment_wins(

@@ -16,6 +16,7 @@ from dray.adapters.metrics_port import metrics_port, new_registry
 from dray.adapters.sqlite_journal import SqliteJournal
 from dray.adapters.system_clock import SystemClock
 from dray.adapters.zenoh_bus import ZenohBus
+from dray.adapters.zenoh_claim import Claim
 from dray.adapters.zenoh_links import Identity, Links
 from dray.adapters.zenoh_modem import Modem
 from dray.body import VehicleState
@@ -219,10 +220,22 @@ FLOOR = "floor"
 
 
 async def serve_floor(surroundings: Surroundings, seed: int) -> None:
-    """Run the simulated floor until a signal."""
+    """Run the simulated floor until a signal.
+
+    Raises:
+        UnavailableError: the bus is not to be had, or the plant has a floor already, whose bodies are at work.
+    """
     stopped = asyncio.Event()
+    second = False
     plant = surroundings.plant
+
+    def give_way() -> None:
+        nonlocal second
+        second = True
+        stopped.set()
+
     async with surroundings.bus(FLOOR) as bus, asyncio.TaskGroup() as group:
+        claim = Claim(bus.inner, bus.arrivals, f"{plant.id}/floor", give_way)
         floor = Floor(plant, surroundings.clock(), seed=seed, stock_frac=NEARLY_EMPTY_FRAC)
         server = FloorServer(bus.inner, plant.id, floor)
         telling = group.create_task(server.run())
@@ -231,6 +244,9 @@ async def serve_floor(surroundings: Surroundings, seed: int) -> None:
                 say_ready(FLOOR)
                 await stopped.wait()
         telling.cancel()
+        claim.end()
+    if second:
+        raise UnavailableError(f"the floor of {plant.id}", "runs elsewhere already", "end that one first")
 
 
 def say_ready(name: str) -> None:
