@@ -37,7 +37,8 @@ async def ask_until_answered(session: zenoh.Session, key: str, question: bytes, 
                 await asyncio.sleep(AGAIN_S)
                 answer = await ask(session, key, question)
     except TimeoutError:
-        raise UnavailableError(what, "nobody answers", "start `dray floor` first") from None
+        remedy = "start `dray floor` first; if it runs, see that its plant file has this and that DRAY_BUS_PEERS leads there"
+        raise UnavailableError(what, "nobody answers", remedy) from None
     return answer
 
 
