@@ -1,4 +1,4 @@
-"""A coordinator at its desk, for tests: one task, the time, and vehicles that beat."""
+"""A machine's transports at their desk, for tests: one task, the time, and vehicles that beat."""
 
 from __future__ import annotations
 
@@ -26,30 +26,33 @@ from dray.messages import (
     Role,
 )
 from dray.protocol.auction import AuctionRules, Place
-from dray.protocol.coordinator import Coordinator
 from dray.protocol.events import Effect
 from dray.protocol.supervision import Following
 from dray.protocol.tasks import OpenTask
 from dray.protocol.timers import Timers
+from dray.protocol.transports import Transports
 
 
 class Office:
-    """A coordinator, the time, and the one task T1 unless more are opened."""
+    """A machine's transports, the time, and the one task T1 unless more are opened."""
 
-    def __init__(self, *, watched: bool = True) -> None:
+    def __init__(self) -> None:
         self.out: list[Effect] = []
         self.now_s = 0.0
         self.timers = Timers()
         self.contracted: list[str] = []
-        self.desk = Coordinator(
+        self.desk = Transports(
             "M8",
             Place(x_m=30.0, y_m=15.0, reach_m=80.0),
             lambda _work, _radius_m: ("plant/task/0_0",),
             AuctionRules(),
             self.timers,
-            Following(KEYS.atv_heartbeat, self.out) if watched else None,
+            Following(KEYS.atv_heartbeat, self.out),
             self.out,
-            lambda task, _now_s: self.contracted.append(task.id),
+            contracted=lambda task, _now_s: self.contracted.append(task.id),
+            lost=lambda _task, _now_s: None,
+            left=lambda _atv: None,
+            unloaded=lambda _task, _now_s: None,
         )
         self.seq = 0
 

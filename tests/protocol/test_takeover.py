@@ -36,11 +36,11 @@ from dray.messages import (
 )
 from dray.messages.fact import CarrierChanged, ContractEnded, HelpAsked, HelpPromised, TaskClosed, TookOver
 from dray.protocol.carriage import ASK_AGAIN_S, GIVE_UP_AFTER
-from dray.protocol.coordinator import ADOPT_S
 from dray.protocol.events import Commit, Started
 from dray.protocol.failover import ASTRAY_S, GRACE_S
 from dray.protocol.supervision import UNNAMED_S
 from dray.protocol.suspicion import LATENESS_MAX_S, WORKING_INTERVAL_S, bound_s
+from dray.protocol.transports import ADOPT_S
 from dray.protocol.trouble import PATIENCE_MAX_S, PATIENCE_MIN_S
 
 BOUND_S = bound_s(WORKING_INTERVAL_S)

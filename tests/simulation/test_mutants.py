@@ -16,12 +16,13 @@ from dray.messages import CommandKind, Docked, DockOpened, Grant, Handover, Tran
 from dray.protocol.atv import Atv
 from dray.protocol.auction import Auction
 from dray.protocol.authority import Authority
-from dray.protocol.coordinator import Coordinator, OpenTask
 from dray.protocol.docking import Dock
 from dray.protocol.events import Instruct, Send
 from dray.protocol.obedience import Obedience
 from dray.protocol.order_book import OrderInWork
 from dray.protocol.strategist import Strategist
+from dray.protocol.tasks import OpenTask
+from dray.protocol.transports import Transports
 from dray_sim.explore.play import play
 from dray_sim.explore.trial import draw
 
@@ -118,14 +119,14 @@ def that_believes_every_signature(patch: pytest.MonkeyPatch) -> None:
 
 
 def that_passes_tasks_on_within_an_epoch(patch: pytest.MonkeyPatch) -> None:
-    """A coordinator asks the secondary in a planned takeover, and lets the epoch be."""
-    pass_on = Coordinator.pass_on
+    """A machine asks the secondary in a planned takeover, and lets the epoch be."""
+    pass_on = Transports.pass_on
 
-    def pass_on_unfenced(self: Coordinator, task: OpenTask, reason: str, now_s: float) -> None:
+    def pass_on_unfenced(self: Transports, task: OpenTask, reason: str, now_s: float) -> None:
         task.epoch -= 1
         pass_on(self, task, reason, now_s)
 
-    patch.setattr(Coordinator, "pass_on", pass_on_unfenced)
+    patch.setattr(Transports, "pass_on", pass_on_unfenced)
 
 
 def that_leaves_with_a_load(patch: pytest.MonkeyPatch) -> None:

@@ -9,10 +9,10 @@ from __future__ import annotations
 from dray.messages import AtvHeartbeat, Brief, Phase, Transport
 from dray.messages.keys import Keys
 from dray.plant import Plant
-from dray.protocol.coordinator import ADOPT_S, Coordinator
 from dray.protocol.events import Effect, Subscribe, Unsubscribe
 from dray.protocol.supply import Supply
 from dray.protocol.timers import Timers
+from dray.protocol.transports import ADOPT_S, Transports
 
 ADOPT = "adopt"
 
@@ -38,7 +38,7 @@ class Adoption:
         machine: str,
         plant: Plant,
         keys: Keys,
-        tasks: Coordinator,
+        tasks: Transports,
         supply: Supply,
         timers: Timers,
         out: list[Effect],

@@ -19,10 +19,10 @@ from dray.messages import (
     Message,
     Transport,
 )
-from dray.protocol.coordinator import Coordinator
 from dray.protocol.events import NEVER_S, Effect, Instruct, Send
 from dray.protocol.supply import Supply
 from dray.protocol.tasks import OpenTask
+from dray.protocol.transports import Transports
 
 
 class Dock:
@@ -35,7 +35,7 @@ class Dock:
         out: where effects go.
     """
 
-    def __init__(self, machine: str, tasks: Coordinator, supply: Supply, out: list[Effect]) -> None:
+    def __init__(self, machine: str, tasks: Transports, supply: Supply, out: list[Effect]) -> None:
         self._machine = machine
         self._tasks = tasks
         self._supply = supply

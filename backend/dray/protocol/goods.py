@@ -12,10 +12,10 @@ from typing import cast
 from dray.body import StockChanged
 from dray.messages import Transport
 from dray.plant import Plant
-from dray.protocol.coordinator import Coordinator
 from dray.protocol.production import Goal, GoalBook
 from dray.protocol.supply import Supply
 from dray.protocol.tasks import OpenTask
+from dray.protocol.transports import Transports
 
 
 class Goods:
@@ -37,7 +37,7 @@ class Goods:
         plant: Plant,
         goals: GoalBook,
         supply: Supply,
-        tasks: Coordinator,
+        tasks: Transports,
         *,
         send: Callable[[Transport, float, float], None],
         lose: Callable[[Goal | None, float], None],

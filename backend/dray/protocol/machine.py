@@ -1,7 +1,7 @@
 """A production machine: makes goals, orders its own material, has its products carried away (paper, 3.2).
 
 It is a contractor towards the strategist, whose goals it bids for (`goal_bidding`), and the coordinator
-of all its transports (`coordinator`, `docking`). It watches its buffers (`supply`); everything else
+of all its transports (`transports`, `docking`). It watches its buffers (`supply`); everything else
 follows from `_pursue`, which is asked after every change: start the next cycle, order what runs low,
 have finished goods fetched, say so.
 
@@ -58,7 +58,6 @@ from dray.plant import Plant
 from dray.plant.model import MachineSpec
 from dray.protocol.adoption import ADOPT, Adoption
 from dray.protocol.auction import AuctionRules, Place
-from dray.protocol.coordinator import Coordinator
 from dray.protocol.core import Core
 from dray.protocol.docking import Dock
 from dray.protocol.events import (
@@ -76,6 +75,7 @@ from dray.protocol.supervision import Following
 from dray.protocol.supply import Supply
 from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
 from dray.protocol.tasks import OpenTask
+from dray.protocol.transports import Transports
 from dray.protocol.trial import Trial
 
 BEAT = "beat"
@@ -125,7 +125,7 @@ class Machine(Core):
             lots, self._goals, self._supply, self._trial, self._timers, self._out, self._commit
         )
         x_m, y_m = plant.position_of(machine)
-        self._tasks = Coordinator(
+        self._tasks = Transports(
             machine,
             Place(x_m=x_m, y_m=y_m, reach_m=plant.diameter_m),
             self._audience,
@@ -133,7 +133,7 @@ class Machine(Core):
             self._timers,
             Following(self._keys.atv_heartbeat, self._out),
             self._out,
-            self._on_carrier_changed,
+            contracted=self._on_carrier_changed,
             lost=self._on_task_lost,
             left=self._on_left,
             unloaded=self._settle,

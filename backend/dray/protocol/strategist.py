@@ -116,7 +116,6 @@ class Strategist(Core):
             self._audience,
             GOAL_RULES,
             self._timers,
-            None,
             self._out,
             self._on_contracted,
         )

@@ -1,0 +1,305 @@
+"""A machine's transports: from the first announcement to the end, with a watch over whoever carries them.
+
+Beyond what every coordinator does (`coordinator`), a transport has a secondary as long as it can be taken over
+(`secondaries`), its primary is replaced when it fails (`failover`), and it outlives a restart of its machine.
+
+    AUCTION --accepted--> CARRIED --delivered, withdrawn--> closed
+       ^                    |  ^
+       |                    |  +-- taken over: epoch + 1, another carrier
+       +--- epoch + 1 ------+ nobody carries it any more; where its primary has given it
+                              back, the secondary is asked before anything is announced
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from dray.memory import TaskMemory
+from dray.messages import (
+    Accepted,
+    AtvHeartbeat,
+    Bid,
+    Brief,
+    Confirmed,
+    Declined,
+    Resigned,
+    Role,
+    Superseded,
+    TakenOver,
+    Work,
+)
+from dray.messages.fact import CarrierChanged
+from dray.protocol.auction import AuctionRules, Place
+from dray.protocol.coordinator import PRIMARY_AUCTION, Coordinator
+from dray.protocol.events import Effect, Ignore, Record, Send
+from dray.protocol.failover import Failover
+from dray.protocol.secondaries import Secondaries
+from dray.protocol.supervision import Following
+from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
+from dray.protocol.tasks import OpenTask
+from dray.protocol.timers import Timers
+
+ADOPT_S = 10.0
+"""How long a coordinator that was started again listens for vehicles that work for it: many heartbeats."""
+
+
+class Transports(Coordinator):
+    """All open transports of one machine.
+
+    Args:
+        machine: the coordinator's id.
+        place: where it stands.
+        audience: for a task's work and a radius (m), the bus keys of those to ask.
+        rules: the auction's patience and reach.
+        timers: the machine's alarms; this class and what it consists of use names ``(kind, task)``.
+        following: which heartbeats the machine hears.
+        out: where effects go.
+        contracted: called when a task has got its primary, another one, or is without one again.
+        lost: called when goods are given up with the vehicle that had them on board.
+        left: called with a vehicle that does not carry a task any more.
+        unloaded: called when a task has ended because its load is down, though nobody has said so.
+    """
+
+    def __init__(
+        self,
+        machine: str,
+        place: Place,
+        audience: Callable[[Work, float], tuple[str, ...]],
+        rules: AuctionRules,
+        timers: Timers,
+        following: Following,
+        out: list[Effect],
+        *,
+        contracted: Callable[[OpenTask, float], None],
+        lost: Callable[[OpenTask, float], None],
+        left: Callable[[str], None],
+        unloaded: Callable[[OpenTask, float], None],
+    ) -> None:
+        super().__init__(machine, place, audience, rules, timers, out, contracted, following.hearing)
+        self._lost = lost
+        self._left = left
+        self._unloaded = unloaded
+        self._secondaries = Secondaries(self._open, self._auctions, following, timers, out)
+        self._failover = Failover(self._open, self._secondaries, following, timers, out, self)
+        self.alarms |= self._secondaries.alarms | self._failover.alarms
+
+    def superseded(self, task_id: str, epoch: int) -> Superseded:
+        """What to tell somebody who believes to carry a task in this epoch, and does not."""
+        task, closed = self._open.get(task_id), self._closed.get(task_id)
+        if task is not None:
+            return Superseded(task=task_id, epoch=task.epoch)
+        # Of a task that has ended no epoch is right any more, also not one that was never heard of.
+        return Superseded(task=task_id, epoch=max(closed.epoch, epoch) if closed is not None else 0)
+
+    # --- without a carrier (`dray.protocol.failover.Remedies`) ---
+
+    def reopen(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """Announce a task anew, with a higher epoch; whoever carried it is superseded."""
+        self._replace(task, (), reason, now_s)
+
+    def pass_on(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """Ask the secondary of a task to carry it, with a higher epoch; announce it when that will not."""
+        self._replace(task, self._secondaries.heir(task), reason, now_s)
+
+    def wait(self, task: OpenTask, trouble: str, now_s: float) -> None:
+        """Let a task wait for its carrier, and say why."""
+        task.trouble = trouble
+        self._contracted(task, now_s)
+
+    def give_up(self, task: OpenTask, now_s: float) -> None:
+        """Goods are lost with their carrier."""
+        self.close(task, "withdrawn")
+        self._lost(task, now_s)
+
+    def conclude(self, task: OpenTask, now_s: float) -> None:
+        """The load is down, though nobody has said so."""
+        self.close(task, "delivered")
+        self._unloaded(task, now_s)
+
+    def note_loaded(self, task: OpenTask) -> None:
+        """Goods have left with their carrier."""
+        self._failover.note_loaded(task)
+
+    # --- after a restart ---
+
+    def restore(self, memory: TaskMemory, now_s: float) -> OpenTask:
+        """Go on with a task of an earlier life.
+
+        One that had a primary is followed as if nothing had been: the vehicle's own heartbeat shows soon
+        enough whether it still carries it. One that had none may have been accepted while nobody listened:
+        it is announced after ADOPT_S, with a higher epoch, unless a vehicle has named it by then.
+        """
+        epoch = memory.epoch if memory.primary else memory.epoch + 1
+        deadline_s = _prolonged_s(memory.deadline_s, memory.opened_s, now_s)
+        auction = self._auction(memory.task, epoch, memory.work, deadline_s)
+        task = self._open[memory.task] = OpenTask(memory.task, memory.work, auction, memory.opened_s)
+        task.due_s = memory.deadline_s
+        if memory.primary:
+            auction.cancel()
+            task.loaded = memory.loaded
+            self._bind(task, memory.primary, memory.source, memory.promised_s, now_s, IDLE_INTERVAL_S)
+        else:
+            auction.open_later(now_s + ADOPT_S)
+            self._auctions.arm(PRIMARY_AUCTION, auction)
+        return task
+
+    def adopt(self, atv: str, brief: Brief, work: Work, now_s: float) -> OpenTask | None:
+        """Acknowledge the contract of a vehicle that names this coordinator, after a restart.
+
+        Returns:
+            The task, when it was without a carrier or not known at all; None when it is in other hands,
+            or may be: the vehicle carries it with an epoch that was over in the last life already.
+        """
+        task = self._open.get(brief.task)
+        if task is None:
+            deadline_s = brief.due_s if brief.due_s is not None else now_s
+            auction = self._auction(brief.task, brief.epoch, work, deadline_s)
+            task = self._open[brief.task] = OpenTask(brief.task, work, auction, now_s)
+        elif task.primary or task.is_offered or brief.epoch < task.epoch - 1:
+            return None  # Others were asked since then, in this life or before: its epoch must not fall.
+        task.auction.cancel()
+        task.epoch = brief.epoch
+        self._timers.clear((PRIMARY_AUCTION, task.id))
+        self._bind(task, atv, "", brief.due_s or 0.0, now_s)
+        self._contracted(task, now_s)
+        return task
+
+    # --- what is heard ---
+
+    def hear_bid(self, sender: str, bid: Bid, now_s: float) -> None:
+        task = self._present(bid)
+        if task is not None and bid.role is Role.SECONDARY:
+            self._secondaries.hear_bid(task, sender, bid, now_s)
+        else:
+            super().hear_bid(sender, bid, now_s)
+
+    def hear_accepted(self, sender: str, answer: Accepted, now_s: float) -> None:
+        task = self._present(answer)
+        if task is not None and answer.role is Role.SECONDARY:
+            self._secondaries.hear_accepted(task, sender, answer, now_s)
+        else:
+            super().hear_accepted(sender, answer, now_s)
+
+    def hear_declined(self, sender: str, answer: Declined, now_s: float) -> None:
+        task = self._present(answer)
+        if task is not None and answer.role is Role.SECONDARY:
+            self._secondaries.hear_declined(task, sender, answer, now_s)
+        else:
+            super().hear_declined(sender, answer, now_s)
+
+    def hear_resigned(self, sender: str, message: Resigned, now_s: float) -> None:
+        """A secondary leaves, or a primary gives its task back: another one is sought at once.
+
+        A primary may say so until it hears that its contract is over.
+        """
+        task = self._open.get(message.task)
+        if task is None or message.epoch != task.epoch:
+            self._out.append(Ignore("resigned from a contract that has ended"))
+            if message.role is Role.PRIMARY:
+                self._out.append(Send(sender, self.superseded(message.task, message.epoch)))
+        elif message.role is Role.SECONDARY and sender == task.secondary:
+            self._secondaries.lose(task, message.reason, now_s)
+        elif message.role is Role.PRIMARY and sender == task.primary:
+            self._failover.give_back(task, message.reason, now_s)
+        else:
+            self._out.append(Ignore("resigned from a contract that it does not have"))
+
+    def hear_taken_over(self, sender: str, message: TakenOver, now_s: float) -> None:
+        """A secondary carries a task from now on, because its primary has failed."""
+        task = self._open.get(message.task)
+        if task is not None and task.primary == sender and task.epoch == message.epoch:
+            self._confirm(task)
+        elif task is None or message.epoch <= task.epoch:
+            self._out.append(Send(sender, self.superseded(message.task, message.epoch)))
+        elif veto := self._failover.veto(task, message, now_s):
+            self._release(sender, task.id, message.epoch, Role.PRIMARY, veto)
+        else:
+            self._change_carrier(task, sender, message, now_s)
+
+    def hear_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
+        """Note that a contracted vehicle lives, and whether it knows of its contract."""
+        for task in list(self._open.values()):
+            if task.primary == heartbeat.atv:
+                self._failover.hear_heartbeat(task, heartbeat, now_s)
+            elif task.secondary == heartbeat.atv:
+                self._secondaries.hear_heartbeat(task, heartbeat, now_s)
+
+    # --- how it is done ---
+
+    def _bound(
+        self,
+        task: OpenTask,
+        runners_up: tuple[tuple[str, Bid], ...],
+        now_s: float,
+        interval_s: float = WORKING_INTERVAL_S,
+    ) -> None:
+        self._failover.follow(task, interval_s, now_s)
+        self._secondaries.seek(task, runners_up, now_s)
+
+    def _let_go(self, task: OpenTask, reason: str) -> None:
+        self._secondaries.drop(task, reason)
+        self._failover.leave(task)
+        if task.primary:
+            self._left(task.primary)
+        task.primary, task.source, task.loaded, task.unloaded = "", "", False, False
+
+    def _bind(
+        self,
+        task: OpenTask,
+        atv: str,
+        source: str,
+        promised_s: float,
+        now_s: float,
+        interval_s: float = WORKING_INTERVAL_S,
+    ) -> None:
+        """A vehicle carries a task, though no auction of this life has found it."""
+        task.primary, task.source, task.promised_s = atv, source, promised_s
+        self._bound(task, (), now_s, interval_s)
+
+    def _change_carrier(self, task: OpenTask, atv: str, message: TakenOver, now_s: float) -> None:
+        failure = task.vigil.failure(now_s) if task.vigil is not None else ""
+        if task.secondary == atv:
+            self._secondaries.end(task)
+        replaced, silent_s = self._supersede(task, message.epoch, "another one has taken over", now_s)
+        self._bind(task, atv, message.source, message.finish_s, now_s)
+        self._confirm(task)
+        self._note_change(task, replaced, failure or message.reason, silent_s)
+        self._contracted(task, now_s)
+
+    def _replace(
+        self, task: OpenTask, candidates: tuple[tuple[str, Bid], ...], reason: str, now_s: float
+    ) -> None:
+        replaced, silent_s = self._supersede(task, task.epoch + 1, reason, now_s)
+        deadline_s = _prolonged_s(task.due_s, task.opened_s, now_s)
+        task.auction = self._auction(task.id, task.epoch, task.work, deadline_s, candidates)
+        self._note_change(task, replaced, reason, silent_s)
+        self._announce(task, now_s)
+        self._contracted(task, now_s)
+
+    def _supersede(self, task: OpenTask, epoch: int, reason: str, now_s: float) -> tuple[str, float]:
+        """Fence the carrier off; who it was, and how long nothing had been heard of it (s)."""
+        replaced = task.primary
+        silent_s = self._failover.silent_s(task, now_s)
+        self._let_go(task, reason)
+        task.epoch = epoch
+        self._out.append(Send(replaced, Superseded(task=task.id, epoch=epoch)))
+        return replaced, silent_s
+
+    def _confirm(self, task: OpenTask) -> None:
+        self._out.append(Send(task.primary, Confirmed(task=task.id, epoch=task.epoch)))
+
+    def _note_change(self, task: OpenTask, replaced: str, reason: str, silent_s: float) -> None:
+        changed = CarrierChanged(
+            task=task.id,
+            epoch=task.epoch,
+            replaced=replaced,
+            carrier=task.primary,
+            reason=reason,
+            silent_s=silent_s,
+        )
+        self._out.append(Record(changed))
+
+
+def _prolonged_s(due_s: float, opened_s: float, now_s: float) -> float:
+    """A deadline for who begins now: as much time as the task was given at first, and no earlier than then."""
+    return max(due_s, now_s + due_s - opened_s)
