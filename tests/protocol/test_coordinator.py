@@ -134,7 +134,7 @@ def test_what_is_heard_of_a_closed_task_opens_nothing() -> None:
     assert len(deeds(office.out)) == said
 
 
-# --- a coordinator that watches nobody --------------------------------------------------------------
+# --- a coordinator that watches nobody -----------------------------------------------------------
 
 
 def test_where_contractors_are_not_watched_no_secondary_is_sought_and_nobody_is_suspected() -> None:

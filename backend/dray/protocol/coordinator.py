@@ -1,7 +1,7 @@
 """The coordinator of tasks: announced, contracted, closed; several at a time.
 
-A machine coordinates its transports, the strategist the production goals; both through this class. What becomes
-of a transport while it is carried is left to `transports`.
+A machine coordinates its transports (`transports`), the strategist its goals (`goal_auctions`). What they have in
+common is here; what becomes of a task while its contractor works at it is left to them.
 
     AUCTION --accepted--> CONTRACTED --delivered, withdrawn--> closed
 """

@@ -6,9 +6,8 @@ Nothing is lost by a wrong verdict but work: the gate lets every piece in once, 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from dray.messages import MachineHeartbeat, MachineStatus, Newcomer
+from dray.plant import Plant
 
 GOAL_SILENCE_S = 15.0
 """How long a machine may not name a goal before it has lost it. A machine that holds goals beats at 1 Hz,
@@ -17,7 +16,6 @@ so fifteen heartbeats are missing in a row; and its software starts again in les
 BREAKDOWN_S = 600.0
 """How long a machine may be broken and keep its goals. A technician mends most breakdowns in less, and
 what was made before is carried away meanwhile."""
-
 
 MAX_NEWCOMERS = 100
 """Machines that have come to a plant whose file did not know them: more than anybody sets up before writing
@@ -41,13 +39,17 @@ class MachineWatch:
     """All machines of one plant, and those that have come since its file was written.
 
     Args:
-        machines: the ids of those in the plant file.
-        now_s: when the watch begins; until they have had time to speak all are believed to live.
+        plant: who can make what, by its file.
     """
 
-    def __init__(self, machines: Iterable[str], now_s: float) -> None:
-        self._seen = {machine: Seen(now_s) for machine in machines}
+    def __init__(self, plant: Plant) -> None:
+        self._plant = plant
+        self._seen: dict[str, Seen] = {}
         self._newcomers: dict[str, Newcomer] = {}
+
+    def begin(self, now_s: float) -> None:
+        """Watch the machines of the plant file; until they have had time to speak all are believed to live."""
+        self._seen = {machine: Seen(now_s) for machine in self._plant.machines}
 
     def hear(self, heartbeat: MachineHeartbeat, now_s: float) -> bool:
         """Note a heartbeat; False when it is older than one that was heard, or of no machine here."""
@@ -62,17 +64,23 @@ class MachineWatch:
             seen.broken_s = now_s
         return True
 
-    def newcomers_for(self, product: str) -> tuple[str, ...]:
-        """The machines that have come since and can make a product."""
-        return tuple(
+    def machines_for(self, product: str) -> tuple[str, ...]:
+        """All that can make a product, those included that the plant file does not know."""
+        newcomers = (
             machine
             for machine, newcomer in self._newcomers.items()
             if any(making.product == product for making in newcomer.makes)
         )
+        return (*self._plant.machines_for(product), *newcomers)
 
-    def is_fit(self, machine: str, now_s: float) -> bool:
-        """Whether it lives and works."""
-        return not self.trouble(machine, now_s)
+    def anybody_fit(self, product: str, now_s: float) -> bool:
+        """Whether anybody lives and works who can make a product."""
+        return any(not self.trouble(machine, now_s) for machine in self.machines_for(product))
+
+    def troubles(self, product: str, now_s: float) -> str:
+        """What is the matter with all that can make a product, in words."""
+        machines = self.machines_for(product)
+        return ", ".join(f"{machine} is {self.trouble(machine, now_s)}" for machine in machines)
 
     def trouble(self, machine: str, now_s: float) -> str:
         """What is the matter with a machine, in words; empty when it lives and works."""

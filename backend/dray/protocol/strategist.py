@@ -1,8 +1,7 @@
 """The strategist: turns sales orders into production goals, and never decides a transport (paper, 3.2).
 
-An order is split into goals, and each goal is put up for auction among the machines that can make its
-product. Goals of one product are auctioned one after another, so that every machine bids with its real
-queue; different products at the same time.
+An order is split into goals (`order_book`), each goal is put up for auction among the machines that can make
+its product (`goal_auctions`), and is followed from then on until all of it has arrived.
 
 What is delivered is counted by the gate of the delivery warehouses, its body. The gate is also the fence.
 A machine that does not name its goal any more has lost it: the gate is shut for that goal, says how
@@ -26,8 +25,6 @@ answer it.
 
 from __future__ import annotations
 
-from typing import cast
-
 from dray.body import Admit, BodyState, GateState, GoodsArrived
 from dray.errors import ProtocolViolation
 from dray.memory import Memory, StrategistMemory
@@ -35,61 +32,41 @@ from dray.messages import (
     Accepted,
     Bid,
     CancellationTaken,
-    Confirmed,
     Declined,
-    GoalBrief,
     GoalClosed,
     MachineHeartbeat,
     OrderCancelled,
     OrderReleased,
     OrderRevoked,
     OrderTaken,
-    Production,
     RevocationTaken,
-    Withdrawn,
-    Work,
 )
 from dray.messages.fact import (
-    GoalContracted,
     GoalLost,
-    GoalWaits,
     GoalWithdrawn,
     GoodsDelivered,
     OrderAccepted,
     OrderDropped,
     OrderFulfilled,
     OrderReturned,
-    TaskClosed,
 )
 from dray.messages.keys import Keys
 from dray.plant import Plant
-from dray.protocol.auction import AuctionRules, Place
-from dray.protocol.coordinator import Coordinator
 from dray.protocol.core import Core
 from dray.protocol.events import Ignore, Instruct, Record, Send, Subscribe
+from dray.protocol.goal_auctions import GoalAuctions
 from dray.protocol.leaving import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.machine_watch import GOAL_SILENCE_S, MachineWatch
 from dray.protocol.order_book import OpenGoal, OrderBook, OrderInWork
-from dray.protocol.tasks import OpenTask, Outcome
+from dray.protocol.tasks import Outcome
 
 STRATEGIST = "strategist"
 """The agent's id where a plant has one strategist."""
 
-GOAL_RULES = AuctionRules(window_s=0.5, rest_s=5.0, moves_deadline=False)
-"""Machines are wired and few: the window may be shorter than for vehicles."""
-
-NOT_NEEDED = "not needed any more"
-
 TAKEN_BACK = "its order was taken back"
-
-REASON_CHARS = 500
-"""Words for people; a large plant has more machines than anybody reads."""
 
 GOAL_VIGIL = "goal vigil"
 """The alarm for looking whether a goal is still made, by goal."""
-
-TAKERS = "takers"
-"""The alarm for looking whether anybody could take a goal, by product."""
 
 
 class Strategist(Core):
@@ -105,23 +82,22 @@ class Strategist(Core):
         super().__init__(agent, incarnation, leaves_within_s=COORDINATOR_LEAVES_WITHIN_S)
         self._plant = plant
         self._keys = Keys(plant.id)
-        self._book = OrderBook(plant, self._machines_for, "" if incarnation == 1 else f"r{incarnation}")
-        self._asking: dict[str, str] = {}
-        """By product: the goal that is up for auction."""
-        self._watch = MachineWatch(plant.machines, 0.0)
-        self._auctions = Coordinator(
+        self._watch = MachineWatch(plant)
+        life = "" if incarnation == 1 else f"r{incarnation}"
+        self._book = OrderBook(plant, self._watch.machines_for, life)
+        self._auctions = GoalAuctions(
             agent,
-            # A goal's audience has no place: whoever can make the product is asked.
-            Place(x_m=0.0, y_m=0.0, reach_m=0.0),
-            self._audience,
-            GOAL_RULES,
+            self._keys,
+            self._book,
+            self._watch,
             self._timers,
             self._out,
-            self._on_contracted,
+            self._departure,
+            self._on_taken,
         )
         self._on_message = {
             Bid: self._auctions.hear_bid,
-            Accepted: self._hear_accepted,
+            Accepted: self._auctions.hear_accepted,
             Declined: self._auctions.hear_declined,
             MachineHeartbeat: self._hear_machine,
             OrderReleased: self._hear_released,
@@ -129,18 +105,14 @@ class Strategist(Core):
             OrderRevoked: self._hear_revoked,
         }
         self._on_report = {GoodsArrived: self._hear_arrived}
-        self._on_alarm = {
-            GOAL_VIGIL: self._check_goal,
-            TAKERS: self._check_takers,
-            **self._auctions.alarms,
-        }
+        self._on_alarm = {GOAL_VIGIL: self._check_goal, **self._auctions.alarms}
 
     # --- from life to life ---
 
     def _start(self, body: BodyState | None, memory: Memory | None, now_s: float) -> None:
         if not isinstance(body, GateState):
             raise ProtocolViolation(f"{self.id}: a strategist needs a gate, not {body!r}")
-        self._watch = MachineWatch(self._plant.machines, now_s)
+        self._watch.begin(now_s)
         self._out.append(Subscribe(self._keys.all_machine_heartbeats))
         if isinstance(memory, StrategistMemory):
             self._recall(memory, body, now_s)
@@ -160,7 +132,7 @@ class Strategist(Core):
         for order in list(self._book.revoked()):
             self._shut(order)
         for product in self._plant.products:
-            self._ask_next(product, now_s)
+            self._auctions.ask_next(product, now_s)
         self._commit()
 
     def _memory(self) -> Memory:
@@ -189,7 +161,7 @@ class Strategist(Core):
             self._commit()
             self._out.append(Record(OrderAccepted(order=order.id, goals=tuple(order.goals))))
             for item in message.items:
-                self._ask_next(item.product, now_s)
+                self._auctions.ask_next(item.product, now_s)
             self._end_if_done(order)
         taken = OrderTaken(message.order, message.release, fulfilled=self._book.fulfilled(message.order))
         self._out.append(Send(sender, taken))
@@ -209,7 +181,7 @@ class Strategist(Core):
                 self._out.append(Instruct(Admit(goal=goal.id, quantity=0)))
             self._end(goal, "withdrawn")
         for goal in order.goals.values():
-            self._ask_next(goal.work.product, now_s)
+            self._auctions.ask_next(goal.work.product, now_s)
         self._out.append(Record(OrderDropped(order=order.id)))
 
     def _hear_revoked(self, sender: str, message: OrderRevoked, now_s: float) -> None:
@@ -224,7 +196,7 @@ class Strategist(Core):
             self._commit()
             self._shut(order)
             for item in order.items:
-                self._ask_next(item.product, now_s)
+                self._auctions.ask_next(item.product, now_s)
 
     def _answer_revoked(self, asker: str, message: OrderRevoked) -> None:
         """Say again how an order was taken back; one that has not come will not be begun."""
@@ -272,60 +244,11 @@ class Strategist(Core):
             taken = RevocationTaken(order.id, order.release, tuple(order.withdrawn))
             self._out.append(Send(order.revoked_by, taken))
 
-    # --- goals are given out ---
+    # --- goals that were given out ---
 
-    def _audience(self, work: Work, _radius_m: float) -> tuple[str, ...]:
-        return (self._keys.goals(cast(Production, work).product),)
-
-    def _ask_next(self, product: str, now_s: float) -> None:
-        """Put the next goal of a product up for auction, unless one is, or it would be left alone."""
-        if product in self._asking or self._departure.begun:
-            return
-        goal = next(self._book.unclaimed(product), None)
-        if goal is None:
-            self._timers.clear((TAKERS, product))
-            return
-        self._asking[product] = goal.id
-        self._auctions.open(goal.id, goal.work, goal.deadline_s, now_s, epoch=goal.epoch)
-        if not self._timers.is_set((TAKERS, product)):
-            self._check_takers(product, now_s)
-
-    def _hear_accepted(self, sender: str, answer: Accepted, now_s: float) -> None:
-        """Bind the machine, and confirm as often as it asks: it begins only then."""
-        goal = self._book.goal(answer.task)
-        if goal is None or goal.machine != sender:
-            self._auctions.hear_accepted(sender, answer, now_s)
-        if goal is not None and goal.machine == sender and goal.epoch == answer.epoch:
-            goal.named_s = now_s
-            self._confirm(goal)
-
-    def _confirm(self, goal: OpenGoal) -> None:
-        confirmed = Confirmed(task=goal.id, epoch=goal.epoch, arrived=goal.arrived)
-        self._out.append(Send(goal.machine, confirmed))
-
-    def _on_contracted(self, task: OpenTask, now_s: float) -> None:
-        goal = self._book.goal(task.id)
-        if goal is None:
-            raise ProtocolViolation(f"{self.id}: {task.id} was put up and is in no order")
-        goal.machine, goal.waits = task.primary, False
+    def _on_taken(self, goal: OpenGoal, now_s: float) -> None:
         self._commit()
-        work = goal.work
-        contracted = GoalContracted(
-            goal=goal.id,
-            order=work.order,
-            item=work.item,
-            product=work.product,
-            quantity=work.quantity,
-            machine=goal.machine,
-            finish_s=task.promised_s,
-        )
-        self._out.append(Record(contracted))
-        # The auction is over; from now on the goal is followed, not its task.
         self._follow(goal, now_s)
-        del self._asking[work.product]
-        self._ask_next(work.product, now_s)
-
-    # --- and followed ---
 
     def _follow(self, goal: OpenGoal, now_s: float, *, admit: bool = True) -> None:
         goal.named_s = now_s
@@ -342,25 +265,15 @@ class Strategist(Core):
             goal = self._book.goal(brief.goal)
             if goal is None:
                 # It has not heard that its goal is closed, or was away when others got it.
-                self._say_closed(machine, brief)
+                self._auctions.say_over(machine, brief)
             elif goal.machine == machine:
                 goal.named_s = now_s
                 if brief.delivered > goal.arrived:
-                    self._confirm(goal)  # It believes that pieces are in which the gate has not seen.
+                    self._auctions.confirm(
+                        goal
+                    )  # It believes that pieces are in which the gate has not seen.
             elif goal.machine:
-                self._withdraw(machine, goal.id, goal.epoch)
-
-    def _say_closed(self, machine: str, brief: GoalBrief) -> None:
-        closed = self._auctions.closed(brief.goal)
-        # What an earlier life has closed is not known here; the machine's own word will do for its end.
-        delivered = brief.delivered >= brief.quantity if closed is None else closed.outcome == "delivered"
-        if delivered:
-            self._out.append(Send(machine, GoalClosed(goal=brief.goal)))
-        else:
-            self._withdraw(machine, brief.goal, 1 if closed is None else closed.epoch)
-
-    def _withdraw(self, machine: str, goal: str, epoch: int) -> None:
-        self._out.append(Send(machine, Withdrawn(task=goal, epoch=epoch, reason=NOT_NEEDED)))
+                self._auctions.withdraw(machine, goal.id, goal.epoch)
 
     def _hear_arrived(self, report: GoodsArrived, now_s: float) -> None:
         goal = self._book.goal(report.goal)
@@ -373,7 +286,7 @@ class Strategist(Core):
         elif goal.failure and not report.admitted:
             if self._book.order_of(goal).revoked_by:
                 self._take_out(goal)
-                self._ask_next(goal.work.product, now_s)
+                self._auctions.ask_next(goal.work.product, now_s)
             else:
                 self._give_to_others(goal, now_s)
 
@@ -402,19 +315,9 @@ class Strategist(Core):
         self._end_if_done(order)
 
     def _end(self, goal: OpenGoal, outcome: Outcome) -> None:
-        """A goal has ended, whether it was put up or not."""
+        """Follow a goal no longer."""
         self._timers.clear((GOAL_VIGIL, goal.id))
-        if self._asking.get(goal.work.product) == goal.id:
-            del self._asking[goal.work.product]
-        task = self._auctions.get(goal.id)
-        if task is not None:
-            self._auctions.close(task, outcome)
-        elif goal.machine:
-            # It was contracted in an earlier life, whose auctions are forgotten.
-            if outcome == "withdrawn":
-                self._withdraw(goal.machine, goal.id, goal.epoch)
-            ended = TaskClosed(task=goal.id, epoch=goal.epoch, outcome=outcome, carrier=goal.machine)
-            self._out.append(Record(ended))
+        self._auctions.end(goal, outcome)
 
     # --- when a machine fails ---
 
@@ -427,11 +330,11 @@ class Strategist(Core):
         failure = goal.failure or self._failure(goal, now_s)
         if not failure:
             goal.waits = False
-        elif goal.failure or self._fit_for(goal.work.product, now_s):
+        elif goal.failure or self._watch.anybody_fit(goal.work.product, now_s):
             goal.failure = failure
             self._out.append(Instruct(Admit(goal=goal.id, quantity=0)))
         else:
-            self._say_waits(goal, now_s)
+            self._auctions.say_waits(goal, now_s)
         look_s = now_s if failure else goal.named_s
         self._timers.set((GOAL_VIGIL, goal.id), look_s + GOAL_SILENCE_S)
 
@@ -448,34 +351,4 @@ class Strategist(Core):
         self._commit()
         lost = GoalLost(goal=goal.id, machine=goal.machine, arrived=goal.arrived, successor=successor.id)
         self._out.append(Record(lost))
-        self._ask_next(goal.work.product, now_s)
-
-    def _check_takers(self, product: str, now_s: float) -> None:
-        """Say so when nobody lives who could take the goals of a product, and look again."""
-        waiting = list(self._book.unclaimed(product))
-        if not waiting:
-            return
-        if self._fit_for(product, now_s):
-            for goal in waiting:
-                goal.waits = False
-        else:
-            for goal in waiting:
-                self._say_waits(goal, now_s)
-        self._timers.set((TAKERS, product), now_s + GOAL_SILENCE_S)
-
-    def _fit_for(self, product: str, now_s: float) -> bool:
-        """Whether anybody lives and works who can make it."""
-        return any(self._watch.is_fit(machine, now_s) for machine in self._machines_for(product))
-
-    def _machines_for(self, product: str) -> tuple[str, ...]:
-        """All that can make it, those included that the plant file does not know."""
-        return (*self._plant.machines_for(product), *self._watch.newcomers_for(product))
-
-    def _say_waits(self, goal: OpenGoal, now_s: float) -> None:
-        if goal.waits:
-            return
-        goal.waits = True
-        machines = self._machines_for(goal.work.product)
-        troubles = (f"{machine} is {self._watch.trouble(machine, now_s)}" for machine in machines)
-        reason = ", ".join(troubles)[:REASON_CHARS]
-        self._out.append(Record(GoalWaits(goal=goal.id, order=goal.work.order, reason=reason)))
+        self._auctions.ask_next(goal.work.product, now_s)
