@@ -75,14 +75,13 @@ from dray.protocol.events import (
 from dray.protocol.leaving import CARRIER_LEAVES_WITHIN_S, LEAVES
 from dray.protocol.obedience import Obedience
 from dray.protocol.pricing import Quote, Unable
+from dray.protocol.pulse import BEAT, Pulse
 from dray.protocol.resting import CLAIM, SETTLE, Rest
 from dray.protocol.supervision import Following
 from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
 from dray.protocol.trial import Trial
 from dray.protocol.trouble import Trouble
 from dray.protocol.watching import WATCH_VIGIL, Watches
-
-BEAT = "beat"
 
 ORDERS_PER_LIFE = 1_000_000
 """Numbers of ways and actions: what the body still reports to an earlier life is recognised."""
@@ -116,6 +115,7 @@ class Atv(Core):
         self._plant = plant
         self._type = vehicle_type or plant.fleet[atv].type
         self._software = software
+        self._pulse = Pulse(self.id, self._timers)
         self._keys = Keys(plant.id)
         self._beat_key = self._keys.atv_heartbeat(atv)
         self._driver = Driver(plant, self._type, self._out, first_order=incarnation * ORDERS_PER_LIFE)
@@ -131,7 +131,6 @@ class Atv(Core):
         self._status = AtvStatus.IDLE
         self._battery_frac = 1.0
         self._load = ("", 0)
-        self._seq = 0
         self._cell = ""
         contract = self._hear_of_contract
         self._on_message = {
@@ -183,7 +182,7 @@ class Atv(Core):
             self._go_on(lambda carriage: carriage.resume(state.load, now_s), now_s)
         self._bring_back(now_s)
         self._update_status(now_s, "started")
-        self._timers.set(BEAT, now_s)
+        self._pulse.at_once(now_s)
 
     def _bring_back(self, now_s: float) -> None:
         """A load without a contract is one of an earlier life: bring it back, for nobody."""
@@ -228,18 +227,17 @@ class Atv(Core):
         self._bring_back(now_s)
         self._say_status(now_s)
         interval_s = IDLE_INTERVAL_S if self._carriage is None else WORKING_INTERVAL_S
-        self._timers.set(BEAT, now_s + (self._spread(interval_s) if self._seq == 1 else interval_s))
+        self._pulse.go_on(interval_s, now_s)
         if self._carriage is None:
             self._rest.check_battery(self._battery_frac, now_s)
 
     def _say_status(self, now_s: float) -> None:
-        self._seq += 1
         load, load_quantity = self._load
         carriage = self._carriage
         heartbeat = AtvHeartbeat(
             atv=self.id,
             incarnation=self.incarnation,
-            seq=self._seq,
+            seq=self._pulse.count(),
             at_s=now_s,
             status=self._status,
             pose=self._driver.pose,
@@ -271,7 +269,7 @@ class Atv(Core):
             self._rest.stay(now_s)
         else:
             self._carriage.give_back(LEAVES, now_s)
-        self._timers.set(BEAT, now_s)
+        self._pulse.at_once(now_s)
 
     def _is_held(self) -> bool:
         if self._carriage is not None and self._carriage.is_given_back:
@@ -298,7 +296,7 @@ class Atv(Core):
         else:
             self._rest.arrived()
             self._update_status(now_s, self._rest.berth)
-        self._timers.set(BEAT, now_s)
+        self._pulse.at_once(now_s)
 
     def _action_done(self, report: ActionDone, now_s: float) -> None:
         if self._rest.action_done(report.order, now_s):
@@ -324,7 +322,7 @@ class Atv(Core):
         self._ask_for_help(report.reason, now_s)
         self._watches.resign("in error")
         self._update_status(now_s, report.reason)
-        self._timers.set(BEAT, now_s)
+        self._pulse.at_once(now_s)
 
     def _problem_cleared(self, _report: ProblemCleared, now_s: float) -> None:
         self._trouble.problem = ""
@@ -351,7 +349,7 @@ class Atv(Core):
         self._out.append(Record(LinkChanged(link=report.link)))
         if report.link is Link.MESH:
             self._watches.resign("on the radio mesh")
-        self._timers.set(BEAT, now_s)
+        self._pulse.at_once(now_s)
 
     # --- contracts ---
 
@@ -400,7 +398,7 @@ class Atv(Core):
         elif award.role is Role.SECONDARY:
             self._watches.begin(award, sender, now_s)
             self._accept(sender, award)
-            self._timers.set(BEAT, now_s)
+            self._pulse.at_once(now_s)
         else:
             self._take(sender, award, answer, now_s)
 
@@ -524,7 +522,7 @@ class Atv(Core):
         step(carriage)
         if self._departure.begun:
             carriage.give_back(LEAVES, now_s)
-        self._timers.set(BEAT, now_s)
+        self._pulse.at_once(now_s)
         if carriage.ended:
             self._end_carriage(carriage, now_s)
         elif carriage.phase is not phase:
@@ -552,7 +550,7 @@ class Atv(Core):
         self._rest.wake(name, self._battery_frac, now_s)
         self._update_status(now_s, self._rest.berth)
         if self._driver.way is not way:
-            self._timers.set(BEAT, now_s)
+            self._pulse.at_once(now_s)
 
     def _may_rest(self) -> bool:
         return self._carriage is None and not self._is_stuck and not self._departure.begun
@@ -576,7 +574,7 @@ class Atv(Core):
             elif command.kind is CommandKind.RESUME:
                 self._end_trouble(now_s)
         self._update_status(now_s, command.kind.value)
-        self._timers.set(BEAT, now_s)
+        self._pulse.at_once(now_s)
 
     # --- what others see ---
 
@@ -594,7 +592,7 @@ class Atv(Core):
         if status is not self._status:
             self._status = status
             self._out.append(Record(AtvStatusChanged(status=status, reason=reason)))
-            self._timers.set(BEAT, now_s)
+            self._pulse.at_once(now_s)
 
     def _attend(self) -> None:
         """Listen to the announcements for the grid cell that the vehicle is in."""

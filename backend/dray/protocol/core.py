@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from typing import Any, cast
-from zlib import crc32
 
 from dray.body import BodyState, Report
 from dray.errors import ProtocolViolation
@@ -115,13 +114,6 @@ class Core:
 
     def _take_leave(self, now_s: float) -> None:
         """Say how things stand, for the last time in this life."""
-
-    def _spread(self, interval_s: float) -> float:
-        """A part of an interval, from half to all of it, that follows from the agent's name.
-
-        Agents that are started together must not do everything together for ever.
-        """
-        return interval_s * (0.5 + crc32(self.id.encode()) % 1000 / 2000)
 
     def _hear(self, heard: Heard, now_s: float) -> None:
         hear = self._on_message.get(type(heard.message))

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import cast
 
 from dray.body import StockChanged
-from dray.messages import Transport
+from dray.messages import BufferLevel, Transport
 from dray.plant import Plant
 from dray.protocol.production import Goal, GoalBook
 from dray.protocol.supply import Supply
@@ -57,6 +57,13 @@ class Goods:
     def full(self) -> bool:
         """Whether there is no room for another piece."""
         return sum(self._supply.level(product) for product in self._products) >= self._capacity
+
+    def levels(self) -> tuple[BufferLevel, ...]:
+        """What lies there of every product, for the heartbeat."""
+        return tuple(
+            BufferLevel(item=product, level=self._supply.level(product), capacity=self._capacity)
+            for product in self._products
+        )
 
     def count(self) -> None:
         """At the start: what lies there and belongs to nothing is spare."""

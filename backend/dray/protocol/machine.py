@@ -22,7 +22,6 @@ from dray.body import (
     CycleDone,
     CycleFailed,
     Repaired,
-    StartCycle,
     StockChanged,
     WorkcellState,
 )
@@ -33,7 +32,6 @@ from dray.messages import (
     AtvHeartbeat,
     Award,
     Bid,
-    BufferLevel,
     Confirmed,
     Declined,
     Docked,
@@ -46,12 +44,11 @@ from dray.messages import (
     Resigned,
     TakenOver,
     TaskAnnounced,
-    TaskBrief,
     Transport,
     Withdrawn,
     Work,
 )
-from dray.messages.fact import MachineStatusChanged, PieceMade
+from dray.messages.fact import MachineStatusChanged
 from dray.messages.heartbeat import Making
 from dray.messages.keys import Keys
 from dray.plant import Plant
@@ -59,10 +56,10 @@ from dray.plant.model import MachineSpec
 from dray.protocol.adoption import ADOPT, Adoption
 from dray.protocol.auction import AuctionRules, Place
 from dray.protocol.core import Core
+from dray.protocol.cycles import Cycle
 from dray.protocol.docking import Dock
 from dray.protocol.events import (
     Ignore,
-    Instruct,
     Publish,
     Record,
     Subscribe,
@@ -71,14 +68,13 @@ from dray.protocol.goal_bidding import CONFIRM, GoalBidder
 from dray.protocol.goods import Goods
 from dray.protocol.leaving import COORDINATOR_LEAVES_WITHIN_S, LEAVES
 from dray.protocol.production import Goal, GoalBook
+from dray.protocol.pulse import BEAT, Pulse
 from dray.protocol.supervision import Following
 from dray.protocol.supply import Supply
 from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
 from dray.protocol.tasks import OpenTask
 from dray.protocol.transports import Transports
 from dray.protocol.trial import Trial
-
-BEAT = "beat"
 
 HELD_MAX_S = 60.0
 """How long a vehicle may wait for room: two or three cycles, if the machine can work at all."""
@@ -113,6 +109,7 @@ class Machine(Core):
         self._plant = plant
         self._spec = plant.machines[machine]
         self._software = software
+        self._pulse = Pulse(self.id, self._timers)
         self._newcomer = _introduction(self._spec) if newcomer else None
         self._keys = Keys(plant.id)
         self._beat_key = self._keys.machine_heartbeat(machine)
@@ -151,13 +148,9 @@ class Machine(Core):
         self._adoption = Adoption(
             machine, plant, self._keys, self._tasks, self._supply, self._timers, self._out
         )
-        self._cycling = ""
-        """The product of the running cycle; empty for none."""
-        self._running: Goal | None = None
-        """Its goal; None for a cycle that an earlier life of this machine has begun."""
+        self._cycle = Cycle(plant, self._goals, self._supply, self._out, self._commit)
         self._problem = ""
         self._status = MachineStatus.IDLE
-        self._seq = 0
         self._task_count = 0
         self._on_message = {
             AtvHeartbeat: self._hear_vehicle,
@@ -196,14 +189,14 @@ class Machine(Core):
             raise ProtocolViolation(f"{self.id}: a machine needs a workcell, not {body!r}")
         self._supply.sense(body.stock)
         self._problem = body.broken
-        self._cycling = body.cycling
+        self._cycle.product = body.cycling
         if isinstance(memory, MachineMemory):
             self._recall(memory, now_s)
         self._goods.count()
         self._out.extend(Subscribe(self._keys.goals(product)) for product in self._products)
         if self.incarnation > 1:
             self._adoption.begin(memory is None, now_s)
-        self._timers.set(BEAT, now_s)
+        self._pulse.at_once(now_s)
         self._pursue(now_s)
 
     def _end_adoption(self, _about: None, now_s: float) -> None:
@@ -243,28 +236,20 @@ class Machine(Core):
         self._say_status(now_s)
         # Whoever holds goals is relied on, also while all that is left of them is on the way.
         interval_s = WORKING_INTERVAL_S if len(self._goals) else IDLE_INTERVAL_S
-        self._timers.set(BEAT, now_s + (self._spread(interval_s) if self._seq == 1 else interval_s))
+        self._pulse.go_on(interval_s, now_s)
 
     def _say_status(self, now_s: float) -> None:
-        self._seq += 1
         heartbeat = MachineHeartbeat(
             machine=self.id,
             incarnation=self.incarnation,
-            seq=self._seq,
+            seq=self._pulse.count(),
             at_s=now_s,
             status=self._status,
-            product=self._cycling,
+            product=self._cycle.product,
             goals=self._goals.briefs(),
-            tasks=tuple(_brief(task) for task in self._tasks),
+            tasks=tuple(task.brief() for task in self._tasks),
             buffers=self._supply.levels(),
-            goods=tuple(
-                BufferLevel(
-                    item=product,
-                    level=self._supply.level(product),
-                    capacity=self._spec.goods_capacity,
-                )
-                for product in self._products
-            ),
+            goods=self._goods.levels(),
             problem=self._problem,
             software=self._software,
             leaving=self._departure.begun,
@@ -276,7 +261,7 @@ class Machine(Core):
     # --- the end ---
 
     def _prepare_to_leave(self, now_s: float) -> None:
-        self._timers.set(BEAT, now_s)
+        self._pulse.at_once(now_s)
 
     def _is_held(self) -> bool:
         return self._tasks.awaits_answers or any(task.is_changing_hands for task in self._tasks)
@@ -287,24 +272,13 @@ class Machine(Core):
     # --- the workcell reports ---
 
     def _cycle_done(self, report: CycleDone, now_s: float) -> None:
-        goal, self._running, self._cycling = self._running, None, ""
-        self._supply.change(report.product, 1)
-        if goal is None or self._goals.get(goal.id) is not goal:
-            self._goals.add_spare(report.product, 1)
-        else:
-            goal.made += 1
-            self._note_made(goal)
+        self._cycle.done(report.product)
         self._pursue(now_s)
-
-    def _note_made(self, goal: Goal) -> None:
-        self._commit()
-        made = goal.brief().made
-        self._out.append(Record(PieceMade(goal=goal.id, product=goal.work.product, made=made)))
 
     def _cycle_failed(self, _report: CycleFailed, now_s: float) -> None:
         # The senses put the stock right at the next beat; then it is tried again.
-        self._running, self._cycling = None, ""
-        self._timers.set(BEAT, now_s)
+        self._cycle.failed()
+        self._pulse.at_once(now_s)
 
     def _stock_changed(self, report: StockChanged, now_s: float) -> None:
         self._supply.change(report.item, report.change)
@@ -332,36 +306,20 @@ class Machine(Core):
 
     def _pursue(self, now_s: float) -> None:
         """Do whatever the present state asks for."""
-        self._share_spare()
-        self._start_cycle()
+        self._cycle.share_spare()
+        if not self._problem and not self._goods.full:
+            self._cycle.start()
         if not self._departure.begun:
             self._announce_needs(now_s)
         self._update_status(now_s)
 
     def _announce_needs(self, now_s: float) -> None:
         """Have material brought, and goods fetched."""
-        while (order := self._supply.next_order(self._cycling, now_s)) is not None:
+        while (order := self._supply.next_order(self._cycle.product, now_s)) is not None:
             work, deadline_s = order
             self._supply.ordered(work)
             self._open(work, deadline_s, now_s)
         self._goods.dispatch(now_s)
-
-    def _share_spare(self) -> None:
-        """Finished pieces of goals that ended early serve the next ones."""
-        for goal in self._goals.confirmed():
-            if self._goals.use_spare(goal, self._running):
-                self._note_made(goal)
-
-    def _start_cycle(self) -> None:
-        if self._cycling or self._problem or self._goods.full:
-            return
-        goal = self._goals.next_to_make(self._supply.stock)
-        if goal is None:
-            return
-        self._running, self._cycling = goal, goal.work.product
-        for line in self._plant.products[goal.work.product].bill:
-            self._supply.change(line.material, -line.quantity)
-        self._out.append(Instruct(StartCycle(product=goal.work.product)))
 
     def _open(self, work: Transport, deadline_s: float, now_s: float) -> None:
         if self._newcomer is not None:
@@ -370,21 +328,21 @@ class Machine(Core):
         life = "" if self.incarnation == 1 else f".{self.incarnation}"
         self._tasks.open(f"{self.id}{life}-{self._task_count}", work, deadline_s, now_s)
         self._commit()
-        self._timers.set(BEAT, now_s)
+        self._pulse.at_once(now_s)
 
     def _update_status(self, now_s: float) -> None:
         status, reason = self._present_status()
         if status is self._status:
             return
         self._status = status
-        fact = MachineStatusChanged(status=status, product=self._cycling, reason=reason)
+        fact = MachineStatusChanged(status=status, product=self._cycle.product, reason=reason)
         self._out.append(Record(fact))
-        self._timers.set(BEAT, now_s)
+        self._pulse.at_once(now_s)
 
     def _present_status(self) -> tuple[MachineStatus, str]:
         if self._problem:
             return MachineStatus.ERROR, self._problem
-        if self._cycling:
+        if self._cycle.product:
             return MachineStatus.PRODUCING, ""
         if not self._goals.unfinished:
             return MachineStatus.IDLE, ""
@@ -404,7 +362,7 @@ class Machine(Core):
 
     def _on_carrier_changed(self, _task: OpenTask, now_s: float) -> None:
         self._commit()
-        self._timers.set(BEAT, now_s)
+        self._pulse.at_once(now_s)
         self._goods.keep_unwanted()
 
     def _on_left(self, atv: str) -> None:
@@ -434,7 +392,7 @@ class Machine(Core):
         self._tasks.close(task, "withdrawn")
         self._supply.settled(cast(Transport, task.work), None)
         self._commit()
-        self._timers.set(BEAT, now_s)
+        self._pulse.at_once(now_s)
         self._pursue(now_s)
 
     def _hear_handover(self, sender: str, message: Handover, now_s: float) -> None:
@@ -452,7 +410,7 @@ class Machine(Core):
             goal.delivered += work.quantity
         elif work.destination == self.id:
             self._supply.settled(work, now_s - task.opened_s)
-        self._timers.set(BEAT, now_s)
+        self._pulse.at_once(now_s)
         self._pursue(now_s)
 
     # --- goals ---
@@ -487,7 +445,7 @@ class Machine(Core):
     def _goals_changed(self, now_s: float) -> None:
         self._supply.goals_changed()
         self._pursue(now_s)
-        self._timers.set(BEAT, now_s)
+        self._pulse.at_once(now_s)
 
 
 def _introduction(spec: MachineSpec) -> Newcomer:
@@ -501,21 +459,4 @@ def _introduction(spec: MachineSpec) -> Newcomer:
         depth_m=spec.box.depth_m,
         makes=tuple(Making(making.product, making.cycle_s) for making in spec.makes),
         goods_capacity=spec.goods_capacity,
-    )
-
-
-def _brief(task: OpenTask) -> TaskBrief:
-    work = cast(Transport, task.work)
-    return TaskBrief(
-        task=task.id,
-        epoch=task.epoch,
-        item=work.item,
-        quantity=work.quantity,
-        source=task.source,
-        destination=work.destination,
-        deadline_s=task.deadline_s,
-        primary=task.primary,
-        secondary=task.secondary,
-        round=task.round,
-        trouble=task.trouble,
     )

@@ -9,8 +9,6 @@ A vehicle that rests goes on bidding; `stop` ends the rest at once when it wins.
 
 from __future__ import annotations
 
-from zlib import crc32
-
 from dray.body import Charge
 from dray.messages import BerthClaimed
 from dray.messages.keys import Keys
@@ -18,7 +16,7 @@ from dray.plant import Plant
 from dray.protocol.berths import CONTEST_S, Berths, Hold
 from dray.protocol.driving import Driver
 from dray.protocol.events import Effect
-from dray.protocol.timers import Timers
+from dray.protocol.timers import Timers, spread_frac
 
 SETTLE = "settle"
 CLAIM = "claim"
@@ -81,9 +79,7 @@ class Rest:
     def start(self, battery_frac: float, now_s: float) -> None:
         """The vehicle has been switched on, perhaps in a berth."""
         self._stand_here(battery_frac, now_s)
-        # Vehicles that are switched on together must not do everything together for ever.
-        spread_s = crc32(self._atv.encode()) % 1000 / 1000 * SETTLE_S
-        self._timers.set(SETTLE, now_s + SETTLE_S + spread_s)
+        self._timers.set(SETTLE, now_s + SETTLE_S + spread_frac(self._atv) * SETTLE_S)
 
     def soon(self, now_s: float) -> None:
         """There is no work: look for a place in a moment."""

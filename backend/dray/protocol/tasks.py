@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal, cast
 
 from dray.memory import TaskMemory
-from dray.messages import Bid, Phase, Transport, Work
+from dray.messages import Bid, Phase, TaskBrief, Transport, Work
 from dray.protocol.auction import Auction
 from dray.protocol.events import NEVER_S
 from dray.protocol.supervision import Vigil
@@ -101,6 +101,23 @@ class OpenTask:
     def work_item(self) -> str:
         """What is carried, or made."""
         return self.work.item if isinstance(self.work, Transport) else self.work.product
+
+    def brief(self) -> TaskBrief:
+        """What the heartbeat tells of a transport."""
+        work = cast(Transport, self.work)
+        return TaskBrief(
+            task=self.id,
+            epoch=self.epoch,
+            item=work.item,
+            quantity=work.quantity,
+            source=self.source,
+            destination=work.destination,
+            deadline_s=self.deadline_s,
+            primary=self.primary,
+            secondary=self.secondary,
+            round=self.round,
+            trouble=self.trouble,
+        )
 
     def memory(self) -> TaskMemory:
         """A transport for its machine's next life."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from zlib import crc32
 
 from dray.protocol.events import NEVER_S
 
@@ -49,3 +50,11 @@ class Timers:
             del self._at_s[name]
         self.next_s = min(self._at_s.values(), default=NEVER_S)
         return names
+
+
+def spread_frac(agent: str) -> float:
+    """A part of a span, from none to nearly all of it, that follows from an agent's name.
+
+    Agents that are started together must not do everything together for ever.
+    """
+    return crc32(agent.encode()) % 1000 / 1000
