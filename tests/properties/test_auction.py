@@ -15,7 +15,8 @@ from kit import accepted, bid, declined, facts, transport
 
 from dray.messages import Award, Release, Role
 from dray.messages.fact import AwardGiven
-from dray.protocol.auction import Auction, AuctionRules, Place, Stage, Terms
+from dray.protocol.auction import Auction, Place, Stage, Terms
+from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.events import NEVER_S, Effect, Send
 
 BIDDERS = ("ATV1", "ATV2", "ATV3", "ATV4")

@@ -14,7 +14,8 @@ from kit import accepted, bid, declined, facts, rhb, transport
 
 from dray.messages import AtvHeartbeat, AtvStatus, Bid, HelpWanted, Role
 from dray.messages.fact import AwardGiven
-from dray.protocol.auction import Auction, AuctionRules, Place, Terms
+from dray.protocol.auction import Auction, Place, Terms
+from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.events import Effect
 from dray.protocol.supervision import IN_ERROR, SILENT, Vigil
 from dray.protocol.suspicion import (

@@ -25,7 +25,8 @@ from dray.messages import (
     Resigned,
     Role,
 )
-from dray.protocol.auction import AuctionRules, Place
+from dray.protocol.auction import Place
+from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.events import Effect
 from dray.protocol.supervision import Following
 from dray.protocol.tasks import OpenTask

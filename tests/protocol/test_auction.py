@@ -10,7 +10,8 @@ from kit import accepted, award_number, bid, declined, deeds, facts, published, 
 
 from dray.messages import Award, Bid, Refusal, Release, Role, TaskAnnounced
 from dray.messages.fact import AwardAnswered, AwardGiven, BidReceived, RoundFailed, TaskOpened
-from dray.protocol.auction import Auction, AuctionRules, Place, Stage, Terms
+from dray.protocol.auction import Auction, Place, Stage, Terms
+from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.events import NEVER_S, Effect, Publish
 
 RULES = AuctionRules()

@@ -7,7 +7,8 @@ from kit import accepted, bid, declined, deeds, listening, published, sent, tran
 from office import Office, contracted, watched
 
 from dray.messages import Award, Role, TaskAnnounced, Withdrawn
-from dray.protocol.auction import AuctionRules, Place
+from dray.protocol.auction import Place
+from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.coordinator import CLOSED_KEPT, Coordinator
 from dray.protocol.events import NEVER_S, Effect
 from dray.protocol.timers import Timers

@@ -29,6 +29,7 @@ import msgspec
 
 from dray.messages import Accepted, Award, Bid, Declined, Release, Role, TaskAnnounced, Work
 from dray.messages.fact import AwardAnswered, AwardGiven, BidReceived, RoundFailed, TaskOpened
+from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.events import NEVER_S, Effect, Ignore, Publish, Record, Send
 
 SPAN_MIN_S = 60.0
@@ -39,26 +40,6 @@ SPAN_MAX_S = 7 * 86_400.0
 
 SPANS_MAX = 10
 """After so many rounds it is not the deadline that keeps bidders away."""
-
-
-class AuctionRules(msgspec.Struct, frozen=True):
-    """How patient and how far-reaching a coordinator is."""
-
-    window_s: float = 1.0
-    """Some ten times the latency of a good WLAN."""
-    window_growth: float = 1.5
-    window_max_s: float = 12.0
-    """Covers links with up to 5 s of latency each way, and what they vary by."""
-    answer_s: float = 1.0
-    """How long an award may stay unanswered; grows with the window."""
-    radius_m: float = 25.0
-    """About three lane pitches: the vehicles nearby (paper, 5)."""
-    radius_growth: float = 2.0
-    rest_s: float = 2.0
-    rest_growth: float = 1.5
-    rest_max_s: float = 20.0
-    moves_deadline: bool = True
-    """Where bidders refuse what they cannot do in time, late is better than never."""
 
 
 class Terms(msgspec.Struct, frozen=True):
@@ -150,8 +131,7 @@ class Auction:
     @property
     def radius_m(self) -> float:
         """How far the present round reaches."""
-        grown_m = self._rules.radius_m * _growth(self._rules.radius_growth, self.round)
-        return min(grown_m, self._place.reach_m)
+        return min(self._rules.radius_in_m(self.round), self._place.reach_m)
 
     def open(self, now_s: float) -> None:
         """Begin: ask the candidates if there are any, else announce."""
@@ -244,7 +224,7 @@ class Auction:
         if self._unbid and self._rules.moves_deadline:
             self._move_deadline(now_s)
         self.stage = Stage.COLLECTING
-        self.wake_at_s = now_s + self._grown(self._rules.window_s)
+        self.wake_at_s = now_s + self._rules.window_in_s(self.round)
         terms, radius_m = self.terms, self.radius_m
         self._out.append(
             Record(
@@ -301,7 +281,7 @@ class Auction:
         self._asked, self.winning_bid = bidder, bid
         self._rank += 1
         self._awards += 1
-        self.wake_at_s = now_s + self._grown(self._rules.answer_s)
+        self.wake_at_s = now_s + self._rules.answer_in_s(self.round)
         fact = AwardGiven(task=terms.task, epoch=terms.epoch, role=terms.role, bidder=bidder, rank=self._rank)
         award = Award(
             task=terms.task,
@@ -316,12 +296,11 @@ class Auction:
         self._out += (Record(fact), Send(bidder, award))
 
     def _rest(self, now_s: float) -> None:
-        rules = self._rules
         reaches_all = self.radius_m >= self._place.reach_m
         # A wider circle has not been asked yet, so there is nothing to wait for.
-        rest_s = rules.rest_s * _growth(rules.rest_growth, self.round) if reaches_all else 0.0
+        rest_s = self._rules.rest_in_s(self.round) if reaches_all else 0.0
         self.stage = Stage.RESTING
-        self.wake_at_s = now_s + min(rest_s, rules.rest_max_s)
+        self.wake_at_s = now_s + rest_s
         self.winning_bid = None
         self._unbid += self._rank == 0
         terms = self.terms
@@ -339,12 +318,6 @@ class Auction:
         )
         self._rank = 0
 
-    def _grown(self, span_s: float) -> float:
-        """A span that grows with the rounds, as the window does."""
-        rules = self._rules
-        factor = _growth(rules.window_growth, self.round)
-        return span_s * min(factor, rules.window_max_s / rules.window_s)
-
     def _note_answer(self, answer: str) -> None:
         terms = self.terms
         fact = AwardAnswered(
@@ -356,11 +329,6 @@ class Auction:
         terms = self.terms
         release = Release(task=terms.task, epoch=terms.epoch, role=terms.role, reason=reason)
         self._out.append(Send(bidder, release))
-
-
-def _growth(base: float, round_number: int) -> float:
-    """`base` to the power of the rounds before this one; held, so that endless rounds do not overflow."""
-    return float(base ** min(max(0, round_number - 1), 32))
 
 
 def _rank_of(bid: tuple[str, Bid]) -> tuple[float, float, str]:

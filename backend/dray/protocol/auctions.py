@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import msgspec
-
 from dray.messages import Bid, Work
-from dray.protocol.auction import Auction, AuctionRules, Place, Terms
+from dray.protocol.auction import Auction, Place, Terms
+from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.events import NEVER_S, Effect
-from dray.protocol.suspicion import JITTER_S, Hearing
+from dray.protocol.suspicion import Hearing
 from dray.protocol.timers import Timers
 
 
@@ -49,12 +48,7 @@ class Auctions:
         On links that are known to be slow it is patient from the beginning.
         """
         if self._hearing is not None:
-            there_and_back_s = 2.0 * self._hearing.delay_s + JITTER_S
-            rules = msgspec.structs.replace(
-                rules,
-                window_s=min(max(rules.window_s, there_and_back_s), rules.window_max_s),
-                answer_s=min(max(rules.answer_s, there_and_back_s), rules.window_max_s),
-            )
+            rules = rules.on_links(self._hearing.delay_s)
 
         def audience(radius_m: float) -> tuple[str, ...]:
             return self._audience(terms.work, radius_m)

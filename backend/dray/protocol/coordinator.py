@@ -12,7 +12,8 @@ from collections.abc import Callable, Iterator
 
 from dray.messages import Accepted, Bid, Declined, Release, Role, Withdrawn, Work
 from dray.messages.fact import TaskClosed
-from dray.protocol.auction import Auction, AuctionRules, Place, Terms
+from dray.protocol.auction import Auction, Place, Terms
+from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.auctions import Auctions
 from dray.protocol.events import Effect, Ignore, Record, Send
 from dray.protocol.suspicion import Hearing

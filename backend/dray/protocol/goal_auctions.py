@@ -13,7 +13,8 @@ from dray.errors import ProtocolViolation
 from dray.messages import Accepted, Confirmed, GoalBrief, GoalClosed, Production, Withdrawn, Work
 from dray.messages.fact import GoalContracted, GoalWaits, TaskClosed
 from dray.messages.keys import Keys
-from dray.protocol.auction import AuctionRules, Place
+from dray.protocol.auction import Place
+from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.coordinator import Coordinator
 from dray.protocol.events import Effect, Record, Send
 from dray.protocol.leaving import Departure

@@ -54,7 +54,8 @@ from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.plant.model import MachineSpec
 from dray.protocol.adoption import ADOPT, Adoption
-from dray.protocol.auction import AuctionRules, Place
+from dray.protocol.auction import Place
+from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.core import Core
 from dray.protocol.cycles import Cycle
 from dray.protocol.docking import Dock

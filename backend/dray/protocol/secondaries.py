@@ -10,7 +10,8 @@ from collections.abc import Mapping
 
 from dray.messages import Accepted, AtvHeartbeat, Bid, Declined, Release, Role
 from dray.messages.fact import WatchLost
-from dray.protocol.auction import AuctionRules, Terms
+from dray.protocol.auction import Terms
+from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.auctions import Auctions
 from dray.protocol.events import NEVER_S, Effect, Record, Send
 from dray.protocol.supervision import UNNAMED_S, Following, Vigil

@@ -29,7 +29,8 @@ from dray.messages import (
     Work,
 )
 from dray.messages.fact import CarrierChanged
-from dray.protocol.auction import AuctionRules, Place
+from dray.protocol.auction import Place
+from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.coordinator import PRIMARY_AUCTION, Coordinator
 from dray.protocol.events import Effect, Ignore, Record, Send
 from dray.protocol.failover import Failover

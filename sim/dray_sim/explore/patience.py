@@ -15,7 +15,7 @@ must come forward within it.
 from __future__ import annotations
 
 from dray.plant import Plant
-from dray.protocol.auction import AuctionRules
+from dray.protocol.auction_rules import AuctionRules
 from dray_sim.habits import Habits
 from dray_sim.people import LOOK_S
 from dray_sim.tablet import ANSWER_S, TRIES
