@@ -35,14 +35,12 @@ from dray.body import (
 from dray.errors import ProtocolViolation
 from dray.memory import AtvMemory, Contract, Memory
 from dray.messages import (
-    Accepted,
     AtvHeartbeat,
     AtvStatus,
     Award,
     BerthClaimed,
     CommandKind,
     Confirmed,
-    Declined,
     DockHeld,
     DockOpened,
     HandoverAccepted,
@@ -59,16 +57,17 @@ from dray.messages import (
 from dray.messages.fact import AtvStatusChanged, ContractEnded, ContractTaken, LinkChanged, TookOver
 from dray.messages.keys import Keys
 from dray.plant import Plant
+from dray.protocol.answers import accept, decline
 from dray.protocol.authority import Authority, Trusts, trusts_nobody
 from dray.protocol.bidding import Bidder, Standing
 from dray.protocol.carriage import ASK, CLAIM_TASK, HANDED_OVER, Carriage
 from dray.protocol.core import Core
 from dray.protocol.driving import Driver
 from dray.protocol.events import (
+    Effect,
     Ignore,
     Publish,
     Record,
-    Send,
     Subscribe,
     Unsubscribe,
 )
@@ -387,47 +386,31 @@ class Atv(Core):
 
     def _hear_award(self, sender: str, award: Award, now_s: float) -> None:
         if self._holds(award):
-            self._accept(sender, award)
+            # Its answer was lost.
+            self._out.append(accept(sender, award, self._promised_s))
             return
         answer = self._bidder.review(award, self._standing(award.task, now_s), now_s)
         if isinstance(answer, Unable):
-            declined = Declined(
-                task=award.task, epoch=award.epoch, role=award.role, reason=answer.reason, number=award.number
-            )
-            self._out.append(Send(sender, declined))
+            self._out.append(decline(sender, award, answer.reason))
         elif award.role is Role.SECONDARY:
             self._watches.begin(award, sender, now_s)
-            self._accept(sender, award)
+            self._out.append(accept(sender, award, self._promised_s))
             self._pulse.at_once(now_s)
         else:
-            self._take(sender, award, answer, now_s)
+            contract = _contract(award, award.epoch, sender, answer)
+            accepted = accept(sender, award, contract.promised_s)
+            self._take(contract, accepted, lambda carriage: carriage.begin(now_s), now_s)
 
     def _holds(self, award: Award) -> bool:
-        """Whether it took this award already, and its answer was lost."""
+        """Whether it took this award already."""
         if award.role is Role.SECONDARY:
             return self._watches.holds(award.task, award.epoch)
         return self._has_contract(award.task, award.epoch)
 
-    def _accept(self, sender: str, award: Award) -> None:
-        finish_s = self._carriage.promised_s if self._carriage is not None else 0.0
-        accepted = Accepted(
-            task=award.task,
-            epoch=award.epoch,
-            role=award.role,
-            finish_s=finish_s,
-            number=award.number,
-        )
-        self._out.append(Send(sender, accepted))
-
-    def _take(self, sender: str, award: Award, quote: Quote, now_s: float) -> None:
-        """Become the primary of a task, and free of everything else."""
-        self._bind(_contract(award, award.epoch, sender, quote))
-        self._accept(sender, award)
-        self._note_taken(award.task, award.epoch, sender)
-        self._watches.resign("has work of its own")
-        self._rest.stop()
-        self._update_status(now_s, award.task)
-        self._go_on(lambda carriage: carriage.begin(now_s), now_s)
+    @property
+    def _promised_s(self) -> float:
+        """When it has promised to be done with its task (plant clock); 0 without one."""
+        return self._carriage.promised_s if self._carriage is not None else 0.0
 
     def _look_after(self, task: str, now_s: float) -> None:
         """A primary may have failed: take its task over, if this vehicle can."""
@@ -441,14 +424,7 @@ class Atv(Core):
             return
         epoch, reason = award.epoch + 1, watch.vigil.failure(now_s)
         silent_s = now_s - watch.vigil.heard_s
-        self._watches.end(task, "taken over")
-        self._bind(_contract(award, epoch, watch.coordinator, quote))
         took = TookOver(task=task, epoch=epoch, primary=award.primary, silent_s=silent_s, reason=reason)
-        self._out.append(Record(took))
-        self._note_taken(task, epoch, watch.coordinator)
-        self._watches.resign("has work of its own")
-        self._rest.stop()
-        self._update_status(now_s, task)
         claim = TakenOver(
             task=task,
             epoch=epoch,
@@ -457,7 +433,28 @@ class Atv(Core):
             finish_s=quote.finish_s,
             source=quote.source,
         )
-        self._go_on(lambda carriage: carriage.take_over(claim, now_s), now_s)
+        self._watches.end(task, "taken over")
+        contract = _contract(award, epoch, watch.coordinator, quote)
+        self._take(contract, Record(took), lambda carriage: carriage.take_over(claim, now_s), now_s)
+
+    def _take(self, contract: Contract, how: Effect, begin: Callable[[Carriage], None], now_s: float) -> None:
+        """Become the primary of a task, and free of everything else.
+
+        Args:
+            contract: of the task.
+            how: said first: how it came to that.
+            begin: the first step of the carriage.
+            now_s: the present time.
+        """
+        self._bind(contract)
+        taken = ContractTaken(
+            task=contract.task, epoch=contract.epoch, role=Role.PRIMARY, coordinator=contract.coordinator
+        )
+        self._out += (how, Record(taken))
+        self._watches.resign("has work of its own")
+        self._rest.stop()
+        self._update_status(now_s, contract.task)
+        self._go_on(begin, now_s)
 
     def _bind(self, contract: Contract) -> None:
         self._carriage = Carriage(
@@ -470,10 +467,6 @@ class Atv(Core):
             out=self._out,
         )
         self._commit()
-
-    def _note_taken(self, task: str, epoch: int, coordinator: str) -> None:
-        taken = ContractTaken(task=task, epoch=epoch, role=Role.PRIMARY, coordinator=coordinator)
-        self._out.append(Record(taken))
 
     def _hear_release(self, sender: str, message: Release, now_s: float) -> None:
         if message.role is Role.SECONDARY:

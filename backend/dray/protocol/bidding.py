@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import msgspec
 
-from dray.messages import Award, Bid, Refusal, Role, TaskAnnounced, Transport, Work
-from dray.messages.fact import BidRefused, BidSent
+from dray.messages import Award, Refusal, Role, TaskAnnounced, Transport, Work
 from dray.plant import Plant
-from dray.protocol.events import Effect, Record, Send
+from dray.protocol.answers import offer, refuse
+from dray.protocol.events import Effect
 from dray.protocol.pricing import Pricer, Quote, Unable
 from dray.protocol.trial import ON_TRIAL, Trial
 
@@ -64,26 +64,9 @@ class Bidder:
             if self._trial.bars(short=takes_s <= SHORT_S, round_number=message.round):
                 answer = Unable(Refusal.NOT_FIT, f"{ON_TRIAL}: it would take {takes_s:.0f} s")
         if isinstance(answer, Unable):
-            refused = BidRefused(
-                task=message.task,
-                epoch=message.epoch,
-                role=message.role,
-                reason=answer.reason,
-                detail=answer.detail,
-            )
-            self._out.append(Record(refused))
-            return
-        bid = Bid(
-            task=message.task,
-            epoch=message.epoch,
-            role=message.role,
-            round=message.round,
-            cost=answer.cost,
-            finish_s=answer.finish_s,
-            source=answer.source,
-        )
-        sent = BidSent(task=message.task, epoch=message.epoch, role=message.role, total_s=answer.cost.total_s)
-        self._out += (Send(message.coordinator, bid), Record(sent))
+            self._out.append(refuse(message, answer.reason, answer.detail))
+        else:
+            self._out += offer(message, answer.cost, answer.finish_s, answer.source)
 
     def review(self, award: Award, standing: Standing, now_s: float) -> Quote | Unable:
         """Whether an award can still be taken, from where the vehicle is now."""

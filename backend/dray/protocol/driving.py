@@ -34,7 +34,6 @@ class Driver:
         """The number of the newest way or action: reports about older ones are ignored."""
         self.way: tuple[str, ...] = ()
         """The whole present way; empty when the vehicle stands."""
-        self.started_s = 0.0
         self.arrives_s = 0.0
         """When the present way should end."""
 
@@ -85,7 +84,7 @@ class Driver:
     def _take_way(self, nodes: tuple[str, ...], duration_s: float, now_s: float) -> None:
         self.order += 1
         self.way, self._passed = nodes, 0
-        self.started_s, self.arrives_s = now_s, now_s + duration_s
+        self.arrives_s = now_s + duration_s
         self._out.append(Instruct(Drive(order=self.order, nodes=nodes, released=len(nodes))))
 
     def act(self, instruction: VehicleInstruction) -> None:

@@ -7,9 +7,7 @@ from collections.abc import Callable, Mapping
 from dray.messages import (
     Accepted,
     Award,
-    Bid,
     Confirmed,
-    Declined,
     GoalClosed,
     Production,
     Refusal,
@@ -18,7 +16,8 @@ from dray.messages import (
     TaskAnnounced,
     Withdrawn,
 )
-from dray.messages.fact import BidRefused, BidSent, ContractEnded, ContractTaken
+from dray.messages.fact import ContractEnded, ContractTaken
+from dray.protocol.answers import decline, offer, refuse
 from dray.protocol.events import Effect, Record, Send
 from dray.protocol.production import Goal, GoalBook
 from dray.protocol.supply import Supply
@@ -87,34 +86,18 @@ class GoalBidder:
         if not unfit and self._trial.bars(short=is_short, round_number=message.round):
             unfit = ON_TRIAL
         if unfit:
-            refused = BidRefused(
-                task=message.task,
-                epoch=message.epoch,
-                role=message.role,
-                reason=Refusal.NOT_FIT,
-                detail=unfit,
-            )
-            self._out.append(Record(refused))
+            self._out.append(refuse(message, Refusal.NOT_FIT, unfit))
             return
         cost = self._goals.quote(work, self._supply.stock, self._supply.longest_lead_s(work.product))
         finish_s = now_s + cost.total_s
         self._remember(message.task, finish_s)
-        bid = Bid(
-            task=message.task,
-            epoch=message.epoch,
-            role=message.role,
-            round=message.round,
-            cost=cost,
-            finish_s=finish_s,
-        )
-        sent = BidSent(task=message.task, epoch=message.epoch, role=message.role, total_s=cost.total_s)
-        self._out += (Send(message.coordinator, bid), Record(sent))
+        self._out += offer(message, cost, finish_s)
 
     def hear_award(self, sender: str, award: Award, unfit: str, now_s: float) -> bool:
         """Take a goal or decline it; True when it was taken just now."""
         work = award.work
         if not isinstance(work, Production) or work.product not in self._lots:
-            self._decline(sender, award, Refusal.ABILITY)
+            self._out.append(decline(sender, award, Refusal.ABILITY))
             return False
         known = self._goals.get(award.task)
         if known is not None:
@@ -124,7 +107,7 @@ class GoalBidder:
             return False
         reason = self._why_not(award.task, work, unfit, now_s)
         if reason is not None:
-            self._decline(sender, award, reason)
+            self._out.append(decline(sender, award, reason))
             return False
         goal = Goal(award.task, work, award.deadline_s, sender, award.epoch)
         self._goals.add(goal)
@@ -202,12 +185,6 @@ class GoalBidder:
         self._out.append(Send(goal.strategist, accepted))
         self._unconfirmed[goal.id] = accepted
         self._timers.set((CONFIRM, goal.id), now_s + CONFIRM_AGAIN_S)
-
-    def _decline(self, sender: str, award: Award, reason: Refusal) -> None:
-        declined = Declined(
-            task=award.task, epoch=award.epoch, role=award.role, reason=reason, number=award.number
-        )
-        self._out.append(Send(sender, declined))
 
     def _why_not(self, goal: str, work: Production, unfit: str, now_s: float) -> Refusal | None:
         """A goal that was taken since the bid may have made its promise empty."""
