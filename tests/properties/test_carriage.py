@@ -33,8 +33,8 @@ from dray.messages import (
 )
 from dray.messages.fact import ContractEnded, ContractTaken, PhaseEntered
 from dray.protocol.atv import Atv
-from dray.protocol.carriage import ASK_AGAIN_S
 from dray.protocol.events import Effect, Instruct, Record, Send
+from dray.protocol.insisting import ASK_AGAIN_S
 
 TASK = "M8-1"
 MATERIAL = transport()

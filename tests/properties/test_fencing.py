@@ -35,8 +35,8 @@ from dray.messages import (
 )
 from dray.messages.fact import TaskClosed, TaskOpened, TookOver
 from dray.protocol.atv import Atv
-from dray.protocol.carriage import ASK_AGAIN_S
 from dray.protocol.events import Effect, Instruct, Record, Send
+from dray.protocol.insisting import ASK_AGAIN_S
 from dray.protocol.machine import Machine
 from dray.protocol.strategist import STRATEGIST
 

@@ -23,9 +23,10 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import PhaseEntered
-from dray.protocol.carriage import ASK_AGAIN_S, HELD_ASK_AGAIN_S, RETRY_S, Carriage
+from dray.protocol.carriage import HELD_ASK_AGAIN_S, RETRY_S, Carriage
 from dray.protocol.driving import Driver
 from dray.protocol.events import NEVER_S, Effect
+from dray.protocol.insisting import ASK_AGAIN_S
 from dray.protocol.timers import Timers
 
 ROUTES = PLANT.routes("light")

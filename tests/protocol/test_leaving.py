@@ -54,8 +54,9 @@ from dray.messages import (
     VehicleCommand,
 )
 from dray.messages.fact import BidRefused, CarrierChanged, ContractEnded
-from dray.protocol.carriage import ASK_AGAIN_S, GIVE_UP_AFTER
+from dray.protocol.carriage import GIVE_UP_AFTER
 from dray.protocol.events import NEVER_S, Commit, Leave
+from dray.protocol.insisting import ASK_AGAIN_S
 from dray.protocol.leaving import CARRIER_LEAVES_WITHIN_S, COORDINATOR_LEAVES_WITHIN_S, LEAVES
 from dray.protocol.machine_watch import GOAL_SILENCE_S
 

@@ -75,7 +75,7 @@ from dray.messages.fact import (
     TaskClosed,
 )
 from dray.protocol.events import Commit, Effect, Reported, Woke
-from dray.protocol.goal_bidding import CONFIRM_AGAIN_S
+from dray.protocol.insisting import ASK_AGAIN_S
 
 # M7 makes pumps alone: one housing, impeller and seal kit each, 50 s; lots of 24, room for 60.
 FULL = {"housing": 72, "impeller": 90, "seal-kit": 120}
@@ -611,7 +611,7 @@ def test_nothing_of_a_goal_is_begun_before_it_is_confirmed() -> None:
 def test_an_acceptance_is_repeated_until_it_is_confirmed() -> None:
     rig = m7()
     [first] = sent(rig.award_goal("G1", production()), Accepted)
-    repeated = sent(rig.run(4 * CONFIRM_AGAIN_S), Accepted, to="STRATEGIST")
+    repeated = sent(rig.run(4 * ASK_AGAIN_S), Accepted, to="STRATEGIST")
     assert repeated == [first] * 4
     rig.confirm_goal("G1")
     assert sent(rig.run(rig.now_s + 60.0), Accepted) == []
@@ -636,7 +636,7 @@ def test_confirming_twice_is_harmless() -> None:
 def test_a_doubled_award_is_answered_until_it_is_confirmed_again_and_no_longer() -> None:
     rig = m7(goal=24)
     rig.award_goal("G1", production())
-    assert len(sent(rig.run(CONFIRM_AGAIN_S), Accepted)) == 1
+    assert len(sent(rig.run(ASK_AGAIN_S), Accepted)) == 1
     rig.confirm_goal("G1")
     assert sent(rig.run(rig.now_s + 60.0), Accepted) == []
 

@@ -35,9 +35,10 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import CarrierChanged, ContractEnded, HelpAsked, HelpPromised, TaskClosed, TookOver
-from dray.protocol.carriage import ASK_AGAIN_S, GIVE_UP_AFTER
+from dray.protocol.carriage import GIVE_UP_AFTER
 from dray.protocol.events import Commit, Started
 from dray.protocol.failover import ASTRAY_S, GRACE_S
+from dray.protocol.insisting import ASK_AGAIN_S
 from dray.protocol.supervision import UNNAMED_S
 from dray.protocol.suspicion import LATENESS_MAX_S, WORKING_INTERVAL_S, bound_s
 from dray.protocol.transports import ADOPT_S

@@ -63,13 +63,12 @@ from dray.protocol.bidding import Bidder, Standing
 from dray.protocol.carriage import ASK, CLAIM_TASK, HANDED_OVER, Carriage
 from dray.protocol.core import Core
 from dray.protocol.driving import Driver
+from dray.protocol.earshot import Earshot
 from dray.protocol.events import (
     Effect,
     Ignore,
     Publish,
     Record,
-    Subscribe,
-    Unsubscribe,
 )
 from dray.protocol.leaving import CARRIER_LEAVES_WITHIN_S, LEAVES
 from dray.protocol.obedience import Obedience
@@ -118,6 +117,7 @@ class Atv(Core):
         self._keys = Keys(plant.id)
         self._beat_key = self._keys.atv_heartbeat(atv)
         self._driver = Driver(plant, self._type, self._out, first_order=incarnation * ORDERS_PER_LIFE)
+        self._earshot = Earshot(plant, self._keys, self._out)
         self._following = Following(self._keys.atv_heartbeat, self._out)
         self._watches = Watches(self._following, self._timers, self._out)
         self._trial = Trial(trial)
@@ -130,7 +130,6 @@ class Atv(Core):
         self._status = AtvStatus.IDLE
         self._battery_frac = 1.0
         self._load = ("", 0)
-        self._cell = ""
         contract = self._hear_of_contract
         self._on_message = {
             AtvHeartbeat: lambda _sender, message, now_s: self._watches.hear(message, now_s),
@@ -168,7 +167,7 @@ class Atv(Core):
 
     def _start(self, body: BodyState | None, memory: Memory | None, now_s: float) -> None:
         self._sense(body, now_s)
-        self._attend()
+        self._earshot.move(*self._driver.position_m)
         state = cast(VehicleState, body)
         self._driver.take_control(state, now_s)
         self._trouble.problem, self._link = state.problem, state.link
@@ -285,7 +284,7 @@ class Atv(Core):
     def _node_passed(self, report: NodePassed, _now_s: float) -> None:
         self._driver.hear_passed(report)
         self._battery_frac = report.battery_frac
-        self._attend()
+        self._earshot.move(*self._driver.position_m)
 
     def _way_done(self, report: WayDone, now_s: float) -> None:
         if not self._driver.hear_done(report):
@@ -586,16 +585,6 @@ class Atv(Core):
             self._status = status
             self._out.append(Record(AtvStatusChanged(status=status, reason=reason)))
             self._pulse.at_once(now_s)
-
-    def _attend(self) -> None:
-        """Listen to the announcements for the grid cell that the vehicle is in."""
-        cell = self._plant.cell_of(*self._driver.position_m)
-        if cell == self._cell:
-            return
-        if self._cell:
-            self._out.append(Unsubscribe(self._keys.transports(self._cell)))
-        self._out.append(Subscribe(self._keys.transports(cell)))
-        self._cell = cell
 
 
 def _contract(award: Award, epoch: int, coordinator: str, quote: Quote) -> Contract:

@@ -43,6 +43,7 @@ from dray.plant import Plant
 from dray.protocol.docks import dock_of
 from dray.protocol.driving import Driver
 from dray.protocol.events import Effect, Ignore, Record, Send
+from dray.protocol.insisting import ASK_AGAIN_S, Insistence
 from dray.protocol.timers import Timers
 
 ASK = "ask"
@@ -50,9 +51,6 @@ ASK = "ask"
 
 CLAIM_TASK = "claim task"
 """The alarm for saying again that a task was taken over."""
-
-ASK_AGAIN_S = 3.0
-"""A question is repeated after many times the latency of a good link."""
 
 GIVE_UP_AFTER = 10
 """Questions without an answer: half a minute, longer than a machine's software needs to start again."""
@@ -77,7 +75,7 @@ class Carriage:
         contract: what it is bound to.
         plant, vehicle_type: for ways and handling times.
         driver: the vehicle's place on the lanes.
-        timers: the vehicle's alarms; this class uses `ASK` and `CLAIM_TASK`.
+        timers: the vehicle's alarms; this class uses `ASK` and ``(CLAIM_TASK, task)``.
         out: where effects go.
 
     Attributes:
@@ -130,8 +128,8 @@ class Carriage:
         """Manoeuvres that failed at this station."""
         self._full: set[str] = set()
         """Stations that did not take the load back. Only ever asked for membership."""
-        self._claim: TakenOver | None = None
-        """What is said until the coordinator has confirmed the takeover."""
+        self._claim = Insistence(CLAIM_TASK, timers, out)
+        """What is said until the coordinator has confirmed a takeover."""
 
     def brief(self) -> Brief:
         """What the vehicle tells about it in its heartbeat."""
@@ -174,8 +172,7 @@ class Carriage:
 
     def take_over(self, claim: TakenOver, now_s: float) -> None:
         """Set off in the place of a failed vehicle, and tell the coordinator until it has heard."""
-        self._claim = claim
-        self._say_claim(now_s)
+        self._claim.say(self.task, self.coordinator, claim, now_s)
         self.begin(now_s)
 
     def resume(self, load: str, now_s: float) -> None:
@@ -264,9 +261,8 @@ class Carriage:
             self.cancel(self._given_back or "superseded", now_s)
         elif isinstance(message, Withdrawn):
             self.cancel("withdrawn", now_s)
-        elif isinstance(message, Confirmed) and self._claim is not None:
-            self._claim = None
-            self._timers.clear(CLAIM_TASK)
+        elif isinstance(message, Confirmed) and self.task in self._claim:
+            self._claim.settle(self.task)
         elif isinstance(message, HandoverAccepted) and self.phase is Phase.HANDING_OVER:
             self._end(HANDED_OVER)
         elif isinstance(message, DockHeld) and self._waits_at(message.station):
@@ -310,8 +306,7 @@ class Carriage:
 
     def claim_again(self, now_s: float) -> None:
         """The coordinator has not confirmed the takeover yet."""
-        if self._claim is not None:
-            self._say_claim(now_s)
+        self._claim.wake(self.task, now_s)
 
     def wake(self, load: str, now_s: float) -> None:
         """No answer has come, or a failed manoeuvre is due again.
@@ -404,11 +399,6 @@ class Carriage:
         resigned = Resigned(task=self.task, epoch=self.epoch, role=Role.PRIMARY, reason=self._given_back)
         self._ask(resigned, now_s)
 
-    def _say_claim(self, now_s: float) -> None:
-        if self._claim is not None:
-            self._out.append(Send(self.coordinator, self._claim))
-            self._timers.set(CLAIM_TASK, now_s + ASK_AGAIN_S)
-
     def _waits_at(self, station: str) -> bool:
         asking = self.phase is Phase.LOADING or self.phase is Phase.UNLOADING
         return asking and station == self._station and not self._action and not self._given_back
@@ -480,4 +470,4 @@ class Carriage:
     def _end(self, reason: str) -> None:
         self.ended = reason
         self._timers.clear(ASK)
-        self._timers.clear(CLAIM_TASK)
+        self._claim.settle(self.task)

@@ -18,16 +18,14 @@ from dray.messages import (
 )
 from dray.messages.fact import ContractEnded, ContractTaken
 from dray.protocol.answers import decline, offer, refuse
-from dray.protocol.events import Effect, Record, Send
+from dray.protocol.events import Effect, Record
+from dray.protocol.insisting import Insistence
 from dray.protocol.production import Goal, GoalBook
 from dray.protocol.supply import Supply
 from dray.protocol.timers import Timers
 from dray.protocol.trial import ON_TRIAL, Trial
 
 CONFIRM = "confirm"
-
-CONFIRM_AGAIN_S = 3.0
-"""An acceptance is repeated after many times the latency of a good link."""
 
 QUOTES_KEPT = 64
 """Bids for goals whose award may still come: more than a strategist has open at a time."""
@@ -47,6 +45,9 @@ class GoalBidder:
         timers: the machine's alarms; this class uses names ``(CONFIRM, goal)``.
         out: where effects go.
         commit: called when the machine is bound to something else than before.
+
+    Attributes:
+        alarms: what to call when an alarm of this class has come, with (goal, now_s).
     """
 
     def __init__(
@@ -63,13 +64,13 @@ class GoalBidder:
         self._goals = goals
         self._supply = supply
         self._trial = trial
-        self._timers = timers
         self._out = out
         self._commit = commit
         self._quoted_s: dict[str, float] = {}
         """By goal: when it was promised to be done. Oldest first."""
-        self._unconfirmed: dict[str, Accepted] = {}
-        """By goal: what is said until its strategist has confirmed it."""
+        self._unconfirmed = Insistence(CONFIRM, timers, out)
+        """Acceptances, said until their strategist has confirmed the goal. A Release would end it too."""
+        self.alarms = {CONFIRM: self._unconfirmed.wake}
 
     def hear(self, message: TaskAnnounced, unfit: str, now_s: float) -> None:
         """Answer an announcement with a bid, or note why not.
@@ -126,7 +127,7 @@ class GoalBidder:
         if goal is None:
             return False
         # Also when it was confirmed before: a doubled award has made the machine ask again.
-        self._settled(goal.id)
+        self._unconfirmed.settle(goal.id)
         before = (goal.confirmed, goal.delivered, goal.astray)
         goal.confirmed = True
         self._goals.add_spare(goal.work.product, goal.note_arrived(message.arrived))
@@ -134,14 +135,6 @@ class GoalBidder:
             return False
         self._commit()
         return True
-
-    def wake(self, goal: str, now_s: float) -> None:
-        """Nobody has confirmed a goal yet: ask again, for ever. A Release would end it too."""
-        accepted = self._unconfirmed.get(goal)
-        known = self._goals.get(goal)
-        if accepted is not None and known is not None:
-            self._out.append(Send(known.strategist, accepted))
-            self._timers.set((CONFIRM, goal), now_s + CONFIRM_AGAIN_S)
 
     def hear_over(self, message: Release | Withdrawn) -> Goal | None:
         """The goal is not this machine's any more: it stops, and what is ready is spare.
@@ -162,13 +155,9 @@ class GoalBidder:
         goal = self._goals.get(message.goal)
         return None if goal is None else self._end(goal, "delivered")
 
-    def _settled(self, goal: str) -> None:
-        self._unconfirmed.pop(goal, None)
-        self._timers.clear((CONFIRM, goal))
-
     def _end(self, goal: Goal, reason: str) -> Goal:
         self._goals.remove(goal.id)
-        self._settled(goal.id)
+        self._unconfirmed.settle(goal.id)
         self._commit()
         ended = ContractEnded(task=goal.id, epoch=goal.epoch, role=Role.PRIMARY, reason=reason)
         self._out.append(Record(ended))
@@ -182,9 +171,7 @@ class GoalBidder:
             finish_s=self._quoted_s.get(goal.id, now_s),
             number=number,
         )
-        self._out.append(Send(goal.strategist, accepted))
-        self._unconfirmed[goal.id] = accepted
-        self._timers.set((CONFIRM, goal.id), now_s + CONFIRM_AGAIN_S)
+        self._unconfirmed.say(goal.id, goal.strategist, accepted, now_s)
 
     def _why_not(self, goal: str, work: Production, unfit: str, now_s: float) -> Refusal | None:
         """A goal that was taken since the bid may have made its promise empty."""

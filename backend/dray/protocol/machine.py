@@ -65,7 +65,7 @@ from dray.protocol.events import (
     Record,
     Subscribe,
 )
-from dray.protocol.goal_bidding import CONFIRM, GoalBidder
+from dray.protocol.goal_bidding import GoalBidder
 from dray.protocol.goods import Goods
 from dray.protocol.leaving import COORDINATOR_LEAVES_WITHIN_S, LEAVES
 from dray.protocol.production import Goal, GoalBook
@@ -178,7 +178,7 @@ class Machine(Core):
         }
         self._on_alarm = {
             BEAT: self._beat,
-            CONFIRM: self._bidder.wake,
+            **self._bidder.alarms,
             ADOPT: self._end_adoption,
             **self._tasks.alarms,
         }
