@@ -16,6 +16,7 @@ from dray.protocol.auction import Auction, Place, Terms
 from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.auctions import Auctions
 from dray.protocol.events import Effect, Ignore, Record, Send
+from dray.protocol.newest import Newest
 from dray.protocol.suspicion import Hearing
 from dray.protocol.tasks import ClosedTask, OpenTask, Outcome
 from dray.protocol.timers import Timers
@@ -59,7 +60,7 @@ class Coordinator:
         self._out = out
         self._contracted = contracted
         self._open: dict[str, OpenTask] = {}
-        self._closed: dict[str, ClosedTask] = {}
+        self._closed: Newest[str, ClosedTask] = Newest(CLOSED_KEPT)
         self._auctions = Auctions(agent, place, audience, timers, out, hearing)
         self.alarms: dict[str, Callable[[str, float], None]] = {PRIMARY_AUCTION: self._wake_auction}
 
@@ -104,8 +105,6 @@ class Coordinator:
         self._out.append(Record(fact))
         del self._open[task.id]
         self._closed[task.id] = ClosedTask(carrier, task.epoch, outcome)
-        if len(self._closed) > CLOSED_KEPT:
-            del self._closed[next(iter(self._closed))]
 
     # --- what is heard ---
 

@@ -20,6 +20,7 @@ from dray.messages.fact import ContractEnded, ContractTaken
 from dray.protocol.answers import decline, offer, refuse
 from dray.protocol.events import Effect, Record
 from dray.protocol.insisting import Insistence
+from dray.protocol.newest import Newest
 from dray.protocol.production import Goal, GoalBook
 from dray.protocol.supply import Supply
 from dray.protocol.timers import Timers
@@ -66,8 +67,8 @@ class GoalBidder:
         self._trial = trial
         self._out = out
         self._commit = commit
-        self._quoted_s: dict[str, float] = {}
-        """By goal: when it was promised to be done. Oldest first."""
+        self._quoted_s: Newest[str, float] = Newest(QUOTES_KEPT)
+        """By goal: when it was promised to be done."""
         self._unconfirmed = Insistence(CONFIRM, timers, out)
         """Acceptances, said until their strategist has confirmed the goal. A Release would end it too."""
         self.alarms = {CONFIRM: self._unconfirmed.wake}
@@ -91,7 +92,7 @@ class GoalBidder:
             return
         cost = self._goals.quote(work, self._supply.stock, self._supply.longest_lead_s(work.product))
         finish_s = now_s + cost.total_s
-        self._remember(message.task, finish_s)
+        self._quoted_s[message.task] = finish_s
         self._out += offer(message, cost, finish_s)
 
     def hear_award(self, sender: str, award: Award, unfit: str, now_s: float) -> bool:
@@ -181,8 +182,3 @@ class GoalBidder:
         finish_s = now_s + cost.total_s
         late_s = finish_s - self._quoted_s.setdefault(goal, finish_s)
         return Refusal.BUSY if late_s > QUOTE_TOLERANCE_S else None
-
-    def _remember(self, goal: str, finish_s: float) -> None:
-        self._quoted_s[goal] = finish_s
-        if len(self._quoted_s) > QUOTES_KEPT:
-            del self._quoted_s[next(iter(self._quoted_s))]

@@ -14,6 +14,7 @@ from dray.messages import CommandAnswered, CommandKind, Grant, VehicleCommand
 from dray.messages.fact import CommandObeyed
 from dray.protocol.authority import EXPIRED, NOT_GRANTED, NOT_HERE, NOT_TRUSTED, Authority
 from dray.protocol.events import Effect, Ignore, Instruct, Record, Send
+from dray.protocol.newest import Newest
 from dray.protocol.trouble import Trouble
 
 COMMANDS_KEPT = 32
@@ -37,7 +38,7 @@ class Obedience:
         self._authority = authority
         self._trouble = trouble
         self._out = out
-        self._answered: dict[tuple[str, str], CommandMemory] = {}
+        self._answered: Newest[tuple[str, str], CommandMemory] = Newest(COMMANDS_KEPT)
         """What became of the last commands, by who gave them and their names; the oldest first. Only of
         those with a grant, so that no stranger can make the vehicle forget one."""
         self._asked_s = 0.0
@@ -96,7 +97,7 @@ class Obedience:
         """Go on with what an earlier life was told; whether it is stopped, its body knows."""
         self.acknowledged = memory.acknowledged and self.stopped and not self._trouble.problem
         self.speed_frac = memory.speed_frac
-        self._answered = {(each.person, each.command): each for each in memory.answered}
+        self._answered.update({(each.person, each.command): each for each in memory.answered})
 
     def take_back(self) -> bool:
         """A fault has come up that nobody can have meant: the stop is to be acknowledged anew.
@@ -108,8 +109,6 @@ class Obedience:
         return taken
 
     def _note(self, command: CommandMemory, now_s: float) -> None:
-        if len(self._answered) >= COMMANDS_KEPT:
-            del self._answered[next(iter(self._answered))]
         self._answered[command.person, command.command] = command
         self._asked_s = now_s
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dray.memory import GoalBooked, OrderMemory, ReturnedOrder, StrategistMemory
 from dray.messages import OrderItem, OrderReleased, Production
 from dray.plant import Plant
+from dray.protocol.newest import Newest
 
 DELIVERY_S = 300.0
 """How long before an order is due its goals should be made: carrying the last lot away."""
@@ -93,9 +94,9 @@ class OrderBook:
         self._life = life
         self._orders: dict[str, OrderInWork] = {}
         self._goals: dict[str, OpenGoal] = {}
-        self._ended: dict[str, bool] = {}
+        self._ended: Newest[str, bool] = Newest(ENDED_KEPT)
         """Orders that have ended, or were cancelled before they came, oldest first: whether all of it has arrived."""
-        self._returned: dict[str, ReturnedOrder] = {}
+        self._returned: Newest[str, ReturnedOrder] = Newest(ENDED_KEPT)
         """Orders that were taken back and have not come again, oldest first."""
         self._count = 0
         """Goals that were ever named."""
@@ -183,8 +184,6 @@ class OrderBook:
         outstanding = () if ended is None else tuple(ended.withdrawn)
         self._returned.pop(order, None)
         returned = self._returned[order] = ReturnedOrder(order, release, outstanding)
-        if len(self._returned) > ENDED_KEPT:
-            del self._returned[next(iter(self._returned))]
         return returned
 
     def end(self, order: str, *, fulfilled: bool = False) -> OrderInWork | None:
@@ -199,8 +198,6 @@ class OrderBook:
         """
         self._ended[order] = fulfilled or self.fulfilled(order)
         self._returned.pop(order, None)
-        if len(self._ended) > ENDED_KEPT:
-            del self._ended[next(iter(self._ended))]
         ended = self._orders.pop(order, None)
         if ended is not None:
             for goal in ended.goals:
@@ -234,9 +231,9 @@ class OrderBook:
     def restore(self, memory: StrategistMemory) -> None:
         """Take up what an earlier life has written down."""
         fulfilled = frozenset(memory.fulfilled)
-        self._ended = {order: order in fulfilled for order in memory.ended}
+        self._ended.update({order: order in fulfilled for order in memory.ended})
         self._count = memory.goal_count
-        self._returned = {kept.order: kept for kept in memory.returned}
+        self._returned.update({kept.order: kept for kept in memory.returned})
         for kept in memory.orders:
             order = self._orders[kept.order] = OrderInWork(kept.order, kept.items, kept.due_s, kept.release)
             order.revoked_by = kept.revoked_by
