@@ -180,5 +180,5 @@ class GoalBidder:
             return Refusal.NOT_FIT
         cost = self._goals.quote(work, self._supply.stock, self._supply.longest_lead_s(work.product))
         finish_s = now_s + cost.total_s
-        late_s = finish_s - self._quoted_s.setdefault(goal, finish_s)
-        return Refusal.BUSY if late_s > QUOTE_TOLERANCE_S else None
+        promised_s = self._quoted_s[goal] = self._quoted_s.get(goal, finish_s)
+        return Refusal.BUSY if finish_s - promised_s > QUOTE_TOLERANCE_S else None
