@@ -93,3 +93,12 @@ def test_one_of_several_addresses_that_is_none_is_named(
     monkeypatch.setenv(variable, "10.0.0.1:7447, strategist")
     with pytest.raises(SettingsError, match=f"{variable}: 'strategist': write it as HOST:PORT"):
         Settings.load()
+
+
+def test_a_line_of_a_settings_file_that_says_nothing_is_refused_by_its_number(tmp_path: Path) -> None:
+    file = tmp_path / "atv3.env"
+    file.write_text("# of ATV3\n\nexport DRAY_PORT = 8001\nDRAY_LOG_FORMAT: json\n", encoding="utf-8")
+    with pytest.raises(SettingsError, match=r"--settings: .*atv3\.env:4: write a line as DRAY_PORT=8000"):
+        Settings.load(file)
+    file.write_text(file.read_text(encoding="utf-8").replace(": json", "=json"), encoding="utf-8")
+    assert Settings.load(file).port == 8001

@@ -26,6 +26,9 @@ SECRETS = Path("/run/secrets")
 ALIKE = 0.9
 """Of two names (`difflib`): a letter too few or wrong is alike, another word is not."""
 
+_LINE = re.compile(r"\s*(#.*|(export\s+)?\w+\s*=.*)?")
+"""Of a settings file: a variable, a comment, or nothing."""
+
 _NAMED = re.compile(rf"^\s*(?:export\s+)?({PREFIX}\w+)\s*=", re.MULTILINE)
 """A variable that a line of a settings file names."""
 
@@ -276,11 +279,16 @@ def _check_file(file: Path) -> None:
     if not file.is_file():
         raise SettingsError("--settings", f"there is no file {file}")
     try:
-        file.read_text(encoding="utf-8")
+        lines = file.read_text(encoding="utf-8").splitlines()
     except OSError as error:
         raise SettingsError("--settings", f"{file} cannot be read: {error.strerror}") from None
     except UnicodeDecodeError:
         raise SettingsError("--settings", f"{file} is not UTF-8: save it as UTF-8") from None
+    for number, line in enumerate(lines, 1):
+        if not _LINE.fullmatch(line):
+            raise SettingsError(
+                "--settings", f"{file}:{number}: write a line as DRAY_PORT=8000, or # before it"
+            )
 
 
 def _with_password(url: str, password: str) -> str:
