@@ -544,6 +544,35 @@ def test_a_fleet_is_known_by_its_folder_whatever_the_environment_says(
     assert fleet.url == "http://127.0.0.1:4711"
 
 
+TELLS_HOW_IT_WAS_STARTED = """\
+#!/bin/sh
+env | grep ^DRAY_ | cut -d= -f1 > "$0.env"
+echo "$@" > "$0.options"
+echo "2 processes; all of them were started"
+exec sleep 60
+"""
+
+
+def test_a_fleet_knows_nothing_of_the_database_and_the_settings_of_whoever_measures(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("DRAY_DATABASE_URL", "postgresql://shop@db/shop")
+    monkeypatch.setenv("DRAY_LEAVE_S", "1")
+    python = tmp_path / "python"
+    python.write_text(TELLS_HOW_IT_WAS_STARTED)
+    python.chmod(0o700)
+    monkeypatch.setattr("sys.executable", str(python))
+    write_fleet(tmp_path)
+
+    async def story() -> None:
+        async with running(tmp_path, SMALL.plant, speed=1.0, plain=True):
+            pass
+
+    asyncio.run(story())
+    assert Path(f"{python}.env").read_text().split() == ["DRAY_ADMIN_TOKEN"]
+    assert f"--db sqlite:///{tmp_path}/dray.db" in Path(f"{python}.options").read_text()
+
+
 def test_a_fleet_that_does_not_end_is_killed_with_all_its_processes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

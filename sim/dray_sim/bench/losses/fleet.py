@@ -115,12 +115,14 @@ async def running(
     file, token = folder / "plant.yaml", new_token()
     file.write_text(plant_yaml(plant), encoding="utf-8")
     options = ["--folder", str(folder), "--plant", str(file), "--port", "0", "--speed", str(speed)]
+    database_url = database_url or f"sqlite:///{(folder / 'dray.db').resolve()}"
     lease = {} if lease_s is None else {f"{PREFIX}BUS_LEASE_S": str(lease_s)}
+    # Our own settings may name a database that is in service: no order of ours belongs there.
+    others = {name: value for name, value in os.environ.items() if not name.startswith(PREFIX)}
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "dray", "fleet", "up", "--no-demand", *options),
+        *(sys.executable, "-m", "dray", "fleet", "up", "--no-demand", "--db", database_url, *options),
         *(["--plain"] if plain else []),
-        *(["--db", database_url] if database_url else []),
-        env={**os.environ, **lease, f"{PREFIX}ADMIN_TOKEN": token},
+        env={**others, **lease, f"{PREFIX}ADMIN_TOKEN": token},
         stdout=asyncio.subprocess.PIPE,
         stderr=asyncio.subprocess.STDOUT,
     )
