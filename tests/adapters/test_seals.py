@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping
+from contextlib import closing
 from pathlib import Path
 
 import pytest
+from prometheus_client import CollectorRegistry
 from zenoh_kit import PATIENCE_S, Row, free_address
 
-from dray.adapters.certificates import Authority
+from dray.adapters.certificates import DAYS, Authority
 from dray.adapters.seals import FRESH_S, Seals
 from dray.adapters.zenoh_bus import FOREIGN, UNSEALED, ZenohBus
 from dray.adapters.zenoh_links import Identity, Links
+from dray.cli.meters.bus import BusMeter
 from dray.errors import SealError, SettingsError
 from dray.messages import AtvHeartbeat, AtvStatus, Handover, HandoverAccepted, Message, Pose
 from dray.messages.speakers import Kind
@@ -228,6 +231,19 @@ def test_a_vehicle_does_not_speak_for_another(folder: Path) -> None:
             assert dict(there.refused) == {FOREIGN: 1}
         finally:
             row.close()
+
+    asyncio.run(main())
+
+
+def test_the_end_of_a_certificate_is_told_to_prometheus(folder: Path) -> None:
+    async def main() -> None:
+        with closing(row_of(folder, "M1")) as row:
+            registry = CollectorRegistry()
+            registry.register(BusMeter(row.buses[0]))
+            until_s = registry.get_sample_value("dray_certificate_expiry_timestamp_seconds")
+            assert until_s is not None
+            now_s = (folder / "M1.pem").stat().st_mtime
+            assert until_s - now_s == pytest.approx(DAYS * 86_400.0, abs=60.0)
 
     asyncio.run(main())
 

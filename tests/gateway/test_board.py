@@ -16,9 +16,14 @@ from gateway_kit import gateway
 from prometheus_client import CollectorRegistry, generate_latest
 from prometheus_client.parser import text_string_to_metric_families
 
+from dray.adapters.certificates import Authority
 from dray.adapters.sqlite_journal import SqliteJournal
+from dray.adapters.zenoh_bus import ZenohBus
+from dray.adapters.zenoh_links import Identity, Links
 from dray.cli.meters.agent import AgentMeter
+from dray.cli.meters.bus import BusMeter
 from dray.cli.meters.factory import FactoryMeter
+from dray.messages.speakers import Kind
 from dray.plant import default_plant
 from dray_sim.bridge import BridgedBus
 from dray_sim.factory import SimFactory
@@ -67,6 +72,14 @@ def expressions(panels: list[dict[str, Any]], rules: list[dict[str, Any]]) -> li
     ]
 
 
+def bus_of(folder: Path) -> ZenohBus:
+    """The place on the bus of a machine with a certificate."""
+    authority = Authority.make("p")
+    authority.write(folder)
+    authority.issue(folder, "p", {"M1": Kind.MACHINE})
+    return ZenohBus(Links(identity=Identity.in_folder(folder, "M1")), "p")
+
+
 @pytest.mark.anyio
 async def test_whatever_is_asked_for_is_told(
     sqlite_url: str, tmp_path: Path, panels: list[dict[str, Any]], rules: list[dict[str, Any]]
@@ -77,8 +90,12 @@ async def test_whatever_is_asked_for_is_told(
     async with gateway(sqlite_url, collectors=(meter,)) as house:
         answer = await house.client.get("/metrics")
     agents = CollectorRegistry()
-    with closing(SqliteJournal(tmp_path / "M1.db", events_kept=1)) as journal:
+    with (
+        closing(SqliteJournal(tmp_path / "M1.db", events_kept=1)) as journal,
+        closing(bus_of(tmp_path)) as bus,
+    ):
         agents.register(AgentMeter(factory.workers["M1"], journal))
+        agents.register(BusMeter(bus))
         in_a_process = generate_latest(agents).decode()
     told = {
         f"{family.name}{suffix}"

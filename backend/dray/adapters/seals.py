@@ -68,6 +68,7 @@ class Seals:
 
     Attributes:
         agents: for whom this process may speak.
+        until_s: until when its certificate is valid (unix time).
 
     Raises:
         SettingsError: the files hold no certificates or keys of ours, do not belong together, name no agent of this
@@ -102,6 +103,7 @@ class Seals:
                 f"be signed by {identity.authority}: see that the clock is right, or make a new one with "
                 "`dray certs issue`",
             ) from None
+        self.until_s = own.not_valid_after_utc.timestamp()
         self._certificate = own.public_bytes(serialization.Encoding.DER)
         self._known: dict[bytes, _Examined] = {}
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from prometheus_client import Metric
 from prometheus_client.registry import Collector
 
-from dray.adapters.metric_families import counter, counters
+from dray.adapters.metric_families import counter, counters, gauge
 from dray.adapters.zenoh_bus import ZenohBus
 
 
@@ -33,3 +33,9 @@ class BusMeter(Collector):
             "a full queue": bus.arrivals.dropped_messages,
         }
         yield counters("bus_messages_lost", "Messages that reached nobody.", "reason", lost)
+        if bus.seals is not None:
+            yield gauge(
+                "certificate_expiry_timestamp_seconds",
+                "Until when the process's certificate is valid, as unix time.",
+                bus.seals.until_s,
+            )
