@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Coroutine
-from itertools import count
 from random import Random
 from typing import Any
 
 import pytest
+import zenoh
 from msgspec.structs import replace
 from prometheus_client import CollectorRegistry
 from zenoh_kit import PATIENCE_S, Row
@@ -50,6 +50,7 @@ class House:
         self.here = row.buses[1].inner
         self.there = row.buses[0].inner
         self.floor, self.serving = self._serve(row.buses[0])
+        self.settle = row.settle
 
     def end(self) -> None:
         """The floor's process ends."""
@@ -248,15 +249,20 @@ def test_letters_that_find_no_room_are_said_again(monkeypatch: pytest.MonkeyPatc
         nodes = way_of(ATV)
         body = await house.take_over(ATV, 1)
         ear = Ear(body)
-        offer, calls = Crossing.offer, count(1)
+        # By chance: every fourth one might for ever be the same side's.
+        offer, chance, refused = Crossing.offer, Random(1), 0
 
         def offer_one_in_four(self: Crossing, call: Callable[..., object], *args: Any) -> bool:
-            return next(calls) % 4 == 0 and offer(self, call, *args)
+            nonlocal refused
+            if chance.random() < 0.25:
+                return offer(self, call, *args)
+            refused += 1
+            return False
 
         monkeypatch.setattr(Crossing, "offer", offer_one_in_four)
         body.instruct(Drive(order=1, nodes=nodes, released=len(nodes)))
         await ear.until(WayDone)
-        assert next(calls) > 4
+        assert refused
         assert [report.node for report in ear.reports if isinstance(report, NodePassed)] == list(nodes)
 
     in_a_house(test)
@@ -335,6 +341,36 @@ def test_without_a_floor_an_agent_does_not_begin(monkeypatch: pytest.MonkeyPatch
             await stranger.connect()
 
     monkeypatch.setattr(questions, "PATIENCE_S", 0.5)
+    in_a_house(test)
+
+
+def test_a_question_that_is_lost_is_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def test(house: House) -> None:
+        lost: list[zenoh.Query] = []
+        keep = zenoh.handlers.Callback(lost.append, indirect=False)
+
+        class Forgetful(Leaky):
+            """Its first question goes to somebody who never answers."""
+
+            def get(self, key: str, *args: Any, **options: Any) -> None:
+                self._session.get(key if lost else "nobody/answers", *args, **options)
+
+        house.there.declare_queryable("nobody/answers", keep)
+        await house.settle()
+        body = await house.take_over(ATV, 1, Forgetful(house.here, 1))
+        assert len(lost) == 1
+        assert body.is_new
+
+    monkeypatch.setattr(questions, "ANSWER_S", 0.2)
+    in_a_house(test)
+
+
+def test_a_body_that_is_taken_over_twice_by_one_life_is_as_new_as_before() -> None:
+    async def test(house: House) -> None:
+        body = await house.take_over(ATV, 1)
+        await body.connect()
+        assert body.is_new
+
     in_a_house(test)
 
 

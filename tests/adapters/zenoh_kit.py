@@ -13,6 +13,7 @@ from zenoh.handlers import Callback
 
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Identity, Links
+from dray.errors import UnavailableError
 
 PATIENCE_S = 30.0
 """For what takes milliseconds on a machine with nothing else to do."""
@@ -56,16 +57,12 @@ class Row:
     """
 
     def __init__(self, count: int, plant: str = "p", identities: Sequence[Identity] = ()) -> None:
-        addresses = [free_address() for _ in range(count)]
-        self.buses = []
-        for place, own in enumerate(addresses):
-            links = Links(
-                listen=(own,),
-                peers=tuple(addresses[:place][-1:]),
-                identity=identities[place] if identities else None,
-                plain=not identities,
-            )
-            self.buses.append(ZenohBus(links, plant))
+        self.buses: list[ZenohBus] = []
+        before: tuple[str, ...] = ()
+        for place in range(count):
+            bus, own = _listening(plant, before, identities[place] if identities else None)
+            self.buses.append(bus)
+            before = (own,)
         self._round = 0
         self._marks: set[tuple[int, int]] = set()
         self._complete = asyncio.Event()
@@ -104,3 +101,15 @@ class Row:
             self._marks.add((place, sender))
             if len(self._marks) == len(self.buses) ** 2:
                 self._complete.set()
+
+
+def _listening(plant: str, peers: tuple[str, ...], identity: Identity | None) -> tuple[ZenohBus, str]:
+    """A computer on a free port, and its address."""
+
+    def listen(own: str) -> tuple[ZenohBus, str]:
+        links = Links(listen=(own,), peers=peers, identity=identity, plain=identity is None)
+        return ZenohBus(links, plant), own
+
+    with suppress(UnavailableError):  # somebody else was quicker
+        return listen(free_address())
+    return listen(free_address())

@@ -17,8 +17,14 @@ from dray_sim.remote.wire import Newcomer, encode, newcomers_key, pieces_key, to
 PATIENCE_S = 30.0
 """Longest wait for a floor, which may be starting too."""
 
+ANSWER_S = 3.0
+"""Longest wait for one answer: the floor may be busy, or who passes questions on may just have been killed."""
+
+ASKED_TIMES = 10
+"""Who is there and has not answered is asked so often: as long as it is waited for a floor."""
+
 AGAIN_S = 0.25
-"""The floor is asked so often."""
+"""A floor that is not there is asked so often."""
 
 REFUSED = zenoh.Encoding.TEXT_PLAIN
 """Of an answer that is the floor's own; Zenoh's, that nobody has answered in time, say, are of other encodings."""
@@ -43,27 +49,34 @@ async def ask_until_answered(session: zenoh.Session, key: str, question: bytes, 
 
 
 async def ask(session: zenoh.Session, key: str, question: bytes) -> bytes | None:
-    """What is answered now; None when nobody does.
+    """What is answered; None when nobody is there, or nothing is heard of who is, however often it is asked.
+
+    A question may be lost like everything else that others pass on, and so may its answer: to be asked twice must
+    change nothing.
 
     Raises:
         UnavailableError: the floor refuses.
     """
-    loop, end = asyncio.get_running_loop(), asyncio.Event()
-    answers: list[bytes] = []
-    refusals: list[str] = []
-
-    def take(reply: zenoh.Reply) -> None:
+    for _ in range(ASKED_TIMES):
+        reply = await _reply(session, key, question)
+        if reply is None:
+            return None
         if reply.ok is not None:
-            answers.append(reply.ok.payload.to_bytes())
-        elif reply.err is not None and reply.err.encoding == REFUSED:
-            refusals.append(reply.err.payload.to_string())
+            return reply.ok.payload.to_bytes()
+        if reply.err is not None and reply.err.encoding == REFUSED:
+            refusal = reply.err.payload.to_string()
+            raise UnavailableError("the floor", f"refuses: {refusal}", "see which plant file it has")
+    return None
 
-    taken = Callback(take, lambda: loop.call_soon_threadsafe(end.set), indirect=False)
-    session.get(key, taken, payload=question, timeout=PATIENCE_S)
+
+async def _reply(session: zenoh.Session, key: str, question: bytes) -> zenoh.Reply | None:
+    """The one reply to a question, which may be Zenoh's own that none came in time; None when nobody is there."""
+    loop, end = asyncio.get_running_loop(), asyncio.Event()
+    replies: list[zenoh.Reply] = []
+    taken = Callback(replies.append, lambda: loop.call_soon_threadsafe(end.set), indirect=False)
+    session.get(key, taken, payload=question, timeout=ANSWER_S)
     await end.wait()
-    if refusals:
-        raise UnavailableError("the floor", f"refuses: {refusals[0]}", "see which plant file it has")
-    return answers[0] if answers else None
+    return replies[0] if replies else None
 
 
 async def put_down(session: zenoh.Session, plant: str, spec: Newcomer) -> None:

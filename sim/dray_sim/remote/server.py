@@ -132,7 +132,9 @@ class _Served:
 
     def __init__(self, session: zenoh.Session, crossing: Crossing, key: str, body: Body) -> None:
         self._session, self._crossing, self._key, self._body = session, crossing, key, body
-        self._life, self._known = NO_LIFE, False
+        self._life = NO_LIFE
+        self._known = self._inherited = False
+        """Whether any life has had it; and whether one had it before the life that has it now."""
         self._exchange = Exchange()
         self._past = Counter[str]()
         """What was counted in earlier lives: sums must never fall."""
@@ -179,11 +181,11 @@ class _Served:
     def _answer(self, query: zenoh.Query) -> None:
         with query:
             life = int(query.payload.to_string()) if query.payload is not None else NO_LIFE
-            known = self._known
             if life > self._life:
                 self._past = self.counts
-                self._life, self._known, self._exchange = life, True, Exchange()
-            query.reply(self._key, encode(Taken(to_part(self._body.sense()), self._life, known)))
+                self._inherited, self._known = self._known, True
+                self._life, self._exchange = life, Exchange()
+            query.reply(self._key, encode(Taken(to_part(self._body.sense()), self._life, self._inherited)))
 
     def _obey(self, data: bytes) -> None:
         done = msgspec.msgpack.decode(data, type=Do)
