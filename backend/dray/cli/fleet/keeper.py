@@ -112,13 +112,16 @@ class Keeper:
                     await self._hurry.wait()
 
     def kill(self, away_s: float) -> bool:
-        """Kill the process, and leave the post empty, as of a computer that stays away; False when nothing runs.
+        """Kill the process, and leave the post empty, as of a computer that stays away.
 
         Args:
             away_s: real seconds; a replacement ends them.
+
+        Returns:
+            False when nothing runs, or what runs is killed already.
         """
         process = self._process
-        if process is None or process.returncode is not None:
+        if process is None or process.returncode is not None or self._away_s is not None:
             return False
         self._away_s = away_s
         process.kill()
