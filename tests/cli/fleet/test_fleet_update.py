@@ -24,9 +24,9 @@ OPEN = 4
 """Orders at a time, of one piece each: machines and vehicles always have something to do, and soon have done it."""
 
 DIES_WHEN_HIRED = {
-    "protocol/atv.py": (
-        "def _accept(self, sender: str, award: Award) -> None:",
-        "def _accept(self, sender: str, award: Award) -> None:\n        raise ValueError(award)",
+    "protocol/answers.py": (
+        "def accept(coordinator: str, award: Award, finish_s: float) -> Effect:",
+        "def accept(coordinator: str, award: Award, finish_s: float) -> Effect:\n    raise ValueError(award)",
     )
 }
 DOES_NOT_START = {
