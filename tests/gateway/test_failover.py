@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from gateway_kit import NOW_S, PLANT, atv_heartbeat, events, machine_heartbeat
+from gateway_kit import NOW_S, PLANT, PRODUCT, atv_heartbeat, events, machine_heartbeat
 
 from dray.gateway.projection import Projection
 from dray.gateway.projection.carriers import MAX_CARRIERS
@@ -293,12 +293,12 @@ def test_a_new_panel_gets_the_news_too(projection: Projection) -> None:
 
 def contracted(goal: str, machine: str, quantity: int = 6) -> GoalContracted:
     return GoalContracted(
-        goal=goal, order="O-1", item=0, product="P1", quantity=quantity, machine=machine, finish_s=300.0
+        goal=goal, order="O-1", item=0, product=PRODUCT, quantity=quantity, machine=machine, finish_s=300.0
     )
 
 
 def delivered(goal: str, count: int) -> GoodsDelivered:
-    return GoodsDelivered(goal=goal, order="O-1", item=0, product="P1", quantity=count, delivered=count)
+    return GoodsDelivered(goal=goal, order="O-1", item=0, product=PRODUCT, quantity=count, delivered=count)
 
 
 @pytest.fixture
@@ -309,7 +309,7 @@ def ordered(projection: Projection) -> Projection:
         customer="Hall 3",
         status=OrderStatus.RELEASED,
         releases=1,
-        items=(Item("P1", 6),),
+        items=(Item(PRODUCT, 6),),
         token="t",
         created_at_s=NOW_S,
     )
@@ -329,7 +329,7 @@ def lose(projection: Projection, arrived: int, successor: str = "G2") -> None:
 
 
 def test_what_a_dead_machine_had_made_counts_only_where_it_arrived(ordered: Projection) -> None:
-    tell(ordered, "M8", PieceMade(goal="G1", product="P1", made=5), delivered("G1", 2))
+    tell(ordered, "M8", PieceMade(goal="G1", product=PRODUCT, made=5), delivered("G1", 2))
     assert (order_of(ordered).items[0].made, order_of(ordered).items[0].delivered) == (5, 2)
     lose(ordered, arrived=3)
     assert (order_of(ordered).items[0].made, order_of(ordered).items[0].delivered) == (3, 3)
@@ -340,9 +340,9 @@ def test_what_a_dead_machine_had_made_counts_only_where_it_arrived(ordered: Proj
 def test_the_rest_is_counted_once_under_its_new_name(ordered: Projection) -> None:
     lose(ordered, arrived=2)
     tell(ordered, "strategist", contracted("G2", "M9", 4), first=4)
-    tell(ordered, "M9", PieceMade(goal="G2", product="P1", made=4), delivered("G2", 4))
+    tell(ordered, "M9", PieceMade(goal="G2", product=PRODUCT, made=4), delivered("G2", 4))
     # The dead one is back, and tells what it had made.
-    tell(ordered, "M8", PieceMade(goal="G1", product="P1", made=6))
+    tell(ordered, "M8", PieceMade(goal="G1", product=PRODUCT, made=6))
     order = order_of(ordered)
     assert (order.items[0].made, order.items[0].delivered, order.status) == (6, 6, "delivered")
 
@@ -350,7 +350,7 @@ def test_the_rest_is_counted_once_under_its_new_name(ordered: Projection) -> Non
 def test_a_contract_that_comes_after_its_loss_does_not_bring_the_machine_back(ordered: Projection) -> None:
     lose(ordered, arrived=0)
     tell(ordered, "strategist", contracted("G1", "M8"), first=2)
-    tell(ordered, "M8", PieceMade(goal="G1", product="P1", made=5))
+    tell(ordered, "M8", PieceMade(goal="G1", product=PRODUCT, made=5))
     assert order_of(ordered).items[0].made == 0
 
 
@@ -381,7 +381,7 @@ def test_a_wait_that_is_told_after_its_end_is_over(ordered: Projection) -> None:
 
 
 def test_a_goal_that_nobody_can_make_is_a_task_in_trouble(projection: Projection) -> None:
-    work = Production(product="P1", quantity=4, order="O-1", item=0)
+    work = Production(product=PRODUCT, quantity=4, order="O-1", item=0)
     goal = TaskOpened(
         task="G2",
         epoch=1,

@@ -254,7 +254,13 @@ async def test_what_a_full_queue_has_dropped_is_asked_for_again(store: Store) ->
 async def test_nobody_is_asked_while_the_database_cannot_be_written(
     store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    @asynccontextmanager
+    async def away(_: Store) -> AsyncIterator[Work]:
+        raise UnavailableError("database", "disk I/O error", "wait")
+        yield
+
     async with writing(store) as (historian, line):
+        monkeypatch.setattr(Store, "write", away)
         historian.failing = True
         line.say(without(("M1", 3)))
         for _ in range(100):
