@@ -337,7 +337,7 @@ def test_a_floor_tells_who_has_its_bodies_and_what_went_between_them_over_all_li
 def test_without_a_floor_an_agent_does_not_begin(monkeypatch: pytest.MonkeyPatch) -> None:
     async def test(house: House) -> None:
         stranger = RemoteBody(house.here, PLANT.id, "ATV99", 1)
-        with pytest.raises(UnavailableError, match="the body of ATV99: nobody answers"):
+        with pytest.raises(UnavailableError, match="the body of ATV99: nobody answers over 2 links"):
             await stranger.connect()
 
     monkeypatch.setattr(questions, "PATIENCE_S", 0.5)

@@ -128,7 +128,10 @@ def test_an_agent_without_a_floor_says_what_to_start(dray: Dray, monkeypatch: py
     monkeypatch.setattr("dray_sim.remote.questions.PATIENCE_S", 0.5)
     code, told = dray("agent", "machine", "M1", DRAY_BUS_PLAIN="true")
     assert code == 1
-    assert "the body of M1: nobody answers; start `dray floor` first; if it runs, see that its plant" in told
+    assert (
+        "the body of M1: nobody answers over 0 links; start `dray floor` first; if it runs, see that its plant"
+        in told
+    )
 
 
 @pytest.fixture

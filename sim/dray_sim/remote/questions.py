@@ -43,8 +43,9 @@ async def ask_until_answered(session: zenoh.Session, key: str, question: bytes, 
                 await asyncio.sleep(AGAIN_S)
                 answer = await ask(session, key, question)
     except TimeoutError:
+        links = len(session.info.routers_zid())
         remedy = "start `dray floor` first; if it runs, see that its plant file has this and that DRAY_BUS_PEERS leads there"
-        raise UnavailableError(what, "nobody answers", remedy) from None
+        raise UnavailableError(what, f"nobody answers over {links} links", remedy) from None
     return answer
 
 

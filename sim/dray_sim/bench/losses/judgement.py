@@ -21,6 +21,9 @@ from dray_sim.ears import Ear
 from dray_sim.floor import Pieces
 from dray_sim.invariants import HandedOverOnce, MaterialConserved, OnePrimaryEach, TasksEnd
 
+ENDED = "processes ended by themselves"
+"""The finding that a busy computer may be to blame for, and no agent: a process gives up what does not answer."""
+
 
 @dataclass(frozen=True, slots=True)
 class Aftermath:
@@ -101,7 +104,7 @@ def judge(after: Aftermath) -> list[Finding]:
         Finding("orders doubled", len(after.orders), "orders", tuple(_doubled_orders(after))),
         Finding("orders refused", len(after.accepted), "orders accepted", tuple(_refusals(after))),
         Finding("pieces lost or made of nothing", pieces, "pieces ordered", _unbalanced(after)),
-        Finding("processes ended by themselves", len(after.starts), "processes", tuple(_fallen(after))),
+        Finding(ENDED, len(after.starts), "processes", tuple(_fallen(after))),
         Finding("holes in histories", len(events), "facts", tuple(after.history.holes)),
         Finding("facts not in the database", len(events), "facts", tuple(after.unwritten)),
     ]
