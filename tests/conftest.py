@@ -38,10 +38,11 @@ Report = TypeVar("Report", pytest.TestReport, pytest.CollectReport)
 
 
 def reason_of(report: pytest.TestReport | pytest.CollectReport) -> str:
-    """Why a test was skipped, in one line."""
+    """Why a test was skipped or failed, in one line."""
     if isinstance(report.longrepr, tuple):
         return str(report.longrepr[2]).partition(": ")[2]
-    return str(report.longrepr)
+    crash = getattr(report.longrepr, "reprcrash", None)
+    return str(report.longrepr if crash is None else crash.message).partition("\n")[0]
 
 
 FORBIDDEN = "forbidden"
@@ -77,13 +78,37 @@ def fail_when_skipped(report: Report) -> Report:
     return report
 
 
+LOUD = (
+    ("skipped", "WERE SKIPPED"),
+    (FORBIDDEN, "ARE FORBIDDEN BY THIS MACHINE"),
+    ("rerun", "FAILED AT FIRST AND WERE REPEATED"),
+)
+
+
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    for outcome, words in (("skipped", "WERE SKIPPED"), (FORBIDDEN, "ARE FORBIDDEN BY THIS MACHINE")):
+    for outcome, words in LOUD:
         reports = terminalreporter.stats.get(outcome, [])
         if reports:
             terminalreporter.write_sep("!", f"{len(reports)} TESTS {words}", red=True, bold=True)
         for report in reports:
             terminalreporter.write_line(f"!!! {report.nodeid}: {reason_of(report)}", red=True, bold=True)
+
+
+# --- time that is real ---------------------------------------------------------------------------------
+
+ON_THE_WALL_CLOCK = frozenset(
+    {
+        *("adapters", "browser", "cli", "contracts", "gateway", "links", "store"),
+        *("simulation/test_bench", "simulation/test_losses", "test_packaging", "test_service"),
+    }
+)
+"""Rooms and modules with processes, browsers and servers that have to answer in time, while other tests share the
+processors: what fails there is tried once more, and told. Elsewhere time is virtual: what fails once has failed."""
+
+
+def _is_on_the_wall_clock(item: pytest.Item) -> bool:
+    place = Path(os.path.relpath(item.path.with_suffix(""), Path(__file__).parent))
+    return not ON_THE_WALL_CLOCK.isdisjoint({place.parts[0], place.as_posix()})
 
 
 # --- databases ---------------------------------------------------------------------------------------
@@ -135,6 +160,7 @@ SQLITE_ONLY = frozenset(
     f"test_{noun}"
     for noun in (
         "access",
+        "areas",
         # Refused before any database is asked; test_openapi tries on both what neither may hold.
         "bad_input",
         "commands",
@@ -143,17 +169,23 @@ SQLITE_ONLY = frozenset(
         "login_pages",
         "metrics",
         "pages",
+        "revocations",
+        "sessions",
         "shields",
         "stream",
+        "track",
         "why",
     )
 )
-"""Modules of the gateway in which the kind of database has no part: on both, they would take a minute for
-nothing."""
+"""Modules of the gateway in which the kind of database has no part, or none that the store's own tests do not have:
+on both, they would take two minutes for nothing."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items[:] = [item for item in items if not _needless(item)]
+    for item in items:
+        if _is_on_the_wall_clock(item):
+            item.add_marker(pytest.mark.flaky(reruns=1))
 
 
 def _needless(item: pytest.Item) -> bool:

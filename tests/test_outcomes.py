@@ -1,4 +1,7 @@
-"""How tests that did not run are told: skipped ones fail under CI, forbidden ones never, and both are loud."""
+"""How tests that did not run, or ran twice, are told.
+
+Skipped ones fail under CI, forbidden ones never, one that is on the wall clock may fail once; all are loud.
+"""
 
 from __future__ import annotations
 
@@ -32,6 +35,18 @@ def test_c(several):
 """
 
 
+FAILS_AT_FIRST = """
+import pytest
+from pathlib import Path
+
+
+@pytest.mark.flaky(reruns=1)
+def test_a():
+    Path("lives").open("a").write("1")
+    assert Path("lives").read_text() == "11", "too slow"
+"""
+
+
 @pytest.mark.parametrize(
     ("ci", "code", "counts"), [("", 0, "1 skipped, 2 forbidden"), ("true", 1, "1 failed, 2 forbidden")]
 )
@@ -39,18 +54,32 @@ def test_what_is_forbidden_fails_nowhere_and_what_is_skipped_fails_under_ci(
     tmp_path: Path, ci: str, code: int, counts: str
 ) -> None:
     (tmp_path / "test_it.py").write_text(TESTS, encoding="utf-8")
-    # Of ours the conftest alone: a plugin that is loaded takes longer than these tests.
-    environment = {"CI": ci, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTHONPATH": str(Path(__file__).parent)}
-    done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-p", "conftest", "--rootdir", str(tmp_path), str(tmp_path)],
-        env={**os.environ, **environment},
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = run(tmp_path, CI=ci)
     assert done.returncode == code, done.stdout
     assert counts in done.stdout
     assert "2 TESTS ARE FORBIDDEN BY THIS MACHINE" in done.stdout
     assert "test_it.py::test_b: no multicast" in done.stdout
     assert "test_it.py::test_c: no namespaces" in done.stdout
+
+
+def test_what_failed_and_was_repeated_is_told(tmp_path: Path) -> None:
+    (tmp_path / "test_it.py").write_text(FAILS_AT_FIRST, encoding="utf-8")
+    done = run(tmp_path, "-p", "pytest_rerunfailures")
+    assert done.returncode == 0, done.stdout
+    assert "1 passed, 1 rerun" in done.stdout
+    assert "1 TESTS FAILED AT FIRST AND WERE REPEATED" in done.stdout
+    assert "test_it.py::test_a: AssertionError: too slow" in done.stdout
+
+
+def run(folder: Path, *options: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Run the tests in a folder with our conftest."""
+    # Of ours the conftest alone: a plugin that is loaded takes longer than these tests.
+    fixed = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTHONPATH": str(Path(__file__).parent)}
+    return subprocess.run(
+        [sys.executable, "-m", "pytest", "-p", "conftest", *options, "--rootdir", str(folder), str(folder)],
+        env={**os.environ, **fixed, **environment},
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )

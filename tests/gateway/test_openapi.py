@@ -75,7 +75,7 @@ SCHEMA = schemathesis.openapi.from_dict(_unguarded())
 
 OPERATIONS = [(method, path) for path, methods in DOCUMENT["paths"].items() for method in methods]
 
-EXAMPLES = 25
+EXAMPLES = 15
 """Requests per operation and mode: enough for every field to be wrong once, and a run of some seconds."""
 
 CREDENTIALS = {"Authorization", "authorization", "Cookie", "cookie"}

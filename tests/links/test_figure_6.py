@@ -13,14 +13,11 @@ from dray.errors import UnavailableError
 from dray.protocol.suspicion import WORKING_INTERVAL_S, bound_s
 from dray_sim.bench.computers import Computers
 from dray_sim.bench.field import LEASE_S, Field
-from dray_sim.bench.links import AGAIN_S, AIR_S, Cut, Takeover, cut_wlan, switch_off
+from dray_sim.bench.links import AGAIN_S, AIR_S, cut_wlan, switch_off
 from dray_sim.scenarios.figure_6 import PRIMARY, SECONDARY
 
 LOSS_FRAC = 0.1
 """Of the primary's heartbeats, as the secondary estimates it after the cut."""
-
-ATTEMPTS = 3
-"""Time is real here, and other tests share the processors: one of them may hold a computer up, not each time."""
 
 PAIR = ("one", "other")
 
@@ -43,29 +40,18 @@ def interfaces(*of: str) -> str:
 
 @pytest.mark.slow
 def test_a_cut_link_is_gone_round_and_a_dead_vehicle_is_replaced_once(tmp_path: Path) -> None:
-    seen = []
-    for attempt in range(ATTEMPTS):
-        folder = tmp_path / str(attempt)
-        folder.mkdir()
-        with Field.opened(folder) as field:
-            task = field.contract()
-            assert (task.primary, task.secondary, task.epoch) == (PRIMARY, SECONDARY, 1)
-            seen.append((cut_wlan(field, task), switch_off(field, task)))
-        if as_in_the_paper(*seen[-1]):
-            return
-    pytest.fail(f"not once as in the paper: {seen}")
-
-
-def as_in_the_paper(cut: Cut, off: Takeover) -> bool:
-    """Whether the mesh was in time and nobody was disturbed, and then one vehicle took over, once and in time."""
-    return (
-        # A heartbeat that came just before the lease was over is lost, and the next one is a second later.
-        max(cut.heard_s, cut.noticed_s) <= LEASE_S + AGAIN_S + AIR_S
-        and cut.silent_s <= bound_s(WORKING_INTERVAL_S)
-        and cut.disturbed == 0
-        and off.took_s <= bound_s(WORKING_INTERVAL_S, LOSS_FRAC) + AIR_S
-        and (off.carrier, off.epoch, off.takeovers) == (SECONDARY, 2, 1)
-    )
+    with Field.opened(tmp_path) as field:
+        task = field.contract()
+        assert (task.primary, task.secondary, task.epoch) == (PRIMARY, SECONDARY, 1)
+        cut, off = cut_wlan(field, task), switch_off(field, task)
+    # The mesh was in time, and nobody was disturbed. A heartbeat that came just before the lease was over is lost,
+    # and the next one is a second later.
+    assert max(cut.heard_s, cut.noticed_s) <= LEASE_S + AGAIN_S + AIR_S
+    assert cut.silent_s <= bound_s(WORKING_INTERVAL_S)
+    assert cut.disturbed == 0
+    # Then one vehicle took over, once and in time.
+    assert off.took_s <= bound_s(WORKING_INTERVAL_S, LOSS_FRAC) + AIR_S
+    assert (off.carrier, off.epoch, off.takeovers) == (SECONDARY, 2, 1)
 
 
 class Broken(Exception):

@@ -586,7 +586,8 @@ def test_a_fleet_that_does_not_end_is_killed_with_all_its_processes(
         async with running(tmp_path, SMALL.plant, speed=1.0, plain=True):
             pass
 
-    with subprocess.Popen(["sleep", "60"]) as member:
+    # Whoever runs the tests in the background of a shell has them, and what they start, ignore that signal.
+    with subprocess.Popen(["env", "--default-signal=INT", "sleep", "60"]) as member:
         write_fleet(tmp_path, member.pid)
         asyncio.run(story())
         assert member.wait(PATIENCE_S) == -signal.SIGINT
