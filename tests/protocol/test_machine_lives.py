@@ -1,0 +1,131 @@
+"""A production machine goes on with what its earlier life has left."""
+
+from __future__ import annotations
+
+from kit import MachineRig, committed, facts, instructed, production, published, sent
+from m7 import FULL, RELEASE, counted, delivered, handover, m7, outgoing, status
+
+from dray.body import CycleDone, StartCycle, WorkcellState
+from dray.memory import MachineMemory
+from dray.messages import Accepted, Confirmed, MachineStatus, TaskAnnounced
+from dray.messages.fact import PieceMade
+from dray.protocol.events import Commit
+
+
+def reborn(rig: MachineRig, **stock: int) -> MachineRig:
+    """The machine is started again, with its workcell as it is and what it had written down."""
+    again = MachineRig(
+        "M7", rig.stock | {key.replace("_", "-"): each for key, each in stock.items()}, incarnation=2
+    )
+    again.memory, again.now_s = committed(rig.all), rig.now_s
+    again.start()
+    return again
+
+
+def test_a_machine_goes_on_with_its_goals_and_asks_for_them_until_it_is_answered() -> None:
+    rig = m7(goal=24)
+    rig.cycles(5)
+    again = reborn(rig)
+    assert again.is_cycling
+    assert counted(again) == [("G1", 5, 0)]
+    asked = sent(again.all, Accepted, to="STRATEGIST")
+    assert len(asked) > 1
+    assert {(each.task, each.epoch) for each in asked} == {("G1", 1)}
+    again.confirm_goal("G1")
+    assert sent(again.run(again.now_s + 60.0), Accepted) == []
+    again.cycles(19)
+    assert outgoing(again.all) == [("G1", 24)]
+    assert not again.is_cycling
+
+
+def test_a_goal_that_others_have_got_meanwhile_ends_with_the_answer() -> None:
+    rig = m7(goal=24)
+    rig.cycles(5)
+    again = reborn(rig)
+    again.hear("STRATEGIST", RELEASE)
+    again.cycle()
+    assert counted(again) == []
+    again.take_goal("G2", production(quantity=6))
+    assert outgoing(again.all) == [("G2", 6)]
+
+
+def test_goods_on_the_way_are_neither_made_again_nor_counted_twice() -> None:
+    rig = m7(goal=30)
+    rig.cycles(25)
+    first, *_ = [each.task for each in published(rig.all, TaskAnnounced) if each.work.goal]  # type: ignore[union-attr]
+    rig.hire(first, "ATV2")
+    rig.stocked("pump-p3", -24, "ATV2")
+    again = reborn(rig)
+    again.hear("STRATEGIST", Confirmed(task="G1", epoch=1, arrived=24))  # It is in, and not handed over yet.
+    assert counted(again) == [("G1", 25, 0)]
+    again.hear("ATV2", handover(first))
+    assert counted(again) == [("G1", 25, 24)]
+    again.stock |= FULL
+    again.run(again.now_s + 5.0)
+    again.cycles(5)
+    assert outgoing(again.all)[-1] == ("G1", 6)
+    assert not again.is_cycling
+
+
+def test_goods_that_wait_for_a_vehicle_are_no_spare_pieces_in_the_next_life() -> None:
+    rig = m7(goal=2)
+    rig.cycles(2)
+    again = reborn(rig)
+    again.take_goal("G2", production(quantity=1))
+    assert again.is_cycling
+
+
+def test_a_piece_that_was_made_between_two_lives_serves_the_goal() -> None:
+    rig = m7(goal=2)
+    rig.cycle()
+    again = reborn(rig, pump_p3=2)
+    assert not again.is_cycling
+    assert outgoing(again.all) == [("G1", 2)]
+
+
+def test_what_was_handed_over_is_written_down_before_the_vehicle_is_told() -> None:
+    rig = m7(goal=24)
+    rig.cycles(24)
+    [task] = [each.task for each in published(rig.all, TaskAnnounced) if each.work.goal]  # type: ignore[union-attr]
+    effects = delivered(rig, task)
+    assert isinstance(effects[0], Commit)
+    memory = committed(effects)
+    assert isinstance(memory, MachineMemory)
+    assert [(goal.made, goal.delivered) for goal in memory.goals] == [(24, 24)]
+
+
+def test_a_cycle_that_an_earlier_life_has_begun_makes_a_piece_for_the_next_goal() -> None:
+    rig = MachineRig("M7", FULL, incarnation=2)
+    rig.start()
+    rig.report(CycleDone(product="pump-p3"))
+    assert facts(rig.all, PieceMade) == []
+    effects = rig.take_goal("G1", production(quantity=3))
+    assert [(fact.goal, fact.made) for fact in facts(effects, PieceMade)] == [("G1", 1)]
+    rig.cycles(2)
+    assert not rig.is_cycling
+    assert outgoing(rig.all) == [("G1", 3)]
+
+
+def test_a_machine_that_starts_in_the_middle_of_a_cycle_waits_for_its_end() -> None:
+    class Running(MachineRig):
+        def sense(self) -> WorkcellState:
+            return WorkcellState(stock=dict(self.stock), cycling="pump-p3", broken="")
+
+    rig = Running("M7", FULL, incarnation=2)
+    rig.start()
+    rig.take_goal("G1", production(quantity=3))
+    assert instructed(rig.all, StartCycle) == []
+    rig.run(1.0)
+    assert status(rig) is MachineStatus.PRODUCING
+    assert instructed(rig.report(CycleDone(product="pump-p3")), StartCycle)
+
+
+def test_finished_pieces_that_lie_there_at_the_start_are_used_for_the_first_goals() -> None:
+    rig = m7(FULL | {"pump-p3": 30})
+    rig.take_goal("G1", production(quantity=24))
+    assert outgoing(rig.all) == [("G1", 24)]
+    assert not rig.is_cycling
+    rig.take_goal("G2", production(quantity=10, order="O2"))
+    rig.cycles(4)
+    assert not rig.is_cycling
+    assert outgoing(rig.all) == [("G1", 24), ("G2", 10)]
