@@ -11,7 +11,11 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from gateway_kit import House, gateway
+from facts_kit import SPEED
+from gateway_kit import NOW_S, PLANT, House, gateway
+
+from dray.gateway.projection import Projection
+from dray.gateway.timescale import TimeScale
 
 
 @pytest.fixture
@@ -31,3 +35,9 @@ async def visitor(house: House) -> AsyncIterator[httpx.AsyncClient]:
     """The browser of somebody who has not logged in."""
     async with house.visitor() as client:
         yield client
+
+
+@pytest.fixture
+def projection() -> Projection:
+    """What panels see, before anybody has said anything."""
+    return Projection(PLANT, TimeScale(0.0, NOW_S, SPEED))

@@ -7,6 +7,7 @@ from kit import (
     StrategistRig,
     accepted,
     award_number,
+    committed,
     goal_bid,
     mhb,
     published,
@@ -88,3 +89,23 @@ def beats(
             named = goals if machine == machines[0] else ()
             effects += rig.hear(machine, mhb(machine, *named, seq=round(rig.now_s * 10)))
     return effects
+
+
+def making(quantity: int = 24) -> tuple[StrategistRig, str]:
+    """M7 makes the only goal of an order of pumps; M8 and M9 could make it, too."""
+    rig = released(order(pump=quantity))
+    [(goal, _, _)] = announced(rig.all)
+    contract(rig, goal, "M7")
+    return rig, goal
+
+
+def brief(goal: str, made: int = 5, delivered: int = 0, quantity: int = 24) -> GoalBrief:
+    return GoalBrief(goal=goal, product="pump-p3", quantity=quantity, made=made, delivered=delivered)
+
+
+def reborn(rig: StrategistRig, incarnation: int = 2) -> StrategistRig:
+    """The strategist is started again, with its gate as it is and what it had written down."""
+    again = StrategistRig(memory=committed(rig.all), incarnation=incarnation)
+    again.arrived, again.now_s = rig.arrived, rig.now_s
+    again.start()
+    return again

@@ -1,0 +1,117 @@
+"""The projection of orders: what facts tell of their progress."""
+
+from __future__ import annotations
+
+from random import Random
+
+from facts_kit import SPEED, arrived, contracted, delta, made, order, seen, tell, wall_s
+from gateway_kit import NOW_S, PLANT, events
+
+from dray.gateway.projection import Projection
+from dray.gateway.projection.orders import ENDED_KEPT
+from dray.gateway.timescale import TimeScale
+from dray.messages.fact import AnyFact, OrderAccepted
+from dray.store.orders import OrderTotals
+from dray.store.progress import Goal, OrderStatus
+
+
+def test_an_order_is_followed_from_its_release_to_its_last_piece(projection: Projection) -> None:
+    projection.orders.put(order("O-1", 4, 2, due_at_s=wall_s(1000.0)))
+    assert seen(projection) == ("released", [(0, 0), (0, 0)])
+    told: list[tuple[AnyFact, str]] = [
+        (OrderAccepted(order="O-1", goals=("G1", "G2")), "released"),
+        (contracted(), "in_production"),
+        (contracted("G2", 1, 2), "in_production"),
+        (made(4), "in_production"),
+        (made(2, "G2", 1), "in_delivery"),
+        (arrived(4), "in_delivery"),
+        (arrived(2, "G2", 1), "delivered"),
+    ]
+    for fact, status in told:
+        tell(projection, "somebody", fact, at_s=500.0)
+        assert seen(projection)[0] == status
+    factory = projection.factory(NOW_S)
+    assert (factory.orders_open, factory.orders_delivered, factory.on_time_frac) == (0, 1, 1.0)
+    assert projection.orders.views()[0].delivered_at_s == wall_s(501.0)
+
+
+def test_facts_of_an_order_in_any_order_and_twice_end_the_same(projection: Projection) -> None:
+    told = events(
+        "somebody", contracted(), contracted("G2", 1, 2), made(2), made(4), arrived(2), arrived(4),
+        made(2, "G2", 1), arrived(2, "G2", 1),
+    )  # fmt: skip
+    for seed in range(20):
+        shuffled = [*told, *told]
+        Random(seed).shuffle(shuffled)
+        one = Projection(PLANT, TimeScale(0.0, NOW_S, SPEED))
+        one.orders.put(order("O-1", 4, 2))
+        for event in shuffled:
+            one.fold(event)
+        assert seen(one) == ("delivered", [(4, 4), (2, 2)])
+        assert one.factory(NOW_S).orders_delivered == 1
+
+
+def test_what_is_delivered_after_its_due_time_is_not_on_time(projection: Projection) -> None:
+    projection.orders.begin([], OrderTotals(delivered=3, on_time=3))
+    projection.orders.put(order(due_at_s=wall_s(50.0)))
+    tell(projection, "M1", arrived(4), at_s=100.0)
+    assert projection.factory(NOW_S).on_time_frac == 0.75
+
+
+def test_a_stored_order_moves_only_when_it_is_released(projection: Projection) -> None:
+    projection.orders.put(order(status=OrderStatus.STORED))
+    tell(projection, "strategist", contracted())
+    assert seen(projection)[0] == "stored"
+    projection.orders.put(order(status=OrderStatus.RELEASED))
+    assert seen(projection)[0] == "in_production"
+
+
+def test_a_cancelled_order_stays_cancelled_whatever_still_arrives(projection: Projection) -> None:
+    projection.orders.put(order())
+    projection.orders.put(order(status=OrderStatus.CANCELLED))
+    tell(projection, "M1", contracted(), arrived(4))
+    assert seen(projection) == ("cancelled", [(4, 4)])
+    projection.orders.put(order())
+    assert seen(projection)[0] == "cancelled"
+    assert projection.factory(NOW_S).orders_delivered == 0
+
+
+def test_what_sql_says_late_does_not_take_back_what_was_heard(projection: Projection) -> None:
+    projection.orders.put(order())
+    tell(projection, "M1", contracted(), arrived(2))
+    projection.orders.put(order())
+    assert seen(projection) == ("in_delivery", [(2, 2)])
+
+
+def test_after_a_restart_orders_stand_where_sql_left_them(projection: Projection) -> None:
+    kept = order(status=OrderStatus.IN_DELIVERY, incarnation=1)
+    kept.items[0].made = kept.items[0].delivered = 2
+    goal = Goal("G1", "O-1", 0, "P1", 4, "M1", incarnation=1, made=2, delivered=2)
+    projection.orders.begin([(kept, [goal])], OrderTotals(delivered=7, on_time=7))
+    assert seen(projection) == ("in_delivery", [(2, 2)])
+    for event in events(
+        "strategist", OrderAccepted(order="O-1", goals=("Gr2",)), contracted("Gr2", 0, 2), life=2
+    ):
+        projection.fold(event)
+    tell(projection, "M1", arrived(2, "Gr2"))
+    assert seen(projection) == ("delivered", [(4, 4)])
+    assert projection.factory(NOW_S).orders_delivered == 8
+
+
+def test_only_the_last_fifty_orders_that_ended_are_kept(projection: Projection) -> None:
+    names = [f"O-{number}" for number in range(ENDED_KEPT + 2)]
+    for name in names:
+        projection.orders.put(order(name))
+        tell(projection, "M1", arrived(4, f"G-{name}", of=name))
+    projection.orders.put(order("O-open"))
+    assert [view.id for view in projection.orders.views()] == [*names[2:], "O-open"]
+    assert delta(projection).gone == ("order:O-0", "order:O-1")
+    # An ended one that is not shown any more is told of again: it is counted once.
+    tell(projection, "M1", arrived(4, "G-O-0", of="O-0"))
+    assert projection.factory(NOW_S).orders_delivered == len(names)
+
+
+def test_an_event_about_an_order_that_nobody_placed_here_changes_nothing(projection: Projection) -> None:
+    tell(projection, "M1", contracted(of="O-9"), arrived(4, of="O-9"))
+    assert projection.orders.views() == ()
+    assert not projection.changed

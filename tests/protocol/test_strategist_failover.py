@@ -1,0 +1,140 @@
+"""The strategist finds another machine for the goals of one that fails (paper, case 1)."""
+
+from __future__ import annotations
+
+import msgspec
+import pytest
+from bureau import announced, beats, brief, contract, making
+from kit import facts, instructed, mhb, sent
+
+from dray.body import Admit, GoodsArrived
+from dray.messages import MachineStatus, Withdrawn
+from dray.messages.fact import GoalContracted, GoalLost, GoalWaits, GoodsDelivered, OrderFulfilled, TaskClosed
+from dray.protocol.machine_watch import BREAKDOWN_S, GOAL_SILENCE_S
+
+
+def test_a_machine_that_names_its_goal_keeps_it_for_as_long_as_it_takes() -> None:
+    rig, goal = making()
+    beats(rig, 3600.0, "M7", "M8", goals=(brief(goal),))
+    assert facts(rig.all, GoalLost) == []
+    assert rig.admitted(goal) == 24
+
+
+@pytest.mark.parametrize("delivered", [0, 10])
+def test_what_has_not_arrived_from_a_silent_machine_is_put_up_under_a_new_name(delivered: int) -> None:
+    rig, goal = making()
+    if delivered:
+        rig.arrive(goal, delivered)
+    begun_s = rig.now_s
+    effects = beats(rig, begun_s + GOAL_SILENCE_S + 1.0, "M8")
+    assert rig.admitted(goal) == 0
+    assert announced(effects) == []  # Not before the gate has said its last word.
+    effects = rig.gate_answers(goal)
+    [lost] = facts(effects, GoalLost)
+    assert (lost.goal, lost.machine, lost.arrived) == (goal, "M7", delivered)
+    assert announced(effects) == [(lost.successor, "pump-p3", 24 - delivered)]
+    assert lost.successor != goal
+    assert [fact.outcome for fact in facts(effects, TaskClosed)] == ["withdrawn"]
+    contract(rig, lost.successor, "M8")
+    assert rig.admitted(lost.successor) == 24 - delivered
+    rig.arrive(lost.successor, 24 - delivered)
+    assert [fact.order for fact in facts(rig.all, OrderFulfilled)] == ["O1"]
+
+
+def test_pieces_that_get_in_before_the_gate_is_shut_count() -> None:
+    rig, goal = making()
+    rig.arrived[goal] = 4  # It has not told yet when the strategist shuts it.
+    beats(rig, rig.now_s + GOAL_SILENCE_S + 1.0, "M8")
+    late = GoodsArrived(goal=goal, arrived=3, admitted=24)
+    assert facts(rig.report(late), GoalLost) == []
+    [lost] = facts(rig.gate_answers(goal), GoalLost)
+    assert lost.arrived == 4
+    assert sum(fact.quantity for fact in facts(rig.all, GoodsDelivered)) == 4
+
+
+def test_all_that_was_missing_may_get_in_before_the_gate_is_shut() -> None:
+    rig, goal = making()
+    rig.arrived[goal] = 24
+    beats(rig, rig.now_s + GOAL_SILENCE_S + 1.0, "M8")
+    effects = rig.gate_answers(goal)
+    assert facts(effects, GoalLost) == []
+    assert [fact.order for fact in facts(effects, OrderFulfilled)] == ["O1"]
+
+
+def test_a_machine_that_comes_back_is_told_that_its_goal_is_anothers() -> None:
+    rig, goal = making()
+    beats(rig, rig.now_s + GOAL_SILENCE_S + 1.0, "M8")
+    rig.gate_answers(goal)
+    effects = rig.hear("M7", mhb("M7", brief(goal), seq=1000))
+    assert [message.task for message in sent(effects, Withdrawn, to="M7")] == [goal]
+
+
+def test_a_machine_that_has_forgotten_its_goal_may_bid_for_the_rest() -> None:
+    rig, goal = making()
+    beats(rig, rig.now_s + GOAL_SILENCE_S + 1.0, "M7")
+    [lost] = facts(rig.gate_answers(goal), GoalLost)
+    contract(rig, lost.successor, "M7")
+    assert [fact.machine for fact in facts(rig.all, GoalContracted)] == ["M7", "M7"]
+
+
+def test_while_nobody_else_lives_the_goal_stays_and_its_order_says_that_it_waits() -> None:
+    rig, goal = making()
+    rig.run(600.0)
+    [waits] = facts(rig.all, GoalWaits)
+    assert (waits.goal, waits.order) == (goal, "O1")
+    assert "M7 is silent" in waits.reason
+    assert rig.admitted(goal) == 24
+    beats(rig, 700.0, "M7", goals=(brief(goal),))
+    assert facts(rig.all, GoalLost) == []
+    rig.arrive(goal, 24)
+    assert facts(rig.all, OrderFulfilled)
+
+
+def test_a_goal_that_waits_goes_on_with_whoever_comes_back_first() -> None:
+    rig, goal = making()
+    rig.run(600.0)
+    beats(rig, 620.0, "M9")
+    [lost] = facts(rig.gate_answers(goal), GoalLost)
+    contract(rig, lost.successor, "M9")
+    assert facts(rig.all, GoalContracted)[-1].machine == "M9"
+
+
+@pytest.mark.parametrize(("broken_s", "loses"), [(BREAKDOWN_S - 60.0, False), (BREAKDOWN_S + 60.0, True)])
+def test_a_broken_machine_keeps_its_goals_for_as_long_as_a_repair_takes(broken_s: float, loses: bool) -> None:
+    rig, goal = making()
+    begun_s = rig.now_s
+    while rig.now_s < begun_s + broken_s:
+        rig.run(rig.now_s + 1.0)
+        seq = round(rig.now_s * 10)
+        ill = msgspec.structs.replace(mhb("M7", brief(goal), seq=seq), status=MachineStatus.ERROR)
+        rig.hear("M7", ill)
+        rig.hear("M8", mhb("M8", seq=seq))
+    if rig.admitted(goal) == 0:
+        rig.gate_answers(goal)
+    assert bool(facts(rig.all, GoalLost)) is loses
+
+
+def test_a_machine_that_is_back_when_the_gate_is_shut_comes_too_late() -> None:
+    rig, goal = making()
+    beats(rig, rig.now_s + GOAL_SILENCE_S + 1.0, "M8")
+    assert rig.admitted(goal) == 0
+    beats(rig, rig.now_s + GOAL_SILENCE_S + 2.0, "M7", "M8", goals=(brief(goal),))
+    assert rig.admitted(goal) == 0
+    assert facts(rig.gate_answers(goal), GoalLost)
+
+
+def test_a_gate_that_does_not_answer_is_shut_again_until_it_does() -> None:
+    rig, _ = making()
+    effects = beats(rig, rig.now_s + 5 * GOAL_SILENCE_S, "M8")
+    assert len([admit for admit in instructed(effects, Admit) if not admit.quantity]) > 2
+    assert facts(effects, GoalLost) == []
+
+
+def test_an_old_heartbeat_keeps_no_goal() -> None:
+    rig, goal = making()
+    rig.hear("M7", mhb("M7", brief(goal), seq=50))
+    for _ in range(20):
+        rig.run(rig.now_s + 1.0)
+        rig.hear("M7", mhb("M7", brief(goal), seq=49))
+        rig.hear("M8", mhb("M8", seq=round(rig.now_s * 10)))
+    assert rig.admitted(goal) == 0

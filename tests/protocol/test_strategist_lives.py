@@ -1,0 +1,128 @@
+"""The strategist goes on with what its earlier life has left."""
+
+from __future__ import annotations
+
+import msgspec
+from bureau import announced, beats, brief, contract, making, order, reborn, released
+from kit import StrategistRig, accepted, committed, facts, goal_bid, published, sent
+
+from dray.memory import Memory
+from dray.messages import Confirmed, GoalClosed, OrderCancelled, OrderTaken, Release, TaskAnnounced, Withdrawn
+from dray.messages.fact import GoalLost, GoodsDelivered, OrderAccepted, OrderFulfilled, TaskClosed
+from dray.protocol.events import Commit
+from dray.protocol.machine_watch import GOAL_SILENCE_S
+
+
+def test_what_binds_the_strategist_is_written_down_before_it_is_said() -> None:
+    rig = StrategistRig()
+    rig.start()
+    steps = [rig.hear("gateway", order(pump=24))]
+    [(goal, _, _)] = announced(rig.all)
+    rig.hear("M7", goal_bid(goal, 100.0))
+    rig.run(1.0)
+    steps += [rig.hear("M7", accepted(goal)), rig.arrive(goal, 10), rig.arrive(goal, 14)]
+    for effects in steps:
+        assert [isinstance(effect, Commit) for effect in effects] == [True] + [False] * (len(effects) - 1)
+        assert len(effects) > 1
+
+
+def test_an_order_survives_the_strategist() -> None:
+    again = reborn(released(order(pump=24)))
+    [(goal, _, quantity)] = announced(again.all)
+    assert quantity == 24
+    contract(again, goal, "M7")
+    again.arrive(goal, 24)
+    assert [fact.order for fact in facts(again.all, OrderFulfilled)] == ["O1"]
+
+
+def test_an_answer_to_an_award_of_an_earlier_life_binds_nobody() -> None:
+    rig = released(order(pump=24))
+    [(goal, _, _)] = announced(rig.all)
+    rig.hear("M7", goal_bid(goal, 100.0))
+    rig.run(1.0)
+    again = reborn(rig)
+    [message] = published(again.all, TaskAnnounced)
+    assert (message.task, message.epoch) == (goal, 2)
+    effects = again.hear("M7", accepted(goal))
+    assert sent(effects, Confirmed) == []
+    assert sent(effects, Release, to="M7")
+
+
+def test_a_contract_survives_the_strategist_and_is_confirmed_when_it_is_asked_for() -> None:
+    rig, goal = making()
+    again = reborn(rig)
+    assert announced(again.all) == []
+    assert again.admitted(goal) == 24
+    effects = again.hear("M7", accepted(goal, number=7))
+    assert sent(effects, Confirmed, to="M7") == [Confirmed(task=goal, epoch=1)]
+    beats(again, 60.0, "M7", "M8", goals=(brief(goal),))
+    effects = again.arrive(goal, 24)
+    assert sent(effects, GoalClosed, to="M7") == [GoalClosed(goal=goal)]
+    assert [fact.outcome for fact in facts(effects, TaskClosed)] == ["delivered"]
+
+
+def test_what_arrived_while_the_strategist_was_away_is_counted_once() -> None:
+    rig, goal = making()
+    rig.arrive(goal, 5)
+    rig.arrived[goal] = 12
+    again = reborn(rig)
+    assert [fact.quantity for fact in facts(again.all, GoodsDelivered)] == [7]
+    once_more = reborn(again, 3)
+    assert facts(once_more.all, GoodsDelivered) == []
+    effects = once_more.hear("M7", accepted(goal))
+    assert sent(effects, Confirmed, to="M7") == [Confirmed(task=goal, epoch=1, arrived=12)]
+
+
+def test_an_order_that_was_completed_while_the_strategist_was_away_is_fulfilled() -> None:
+    rig, goal = making()
+    rig.arrived[goal] = 24
+    again = reborn(rig)
+    assert sent(again.all, GoalClosed, to="M7")
+    assert [fact.order for fact in facts(again.all, OrderFulfilled)] == ["O1"]
+
+
+def test_a_machine_that_died_with_the_strategist_loses_its_goal_to_another() -> None:
+    rig, goal = making()
+    again = reborn(rig)
+    beats(again, again.now_s + GOAL_SILENCE_S + 1.0, "M8")
+    effects = again.gate_answers(goal)
+    [lost] = facts(effects, GoalLost)
+    assert sent(effects, Withdrawn, to="M7")
+    contract(again, lost.successor, "M8")
+
+
+def test_no_two_goals_ever_have_one_name() -> None:
+    rig, goal = making()
+    names = {goal}
+    for incarnation in (2, 3, 4):
+        rig = reborn(rig, incarnation)
+        beats(rig, rig.now_s + GOAL_SILENCE_S + 1.0, "M8")
+        [lost] = facts(rig.gate_answers(goal), GoalLost)
+        goal = lost.successor
+        contract(rig, goal, "M7")
+        rig.hear("gateway", order(f"O{incarnation}", g1=40))
+        fresh = {goal, *facts(rig.all, OrderAccepted)[-1].goals}
+        assert not names & fresh
+        names |= fresh
+
+
+def test_the_next_life_knows_which_ended_orders_were_fulfilled() -> None:
+    rig, goal = making()
+    rig.arrive(goal, 24)
+    rig.hear("gateway", OrderCancelled(order="O2"))
+    later = reborn(reborn(rig), 3)
+    effects = later.hear("gateway", order(pump=24)) + later.hear("gateway", order("O2", pump=24))
+    assert sent(effects, OrderTaken) == [OrderTaken(order="O1", fulfilled=True), OrderTaken(order="O2")]
+    assert announced(effects) == []
+
+
+def test_an_order_whose_end_was_not_written_down_how_is_not_said_to_be_fulfilled() -> None:
+    rig, goal = making()
+    rig.arrive(goal, 24)
+    written = msgspec.to_builtins(committed(rig.all))
+    del written["fulfilled"]  # As the version before has left it.
+    later = StrategistRig(memory=msgspec.convert(written, Memory), incarnation=2)
+    later.start()
+    effects = later.hear("gateway", order(pump=24))
+    assert sent(effects, OrderTaken) == [OrderTaken(order="O1")]
+    assert announced(effects) == []
