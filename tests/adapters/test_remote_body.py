@@ -55,6 +55,7 @@ class House:
     def end(self) -> None:
         """The floor's process ends."""
         self.serving.cancel()
+        self.server.end()
         self._row.buses[0].close()
 
     def begin_anew(self) -> None:
@@ -129,6 +130,18 @@ def test_what_happens_there_is_reported_here_with_the_state_after_it() -> None:
         state = body.sense()
         assert isinstance(state, WorkcellState)
         assert state.broken == "a belt has torn"
+
+    in_a_house(test)
+
+
+def test_what_happens_on_a_floor_that_has_ended_is_told_to_nobody() -> None:
+    async def test(house: House) -> None:
+        machine = next(iter(PLANT.machines))
+        await house.take_over(machine, 1)
+        house.end()
+        house.floor.workcells[machine].break_down("a belt has torn")
+        await asyncio.sleep(1.0)
+        assert house.server.traffic.reports == 0
 
     in_a_house(test)
 

@@ -59,6 +59,29 @@ def test_help_names_every_command_and_loads_nothing_heavy() -> None:
     assert out.splitlines()[-1] == "[]"
 
 
+INTERRUPTED_WHILE_LOADING = """
+import runpy, sys
+
+
+class Impatience:
+    def find_spec(self, name, path, target=None):
+        if name == "typer":
+            raise KeyboardInterrupt
+
+
+sys.meta_path.insert(0, Impatience())
+sys.argv = ["dray", "--version"]
+runpy.run_module("dray", run_name="__main__")
+"""
+
+
+def test_whoever_is_impatient_gets_no_traceback() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED_WHILE_LOADING], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
+
+
 def test_an_unknown_command_is_refused_with_exit_code_2(dray) -> None:
     assert dray("fly").code == 2
 

@@ -244,6 +244,7 @@ async def serve_floor(surroundings: Surroundings, seed: int) -> None:
                 say_ready(FLOOR)
                 await stopped.wait()
         telling.cancel()
+        server.end()
         claim.end()
     if second:
         raise UnavailableError(f"the floor of {plant.id}", "runs elsewhere already", "end that one first")

@@ -86,6 +86,11 @@ class FloorServer:
             for served in self._served:
                 served.tell()
 
+    def end(self) -> None:
+        """Let no agent have a body any more; its session may be closed then."""
+        for served in self._served:
+            served.let_go()
+
     @property
     def traffic(self) -> Traffic:
         """As of now."""
@@ -167,9 +172,13 @@ class _Served:
             told = Told(self._life, self._exchange.write(), to_part(self._body.sense()))
             self._session.put(f"{self._key}/told", encode(told))
 
+    def let_go(self) -> None:
+        """Tell nobody any more, and obey nobody, until the next life takes it over."""
+        self._life = NO_LIFE
+
     def _report(self, report: Report) -> None:
         if self._exchange.full:
-            self._life = NO_LIFE  # Dead or cut off: it has lost its body.
+            self.let_go()  # Its agent is dead or cut off, and has lost it.
         if self._life:
             self._exchange.say(to_part(report))
             self.tell()
