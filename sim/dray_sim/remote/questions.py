@@ -15,7 +15,9 @@ from dray_sim.floor import Pieces
 from dray_sim.remote.wire import Newcomer, encode, newcomers_key, pieces_key, to_part
 
 PATIENCE_S = 30.0
-"""Longest wait for a floor, which may be starting too."""
+"""Longest wait for a floor, which may be starting too. On a busy computer a router that comes back may learn nothing of
+what others have declared, for as long as its session lasts (eclipse-zenoh/zenoh#1886): whoever ends then, and is
+started again, finds the floor."""
 
 ANSWER_S = 3.0
 """Longest wait for one answer: the floor may be busy, or who passes questions on may just have been killed."""
