@@ -6,15 +6,11 @@ standstill takes 12 s, 2 s and 1 m of it speeding up and as much braking.
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 from math import pi
-from pathlib import Path
 
 import msgspec
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
 from yard import LIGHT, PLANT, TO_CORNER, Yard, drive
 
 from dray.body import (

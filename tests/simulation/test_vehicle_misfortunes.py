@@ -5,12 +5,7 @@ The vehicle and the yard are those of `test_vehicle.py`: 1 m/s, 0.5 m/s2, lanes 
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
 from yard import Yard, drive
 
 from dray.body import (

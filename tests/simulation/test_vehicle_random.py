@@ -5,15 +5,11 @@ Hypothesis plays agent, people and fate against two vehicles that share storages
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
-from pathlib import Path
 
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
-
-sys.path.insert(0, str(Path(__file__).parent))
 from yard import PLANT, Yard, drive
 
 from dray.body import (

@@ -1,0 +1,95 @@
+"""Whoever loses a contract in a trial has lost it to a fault."""
+
+from __future__ import annotations
+
+import pytest
+from trial_kit import TASK, event
+
+from dray.messages import AtvStatus
+from dray.messages.fact import AtvStatusChanged, CarrierChanged, GoalLost
+from dray.protocol.leaving import LEAVES
+from dray_sim.broken import InvariantBroken
+from dray_sim.explore.blame import LATER_S, Blame
+from dray_sim.faults import Crashed, LinkTrouble, PoweredOff, RadioCut, SentAway, WlanCut
+
+LOST = CarrierChanged(task=TASK, epoch=2, replaced="ATV3", carrier="ATV1", reason="silent")
+
+
+def test_a_contract_that_is_lost_for_nothing_is_noticed() -> None:
+    with pytest.raises(InvariantBroken, match=r"invariant 6 .* ATV3 lost M8-1"):
+        Blame().hear(10.0, "M8", "*", event("M8", LOST))
+
+
+@pytest.mark.parametrize("agent", ["ATV3", "M8", "ATV1"])
+def test_a_fault_in_one_of_those_concerned_is_a_reason(agent: str) -> None:
+    blame = Blame()
+    blame.begin("F1", Crashed(agent), 10.0)
+    blame.hear(1000.0, "M8", "*", event("M8", LOST))
+    blame.end("F1", 1000.0)
+    blame.hear(1000.0 + LATER_S - 1.0, "M8", "*", event("M8", LOST))
+    with pytest.raises(InvariantBroken):
+        blame.hear(1000.0 + LATER_S, "M8", "*", event("M8", LOST))
+
+
+def test_a_fault_in_somebody_else_is_none() -> None:
+    blame = Blame()
+    blame.begin("F1", PoweredOff("ATV5"), 10.0)
+    with pytest.raises(InvariantBroken):
+        blame.hear(20.0, "M8", "*", event("M8", LOST))
+
+
+def test_a_stopped_vehicle_may_lose_its_contract() -> None:
+    blame = Blame()
+    blame.hear(0.0, "ATV3", "*", event("ATV3", AtvStatusChanged(status=AtvStatus.STOPPED)))
+    blame.hear(1000.0, "M8", "*", event("M8", LOST))
+    blame.hear(1000.0, "ATV3", "*", event("ATV3", AtvStatusChanged(status=AtvStatus.WORKING)))
+    blame.hear(1001.0, "M8", "*", event("M8", LOST))
+
+
+GIVEN_BACK = CarrierChanged(task=TASK, epoch=2, replaced="ATV3", carrier="", reason=LEAVES)
+
+
+def test_a_vehicle_that_was_asked_to_leave_may_give_its_task_back_and_need_not_be_missed() -> None:
+    blame = Blame()
+    blame.begin("F1", SentAway("ATV3"), 10.0)
+    blame.hear(20.0, "M8", "*", event("M8", GIVEN_BACK))
+    with pytest.raises(InvariantBroken, match=r"ATV3 lost M8-1 \(silent\)"):
+        blame.hear(20.0, "M8", "*", event("M8", LOST))
+
+
+def test_whoever_was_not_asked_to_leave_does_not() -> None:
+    blame = Blame()
+    blame.begin("F1", Crashed("ATV3"), 10.0)
+    with pytest.raises(InvariantBroken, match="ATV3 lost M8-1"):
+        blame.hear(20.0, "M8", "*", event("M8", GIVEN_BACK))
+
+
+def test_a_machine_that_is_away_answers_nobody() -> None:
+    blame = Blame()
+    blame.begin("F1", SentAway("M8"), 10.0)
+    blame.hear(60.0, "M8", "*", event("M8", LOST))
+
+
+def test_a_goal_that_is_lost_for_nothing_is_noticed() -> None:
+    lost = GoalLost(goal="D1-1", machine="M8", arrived=0, successor="D1-2")
+    blame = Blame()
+    blame.begin("F1", Crashed("M8"), 0.0)
+    blame.hear(1.0, "strategist", "*", event("strategist", lost))
+    with pytest.raises(InvariantBroken, match="M8 lost D1-1"):
+        Blame().hear(1.0, "strategist", "*", event("strategist", lost))
+
+
+def test_what_may_have_lost_a_message() -> None:
+    blame = Blame()
+    blame.begin("F1", LinkTrouble(sender="ATV1", loss_frac=0.3), 10.0)
+    blame.begin("F2", LinkTrouble(sender="M8", latency_s=2.0, jitter_s=1.0), 10.0)
+    blame.begin("F3", RadioCut("ATV1"), 10.0)
+    assert blame.may_have_lost("ATV1", "M8", 20.0)
+    assert not blame.may_have_lost("M8", "ATV1", 20.0)
+    assert blame.delay_s(20.0) == 3.0
+    blame.end("F1", 30.0)
+    assert blame.may_have_lost("ATV1", "M8", 20.0)
+    assert not blame.may_have_lost("ATV1", "M8", 31.0)
+    blame.begin("F4", WlanCut("M8"), 40.0)
+    assert blame.may_have_lost("ATV1", "M8", 41.0)
+    assert not blame.may_have_lost("ATV1", "M7", 41.0)
