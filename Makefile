@@ -14,6 +14,8 @@ PYTEST := $(PY) -m pytest
 # One more than there are processors: half of the time a test waits for a process, a page or a database.
 WORKERS ?= $(shell $(PY) -c 'import os; print(min(4, os.cpu_count() or 1) + 1)')
 ARGS ?=
+# Two checks at once, each told as a whole, where make can do that.
+SYNC := $(if $(filter output-sync,$(.FEATURES)),--output-sync=target)
 
 .DEFAULT_GOAL := help
 .PHONY: help setup panels run test test-quick bench lint format types imports frontend pytest screenshots \
@@ -53,7 +55,9 @@ define stage
 	@printf '\n=== %s ===\n' "$(1)"
 endef
 
-test: setup lint types imports frontend pytest ## All checks
+test: setup ## All checks
+	@$(MAKE) --no-print-directory --jobs 2 $(SYNC) lint types imports frontend
+	@$(MAKE) --no-print-directory pytest
 
 test-quick: setup ## Python's tests without the slow and the browser ones
 	$(PYTEST) -q -m "not slow and not browser" $(ARGS)
