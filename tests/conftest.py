@@ -106,6 +106,10 @@ ON_THE_WALL_CLOCK = frozenset(
 processors: what fails there is tried once more, and told. Elsewhere time is virtual: what fails once has failed."""
 
 
+LONGEST = "test_fleet_update"
+"""Begins first: one that takes minutes and begins last holds everybody up."""
+
+
 def _is_on_the_wall_clock(item: pytest.Item) -> bool:
     place = Path(os.path.relpath(item.path.with_suffix(""), Path(__file__).parent))
     return not ON_THE_WALL_CLOCK.isdisjoint({place.parts[0], place.as_posix()})
@@ -183,6 +187,7 @@ on both, they would take two minutes for nothing."""
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items[:] = [item for item in items if not _needless(item)]
+    items.sort(key=lambda item: item.path.stem != LONGEST)
     for item in items:
         if _is_on_the_wall_clock(item):
             item.add_marker(pytest.mark.flaky(reruns=1))
