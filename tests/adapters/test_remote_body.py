@@ -140,7 +140,10 @@ def test_what_happens_on_a_floor_that_has_ended_is_told_to_nobody() -> None:
         await house.take_over(machine, 1)
         house.end()
         house.floor.workcells[machine].break_down("a belt has torn")
-        await asyncio.sleep(1.0)
+        # What it says is heard at this instant, and so before this.
+        heard = asyncio.Event()
+        clock().call_at(clock().now_s(), heard.set)
+        await heard.wait()
         assert house.server.traffic.reports == 0
 
     in_a_house(test)

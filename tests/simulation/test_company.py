@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import pytest
+from trial_kit import heartbeat
 
 from dray.messages import (
-    AtvHeartbeat,
     AtvStatus,
     Event,
     Message,
     Phase,
-    Pose,
     Role,
     Transport,
 )
@@ -80,20 +79,6 @@ class Watched:
 
 def ended(task: str) -> ContractEnded:
     return ContractEnded(task=task, epoch=1, role=Role.SECONDARY, reason="released")
-
-
-def heartbeat(atv: str) -> AtvHeartbeat:
-    return AtvHeartbeat(
-        atv=atv,
-        incarnation=1,
-        seq=1,
-        at_s=0.0,
-        status=AtvStatus.IDLE,
-        pose=Pose(x_m=0.0, y_m=0.0, heading_rad=0.0),
-        node="a1",
-        speed_mps=0.0,
-        battery_frac=1.0,
-    )
 
 
 @pytest.fixture

@@ -15,6 +15,7 @@ from typing import Any
 
 import msgspec
 import pytest
+from trial_kit import opened
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "cli/fleet"))
 
@@ -36,7 +37,6 @@ from dray.messages import (
     Pose,
     Production,
     Role,
-    Transport,
 )
 from dray.messages.fact import (
     CarrierChanged,
@@ -49,7 +49,6 @@ from dray.messages.fact import (
     PhaseEntered,
     PieceMade,
     TaskClosed,
-    TaskOpened,
     WatchLost,
 )
 from dray.messages.keys import Keys
@@ -79,7 +78,6 @@ from dray_sim.explore.trial import draw
 from dray_sim.floor import Pieces
 from dray_sim.witness import Witness
 
-WORK = Transport(item="shaft", quantity=40, sources=("S3",), destination="M8", ability="tote")
 GOAL = Production(product="pump-p3", quantity=24, order="O-1", item=0)
 ORDER = Order(
     id="O-1",
@@ -116,19 +114,6 @@ class Told:
         history = History()
         history.add(self.events)
         return history
-
-
-def opened(task: str, work: Transport | Production = WORK) -> TaskOpened:
-    return TaskOpened(
-        task=task,
-        epoch=1,
-        role=Role.PRIMARY,
-        round=1,
-        work=work,
-        radius_m=25.0,
-        deadline_s=100.0,
-        bids_until_s=1.0,
-    )
 
 
 def taken(task: str, role: Role = Role.PRIMARY) -> ContractTaken:
