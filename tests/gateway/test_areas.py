@@ -34,7 +34,6 @@ from dray.gateway.stream import Client, Hub
 from dray.gateway.timescale import TimeScale
 from dray.gateway.views import CommandView
 from dray.messages import CommandAnswered, Message, Pose, VehicleCommand
-from dray.messages.command import STOP_MARGIN_M
 
 pytestmark = pytest.mark.anyio
 
@@ -425,7 +424,9 @@ async def test_an_operator_commands_what_stands_in_the_area_and_nothing_else(url
         await busy(house)
         deaf_vehicles(house)
         client = await operator_of(house, area)
-        for body in ({"kind": "stop"}, {"kind": "resume"}, {"kind": "set_speed", "speed_frac": 0.5}):
+        stop = await client.post(f"/api/atvs/{ATV[area]}/commands", json={"kind": "stop"})
+        assert stop.status_code == 200, stop.text
+        for body in ({"kind": "resume"}, {"kind": "set_speed", "speed_frac": 0.5}):
             answer = await client.post(f"/api/atvs/{ATV[area]}/commands", json=body)
             assert answer.status_code == 200, answer.text
             told = problem(
@@ -463,19 +464,78 @@ async def test_a_vehicles_refusal_names_none_that_stands_elsewhere(url: str) -> 
     assert answer.json()["reason"] == seen.reason == "its sensors still report: blocked by *"
 
 
-async def test_a_stop_reaches_a_vehicle_that_has_just_crossed_the_border(url: str) -> None:
+@every_area
+async def test_a_stop_is_passed_on_wherever_the_picture_shows_the_vehicle(url: str, area: str) -> None:
+    there = after(area)
+    atv = ATV[there]
+    async with gateway(url) as house:
+        await busy(house)
+        deaf_vehicles(house)
+        client = await operator_of(house, area)
+        answer = await client.post(f"/api/atvs/{atv}/commands", json={"kind": "stop", "command": "stop-1"})
+        assert (answer.status_code, answer.json()["done"]) == (200, True), answer.text
+        (command,) = house.bus.sent_to(atv, VehicleCommand)
+        assert command.grant is not None
+        assert (command.grant.areas, command.grant.everywhere) == ((area,), False), "and no more than that"
+        told = problem(
+            await client.post(f"/api/atvs/{atv}/commands", json={"kind": "resume"}), 403, "not-allowed"
+        )
+        assert area in told["detail"]
+        for sees in (area, there):
+            (shown,) = house.parts.projection.commands.views()
+            seen = AreaSight(house.parts.projection, frozenset({sees})).command(shown)
+            assert seen is not None
+            assert (seen.id, seen.state) == ("stop-1", "confirmed")
+
+
+async def test_a_stop_of_a_vehicle_that_was_never_heard_is_passed_on(url: str) -> None:
+    async with gateway(url) as house:
+        deaf_vehicles(house)
+        client = await operator_of(house, AREAS[0])
+        answer = await client.post("/api/atvs/ATV1/commands", json={"kind": "stop"})
+    assert (answer.status_code, answer.json()["done"]) == (200, True), answer.text
+
+
+async def test_what_the_vehicle_says_to_a_stop_from_elsewhere_is_told(url: str) -> None:
+    home, there = AREAS[:2]
+    async with gateway(url) as house:
+        await busy(house)
+
+        def refuse(sender: str, message: Message) -> None:
+            if isinstance(message, VehicleCommand):
+                house.bus.tell(
+                    ATV[there], sender, CommandAnswered(message.command, done=False, reason="not in AREA1")
+                )
+
+        house.bus.join(ATV[there], refuse)
+        client = await operator_of(house, home)
+        answer = await client.post(f"/api/atvs/{ATV[there]}/commands", json={"kind": "stop"})
+        assert (answer.status_code, answer.json()["done"]) == (200, False)
+        assert answer.json()["reason"] == "not in AREA1"
+        line = (await house.audit(action="vehicle.command"))[0]
+        assert (line.target, line.result) == (ATV[there], "refused")
+        assert b"not in AREA1" in bytes(line.detail)
+
+
+async def test_whoever_has_no_area_stops_nothing_and_nobody_stops_what_there_is_not(url: str) -> None:
+    async with gateway(url) as house:
+        await busy(house)
+        nobody, ana = await house.log_in("nobody", Role.OPERATOR), await operator_of(house, AREAS[0])
+        stop = {"kind": "stop"}
+        problem(await nobody.post("/api/atvs/ATV1/commands", json=stop), 403, "not-allowed")
+        problem(await ana.post("/api/atvs/ATV999/commands", json=stop), 404, "unknown-atv")
+        assert house.bus.sent_to("ATV1", VehicleCommand) == house.bus.sent_to("ATV999", VehicleCommand) == []
+
+
+async def test_what_is_no_stop_ends_at_the_border(url: str) -> None:
     border_y_m = max(corner.y_m for corner in FLOOR.areas["AREA2"].polygon)
     async with gateway(url) as house:
         deaf_vehicles(house)
         client = await operator_of(house, "AREA2")
-        for away_m, kind, status in (
-            (STOP_MARGIN_M - 0.1, "stop", 200),
-            (STOP_MARGIN_M - 0.1, "resume", 403),
-            (STOP_MARGIN_M + 0.1, "stop", 403),
-        ):
-            house.bus.say(atv_heartbeat("ATV1", int(away_m * 10), pose=Pose(30.0, border_y_m + away_m, 0.0)))
-            answer = await client.post("/api/atvs/ATV1/commands", json={"kind": kind})
-            assert answer.status_code == status, (away_m, kind)
+        for seq, (away_m, status) in enumerate(((-0.1, 200), (0.1, 403)), 1):
+            house.bus.say(atv_heartbeat("ATV1", seq, pose=Pose(30.0, border_y_m + away_m, 0.0)))
+            answer = await client.post("/api/atvs/ATV1/commands", json={"kind": "resume"})
+            assert answer.status_code == status, away_m
 
 
 async def test_an_alert_elsewhere_cannot_be_acknowledged(url: str) -> None:

@@ -194,6 +194,8 @@ class Commands:
             at_s=self._wall_s(),
         )
         near = () if place_m is None else self._floor.areas_near(*place_m, said.kind.margin_m)
+        if by.areas is not None and by.areas.isdisjoint(near):
+            near = (*near, *by.areas)  # whoever stops what is shown elsewhere sees what became of it
         self._projection.commands.put(view, near)
 
     def _granted(self, sent: Sent, by: Principal) -> VehicleCommand:

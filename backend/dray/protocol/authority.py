@@ -17,7 +17,7 @@ Trusts = Callable[[bytes, bytes], bool]
 NOT_GRANTED = "nobody has granted it: it carries no grant"
 NOT_TRUSTED = "its grant is not signed by anybody whom this vehicle trusts, or not for these words"
 EXPIRED = "its grant has expired; give the command again"
-NOT_HERE = "its grant does not cover the place where the vehicle is"
+NOT_HERE = "the vehicle is outside of the areas that its grant names"
 
 
 def trusts_nobody(_words: bytes, _signature: bytes) -> bool:

@@ -24,8 +24,8 @@ class Given:
 
         Args:
             command: what is asked.
-            areas: where the vehicle was by its last heartbeat, or near enough: who answers for these sees
-                the command, wherever the vehicle goes meanwhile.
+            areas: where the vehicle was by its last heartbeat, or near enough, and those of whoever gave it: who
+                answers for these sees the command, wherever the vehicle goes meanwhile.
         """
         self._commands[command.id] = command
         self._areas[command.id] = frozenset(areas)

@@ -113,7 +113,7 @@ async def get_atv(gateway: Gateway, seen: Seen, atv: str) -> Json:
             CommandAnswer, "The vehicle's word", CommandAnswer("gateway.1-7", done=True, reason="")
         ),
         **problems(
-            p403="The vehicle is not in the caller's areas",
+            p403="The vehicle is not shown in the caller's areas; a stop is passed on to it all the same",
             p404="There is no such ATV",
             p409="The name of the command was used for another one",
             p503="Too many commands wait for an answer",
@@ -147,10 +147,15 @@ async def command_atv(
 def area_rule(gateway: Parts, caller: Principal, atv: str, kind: CommandKind) -> None:
     """A caller who is limited to areas commands the vehicles that stand there; of others not even that they are.
 
+    A stop goes to the vehicle wherever it is shown: the picture may be old or forged, and a vehicle that runs
+    on costs more than one that is found out to exist. Its grant names the caller's areas alone, and the vehicle,
+    which knows where it is, refuses it elsewhere.
+
     Raises:
-        Problem: 403, it stands elsewhere; 404, there is no such vehicle, to a caller of the whole plant.
+        Problem: 403, it is shown elsewhere, or a caller without any area; 404, there is no such vehicle, to a
+            caller of the whole plant and to whoever stops.
     """
-    if caller.areas is None:
+    if caller.areas is None or (caller.areas and kind is CommandKind.STOP):
         if atv not in gateway.projection.atvs:
             raise not_found("atv", atv, "GET /api/atvs")
         return
