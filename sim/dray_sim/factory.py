@@ -16,6 +16,7 @@ from random import Random
 from dray import __version__
 from dray.adapters.signing import SigningKey, TrustedKeys
 from dray.messages.keys import Keys
+from dray.messages.speakers import Kind
 from dray.plant import Plant, with_machine
 from dray.plant.model import MachineSpec, VehicleSpec
 from dray.ports import Body, Bus
@@ -125,10 +126,10 @@ class SimFactory:
         self._incarnation = incarnation
         self._group: asyncio.TaskGroup | None = None
         for machine, workcell in self.workcells.items():
-            self._employ(machine, self._machine(machine, plant), workcell)
+            self._employ(machine, Kind.MACHINE, self._machine(machine, plant), workcell)
         for spec in plant.fleet.values():
             self._man(spec)
-        self._employ(STRATEGIST, self._strategist, self.gate)
+        self._employ(STRATEGIST, Kind.STRATEGIST, self._strategist, self.gate)
 
     @property
     def journals(self) -> Mapping[str, HeldJournal]:
@@ -250,7 +251,7 @@ class SimFactory:
         """
         workcell = self.floor.add_machine(spec)
         plant = with_machine(self.plant, spec, spec.id)
-        self._employ(spec.id, self._machine(spec.id, plant, newcomer=True), workcell)
+        self._employ(spec.id, Kind.MACHINE, self._machine(spec.id, plant, newcomer=True), workcell)
         self._start(spec.id)
         return workcell
 
@@ -260,7 +261,7 @@ class SimFactory:
         """Give a vehicle that is on the floor its modem and its agent."""
         vehicle = self.vehicles[spec.id]
         self.bus.equip(spec.id, lambda: vehicle.sense().pose, vehicle.notice_link)
-        self._employ(spec.id, self._atv(spec), vehicle)
+        self._employ(spec.id, Kind.ATV, self._atv(spec), vehicle)
 
     def _powered(self, agent: str) -> SimVehicle | SimWorkcell:
         return self.vehicles[agent] if agent in self.vehicles else self.workcells[agent]
@@ -284,7 +285,8 @@ class SimFactory:
     def _strategist(self, life: int, _software: str, _trial: int) -> Agent:
         return Strategist(self.plant, incarnation=life)
 
-    def _employ(self, agent: str, make: MakeAgent, body: Body | None) -> None:
+    def _employ(self, agent: str, kind: Kind, make: MakeAgent, body: Body | None) -> None:
+        self.bus.kinds[agent] = kind
         journal = HeldJournal(incarnation=self._incarnation)
         self._posts[agent] = Post(make, body, journal, __version__)
         self._enliven(agent)

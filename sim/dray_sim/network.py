@@ -27,6 +27,7 @@ from msgspec.structs import replace
 
 from dray.codec import decode, encode
 from dray.messages import AtvHeartbeat, Link
+from dray.messages.speakers import objection
 from dray_sim.coverage import Coverage
 from dray_sim.latency import WLAN, Latency
 from dray_sim.links import Links
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from dray.messages import Message, Pose
+    from dray.messages.speakers import Kind
     from dray.ports import Receive
     from dray_sim.ears import Ear
     from dray_sim.faults.kinds import NetworkFault
@@ -122,6 +124,9 @@ class SimNetwork:
         missed: messages that found nobody: sent to or by an agent that is not, or no longer, there.
         lost: what faults and the radio have lost, by reason; reasons are few and fixed. A publication
             whose sender is without WLAN counts once, every other loss once for each receiver.
+        refused: what nobody heard because its speaker may not say it, by reason (`dray.messages.speakers`).
+        kinds: what the agents of the plant are; of others nobody knows it.
+        shut_out: agents that nobody hears any more; replaced as a whole.
         relayed: frames that a gateway has put on the bus.
         wlan: its deliveries.
         radio: the vehicles' radios.
@@ -142,6 +147,9 @@ class SimNetwork:
         self.delivered = 0
         self.missed = 0
         self.lost: Counter[str] = Counter()
+        self.refused: Counter[str] = Counter()
+        self.kinds: dict[str, Kind] = {}
+        self.shut_out: frozenset[str] = frozenset()
         self.relayed = 0
         self._clock = clock
         self._codec = codec
@@ -221,8 +229,7 @@ class SimNetwork:
 
     def publish(self, sender: SimSession, key: str, message: Message) -> None:
         """Carry `message` to all that listen on `key`."""
-        if not sender.joined:
-            self.missed += 1
+        if not self._may_say(sender, key, message):
             return
         message = self._utter(sender.agent, key, message)
         receivers = self._listeners.found.get(key)
@@ -237,8 +244,7 @@ class SimNetwork:
 
     def send(self, sender: SimSession, to: str, message: Message) -> None:
         """Carry `message` to one agent."""
-        if not sender.joined:
-            self.missed += 1
+        if not self._may_say(sender, "", message):
             return
         message = self._utter(sender.agent, f">{to}", message)
         receiver = self._sessions.get(to)
@@ -266,6 +272,17 @@ class SimNetwork:
         self._listeners.forget(session)
 
     # --- the way of a message --------------------------------------------------------------------
+
+    def _may_say(self, sender: SimSession, key: str, message: Message) -> bool:
+        """Whether it goes on its way; counted if not. `key` is empty for what is said to one agent alone."""
+        if not sender.joined:
+            self.missed += 1
+            return False
+        agent = sender.agent
+        reason = objection(agent, self.kinds.get(agent), key, message, self.shut_out)
+        if reason:
+            self.refused[reason] += 1
+        return not reason
 
     def _utter(self, sender: str, address: str, message: Message) -> Message:
         if self._trace is not None:

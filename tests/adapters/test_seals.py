@@ -13,12 +13,12 @@ from zenoh_kit import PATIENCE_S, Row, free_address
 
 from dray.adapters.certificates import DAYS, Authority
 from dray.adapters.seals import FRESH_S, Seals
-from dray.adapters.zenoh_bus import FOREIGN, UNSEALED, ZenohBus
+from dray.adapters.zenoh_bus import UNSEALED, ZenohBus
 from dray.adapters.zenoh_links import Identity, Links
 from dray.cli.meters.bus import BusMeter
 from dray.errors import SealError, SettingsError
 from dray.messages import AtvHeartbeat, AtvStatus, Handover, HandoverAccepted, Message, Pose
-from dray.messages.speakers import Kind
+from dray.messages.speakers import FOREIGN_KEY, FOREIGN_WORD, Kind
 
 AGENTS: Mapping[str, Kind] = {"M1": Kind.MACHINE, "ATV1": Kind.ATV, "ATV2": Kind.ATV}
 ACCEPTED = HandoverAccepted(task="M1-1", epoch=1)
@@ -198,7 +198,7 @@ def test_a_vehicle_does_not_speak_as_a_machine_nor_use_its_words(folder: Path) -
             vehicle.session.send("ATV2", ACCEPTED)
             await row.settle()
             assert other.heard == []
-            assert dict(there.refused) == {FOREIGN: 1, UNSEALED: 1}
+            assert dict(there.refused) == {FOREIGN_WORD: 1, UNSEALED: 1}
         finally:
             row.close()
 
@@ -228,7 +228,7 @@ def test_a_vehicle_does_not_speak_for_another(folder: Path) -> None:
             vehicle.session.publish("p/hb/atv/ATV2", heartbeat)
             await row.settle()
             assert machine.heard == []
-            assert dict(there.refused) == {FOREIGN: 1}
+            assert dict(there.refused) == {FOREIGN_KEY: 1}
         finally:
             row.close()
 

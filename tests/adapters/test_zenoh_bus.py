@@ -13,7 +13,7 @@ from forbidden import forbidden
 from prometheus_client import CollectorRegistry
 from zenoh_kit import PATIENCE_S, Row, free_address, multicast_works
 
-from dray.adapters.zenoh_bus import FOREIGN, NEWER, UNREADABLE, ZenohBus
+from dray.adapters.zenoh_bus import NEWER, UNREADABLE, ZenohBus
 from dray.adapters.zenoh_links import Links
 from dray.adapters.zenoh_stamp import KNOWN, Stamp, Tally, read_stamp, write_stamp
 from dray.cli.meters.bus import BusMeter
@@ -78,22 +78,6 @@ def test_what_cannot_be_read_reaches_nobody_and_is_counted(
         await row.settle()
         assert agent.heard == ["1"]
         assert dict(there.refused) == {reason: 2}
-
-    on(2, test)
-
-
-@pytest.mark.parametrize("key", ["p/hb/atv/A1", "p/hb/machine/A1", "p/event/A1"])
-def test_nobody_speaks_on_another_agents_key(key: str) -> None:
-    async def test(row: Row) -> None:
-        here, there = row.buses
-        agent, owner, stranger = Agent(there, "A"), Agent(here, "A1"), Agent(here, "A2")
-        agent.session.subscribe("p/**")
-        await row.settle()
-        stranger.session.publish(key, OrderTaken(order="false"))
-        owner.session.publish(key, OrderTaken(order="true"))
-        await row.settle()
-        assert agent.heard == ["true"]
-        assert there.refused[FOREIGN] == 1
 
     on(2, test)
 

@@ -8,15 +8,36 @@ from __future__ import annotations
 
 import asyncio
 from abc import ABC, abstractmethod
-from collections.abc import Coroutine
+from collections import Counter
+from collections.abc import Callable, Coroutine, Mapping, Sequence
 from itertools import cycle
+from pathlib import Path
 from random import Random
 from typing import Any
 
 import pytest
 from zenoh_kit import Row
 
-from dray.messages import Message, OrderTaken, Pose
+from dray.adapters.certificates import Authority
+from dray.adapters.zenoh_links import Identity
+from dray.messages import (
+    AnyFact,
+    AtvHeartbeat,
+    AtvStatus,
+    BerthClaimed,
+    Event,
+    MachineHeartbeat,
+    MachineStatus,
+    Message,
+    OrderTaken,
+    Phase,
+    Pose,
+    Production,
+    Role,
+    TaskAnnounced,
+)
+from dray.messages.fact import GoodsDelivered, PhaseEntered
+from dray.messages.speakers import FOREIGN_FACT, FOREIGN_KEY, FOREIGN_NAME, FOREIGN_WORD, Kind
 from dray.ports import Bus, Receive, Session
 from dray_sim.bridge import BridgedBus, SimThread
 from dray_sim.coverage import Coverage, Hole
@@ -25,15 +46,56 @@ from dray_sim.latency import WLAN
 from dray_sim.loop import VirtualLoop, clock, paced, run
 from dray_sim.network import SimNetwork
 
+STRATEGISTS = (
+    *(
+        "A",
+        "B",
+        "C",
+        "L",
+        "S",
+        "T",
+        "A1",
+        "A2",
+        "A11",
+        "M1",
+        "x",
+        "a",
+        "k",
+        "y",
+        "hb",
+        "atv",
+        "machine",
+        "event",
+    ),
+    *(f"A{number}" for number in range(10)),
+)
+"""Names of agents that say here what strategists do."""
+
+KINDS: Mapping[str, Kind] = {
+    **dict.fromkeys(STRATEGISTS, Kind.STRATEGIST),
+    "R1": Kind.ATV,
+    "R2": Kind.ATV,
+    "W1": Kind.MACHINE,
+    "W2": Kind.MACHINE,
+}
+"""What the agents of these tests are, where anybody knows it."""
+
+NOBODY: Mapping[str, Kind] = {}
+
 
 class World(ABC):
     """A bus, and the loop on which it is used.
 
     Attributes:
         bus: there while `run` runs.
+        refused: what nobody heard because its speaker may not say it, by reason.
     """
 
     bus: Bus
+
+    @property
+    @abstractmethod
+    def refused(self) -> Mapping[str, int]: ...
 
     @abstractmethod
     def run(self, test: Coroutine[Any, Any, None]) -> None:
@@ -45,12 +107,20 @@ class World(ABC):
 
 
 class InProcess(World):
-    def __init__(self, *, codec: bool = False) -> None:
-        self._codec = codec
+    """The simulated network, which knows of some agents what they are."""
+
+    def __init__(self, *, codec: bool = False, kinds: Mapping[str, Kind] = NOBODY) -> None:
+        self._codec, self._kinds = codec, kinds
+
+    @property
+    def refused(self) -> Mapping[str, int]:
+        assert isinstance(self.bus, SimNetwork)
+        return self.bus.refused
 
     def run(self, test: Coroutine[Any, Any, None]) -> None:
         async def main() -> None:
-            self.bus = SimNetwork(clock(), Random(7), codec=self._codec)
+            self.bus = network = SimNetwork(clock(), Random(7), codec=self._codec)
+            network.kinds.update(self._kinds)
             await test
 
         run(main())
@@ -80,6 +150,10 @@ class Bridged(World):
     SPEED = 1e6
     """A second in a microsecond: paced, and yet nobody waits."""
 
+    @property
+    def refused(self) -> Mapping[str, int]:
+        return self._network.refused
+
     def run(self, test: Coroutine[Any, Any, None]) -> None:
         async def live_inside(ready: Any) -> None:
             ready(SimNetwork(clock(), Random(7)))
@@ -87,7 +161,7 @@ class Bridged(World):
 
         async def main() -> None:
             thread: SimThread[SimNetwork] = SimThread(live_inside, paced(self.SPEED))
-            network = thread.start(timeout_s=10.0)
+            network = self._network = thread.start(timeout_s=10.0)
             try:
                 self.loop: VirtualLoop = thread.loop
                 self.bus = self.bridge = BridgedBus(network, thread.loop, asyncio.get_running_loop())
@@ -118,12 +192,16 @@ class OnZenoh(World):
     So an agent that joins again under its name does so in another session, as after a restart elsewhere.
     """
 
-    def __init__(self, count: int) -> None:
-        self._count = count
+    def __init__(self, count: int, identities: Sequence[Identity] = ()) -> None:
+        self._count, self._identities = count, identities
+
+    @property
+    def refused(self) -> Mapping[str, int]:
+        return sum((bus.refused for bus in self._row.buses), Counter[str]())
 
     def run(self, test: Coroutine[Any, Any, None]) -> None:
         async def main() -> None:
-            self._row = Row(self._count)
+            self._row = Row(self._count, identities=self._identities)
             self._turns = cycle(self._row.buses)
             self.bus = self
             try:
@@ -140,19 +218,42 @@ class OnZenoh(World):
         await self._row.settle()
 
 
-WORLDS = {
-    "in-process": InProcess,
-    "in-process, on the wire format": lambda: InProcess(codec=True),
-    "in-process, while others suffer": Ill,
-    "bridged": Bridged,
-    "Zenoh, one session": lambda: OnZenoh(1),
-    "Zenoh, three sessions in a row": lambda: OnZenoh(3),
+class Certified(OnZenoh):
+    """The same with certificates: every session may speak for every agent of the tests."""
+
+    def __init__(self, count: int, folder: Path) -> None:
+        super().__init__(count, [Identity.in_folder(folder, next(iter(KINDS)))] * count)
+
+
+WORLDS: Mapping[str, Callable[[Path], World]] = {
+    "in-process": lambda _: InProcess(),
+    "in-process, on the wire format": lambda _: InProcess(codec=True),
+    "in-process, while others suffer": lambda _: Ill(),
+    "bridged": lambda _: Bridged(),
+    "Zenoh, one session": lambda _: OnZenoh(1),
+    "Zenoh, three sessions in a row": lambda _: OnZenoh(3),
+    "Zenoh with certificates": lambda folder: Certified(3, folder),
+}
+
+WHERE_KINDS_ARE_KNOWN: Mapping[str, Callable[[Path], World]] = {
+    "in-process": lambda _: InProcess(kinds=KINDS),
+    "Zenoh with certificates": lambda folder: Certified(3, folder),
 }
 
 
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A certificate of the plant `p` that names all agents of the tests."""
+    made = tmp_path_factory.mktemp("certificates")
+    authority = Authority.make("p")
+    authority.write(made)
+    authority.issue(made, "p", KINDS)
+    return made
+
+
 @pytest.fixture(params=list(WORLDS.values()), ids=list(WORLDS))
-def world(request: pytest.FixtureRequest) -> World:
-    made: World = request.param()
+def world(request: pytest.FixtureRequest, folder: Path) -> World:
+    made: World = request.param(folder)
     return made
 
 
@@ -399,3 +500,128 @@ async def test_many_agents_may_come_and_go(world: World) -> None:
         assert all(peer.heard == [("S", str(round_number))] for peer in peers)
         for peer in peers[::2]:
             peer.session.leave()
+
+
+# --- who may say what ------------------------------------------------------------------------------
+
+
+class Ear:
+    """An agent that remembers all that it has heard."""
+
+    def __init__(self, world: World, name: str, *subscriptions: str) -> None:
+        self.heard: list[tuple[str, Message]] = []
+        self.session = world.bus.join(name, lambda sender, message: self.heard.append((sender, message)))
+        for key in subscriptions:
+            self.session.subscribe(key)
+
+
+def beat(atv: str) -> AtvHeartbeat:
+    return AtvHeartbeat(
+        atv=atv,
+        incarnation=10_000,
+        seq=1,
+        at_s=0.0,
+        status=AtvStatus.IDLE,
+        pose=Pose(0.0, 0.0, 0.0),
+        node="n1",
+        speed_mps=0.0,
+        battery_frac=1.0,
+    )
+
+
+def hum(machine: str) -> MachineHeartbeat:
+    return MachineHeartbeat(machine=machine, incarnation=1, seq=1, at_s=0.0, status=MachineStatus.IDLE)
+
+
+def call(coordinator: str) -> TaskAnnounced:
+    work = Production(product="pump", quantity=1, order="o-1", item=0)
+    return TaskAnnounced("W1-1", 1, Role.PRIMARY, coordinator, work, 100.0)
+
+
+def tell(agent: str, fact: AnyFact) -> Event:
+    return Event(agent=agent, incarnation=1, number=1, at_s=0.0, fact=fact)
+
+
+ON_THE_WAY = PhaseEntered("W1-1", 1, Phase.CARRYING)
+ARRIVED = GoodsDelivered(goal="g-1", order="o-1", item=0, product="pump", quantity=4, delivered=4)
+
+SAID_BY_ONESELF: Mapping[str, tuple[str, Callable[[str], Message], str, str]] = {
+    "a vehicle's heartbeat": ("p/hb/atv/{}", beat, "R1", "R2"),
+    "a machine's heartbeat": ("p/hb/machine/{}", hum, "W1", "W2"),
+    "an announcement": ("p/goal/pump", call, "W1", "W2"),
+    "a claim": ("p/berth/P1", lambda atv: BerthClaimed("P1", atv, 0.1, standing=True), "R1", "R2"),
+    "an event": ("p/event/{}", lambda agent: tell(agent, ON_THE_WAY), "R1", "R2"),
+}
+"""All that says who speaks: where it is said, how, and by whom or whom not."""
+
+every_signature = pytest.mark.parametrize(
+    ("key", "speak", "honest", "liar"), SAID_BY_ONESELF.values(), ids=SAID_BY_ONESELF
+)
+
+
+@every_signature
+async def test_nobody_publishes_in_the_name_of_another(
+    world: World, key: str, speak: Callable[[str], Message], honest: str, liar: str
+) -> None:
+    ear, true, false = Ear(world, "A", "p/**"), Ear(world, honest), Ear(world, liar)
+    await world.settle()
+    false.session.publish(key.format(liar), speak(honest))
+    true.session.publish(key.format(honest), speak(honest))
+    await world.settle()
+    assert ear.heard == [(honest, speak(honest))]
+    assert world.refused == {FOREIGN_NAME: 1}
+
+
+@every_signature
+async def test_nobody_sends_in_the_name_of_another(
+    world: World, key: str, speak: Callable[[str], Message], honest: str, liar: str
+) -> None:
+    ear, true, false = Ear(world, "A"), Ear(world, honest), Ear(world, liar)
+    await world.settle()
+    false.session.send("A", speak(honest))
+    true.session.send("A", speak(honest))
+    await world.settle()
+    assert ear.heard == [(honest, speak(honest))]
+    assert world.refused == {FOREIGN_NAME: 1}
+
+
+@pytest.mark.parametrize(
+    ("key", "message"),
+    [("p/hb/atv/R1", beat("R2")), ("p/hb/machine/R1", beat("R2")), ("p/event/R1", tell("R2", ON_THE_WAY))],
+)
+async def test_nobody_speaks_on_another_agents_key(world: World, key: str, message: Message) -> None:
+    ear, stranger = Ear(world, "A", "p/**"), Ear(world, "R2")
+    await world.settle()
+    stranger.session.publish(key, message)
+    await world.settle()
+    assert ear.heard == []
+    assert world.refused == {FOREIGN_KEY: 1}
+
+
+where_kinds_are_known = pytest.mark.parametrize(
+    "world", list(WHERE_KINDS_ARE_KNOWN.values()), ids=list(WHERE_KINDS_ARE_KNOWN), indirect=True
+)
+
+
+@where_kinds_are_known
+@pytest.mark.parametrize(
+    ("speaker", "key", "message", "reason"),
+    [
+        ("R1", "p/event/R1", tell("R1", ARRIVED), FOREIGN_FACT),
+        ("W1", "p/event/W1", tell("W1", ARRIVED), FOREIGN_FACT),
+        ("W1", "p/event/W1", tell("W1", ON_THE_WAY), FOREIGN_FACT),
+        ("R1", "p/goal/pump", call("R1"), FOREIGN_WORD),
+        ("R1", "p/k", OrderTaken(order="o-1", fulfilled=True), FOREIGN_WORD),
+    ],
+    ids=["goods that arrived", "a machine's too", "a vehicle's way", "an announcement", "an order's end"],
+)
+async def test_nobody_tells_what_another_kind_of_agent_does(
+    world: World, speaker: str, key: str, message: Message, reason: str
+) -> None:
+    ear, stranger = Ear(world, "A", "p/**"), Ear(world, speaker)
+    await world.settle()
+    stranger.session.publish(key, message)
+    stranger.session.send("A", message)
+    await world.settle()
+    assert ear.heard == []
+    assert world.refused == {reason: 2}

@@ -34,11 +34,12 @@ from dray.adapters.zenoh_stamp import Stamp, Tally, read_stamp, write_stamp
 from dray.codec import decode_with_context, encode
 from dray.errors import NewerVersion, ProtocolViolation, SealError, SettingsError, WireError
 from dray.messages.keys import Keys
-from dray.messages.speakers import SPEAKERS
+from dray.messages.speakers import objection
 
 if TYPE_CHECKING:
     from dray.adapters.zenoh_links import Links
     from dray.messages import Message
+    from dray.messages.speakers import Kind
     from dray.ports import Receive
 
 log = logging.getLogger(__name__)
@@ -52,7 +53,6 @@ ROLL_CALL_S = 2.0
 
 UNREADABLE = "no message of ours"
 NEWER = "a newer wire version"
-FOREIGN = "another agent's key or word"
 UNSEALED = "not signed by its sender"
 
 
@@ -171,7 +171,7 @@ class ZenohSession:
             stamp = read_stamp(b"" if attachment is None else attachment.to_bytes())
             data = sample.payload.to_bytes()
             sender, message, context = decode_with_context(data)
-            speaks = bus.may_say(sender, message, key, stamp, data)
+            kind = bus.kind_of(sender, key, stamp, data)
         except NewerVersion:
             bus.refuse(NEWER)
         except SealError:
@@ -179,8 +179,8 @@ class ZenohSession:
         except WireError:
             bus.refuse(UNREADABLE)
         else:
-            if not speaks:
-                bus.refuse(FOREIGN)
+            if reason := objection(sender, kind, key, message, bus.shut_out):
+                bus.refuse(reason)
                 return
             with bus.lock:
                 bus.missed += self._heard.skipped(sender, key, stamp)
@@ -215,6 +215,7 @@ class ZenohBus:
         unsaid: messages of agents that had left.
         missed: messages that were lost on the way, by the numbers of those that came after them.
         refused: what came in and reached nobody, by reason; reasons are few and fixed.
+        shut_out: agents that nobody in this process hears any more; replaced as a whole.
     """
 
     def __init__(self, links: Links, plant: str, replaced: Callable[[str], None] = lambda _: None) -> None:
@@ -224,6 +225,7 @@ class ZenohBus:
         self.delivered = 0
         self.unsaid = 0
         self.refused: Counter[str] = Counter()
+        self.shut_out: frozenset[str] = frozenset()
         self._sessions: dict[str, ZenohSession] = {}
         self.missed = 0
         self.lock = threading.Lock()
@@ -265,18 +267,15 @@ class ZenohBus:
         if self._sessions.get(session.agent) is session:
             del self._sessions[session.agent]
 
-    def may_say(self, sender: str, message: Message, key: str, stamp: Stamp, data: bytes) -> bool:
-        """Whether `sender` may say this, on this key; on any thread.
+    def kind_of(self, sender: str, key: str, stamp: Stamp, data: bytes) -> Kind | None:
+        """What `sender` is, who has really said this; None on a bus without certificates. On any thread.
 
         Raises:
-            SealError: it has not said this at all.
+            SealError: somebody else has said it, or nobody.
         """
-        if self.keys.owner(key) not in (sender, None):
-            return False
         if self.seals is None:
-            return True
-        kind = self.seals.examine(stamp.seal, sender, key, stamp.life, stamp.number, data)
-        return kind in SPEAKERS[type(message)]
+            return None
+        return self.seals.examine(stamp.seal, sender, key, stamp.life, stamp.number, data)
 
     def refuse(self, reason: str) -> None:
         """Count what came in and reaches nobody; on any thread."""

@@ -240,19 +240,6 @@ class PieceMade(Fact, frozen=True):
     """Of this goal, with this one."""
 
 
-class GoodsDelivered(Fact, frozen=True):
-    """Finished goods of a goal reached the delivery warehouse."""
-
-    goal: Id
-    order: Id
-    item: Count
-    product: Id
-    quantity: Count
-    """In this transport."""
-    delivered: Count
-    """Of this goal, with these."""
-
-
 # --- said by the strategist ----------------------------------------------------------------------
 
 
@@ -273,6 +260,19 @@ class GoalContracted(Fact, frozen=True):
     quantity: Count
     machine: Id
     finish_s: Seconds
+
+
+class GoodsDelivered(Fact, frozen=True):
+    """Finished goods of a goal reached the delivery warehouse."""
+
+    goal: Id
+    order: Id
+    item: Count
+    product: Id
+    quantity: Count
+    """In this transport."""
+    delivered: Count
+    """Of this goal, with these."""
 
 
 class GoalLost(Fact, frozen=True):

@@ -25,7 +25,6 @@ class Keys:
     """
 
     __slots__ = (
-        "_owned",
         "all_atv_heartbeats",
         "all_events",
         "all_heartbeats",
@@ -39,7 +38,6 @@ class Keys:
         self.all_atv_heartbeats = f"{plant}/hb/atv/*"
         self.all_machine_heartbeats = f"{plant}/hb/machine/*"
         self.all_events = f"{plant}/event/*"
-        self._owned = (f"{plant}/hb/atv", f"{plant}/hb/machine", f"{plant}/event")
 
     def atv_heartbeat(self, atv: str) -> str:
         return f"{self.plant}/hb/atv/{atv}"
@@ -65,7 +63,11 @@ class Keys:
     def alive(self, agent: str, life: str) -> str:
         return f"{self.plant}/alive/{agent}/{life}"
 
-    def owner(self, key: str) -> str | None:
-        """The agent that alone may speak on `key`; None when others may too."""
-        start, _, last = key.rpartition("/")
-        return last if start in self._owned else None
+
+_OWNED = frozenset({"hb/atv", "hb/machine", "event"})
+
+
+def owner_of(key: str) -> str | None:
+    """The agent that alone may speak on `key`, in whatever plant; None when others may too."""
+    start, _, last = key.partition("/")[2].rpartition("/")
+    return last if start in _OWNED else None

@@ -1,12 +1,13 @@
-"""Who may say what: the kinds of agents, and the words of each.
+"""Who may say what: the one place that every bus asks before anybody hears a message (`objection`).
 
-On a bus with certificates, a message of a kind of agent that has no such word is refused, so that a vehicle
-does not speak as a machine and nobody but a gateway gives orders.
+Names hold on every bus: on a key that belongs to one agent nobody else speaks, and whatever a message says
+of its speaker is true. Kinds hold where they are known, by certificates or in a simulated plant: a vehicle has
+neither a machine's words nor a strategist's facts, and nobody but a gateway gives orders.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from enum import StrEnum
 
 from dray.messages.base import Message
@@ -31,8 +32,46 @@ from dray.messages.contract import (
     TaskAnnounced,
     Withdrawn,
 )
-from dray.messages.fact import Event, EventsAsked, EventsKept
+from dray.messages.fact import (
+    AtvStatusChanged,
+    AwardAnswered,
+    AwardGiven,
+    BidReceived,
+    BidRefused,
+    BidSent,
+    CarrierChanged,
+    CommandObeyed,
+    ContractEnded,
+    ContractTaken,
+    Event,
+    EventsAsked,
+    EventsKept,
+    Fact,
+    GoalContracted,
+    GoalLost,
+    GoalWaits,
+    GoalWithdrawn,
+    GoodsDelivered,
+    HelpAsked,
+    HelpPromised,
+    LinkChanged,
+    MachineStatusChanged,
+    OrderAccepted,
+    OrderDropped,
+    OrderFulfilled,
+    OrderProgressed,
+    OrderReturned,
+    PhaseEntered,
+    PieceMade,
+    PrimarySuspected,
+    RoundFailed,
+    TaskClosed,
+    TaskOpened,
+    TookOver,
+    WatchLost,
+)
 from dray.messages.heartbeat import AtvHeartbeat, MachineHeartbeat
+from dray.messages.keys import owner_of
 from dray.messages.order import (
     CancellationTaken,
     OrderCancelled,
@@ -95,3 +134,82 @@ SPEAKERS: Mapping[type[Message], frozenset[Kind]] = {
     EventsAsked: _GATEWAYS | {Kind.HISTORIAN},
 }
 """Every message, and the kinds of agents that may say it."""
+
+TELLERS: Mapping[type[Fact], frozenset[Kind]] = {
+    TaskOpened: _COORDINATORS,
+    BidReceived: _COORDINATORS,
+    AwardGiven: _COORDINATORS,
+    AwardAnswered: _COORDINATORS,
+    RoundFailed: _COORDINATORS,
+    TaskClosed: _COORDINATORS,
+    WatchLost: _MACHINES,
+    CarrierChanged: _MACHINES,
+    PrimarySuspected: _ATVS | _MACHINES,
+    BidSent: _BIDDERS,
+    BidRefused: _BIDDERS,
+    ContractTaken: _BIDDERS,
+    ContractEnded: _BIDDERS,
+    TookOver: _ATVS,
+    LinkChanged: _ATVS,
+    HelpAsked: _ATVS,
+    HelpPromised: _ATVS,
+    PhaseEntered: _ATVS,
+    AtvStatusChanged: _ATVS,
+    CommandObeyed: _ATVS,
+    MachineStatusChanged: _MACHINES,
+    PieceMade: _MACHINES,
+    GoodsDelivered: _STRATEGISTS,
+    OrderAccepted: _STRATEGISTS,
+    GoalContracted: _STRATEGISTS,
+    GoalLost: _STRATEGISTS,
+    GoalWithdrawn: _STRATEGISTS,
+    GoalWaits: _STRATEGISTS,
+    OrderProgressed: _STRATEGISTS,
+    OrderFulfilled: _STRATEGISTS,
+    OrderDropped: _STRATEGISTS,
+    OrderReturned: _STRATEGISTS,
+}
+"""Every fact, and the kinds of agents that may tell it as their own."""
+
+SIGNATURES: Mapping[type[Message], str] = {
+    AtvHeartbeat: "atv",
+    MachineHeartbeat: "machine",
+    TaskAnnounced: "coordinator",
+    BerthClaimed: "atv",
+    Event: "agent",
+}
+"""The messages that say who speaks, and the field in which they do."""
+
+SHUT_OUT = "an agent that is shut out"
+FOREIGN_KEY = "another agent's key"
+FOREIGN_NAME = "another agent's name"
+FOREIGN_WORD = "a word that its kind does not have"
+FOREIGN_FACT = "a fact that its kind does not tell"
+
+
+def objection(
+    sender: str, kind: Kind | None, key: str, message: Message, shut_out: Container[str] = ()
+) -> str:
+    """Why nobody should hear this from `sender`, as a reason to count; empty when all is well.
+
+    Args:
+        sender: who has really said it, whoever has passed it on.
+        kind: what the sender is; None where nobody knows, as on a bus without certificates.
+        key: on which it was said; what is said to one agent alone belongs to no key of anybody's.
+        message: what was said.
+        shut_out: agents that nobody hears any more, whatever they say.
+    """
+    if sender in shut_out:
+        return SHUT_OUT
+    if owner_of(key) not in (None, sender):
+        return FOREIGN_KEY
+    said = type(message)
+    if said in SIGNATURES and getattr(message, SIGNATURES[said]) != sender:
+        return FOREIGN_NAME
+    if kind is None:
+        return ""
+    if kind not in SPEAKERS[said]:
+        return FOREIGN_WORD
+    if isinstance(message, Event) and kind not in TELLERS[type(message.fact)]:
+        return FOREIGN_FACT
+    return ""
