@@ -10,7 +10,7 @@ from gateway_kit import NOW_S, PASSWORD, PIN, House, problem
 from login_kit import BROWSER, COOKIE, set_cookies, try_in
 
 from dray.gateway.access.onward import onward
-from dray.gateway.access.principal import Role
+from dray.gateway.access.principal import Over, Role, Scope
 from dray.gateway.access.sessions import GRACE_S, HOUR_S, IDLE_S, LIFE_S
 
 pytestmark = pytest.mark.anyio
@@ -83,7 +83,7 @@ async def test_an_operator_works_at_one_station_at_a_time_and_a_manager_where_he
     async with house.visitor() as second, house.visitor() as laptop:
         await try_in(second, "ana", PIN)
         await try_in(laptop, "boss", PASSWORD)
-        problem(await first.get("/api/me"), 401, "not-logged-in")
+        problem(await first.get("/api/me"), 401, "session-replaced")
         for browser in (second, desk, laptop):
             assert (await browser.get("/api/me")).status_code == 200
 
@@ -115,7 +115,40 @@ async def test_a_session_that_ran_out_of_time_may_stop_and_nothing_else(house: H
     assert await house.parts.access.sessions.recognise(token) is None
 
 
-@pytest.mark.parametrize("how", ["logged out", "disabled", "elsewhere", "a manager"])
+@pytest.mark.parametrize("away", [False, True], ids=["", "the database is away"])
+async def test_a_session_that_was_replaced_may_stop_and_nothing_else(house: House, away: bool) -> None:
+    ana = await house.log_in("ana", Role.OPERATOR, "AREA1")
+    await ana.get("/api/me")
+    async with house.visitor() as other:
+        await try_in(other, "ana", PIN)
+    sessions, token = house.parts.access.sessions, ana.cookies[COOKIE]
+    principal = sessions.remembered(token) if away else await sessions.recognise(token)
+    assert principal is not None
+    assert (principal.over, principal.areas) == (Over.REPLACED, {"AREA1"})
+    assert principal.scopes == {Scope.VEHICLES_STOP}
+    house.wall.now_s += GRACE_S
+    assert await sessions.recognise(token) is None
+    assert sessions.remembered(token) is None
+
+
+@pytest.mark.parametrize("then", ["disabled", "logged out there"])
+async def test_what_ends_a_person_ends_the_replaced_session_too_and_a_logout_elsewhere_does_not(
+    house: House, then: str
+) -> None:
+    ana = await house.log_in("ana", Role.OPERATOR, "AREA1")
+    async with house.visitor() as other:
+        await try_in(other, "ana", PIN)
+        house.wall.now_s += 60.0
+        if then == "disabled":
+            async with house.store.write() as work:
+                await work.people.change("ana", disabled_at_s=NOW_S)
+        else:
+            await other.post("/logout")
+    principal = await house.parts.access.sessions.recognise(ana.cookies[COOKIE])
+    assert (principal is None) == (then == "disabled")
+
+
+@pytest.mark.parametrize("how", ["logged out", "disabled", "a manager"])
 async def test_a_session_that_ended_otherwise_may_not_even_stop(house: House, how: str) -> None:
     role = Role.MANAGER if how == "a manager" else Role.OPERATOR
     ana = await house.log_in("ana", role, *([] if role is Role.MANAGER else ["AREA1"]))
@@ -126,9 +159,6 @@ async def test_a_session_that_ended_otherwise_may_not_even_stop(house: House, ho
         case "disabled":
             async with house.store.write() as work:
                 await work.people.change("ana", disabled_at_s=NOW_S)
-        case "elsewhere":
-            async with house.visitor() as other:
-                await try_in(other, "ana", PIN)
     house.wall.now_s += LIFE_S[role] + 1
     assert await house.parts.access.sessions.recognise(token) is None
 

@@ -23,7 +23,7 @@ class Session(msgspec.Struct, frozen=True, kw_only=True):
     used_at_s: float
     expires_at_s: float
     ended_at_s: float | None = None
-    """Logged out or taken back; None for one that only ran out of time."""
+    """Logged out, taken back, or replaced; None for one that only ran out of time."""
 
 
 _COLUMNS = [sessions.c[name] for name in Session.__struct_fields__]
@@ -51,6 +51,14 @@ class Sessions:
         query = select(*_COLUMNS).where(sessions.c.id.in_(list(ids)))
         rows = await self._connection.execute(query)
         return [Session(**row._mapping) for row in rows]  # noqa: SLF001 - SQLAlchemy's public name
+
+    async def was_replaced(self, session: Session) -> bool:
+        """Whether it ended because its person logged in anew: the end of one is then the beginning of the other."""
+        if session.ended_at_s is None:
+            return False
+        same = (sessions.c.person_id == session.person_id, sessions.c.created_at_s == session.ended_at_s)
+        query = select(sessions.c.id).where(*same, sessions.c.id != session.id).limit(1)
+        return (await self._connection.execute(query)).first() is not None
 
     async def use(self, ids: Iterable[str], at_s: float) -> None:
         """Note that these are in use."""

@@ -15,7 +15,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from dray.errors import UnavailableError
 from dray.gateway.access.caller import admit
-from dray.gateway.access.principal import Principal
+from dray.gateway.access.principal import Over, Principal
 from dray.gateway.access.principal import Scope as Right
 from dray.gateway.access.recorder import Recorder, address_of
 from dray.gateway.access.rules import Found, find
@@ -67,7 +67,7 @@ class Gate:
             if not found.rule.public:
                 note.who = await recognise(HTTPConnection(scope), found)
                 if note.who.over:
-                    note.detail["session_over"] = True
+                    note.detail["session_over"] = note.who.over.value
                 allow(note.who, found)
         except Problem as problem:
             await _refuse(problem, scope, receive, send)
@@ -121,7 +121,7 @@ def allow(principal: Principal, found: Found) -> None:
     rule = found.rule
     if rule.scope is None:
         if principal.over:
-            raise run_out()
+            raise session_over(principal.over)
     elif not principal.may(rule.scope):
         raise missing(principal, rule.scope)
     if principal.areas is not None and not rule.by_area:
@@ -131,7 +131,7 @@ def allow(principal: Principal, found: Found) -> None:
 def missing(principal: Principal, scope: Right) -> Problem:
     """The caller lacks a scope: 403, or 401 when it has it again after a login."""
     if principal.over:
-        return run_out()
+        return session_over(principal.over)
     return forbidden(f"{principal.name} lacks the scope {scope.value}")
 
 
@@ -146,15 +146,18 @@ def unknown(detail: str) -> Problem:
     )
 
 
-def run_out() -> Problem:
-    """The session has ended by time. A panel tells this from other ends: it goes on to offer a stop."""
-    return Problem(
-        HTTPStatus.UNAUTHORIZED,
-        "session-run-out",
-        "Your session has run out of time",
-        "a stop still passes; for everything else log in at /login",
-        headers=CHALLENGE,
-    )
+OVER = {
+    Over.RUN_OUT: ("session-run-out", "Your session has run out of time"),
+    Over.REPLACED: ("session-replaced", "You have logged in elsewhere"),
+}
+"""The kind and title of the answer, by why a session is over."""
+
+
+def session_over(why: Over) -> Problem:
+    """The session is over, and nobody has taken it back: a panel goes on to offer a stop."""
+    kind, title = OVER[why]
+    detail = "a stop still passes; for everything else log in at /login"
+    return Problem(HTTPStatus.UNAUTHORIZED, kind, title, detail, headers=CHALLENGE)
 
 
 def forbidden(detail: str) -> Problem:

@@ -40,6 +40,15 @@ SCOPES: dict[Role, frozenset[Scope]] = {
 """What each role may; an operator in the areas of its own only."""
 
 
+class Over(StrEnum):
+    """Why a session is good for a stop and for nothing else any more."""
+
+    RUN_OUT = "run_out"
+    """Its time is over."""
+    REPLACED = "replaced"
+    """Its person has logged in elsewhere."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Principal:
     """Somebody who has been recognised.
@@ -54,7 +63,7 @@ class Principal:
         station: the machine at which an operator works; empty where that matters nothing.
         session: the session's id, which is no secret; empty where there is none.
         expires_at_s: when it will have to be recognised anew, in wall clock seconds; None for never.
-        over: its session has run out of time; what it may still do is left in `scopes`.
+        over: why its session is over, where it is; what it may still do is left in `scopes`.
     """
 
     kind: Literal["person", "key", "admin"]
@@ -66,7 +75,7 @@ class Principal:
     station: str = ""
     session: str = ""
     expires_at_s: float | None = None
-    over: bool = False
+    over: Over | None = None
 
     def may(self, scope: Scope) -> bool:
         """Whether it is allowed this, if only in some areas."""

@@ -3,9 +3,9 @@
 A session ends when it is logged out or taken back, when nothing has used it for `IDLE_S`, and at the latest
 when its person's working day is over. An open stream uses it: a panel that is watched is not idle.
 
-Stop is never behind a login prompt. An operator's session that has only run out of time may for `GRACE_S`
-more stop vehicles in its areas, and nothing else; and so may everybody whom we knew before, while the
-database is away.
+Stop is never behind a login prompt. An operator's session that has only run out of time, or was replaced by
+a login of the same person elsewhere, may for `GRACE_S` more stop vehicles in its areas, and nothing else; and
+so may everybody whom we knew before, while the database is away.
 """
 
 from __future__ import annotations
@@ -13,11 +13,13 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from enum import Enum
 
+import msgspec
+
 from dray.errors import UnavailableError
-from dray.gateway.access.principal import SCOPES, Principal, Role, Scope
+from dray.gateway.access.principal import SCOPES, Over, Principal, Role, Scope
 from dray.gateway.access.tokens import new_id, new_token
 from dray.store import Store
 from dray.store.digest import digest
@@ -53,19 +55,60 @@ class Standing(Enum):
     LIVE = "live"
     OVER = "over"
     """It has only run out of time."""
+    REPLACED = "replaced"
+    """Its person has logged in elsewhere: nobody has taken it back."""
     ENDED = "ended"
 
 
-def standing(session: Session, person: Person, now_s: float) -> Standing:
-    """What a session is worth now."""
-    if session.ended_at_s is not None or person.disabled_at_s is not None:
+OVER = {Standing.OVER: Over.RUN_OUT, Standing.REPLACED: Over.REPLACED}
+"""What is good for a stop still, and what its person is told."""
+
+
+def standing(session: Session, person: Person, now_s: float, *, replaced: bool = False) -> Standing:
+    """What a session is worth now.
+
+    Args:
+        session: the session.
+        person: whose it is.
+        now_s: the wall clock.
+        replaced: whether it ended because its person has logged in elsewhere.
+    """
+    if person.disabled_at_s is not None:
         return Standing.ENDED
+    if session.ended_at_s is not None:
+        return Standing.REPLACED if replaced else Standing.ENDED
     return Standing.LIVE if now_s < ends_at_s(session) else Standing.OVER
 
 
 def ends_at_s(session: Session) -> float:
-    """When a session will have run out of time if nobody uses it again."""
-    return min(session.expires_at_s, session.used_at_s + IDLE_S)
+    """When a session has ended, or will have run out of time if nobody uses it again."""
+    runs_out_at_s = min(session.expires_at_s, session.used_at_s + IDLE_S)
+    return runs_out_at_s if session.ended_at_s is None else min(session.ended_at_s, runs_out_at_s)
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """A session as the database last told.
+
+    Attributes:
+        person: whose it is.
+        session: the session.
+        replaced: whether it ended because its person has logged in elsewhere.
+    """
+
+    person: Person
+    session: Session
+    replaced: bool
+
+    def principal(self, now_s: float) -> Principal | None:
+        """Who has it, as far as it is still worth something."""
+        worth = standing(self.session, self.person, now_s, replaced=self.replaced)
+        if worth is Standing.LIVE:
+            return principal_of(self.person, self.session)
+        over = OVER.get(worth)
+        if over is None or not may_still_stop(self.person, self.session, now_s):
+            return None
+        return principal_of(self.person, self.session, over=over)
 
 
 class Sessions:
@@ -78,13 +121,13 @@ class Sessions:
 
     def __init__(self, store: Store, wall_s: Callable[[], float]) -> None:
         self._store, self._wall_s = store, wall_s
-        self._remembered: OrderedDict[str, tuple[Person, Session]] = OrderedDict()
+        self._remembered: OrderedDict[str, Known] = OrderedDict()
         """By the token's digest, as the database last told."""
 
     async def begin(self, person: Person, *, before: str = "", station: str = "") -> tuple[str, Session]:
         """Log somebody in; returns the cookie's token, which is always a new one.
 
-        An operator works at one station at a time: all other sessions of an operator end.
+        An operator works at one station at a time: all other sessions of an operator are replaced by this one.
 
         Args:
             person: who.
@@ -109,7 +152,7 @@ class Sessions:
             await work.sessions.add(token, session)
         self._remembered.pop(digest(before), None)
         if person.role == Role.OPERATOR:
-            self._forget(person)
+            self._note_replaced(person, now_s)
         return token, session
 
     async def recognise(self, token: str) -> Principal | None:
@@ -118,43 +161,37 @@ class Sessions:
         async with self._store.read() as work:
             session = await work.sessions.find(token)
             person = None if session is None else await work.people.get(session.person_id)
+            replaced = session is not None and await work.sessions.was_replaced(session)
         if session is None or person is None:
             return None
-        self._remember(token, person, session)
-        match standing(session, person, now_s):
-            case Standing.LIVE:
-                if now_s - session.used_at_s >= USED_AGAIN_S:
-                    # A database that can only be read still tells who somebody is.
-                    with suppress(UnavailableError):
-                        async with self._store.write() as work:
-                            await work.sessions.use([session.id], now_s)
-                return principal_of(person, session)
-            case Standing.OVER if may_still_stop(person, session, now_s):
-                return principal_of(person, session, over=True)
-        return None
+        known = Known(person, session, replaced)
+        self._remember(token, known)
+        principal = known.principal(now_s)
+        if principal is not None and not principal.over and now_s - session.used_at_s >= USED_AGAIN_S:
+            # A database that can only be read still tells who somebody is.
+            with suppress(UnavailableError):
+                async with self._store.write() as work:
+                    await work.sessions.use([session.id], now_s)
+        return principal
 
     def remembered(self, token: str) -> Principal | None:
         """Whose cookie this was when the database was last asked, for as long as it is away: may only stop."""
         known = self._remembered.get(digest(token))
-        if known is None:
-            return None
-        match standing(known[1], known[0], self._wall_s()):
-            case Standing.LIVE:
-                return replace(principal_of(*known), scopes=STOP_ONLY)
-            case Standing.OVER if may_still_stop(*known, self._wall_s()):
-                return principal_of(*known, over=True)
-        return None
+        principal = None if known is None else known.principal(self._wall_s())
+        return None if principal is None else replace(principal, scopes=STOP_ONLY)
 
-    def _remember(self, token: str, person: Person, session: Session) -> None:
-        self._remembered[digest(token)] = (person, session)
+    def _remember(self, token: str, known: Known) -> None:
+        self._remembered[digest(token)] = known
         self._remembered.move_to_end(digest(token))
         if len(self._remembered) > REMEMBERED:
             self._remembered.popitem(last=False)
 
-    def _forget(self, person: Person) -> None:
-        """The sessions of somebody have ended: while the database is away, nobody could tell."""
-        for key in [key for key, (whose, _) in self._remembered.items() if whose.id == person.id]:
-            del self._remembered[key]
+    def _note_replaced(self, person: Person, now_s: float) -> None:
+        """Somebody has logged in elsewhere: while the database is away, nobody could tell."""
+        for key, known in self._remembered.items():
+            if known.person.id == person.id and known.session.ended_at_s is None:
+                ended = msgspec.structs.replace(known.session, ended_at_s=now_s)
+                self._remembered[key] = replace(known, session=ended, replaced=True)
 
     async def place(self, session_id: str, station: str) -> None:
         """Note at which machine an operator works."""
@@ -173,17 +210,17 @@ class Sessions:
 
 
 def may_still_stop(person: Person, session: Session, now_s: float) -> bool:
-    """Whether somebody whose session has run out of time may still stop vehicles."""
+    """Whether somebody whose session is over may still stop vehicles."""
     return person.role == Role.OPERATOR and now_s < ends_at_s(session) + GRACE_S
 
 
-def principal_of(person: Person, session: Session, *, over: bool = False) -> Principal:
+def principal_of(person: Person, session: Session, *, over: Over | None = None) -> Principal:
     """Who has this session.
 
     Args:
         person: whose it is.
         session: the session.
-        over: it has run out of time.
+        over: why it is over, where it is.
     """
     role = Role(person.role)
     return Principal(
