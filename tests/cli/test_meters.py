@@ -10,7 +10,9 @@ from random import Random
 from prometheus_client import CollectorRegistry
 
 from dray.adapters.sqlite_journal import SqliteJournal
+from dray.adapters.system_clock import SystemClock
 from dray.cli.meters.agent import AgentMeter
+from dray.cli.meters.clock import ClockMeter
 from dray.cli.meters.factory import FactoryMeter
 from dray.messages.keys import Keys
 from dray.plant import default_plant
@@ -92,3 +94,24 @@ def test_an_agent_in_a_process_of_its_own_tells_what_it_has_handled_and_written(
     assert 0 < seconds / written < 60.0
     assert told("agent_events_waiting") == 0
     assert told("agent_messages_dropped_total", kind="other") == 0
+
+
+def test_a_clock_tells_how_often_it_was_set_and_what_it_has_to_make_up_for() -> None:
+    offset_s, registry = 0.0, CollectorRegistry()
+
+    async def play() -> None:
+        nonlocal offset_s
+        loop = asyncio.get_running_loop()
+        registry.register(ClockMeter(SystemClock(loop, unix_s=lambda: loop.time() + offset_s)))
+        assert told() == (0, 0)
+        offset_s = 60.0
+        assert told() == (1, 60)
+        await asyncio.sleep(1.0)
+        assert told() == (1, 59.9)
+
+    def told() -> tuple[float | None, float | None]:
+        steps = registry.get_sample_value("dray_clock_steps_total")
+        behind_s = registry.get_sample_value("dray_clock_behind_seconds")
+        return steps, None if behind_s is None else round(behind_s, 3)
+
+    run(play())

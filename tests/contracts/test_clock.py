@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from dray.adapters.system_clock import SystemClock
+from dray.adapters.system_clock import SLEW_FRAC, SystemClock
 from dray.ports import Clock
 from dray_sim.loop import JUMP, Pace, VirtualLoop, paced
 
@@ -23,13 +23,15 @@ class World:
     Args:
         pace: of the virtual loop.
         make: the clock on that loop.
+        slow_frac: by how much the clock may be slower than the loop.
     """
 
     clock: Clock
 
-    def __init__(self, pace: Pace, make: Callable[[VirtualLoop], Clock]) -> None:
+    def __init__(self, pace: Pace, make: Callable[[VirtualLoop], Clock], slow_frac: float = 0.0) -> None:
         self._pace = pace
         self._make = make
+        self._slow_frac = slow_frac
 
     def run(self, test: Coroutine[Any, Any, None]) -> None:
         loop = VirtualLoop(self._pace)
@@ -39,12 +41,21 @@ class World:
 
     async def pass_time(self, seconds: float) -> None:
         """Let `seconds` of the clock pass, and some more for rounding."""
-        await asyncio.sleep(seconds + 0.01)
+        await asyncio.sleep(seconds / (1.0 - self._slow_frac) + 0.01)
 
 
 def unix_clock(loop: VirtualLoop) -> Clock:
     # The computer's clock runs with the loop, from some day in our time.
     return SystemClock(loop, unix_s=lambda: 1.75e9 + loop.time())
+
+
+def clock_that_is_set(by_s: float) -> Callable[[VirtualLoop], Clock]:
+    """The clock on a computer whose own is set by so much, again and again."""
+
+    def make(loop: VirtualLoop) -> Clock:
+        return SystemClock(loop, unix_s=lambda: 1.75e9 + loop.time() + by_s * (loop.time() // 0.7))
+
+    return make
 
 
 FAST = paced(1e6)
@@ -54,6 +65,8 @@ WORLDS = {
     "jump": lambda: World(JUMP, lambda loop: loop.clock),
     "paced": lambda: World(FAST, lambda loop: loop.clock),
     "system": lambda: World(JUMP, unix_clock),
+    "system, set forward": lambda: World(JUMP, clock_that_is_set(3600.0), SLEW_FRAC),
+    "system, set back": lambda: World(JUMP, clock_that_is_set(-3600.0), SLEW_FRAC),
 }
 
 
@@ -108,6 +121,15 @@ async def test_now_never_goes_back(world: World) -> None:
     await world.pass_time(10.0)
     assert len(seen) == 50
     assert seen == sorted(seen)
+
+
+async def test_a_wait_takes_as_long_as_it_should_whatever_time_the_computer_shows(world: World) -> None:
+    loop, seen = asyncio.get_running_loop(), list[float]()
+    began_s = loop.time()
+    for after_s in (1.0, 10.0, 100.0):
+        world.clock.call_at(world.clock.now_s() + after_s, lambda: seen.append(loop.time() - began_s))
+    await world.pass_time(100.0)
+    assert seen == [pytest.approx(after_s, rel=0.12) for after_s in (1.0, 10.0, 100.0)]
 
 
 async def test_a_time_that_is_past_means_as_soon_as_possible(world: World) -> None:

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+import math
+from itertools import pairwise
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from dray.adapters.system_clock import MAX_NAP_S, SystemClock
+from dray.adapters.system_clock import SLEW_FRAC, SystemClock
+from dray.protocol.suspicion import WORKING_INTERVAL_S, bound_s
 from dray_sim.loop import run
 
 
@@ -24,47 +29,113 @@ def clock_on(computer: Computer) -> SystemClock:
     return SystemClock(asyncio.get_running_loop(), unix_s=computer.unix_s)
 
 
-def test_a_clock_that_is_set_back_stands_until_time_has_caught_up() -> None:
+@pytest.mark.parametrize("by_s", [-60.0, 60.0])
+def test_a_clock_that_was_set_is_followed_a_tenth_faster_or_slower(by_s: float) -> None:
     async def main() -> None:
         computer = Computer()
         clock = clock_on(computer)
         before_s = clock.now_s()
-        computer.offset_s -= 60.0
+        computer.offset_s += by_s
         assert clock.now_s() == before_s
-        await asyncio.sleep(59.0)
-        assert clock.now_s() == before_s
-        await asyncio.sleep(2.0)
-        assert clock.now_s() > before_s
+        pace = 1.0 + math.copysign(SLEW_FRAC, by_s)
+        shown_s = [before_s]
+        for second in range(1, 601):
+            await asyncio.sleep(1.0)
+            shown_s.append(clock.now_s())
+            assert shown_s[-1] == pytest.approx(before_s + pace * second)
+        assert clock.behind_s == pytest.approx(0.0, abs=1e-3)
+        await asyncio.sleep(100.0)
+        assert clock.now_s() == pytest.approx(computer.unix_s())
 
     run(main())
 
 
-def test_a_call_waits_for_its_time_though_the_clock_was_set_back() -> None:
+def test_beats_go_on_when_the_clock_is_set_back() -> None:
+    async def main() -> None:
+        computer = Computer()
+        clock, beats = clock_on(computer), list[float]()
+
+        def beat() -> None:
+            beats.append(asyncio.get_running_loop().time())
+            clock.call_at(clock.now_s() + 1.0, beat)
+
+        beat()
+        await asyncio.sleep(5.5)
+        computer.offset_s -= 3600.0
+        await asyncio.sleep(60.0)
+        assert max(after - before for before, after in pairwise(beats)) < 1.2
+
+    run(main())
+
+
+@given(
+    steps=st.lists(
+        st.tuples(st.integers(1, 120), st.floats(-1e5, 1e5, allow_nan=False)), min_size=1, max_size=20
+    )
+)
+def test_no_step_makes_a_vigil_fail_over_somebody_who_beats(steps: list[tuple[int, float]]) -> None:
+    """Beats come once a second by the time that passes; the vigil is kept by the clock."""
+
+    async def main() -> None:
+        computer = Computer()
+        clock, failed = clock_on(computer), list[float]()
+        heard_s = clock.now_s()
+
+        def look() -> None:
+            if clock.now_s() >= heard_s + bound_s(WORKING_INTERVAL_S):
+                failed.append(clock.now_s())
+            clock.call_at(heard_s + bound_s(WORKING_INTERVAL_S), look)
+
+        look()
+        for seconds, by_s in steps:
+            for second in range(seconds):
+                await asyncio.sleep(1.0)
+                if second % 3 == 0:  # Two of three are lost.
+                    heard_s = clock.now_s()
+            computer.offset_s += by_s
+        assert failed == []
+
+    run(main())
+
+
+def test_a_step_is_counted_once_and_told_and_drift_is_none(caplog: pytest.LogCaptureFixture) -> None:
     async def main() -> None:
         computer = Computer()
         clock = clock_on(computer)
-        when_s = clock.now_s() + 5.0
+        for _ in range(100):
+            await asyncio.sleep(1.0)
+            computer.offset_s += 0.0005  # As much as NTP shifts in a second.
+            clock.now_s()
+        assert clock.steps == 0
+        for number, by_s in enumerate((3600.0, -3600.0, 2.0), 1):
+            computer.offset_s += by_s
+            for _ in range(10):
+                await asyncio.sleep(1.0)
+                clock.now_s()
+            assert clock.steps == number
+        assert clock.behind_s == pytest.approx(0.0, abs=1.1)
+
+    run(main())
+    assert [record.getMessage()[:44] for record in caplog.records] == [
+        "the computer's clock was set by +3600.0 s; t",
+        "the computer's clock was set by -3600.0 s; t",
+        "the computer's clock was set by +2.0 s; the ",
+    ]
+
+
+def test_a_call_that_is_far_off_does_not_come_early_when_the_clock_is_set_forward() -> None:
+    async def main() -> None:
+        computer = Computer()
+        clock, loop = clock_on(computer), asyncio.get_running_loop()
         seen: list[float] = []
+        when_s = clock.now_s() + 3600.0
         clock.call_at(when_s, lambda: seen.append(clock.now_s()))
-        computer.offset_s -= 60.0
-        await asyncio.sleep(64.0)
+        computer.offset_s += 7200.0
+        await asyncio.sleep(3600.0 / (1.0 + SLEW_FRAC) - 1.0)
         assert seen == []
         await asyncio.sleep(2.0)
-        assert len(seen) == 1
-        assert seen[0] >= when_s
-
-    run(main())
-
-
-def test_a_call_that_a_set_clock_made_due_waits_no_longer_than_a_nap() -> None:
-    async def main() -> None:
-        computer = Computer()
-        clock = clock_on(computer)
-        seen: list[str] = []
-        clock.call_at(clock.now_s() + 3600.0, lambda: seen.append("due"))
-        computer.offset_s += 7200.0
-        await asyncio.sleep(MAX_NAP_S + 0.1)
-        assert seen == ["due"]
+        assert seen == [pytest.approx(when_s, abs=0.01)]
+        assert loop.time() == pytest.approx(3600.0 / 1.1 + 1.0)
 
     run(main())
 

@@ -18,10 +18,12 @@ from prometheus_client.parser import text_string_to_metric_families
 
 from dray.adapters.certificates import Authority
 from dray.adapters.sqlite_journal import SqliteJournal
+from dray.adapters.system_clock import SystemClock
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Identity, Links
 from dray.cli.meters.agent import AgentMeter
 from dray.cli.meters.bus import BusMeter
+from dray.cli.meters.clock import ClockMeter
 from dray.cli.meters.factory import FactoryMeter
 from dray.messages.speakers import Kind
 from dray.plant import default_plant
@@ -96,6 +98,7 @@ async def test_whatever_is_asked_for_is_told(
     ):
         agents.register(AgentMeter(factory.workers["M1"], journal))
         agents.register(BusMeter(bus))
+        agents.register(ClockMeter(SystemClock(loop)))
         in_a_process = generate_latest(agents).decode()
     told = {
         f"{family.name}{suffix}"

@@ -6,8 +6,10 @@ import asyncio
 import contextlib
 import time
 
+from dray.adapters.system_clock import SystemClock
 from dray.cli.authority import authority_of
 from dray.cli.meters.bus import BusMeter
+from dray.cli.meters.clock import ClockMeter
 from dray.cli.newcomers import welcome
 from dray.cli.process import Surroundings, say_ready
 from dray.cli.service import Service, greeting_of, historian_of, serve, with_admin_token
@@ -36,6 +38,8 @@ async def run_gateway(where: Surroundings, *, demand: bool) -> None:
         store = await open_store(settings.database_url)
         try:
             async with where.bus(settings.gateway_name, lambda _: elsewhere.set()) as bus:
+                # Steered as the agents' clocks are: should the computer's be set, nobody seems silent for it.
+                wall = SystemClock(asyncio.get_running_loop())
                 app = create_app(
                     settings=settings,
                     plant=plant.file,
@@ -44,7 +48,8 @@ async def run_gateway(where: Surroundings, *, demand: bool) -> None:
                     time=where.time,
                     authority=await authority_of(store),
                     incarnation=await store.next_incarnation(plant.id),
-                    collectors=(BusMeter(bus),),
+                    collectors=(BusMeter(bus), ClockMeter(wall)),
+                    wall_s=wall.now_s,
                 )
                 url = address_of(listener, settings.host)
                 links = await welcome(store, plant.file, time.time())

@@ -23,6 +23,7 @@ from dray.body import VehicleState
 from dray.cli.logs import prepare_logs
 from dray.cli.meters.agent import AgentMeter
 from dray.cli.meters.bus import BusMeter
+from dray.cli.meters.clock import ClockMeter
 from dray.cli.meters.floor import FloorMeter
 from dray.cli.readiness import tell_ready
 from dray.cli.serving import asked_by_signals, stopped_by_signals
@@ -178,16 +179,17 @@ async def run_agent(
                     f"the body that {file} is about", "is gone, for the floor has begun anew", remedy
                 )
             drives = isinstance(body.sense(), VehicleState)
+            clock = surroundings.clock()
             worker = Worker(
                 make(journal.incarnation),
                 bus=watched(settings, tracing, surroundings.time.to_wall_s)(bus),
-                clock=surroundings.clock(),
+                clock=clock,
                 keys=Keys(plant.id),
                 # A machine has wires, whatever a computer's settings name for its vehicles.
                 body=Modem(body, bus.inner, settings.bus_radio) if drives and settings.bus_radio else body,
                 journal=journal,
             )
-            meters = BusMeter(bus), AgentMeter(worker, journal)
+            meters = BusMeter(bus), AgentMeter(worker, journal), ClockMeter(clock)
             async with surroundings.told(*meters), _in_touch(body, worker):
                 with asked_by_signals(worker.leave, worker.stop, settings.leave_s):
                     say_ready(name)
@@ -236,10 +238,11 @@ async def serve_floor(surroundings: Surroundings, seed: int) -> None:
 
     async with surroundings.bus(FLOOR) as bus, asyncio.TaskGroup() as group:
         claim = Claim(bus.inner, bus.arrivals, f"{plant.id}/floor", give_way)
-        floor = Floor(plant, surroundings.clock(), seed=seed, stock_frac=NEARLY_EMPTY_FRAC)
+        clock = surroundings.clock()
+        floor = Floor(plant, clock, seed=seed, stock_frac=NEARLY_EMPTY_FRAC)
         server = FloorServer(bus.inner, plant.id, floor)
         telling = group.create_task(server.run())
-        async with surroundings.told(FloorMeter(server)):
+        async with surroundings.told(FloorMeter(server), ClockMeter(clock)):
             with stopped_by_signals(stopped.set):
                 say_ready(FLOOR)
                 await stopped.wait()

@@ -1,0 +1,32 @@
+"""How the plant's clock in this process stands to the computer's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from prometheus_client import Metric
+from prometheus_client.registry import Collector
+
+from dray.adapters.metric_families import counter, gauge
+from dray.adapters.system_clock import SystemClock
+
+
+class ClockMeter(Collector):
+    """What one clock has seen.
+
+    Args:
+        clock: the process's.
+    """
+
+    def __init__(self, clock: SystemClock) -> None:
+        self._clock = clock
+
+    def collect(self) -> Iterator[Metric]:
+        """Everything as of now."""
+        self._clock.now_s()
+        yield counter("clock_steps", "How often the computer's clock was set.", self._clock.steps)
+        yield gauge(
+            "clock_behind_seconds",
+            "What the process's clock still has to make up for; below 0 when it is ahead.",
+            self._clock.behind_s,
+        )
