@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
+import io
+import threading
 from typing import Any
 
 import msgspec
@@ -12,7 +15,9 @@ from hypothesis import strategies as st
 
 from dray.gateway import orderfile as orderfile_module
 from dray.gateway.access.principal import Scope
-from dray.gateway.orderfile import COLUMNS, read_orders
+from dray.gateway.orderfile import COLUMNS, MAX_ROWS, read_orders
+from dray.gateway.routes import imports as imports_module
+from dray.gateway.sidework import WAITING
 
 HEAD = "customer,reference,product,quantity,due_at,release\n"
 
@@ -70,6 +75,50 @@ def test_a_fault_is_told_with_its_row_and_column(text: str, where: list[tuple[in
 def test_a_file_is_no_longer_than_a_person_can_look_through(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(orderfile_module, "MAX_ROWS", 2)
     assert faults(HEAD + "c,,p,1,,\n" * 3) == [(4, "")]
+
+
+class Counted(str):
+    """A cell that counts how often it is compared."""
+
+    __slots__ = ()
+    compared = 0
+
+    def __eq__(self, other: object) -> bool:
+        Counted.compared += 1
+        return str.__eq__(self, other)
+
+    __hash__ = str.__hash__
+
+
+def comparisons(cells: int) -> int:
+    """What it costs to look at a first row with so many cells, all of them called alike."""
+    header: list[str] = [Counted("product") for _ in range(cells)]
+    Counted.compared = 0
+    assert len(list(orderfile_module._wrong_header(header))) >= cells
+    return Counted.compared
+
+
+def test_the_work_on_a_first_row_grows_no_faster_than_the_row() -> None:
+    assert comparisons(800) <= 2.1 * comparisons(400)
+
+
+def test_a_first_row_that_is_too_wide_is_one_fault_and_not_thousands() -> None:
+    (fault,) = read_orders(",".join(["product"] * 8_000) + "\nc,p,1\n")[1]
+    assert "8000 columns" in fault.reason
+
+
+def test_no_more_of_a_file_is_read_than_could_be_taken() -> None:
+    class Rows(io.StringIO):
+        read = 0
+
+        def __next__(self) -> str:
+            Rows.read += 1
+            return super().__next__()
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(orderfile_module.io, "StringIO", Rows)
+        assert faults(HEAD + "c,,p,1,,\n" * 100_000) == [(MAX_ROWS + 2, "")]
+    assert Rows.read == MAX_ROWS + 2
 
 
 @settings(deadline=None)
@@ -145,3 +194,27 @@ async def test_a_key_of_one_caller_is_not_the_key_of_another_and_not_of_a_single
     assert [answer.status_code for answer in answers] == [200, 201]
     ids = {first["orders"][0]["id"], answers[0].json()["orders"][0]["id"], answers[1].json()["id"]}
     assert len(ids) == await house.orders_kept() == 3
+
+
+@pytest.mark.anyio
+async def test_a_file_is_read_beside_the_loop_and_only_so_many_wait_for_it(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun, go_on = threading.Event(), threading.Event()
+    readers: set[str] = set()
+
+    def held(text: str) -> Any:
+        readers.add(threading.current_thread().name)
+        begun.set()
+        go_on.wait()
+        return read_orders(text)
+
+    monkeypatch.setattr(imports_module, "read_orders", held)
+    async with asyncio.TaskGroup() as group:
+        reading = [group.create_task(send(house, GOOD, dry_run=True)) for _ in range(WAITING)]
+        await asyncio.to_thread(begun.wait)
+        # The loop answers meanwhile: also whoever comes with one file too many.
+        problem(await send(house, GOOD, dry_run=True), 503, "too-many-files")
+        go_on.set()
+    assert [each.result().status_code for each in reading] == [200] * WAITING
+    assert readers == {"dray-side_0"}

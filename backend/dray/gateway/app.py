@@ -39,6 +39,7 @@ from dray.gateway.rollcall import RollCall
 from dray.gateway.routes import API, REST
 from dray.gateway.sampler import Sampler
 from dray.gateway.shields import BodyLimit, SameOrigin, SecurityHeaders
+from dray.gateway.sidework import SideWork
 from dray.gateway.stream import Hub
 from dray.gateway.timescale import TimeScale
 from dray.messages import Message
@@ -132,6 +133,7 @@ def create_app(
             metrics=metrics,
             panels=panels or Panels(),
             faults=faults,
+            side_work=SideWork(),
             keys_at_work=set(),
         )
         async with store.write() as work:
@@ -152,6 +154,7 @@ def create_app(
                 await stack.enter_async_context(historian.running(projection.fold))
             stack.push_async_callback(sampler.sample)
             stack.callback(peer.leave)
+            stack.callback(parts.side_work.close)
             peer.join(projection, desk, parts.endings, parts.commands)
             tasks = await stack.enter_async_context(asyncio.TaskGroup())
             running = [
@@ -192,12 +195,16 @@ def create_app(
     app.mount(PREFIX.rstrip("/"), BuiltFiles(directory=STATIC, check_dir=False), "static")
     problems.install(app)
     openapi.install(app)
-    # The last one added is the outermost.
-    app.add_middleware(BodyLimit, limit_bytes=settings.body_limit_bytes)
+    _shield(app, settings)
+    return app
+
+
+def _shield(app: FastAPI, settings: Settings) -> None:
+    """What every request passes before it reaches a router; the last one added is the outermost."""
+    app.add_middleware(BodyLimit, bulk_bytes=settings.body_limit_bytes)
     app.add_middleware(Gate)
     app.add_middleware(SameOrigin)
     # FastAPI's own handler of bugs stands outside of all shields: its answers would lack the headers.
     app.add_middleware(ServerErrorMiddleware, handler=problems.on_bug)
     app.add_middleware(SecurityHeaders)
     app.add_middleware(Stopwatch)
-    return app

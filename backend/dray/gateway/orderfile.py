@@ -1,5 +1,8 @@
 """Orders out of a spreadsheet: rows of CSV read as drafts, with every fault named by its row. Pure.
 
+Whoever sends a file chooses what is in it. So the work grows no faster than the file, and what is no list of
+orders is given up as soon as that is known: at the first row too many, and at a first row that is too wide.
+
 The first row names the columns. Rows that follow one another with the same customer and reference are the
 items of one order; a row without a reference is an order of its own.
 """
@@ -8,8 +11,9 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator, Mapping
-from itertools import groupby
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import groupby, islice
 from typing import Any
 
 import msgspec
@@ -24,6 +28,10 @@ NEEDED = ("customer", "product", "quantity")
 
 MAX_ROWS = 1_000
 """Rows of one file: what a person can still look through; they are all placed at once."""
+
+MAX_COLUMNS = 64
+"""Cells of the first row: ten times the columns that there are. What is wider is no list of orders, and to name
+each of its columns as unknown would help nobody."""
 
 WORDS = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
 """What may stand in `release`."""
@@ -57,12 +65,16 @@ def read_orders(text: str) -> tuple[list[ReadOrder], list[RowFault]]:
     # Where a comma stands in numbers, spreadsheets write semicolons between cells.
     reader = csv.reader(io.StringIO(text), delimiter=";" if head.count(";") > head.count(",") else ",")
     try:
-        rows = [(row, cells) for row, cells in enumerate(reader, 1) if any(cell.strip() for cell in cells)]
+        # The names of the columns, the rows, and one more, which tells that there are too many.
+        rows = list(islice(_filled(reader), MAX_ROWS + 2))
     except csv.Error as error:
         return [], [RowFault(reader.line_num, "", f"this is no CSV: {error}")]
     if not rows:
         return [], [RowFault(1, "", f"there is nothing in it; begin with {', '.join(COLUMNS)}")]
     (_, names), *lines = rows
+    if len(names) > MAX_COLUMNS:
+        reason = f"it has {len(names)} columns; there are {', '.join(COLUMNS)}"
+        return [], [RowFault(1, "", reason)]
     header = [name.strip().lower() for name in names]
     faults = list(_wrong_header(header))
     if len(lines) > MAX_ROWS:
@@ -96,14 +108,20 @@ def place(error: FieldError, row: int) -> RowFault:
     return RowFault(row + index, column or first, error.reason)
 
 
+def _filled(rows: Iterable[list[str]]) -> Iterator[tuple[int, list[str]]]:
+    """The rows with something in them, and as which a spreadsheet counts them."""
+    return ((row, cells) for row, cells in enumerate(rows, 1) if any(cell.strip() for cell in cells))
+
+
 def _wrong_header(header: list[str]) -> Iterator[RowFault]:
+    times = Counter(header)
     for name in NEEDED:
-        if name not in header:
+        if name not in times:
             yield RowFault(1, name, "this column is missing")
     for name in header:
         if name not in COLUMNS:
             yield RowFault(1, name, f"there is no such column; there are {', '.join(COLUMNS)}")
-        elif header.count(name) > 1:
+        elif times[name] > 1:
             yield RowFault(1, name, "this column is there more than once")
 
 

@@ -22,6 +22,7 @@ from dray.gateway.panels import Panels
 from dray.gateway.peer import Peer
 from dray.gateway.presence import Presence
 from dray.gateway.projection import Projection
+from dray.gateway.sidework import SideWork
 from dray.gateway.stream import Hub
 from dray.plant import Plant
 from dray.plant.model import PlantFile
@@ -53,6 +54,7 @@ class Parts:
     panels: Panels
     faults: FaultDesk | None
     """None where the factory is not simulated."""
+    side_work: SideWork
     keys_at_work: set[str]
     """Idempotency keys of requests that are being answered at this moment."""
 

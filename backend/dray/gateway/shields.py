@@ -13,7 +13,12 @@ from urllib.parse import urlsplit
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from dray.gateway.access.caller import takes_files
 from dray.gateway.problems import Problem
+
+BODY_BYTES = 64 * 1024
+"""The largest body where no file is expected. An order of 50 items has some 10 kB; to read as much as this takes a
+millisecond, in which the loop does nothing else."""
 
 CONTENT_POLICY = "; ".join(
     (
@@ -51,19 +56,20 @@ class BodyLimit:
 
     Args:
         app: what is shielded.
-        limit_bytes: the largest body.
+        bulk_bytes: the largest body where it is a file; elsewhere it has `BODY_BYTES`, or this if that is less.
     """
 
-    def __init__(self, app: ASGIApp, limit_bytes: int) -> None:
-        self._app, self._limit = app, limit_bytes
+    def __init__(self, app: ASGIApp, bulk_bytes: int) -> None:
+        self._app, self._bulk = app, bulk_bytes
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
+        limit = self._bulk if takes_files(scope) else min(BODY_BYTES, self._bulk)
         announced = Headers(scope=scope).get("content-length", "")
-        if announced.isdecimal() and int(announced) > self._limit:
-            await self._refuse(scope, receive, send)
+        if announced.isdecimal() and int(announced) > limit:
+            await _too_large(limit)(scope, receive, send)
             return
         seen, answering = 0, False
 
@@ -71,32 +77,36 @@ class BodyLimit:
             nonlocal seen
             message = await receive()
             seen += len(message.get("body", b""))
-            if seen > self._limit:
+            if seen > limit:
                 raise _TooLarge
             return message
 
         async def watched(message: Message) -> None:
             nonlocal answering
             # An answer that was made of the exception is not the one to give.
-            if seen <= self._limit:
+            if seen <= limit:
                 answering = True
                 await send(message)
 
         with suppress(_TooLarge):
             await self._app(scope, limited, watched)
-        if seen > self._limit and not answering:
-            await self._refuse(scope, receive, send)
+        if seen > limit and not answering:
+            await _too_large(limit)(scope, receive, send)
 
-    async def _refuse(self, scope: Scope, receive: Receive, send: Send) -> None:
+
+def _too_large(limit_bytes: int) -> ASGIApp:
+    async def refuse(scope: Scope, receive: Receive, send: Send) -> None:
         problem = Problem(
             HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
             "body-too-large",
             "The body is too large",
-            f"it may have {self._limit} bytes; split it into several requests",
+            f"it may have {limit_bytes} bytes; split it into several requests",
             # What is still on its way would be taken for the next request.
             headers={"Connection": "close"},
         )
         await problem.response(scope["path"])(scope, receive, send)
+
+    return refuse
 
 
 class SameOrigin:

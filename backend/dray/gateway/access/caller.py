@@ -28,6 +28,12 @@ def admit(scope: Scope, found: Found, principal: Principal | None) -> None:
     scope[ADMITTED], scope[CALLER] = found, principal
 
 
+def takes_files(scope: Scope) -> bool:
+    """Whether a request came to a route whose body may be a whole file."""
+    found: Found | None = scope.get(ADMITTED)
+    return found is not None and found.rule.bulk
+
+
 async def admitted(connection: HTTPConnection) -> None:
     """Of every route: refuse what the gate has not let pass by the row of this very route.
 

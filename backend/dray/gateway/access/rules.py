@@ -24,12 +24,14 @@ class Rule:
         by_area: whether callers who are limited to areas may come in.
         public: whether anybody may come in, recognised or not.
         action: what the audit log calls it; empty for what changes nothing.
+        bulk: whether its body may be a whole file.
     """
 
     scope: Scope | None = None
     by_area: bool = False
     public: bool = False
     action: str = ""
+    bulk: bool = False
 
 
 PUBLIC = Rule(public=True)
@@ -79,7 +81,7 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("GET", "/api/kpis/history"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/orders"): Rule(Scope.ORDERS_READ),
     ("POST", "/api/orders"): Rule(Scope.ORDERS_WRITE, action="order.place"),
-    ("POST", "/api/orders/import"): Rule(Scope.ORDERS_WRITE, action="order.import"),
+    ("POST", "/api/orders/import"): Rule(Scope.ORDERS_WRITE, action="order.import", bulk=True),
     ("POST", "/api/orders/preview"): Rule(Scope.ORDERS_READ),
     ("GET", "/api/orders/{order}"): Rule(Scope.ORDERS_READ),
     ("POST", "/api/orders/{order}/release"): Rule(Scope.ORDERS_WRITE, action="order.release"),

@@ -20,6 +20,7 @@ from dray.gateway.orderfile import RowFault, place, read_orders
 from dray.gateway.orderids import new_token
 from dray.gateway.parts import Gateway
 from dray.gateway.problems import MAX_FIELD_ERRORS, FieldError, unusable
+from dray.plant.model import PlantFile
 from dray.store.orders import Order
 
 router = APIRouter(tags=["orders"])
@@ -73,7 +74,7 @@ class ImportAnswer(msgspec.Struct, frozen=True, kw_only=True):
         200: described(ImportAnswer, "What is in the file; unless it was a dry run, all of it is on disk"),
         **problems(
             p409="A request with this key is still being answered",
-            p503="Too many orders are open",
+            p503="Too many orders are open, or too many files are being read",
         ),
     },
     response_class=Json,
@@ -87,12 +88,7 @@ async def import_orders(
     that follow one another with the same customer and reference are one order. A dry run places nothing and
     tells what is wrong in which row; without one, a single fault refuses the whole file.
     """
-    read, faults = read_orders(file.csv)
-    now_s = gateway.wall_s()
-    for each in read:
-        faults += [place(error, each.row) for error in nonsense(each.draft, gateway.plant, now_s)]
-    faults.sort(key=lambda fault: fault.row)
-    drafts = [each.draft for each in read]
+    drafts, faults = await gateway.side_work.do(_read, file.csv, gateway.plant, gateway.wall_s())
     note.detail |= {"orders": len(drafts), "dry_run": file.dry_run}
     if file.dry_run:
         return Json(_imported([(draft, "") for draft in drafts], faults[:MAX_FIELD_ERRORS]))
@@ -112,6 +108,15 @@ async def import_orders(
     kept, _replayed = await intake.place_all_once(gateway, drafts, own, render)
     note.target = kept.order_id
     return Json(kept.answer.encode())
+
+
+def _read(csv: str, plant: PlantFile, now_s: float) -> tuple[list[OrderDraft], list[RowFault]]:
+    """The orders of a file, and what is wrong in it, by row. Takes its time."""
+    read, faults = read_orders(csv)
+    for each in read:
+        faults += [place(error, each.row) for error in nonsense(each.draft, plant, now_s)]
+    faults.sort(key=lambda fault: fault.row)
+    return [each.draft for each in read], faults
 
 
 def _imported(orders: Sequence[tuple[OrderDraft, str]], faults: Sequence[RowFault]) -> ImportAnswer:
