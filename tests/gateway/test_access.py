@@ -478,7 +478,7 @@ async def test_an_operator_whose_time_is_over_stops_a_vehicle_nearby_and_that_is
 class Browser:
     """A browser's end of the stream, spoken to the application as a server does (ASGI)."""
 
-    def __init__(self, house: House, **headers: str) -> None:
+    def __init__(self, house: House, *, query: str = "", **headers: str) -> None:
         self.to_app: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
         self.heard: list[dict[str, Any]] = []
         self.more = asyncio.Event()
@@ -489,7 +489,7 @@ class Browser:
             "scheme": "ws",
             "path": STREAM,
             "raw_path": STREAM.encode(),
-            "query_string": f"access_token={ADMIN_TOKEN}".encode(),
+            "query_string": query.encode(),
             "root_path": "",
             "headers": [
                 (name.encode(), value.encode()) for name, value in ({"host": "dray.test"} | headers).items()
@@ -532,7 +532,7 @@ def cookie(client: httpx.AsyncClient) -> dict[str, str]:
 async def test_a_stranger_may_not_watch_and_is_told_by_the_code(
     house: House, headers: dict[str, str]
 ) -> None:
-    browser = Browser(house, **headers)
+    browser = Browser(house, query=f"access_token={ADMIN_TOKEN}", **headers)
     await browser.served
     assert [message["type"] for message in browser.heard] == ["websocket.accept", "websocket.close"]
     assert browser.heard[1]["code"] == 4401
@@ -544,6 +544,14 @@ async def test_who_lacks_the_scope_may_not_watch(house: House) -> None:
     browser = Browser(house, authorization=header["Authorization"])
     await browser.served
     assert browser.heard[-1]["code"] == 4403
+
+
+async def test_a_stream_with_a_parameter_that_nobody_knows_is_refused_by_the_code(house: House) -> None:
+    browser = Browser(house, query="area=AREA1", authorization=BEARER["Authorization"])
+    await browser.served
+    assert [message["type"] for message in browser.heard] == ["websocket.accept", "websocket.close"]
+    assert browser.heard[1]["code"] == 4422
+    assert house.parts.hub.joined == 0
 
 
 async def test_a_page_of_another_site_may_not_watch_with_our_cookie(house: House) -> None:

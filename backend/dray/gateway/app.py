@@ -20,6 +20,7 @@ from dray.gateway.access.gate import Gate
 from dray.gateway.access.hasher import Hasher
 from dray.gateway.alertdesk import AlertDesk
 from dray.gateway.commands import Commands
+from dray.gateway.conditional import Conditional
 from dray.gateway.desk import STRATEGIST, Desk
 from dray.gateway.endings import Endings
 from dray.gateway.faultdesk import FaultDesk
@@ -34,6 +35,7 @@ from dray.gateway.parts import Parts
 from dray.gateway.peer import Peer
 from dray.gateway.presence import Presence
 from dray.gateway.projection import Projection
+from dray.gateway.queries import KnownQueries
 from dray.gateway.recall import recall_news
 from dray.gateway.rollcall import RollCall
 from dray.gateway.routes import API, REST
@@ -202,6 +204,8 @@ def create_app(
 def _shield(app: FastAPI, settings: Settings) -> None:
     """What every request passes before it reaches a router; the last one added is the outermost."""
     app.add_middleware(BodyLimit, bulk_bytes=settings.body_limit_bytes)
+    app.add_middleware(Conditional)
+    app.add_middleware(KnownQueries, routes=app.routes)
     app.add_middleware(Gate)
     app.add_middleware(SameOrigin)
     # FastAPI's own handler of bugs stands outside of all shields: its answers would lack the headers.

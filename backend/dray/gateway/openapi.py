@@ -59,6 +59,8 @@ Orders for a factory without a dispatcher, and everything that can be seen of it
 
 * Lists come as `{"items": [...], "next_cursor": ...}`; ask again with `cursor` until it is null.
 * Errors are `application/problem+json` (RFC 9457): `title`, `detail`, and `errors` per field.
+* A query parameter that a call does not know is refused with 422, and those that it knows are named.
+* Answers to GET name their state in `ETag`; asked again with `If-None-Match` they are 304 while nothing has changed.
 * Times that end in `_at_s` are seconds since 1970 on the wall clock; `created_at`, `due_at` and
   `delivered_at` are the same in ISO 8601.
 * `/api/stream` is a websocket: one snapshot, then numbered deltas. It is closed with 4401 when the session ends,
@@ -104,15 +106,14 @@ def _document(app: FastAPI) -> dict[str, Any]:
 
 
 def _tell_problems(method: str, operation: dict[str, Any]) -> None:
-    """Every operation may refuse its input; those with a body have more ways to."""
-    refusals = {"422": "Some fields cannot be used"} if "parameters" in operation else {}
+    """Every operation refuses a parameter that it does not know; those with a body have more ways to."""
+    refusals = {"422": "Some fields cannot be used, or the query has a parameter that is not known here"}
     if method == "post":
         refusals |= {"403": "Another site's page asked", "413": "The body is too large"}
     if "requestBody" in operation:
         refusals |= {
             "400": "The body is not JSON",
             "415": "The body is not called JSON",
-            "422": "Some fields cannot be used",
         }
     operation["responses"].pop("422", None)
     for status, description in refusals.items():

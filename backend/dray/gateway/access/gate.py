@@ -27,7 +27,11 @@ COOKIE = "dray_session"
 
 LOGIN = "/login"
 
-CLOSE_CODES = {HTTPStatus.UNAUTHORIZED: 4401, HTTPStatus.FORBIDDEN: 4403}
+CLOSE_CODES = {
+    HTTPStatus.UNAUTHORIZED: 4401,
+    HTTPStatus.FORBIDDEN: 4403,
+    HTTPStatus.UNPROCESSABLE_ENTITY: 4422,
+}
 """How a stream is refused: browsers hide the status of a handshake, and tell the code of a close."""
 
 LOGIN_TELLS = {HTTPStatus.UNAUTHORIZED, HTTPStatus.SERVICE_UNAVAILABLE}
@@ -70,7 +74,7 @@ class Gate:
                     note.detail["session_over"] = note.who.over.value
                 allow(note.who, found)
         except Problem as problem:
-            await _refuse(problem, scope, receive, send)
+            await refuse(problem, scope, receive, send)
             return
         admit(scope, found, note.who)
         await self._app(scope, receive, send)
@@ -180,7 +184,8 @@ def _kept_private(send: Send) -> Send:
     return private
 
 
-async def _refuse(problem: Problem, scope: Scope, receive: Receive, send: Send) -> None:
+async def refuse(problem: Problem, scope: Scope, receive: Receive, send: Send) -> None:
+    """Answer with a problem: a program, a person at a browser, or a stream that begins."""
     if scope["type"] == "websocket":
         await receive()
         await send({"type": "websocket.accept"})
