@@ -99,6 +99,14 @@ class Journal(Protocol):
         """What was written last; None when nothing ever was."""
         ...
 
+    @property
+    def lost(self) -> str:
+        """Why nothing is remembered though the agent has lived before; empty when that is not so.
+
+        It is said until a life has written its first events: that life's number is greater than all before, too.
+        """
+        ...
+
     def write(self, events: Sequence[Event], memory: Memory | None) -> None:
         """Keep these events until they are old, and replace the memory, unless there is none.
 

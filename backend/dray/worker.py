@@ -129,7 +129,7 @@ class Worker:
         try:
             if self._body is not None:
                 self._body.attach(self._report)
-            self._handle(Started(self._sense(), self._journal.memory), session)
+            self._handle(Started(self._sense(), self._journal.memory, self._journal.lost), session)
             while not self._stopping:
                 if not self._inbox:
                     self._waiter = loop.create_future()

@@ -32,6 +32,7 @@ class HeldJournal:
         self._incarnation = incarnation
         self._memory: Memory | None = None
         self._events: deque[Event] = deque(maxlen=events_kept)
+        self._lost = ""
 
     @property
     def incarnation(self) -> int:
@@ -45,6 +46,17 @@ class HeldJournal:
             return None
         return _READ.decode(msgspec.json.encode(self._memory))
 
+    @property
+    def lost(self) -> str:
+        """See `dray.ports.Journal`."""
+        return self._lost
+
+    def lose(self, reason: str) -> None:
+        """The agent's next life finds nothing of what was written, as when its disk has failed."""
+        self._memory = None
+        self._events.clear()
+        self._lost = reason
+
     def begin_life(self) -> None:
         """The agent is started once more."""
         self._incarnation += 1
@@ -52,6 +64,8 @@ class HeldJournal:
     def write(self, events: Sequence[Event], memory: Memory | None) -> None:
         """See `dray.ports.Journal`."""
         self._events.extend(events)
+        if events:
+            self._lost = ""
         if memory is not None:
             self._memory = memory
 

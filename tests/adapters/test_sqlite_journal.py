@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import signal
 import subprocess
 import sys
+import time
 from contextlib import closing
 from pathlib import Path
+from random import Random
 
 import pytest
 
+from dray.adapters.quarantine import KEPT
 from dray.adapters.sqlite_journal import SqliteJournal, read_events
 from dray.errors import UnavailableError
 from dray.memory import AtvMemory
@@ -49,16 +53,166 @@ def test_what_a_killed_process_has_written_is_there_and_each_write_wholly(tmp_pa
         assert journal.memory == AtvMemory(speed_frac=last / 1e6)
 
 
-@pytest.mark.parametrize("content", [b"no database at all" * 100, b""], ids=["nonsense", "a folder"])
-def test_a_file_that_is_no_journal_is_named(tmp_path: Path, content: bytes) -> None:
+def test_a_folder_in_the_place_of_a_journal_is_named(tmp_path: Path) -> None:
     file = tmp_path / "journal.db"
-    if content:
-        file.write_bytes(content)
-    else:
-        file.mkdir()
+    file.mkdir()
     for read in (lambda: SqliteJournal(file, events_kept=10), lambda: read_events(file)):
         with pytest.raises(UnavailableError, match=rf"the journal {file}: .*move the file away"):
             read()
+
+
+def test_a_folder_in_the_place_of_the_number_of_lives_is_named(tmp_path: Path) -> None:
+    (tmp_path / "journal.lives").mkdir()
+    with pytest.raises(UnavailableError, match=rf"the journal {tmp_path / 'journal.db'}: Is a directory"):
+        SqliteJournal(tmp_path / "journal.db")
+
+
+def lived(file: Path, *, events: int = 300) -> bytes:
+    """A journal that has seen two lives; what is in its file."""
+    for life in (1, 2):
+        with closing(SqliteJournal(file)) as journal:
+            journal.write(
+                [
+                    Event(file.stem, life, number, 0.0, OrderFulfilled(f"O{number}"))
+                    for number in range(1, events)
+                ],
+                AtvMemory(speed_frac=0.5),
+            )
+    return file.read_bytes()
+
+
+def torn(whole: bytes, how: str, rng: Random) -> bytes:
+    """The bytes of a file after something has happened to its disk."""
+    at = rng.randrange(len(whole))
+    match how:
+        case "a flipped bit":
+            return whole[:at] + bytes([whole[at] ^ (1 << rng.randrange(8))]) + whole[at + 1 :]
+        case "random bytes":
+            return whole[:at] + rng.randbytes(min(4096, len(whole) - at)) + whole[at + 4096 :]
+        case "cut off":
+            return whole[:at]
+    return rng.randbytes(len(whole))
+
+
+@pytest.mark.parametrize("how", ["a flipped bit", "random bytes", "cut off", "nothing but random bytes"])
+def test_a_damaged_journal_is_moved_aside_and_its_agent_begins_a_greater_life(
+    tmp_path: Path, how: str
+) -> None:
+    file, rng = tmp_path / "ATV1.db", Random(how)
+    whole = lived(file)
+    damaged = 0
+    for trial in range(30):
+        for each in tmp_path.glob("ATV1.db*"):
+            each.unlink()
+        file.write_bytes(torn(whole, how, rng))
+        (tmp_path / "ATV1.lives").write_text("2 1ad5be0d\n")
+        with closing(SqliteJournal(file)) as journal:
+            assert journal.incarnation == 3, trial
+            if journal.lost:
+                damaged += 1
+                # Of a file that was cut off at its first byte there is nothing to be kept.
+                assert list(tmp_path.glob("ATV1.db.damaged-*")) or "not there" in journal.lost
+                assert journal.memory is None
+                assert journal.kept(2) == (1, 0)
+            else:
+                assert journal.memory == AtvMemory(speed_frac=0.5)
+                assert [event.number for event in journal.events(2, 1, 300)] == list(range(1, 300))
+            journal.write([Event("ATV1", 3, 1, 0.0, OrderFulfilled("O"))], AtvMemory())
+        with closing(SqliteJournal(file)) as journal:
+            assert (journal.incarnation, journal.lost, journal.memory) == (4, "", AtvMemory())
+    # Some bits of a file mean nothing: unused room in its pages, say.
+    assert damaged > 10
+
+
+def test_an_old_copy_that_was_put_back_is_no_memory(tmp_path: Path) -> None:
+    file = tmp_path / "ATV1.db"
+    copy = lived(file)
+    for _ in range(2):
+        SqliteJournal(file).close()
+    file.write_bytes(copy)
+    with closing(SqliteJournal(file)) as journal:
+        assert (journal.incarnation, journal.memory) == (5, None)
+        assert "an old copy, of life 2, and its agent has had 4" in journal.lost
+
+
+def test_a_journal_of_another_agent_is_left_alone_and_named(tmp_path: Path) -> None:
+    mine, others = tmp_path / "ATV1.db", tmp_path / "ATV2.db"
+    lived(others)
+    others.rename(mine)
+    for _ in range(2):
+        with pytest.raises(
+            UnavailableError, match=r"ATV1\.db: is that of ATV2; give it back, or move it away"
+        ):
+            SqliteJournal(mine)
+    mine.rename(others)
+    with closing(SqliteJournal(others)) as journal:
+        assert (journal.incarnation, journal.memory) == (3, AtvMemory(speed_frac=0.5))
+
+
+@pytest.mark.parametrize("content", ["", "17", "1\ufffd", "99 00000000", "x" * 10_000])
+def test_a_torn_number_of_lives_counts_for_nothing_beside_a_whole_journal(
+    tmp_path: Path, content: str
+) -> None:
+    file, lives = tmp_path / "ATV1.db", tmp_path / "ATV1.lives"
+    lived(file)
+    lives.write_text(content)
+    with closing(SqliteJournal(file)) as journal:
+        assert (journal.incarnation, journal.lost) == (3, "")
+    assert lives.read_text() == "3 6dd28e9b\n"
+
+
+def test_a_number_of_lives_never_falls_though_both_files_are_torn(tmp_path: Path) -> None:
+    file, lives = tmp_path / "ATV1.db", tmp_path / "ATV1.lives"
+    before_s = time.time()
+    last = 0
+    for trial in range(3):
+        lives.write_bytes(b"\xff\xfe")
+        file.write_bytes(Random(trial).randbytes(10_000))
+        if trial < 2:
+            with closing(SqliteJournal(file)) as journal:
+                assert journal.incarnation >= max(last, int(before_s))
+                assert journal.lost
+                last = journal.incarnation
+            with closing(SqliteJournal(file)) as journal:
+                assert journal.incarnation == last + 1
+
+
+def test_only_the_newest_damaged_files_are_kept(tmp_path: Path) -> None:
+    file = tmp_path / "ATV1.db"
+    for number in range(2 * KEPT):
+        content = b"%d" % number * 5000
+        file.write_bytes(content)
+        SqliteJournal(file).close()
+        aside = sorted(each.read_bytes() for each in tmp_path.glob("ATV1.db.damaged-*"))
+        assert len(aside) == min(number + 1, KEPT)
+        assert content in aside
+    assert not list(tmp_path.glob("*-wal"))
+
+
+def test_a_write_behind_a_damaged_file_is_not_read_as_one_of_the_next(tmp_path: Path) -> None:
+    file = tmp_path / "ATV1.db"
+    lived(file)
+    with closing(SqliteJournal(file)) as hung:
+        hung.write([], AtvMemory(speed_frac=0.75))
+        file.write_bytes(b"\0" * 20_000)
+        with closing(SqliteJournal(file)) as journal:
+            assert (journal.incarnation, journal.memory) == (4, None)
+            assert journal.lost
+            with contextlib.suppress(UnavailableError):
+                hung.write([], AtvMemory(speed_frac=0.25))
+            assert journal.memory is None
+        with closing(SqliteJournal(file)) as journal:
+            assert (journal.incarnation, journal.memory) == (5, None)
+
+
+def test_a_loss_is_in_the_log(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    file = tmp_path / "ATV1.db"
+    file.write_bytes(b"no database at all" * 100)
+    SqliteJournal(file).close()
+    assert (
+        f"{file} begins without its memory: it is damaged: file is not a database; it is kept as"
+        in caplog.text
+    )
 
 
 def test_a_history_is_read_over_all_lives_and_begins_none(tmp_path: Path) -> None:

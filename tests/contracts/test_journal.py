@@ -43,6 +43,10 @@ class Case(Protocol):
         """The journal as the agent finds it after a restart."""
         ...
 
+    def lose(self, journal: Journal) -> None:
+        """What was written is gone."""
+        ...
+
 
 class Held:
     def first_life(self) -> Journal:
@@ -52,6 +56,10 @@ class Held:
         assert isinstance(journal, HeldJournal)
         journal.begin_life()
         return journal
+
+    def lose(self, journal: Journal) -> None:
+        assert isinstance(journal, HeldJournal)
+        journal.lose("a disk has failed")
 
 
 class OnDisk:
@@ -65,6 +73,10 @@ class OnDisk:
 
     def next_life(self, journal: Journal) -> Journal:
         return self.first_life()
+
+    def lose(self, journal: Journal) -> None:
+        for end in ("", "-wal", "-shm"):
+            self._file.with_name(self._file.name + end).unlink(missing_ok=True)
 
 
 @pytest.fixture(params=["held", "SQLite"])
@@ -190,6 +202,23 @@ def test_a_journal_tells_which_numbers_of_a_life_it_keeps(case: Case) -> None:
     assert journal.kept(1) == (1, 3)
     journal = case.next_life(journal)
     assert (journal.kept(1), journal.kept(2)) == ((1, 3), (1, 0))
+
+
+def test_a_journal_that_was_lost_says_so_until_it_is_told_and_lives_are_counted_on(case: Case) -> None:
+    journal = case.next_life(case.first_life())
+    assert journal.lost == ""
+    journal.write([event(2, 1)], AtvMemory(speed_frac=0.5))
+    case.lose(journal)
+    journal = case.next_life(journal)
+    assert (journal.incarnation, journal.memory, journal.kept(2)) == (3, None, (1, 0))
+    assert journal.lost
+    journal = case.next_life(journal)
+    assert journal.incarnation == 4
+    assert journal.lost, "the life before has told nobody"
+    journal.write([], AtvMemory())
+    assert journal.lost
+    journal.write([event(4, 1)], None)
+    assert journal.lost == case.next_life(journal).lost == ""
 
 
 def test_old_events_are_dropped_the_oldest_first_over_all_lives(case: Case) -> None:

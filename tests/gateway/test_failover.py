@@ -24,6 +24,7 @@ from dray.messages.fact import (
     HelpAsked,
     HelpPromised,
     LinkChanged,
+    MemoryLost,
     OrderAccepted,
     PhaseEntered,
     PieceMade,
@@ -326,6 +327,12 @@ def order_of(projection: Projection) -> OrderView:
 def lose(projection: Projection, arrived: int, successor: str = "G2") -> None:
     fact = GoalLost(goal="G1", machine="M8", arrived=arrived, successor=successor)
     tell(projection, "strategist", fact, first=3)
+
+
+def test_an_agent_that_began_without_its_memory_is_news(ordered: Projection) -> None:
+    tell(ordered, "strategist", MemoryLost(reason="it is damaged"), first=7)
+    news = the_news(ordered)
+    assert (news.kind, news.agent, news.reason) == ("memory_lost", "strategist", "it is damaged")
 
 
 def test_what_a_dead_machine_had_made_counts_only_where_it_arrived(ordered: Projection) -> None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dray.body import BodyState
 from dray.memory import Memory, StrategistMemory
 from dray.messages import OrderTaken
+from dray.messages.fact import MemoryLost
 from dray.protocol.core import Core
-from dray.protocol.events import Commit, Send, Started
+from dray.protocol.events import Commit, Record, Send, Started
 
 
 class Clerk(Core):
@@ -28,6 +29,14 @@ class Clerk(Core):
 
     def _memory(self) -> Memory:
         return StrategistMemory(goal_count=self.lives)
+
+
+def test_who_has_lost_its_memory_says_so_before_all_else() -> None:
+    effects = Clerk().handle(Started(None, lost="the disk has failed"), 0.0)
+    assert [effect for effect in effects if isinstance(effect, Record)] == [
+        Record(MemoryLost("the disk has failed"))
+    ]
+    assert not any(isinstance(effect, Record) for effect in Clerk().handle(Started(None), 0.0))
 
 
 def test_what_binds_an_agent_is_written_down_once_and_before_anything_is_said() -> None:

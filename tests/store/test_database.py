@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import stat
 from pathlib import Path
+from random import Random
 
 import pytest
 from databases import Postgres
@@ -124,6 +125,40 @@ async def test_a_database_that_cannot_be_used_is_named_with_a_remedy(
         await open_store(f"sqlite+aiosqlite:///{path}")
     assert str(path) in str(raised.value)
     assert "--db" in str(raised.value)
+
+
+@pytest.mark.parametrize("how", ["random bytes", "random bytes in its schema", "cut off"])
+async def test_a_damaged_database_works_or_is_named_with_a_remedy(tmp_path: Path, how: str) -> None:
+    path, rng, complaints = tmp_path / "dray.db", Random(how), list[str]()
+    url = f"sqlite+aiosqlite:///{path}"
+    sound = await open_store(url)
+    await sound.next_incarnation("plant")
+    await sound.close()
+    whole = path.read_bytes()
+    for _ in range(12):
+        at = rng.randrange(len(whole) if how != "random bytes in its schema" else 4096)
+        path.write_bytes(whole[:at] + (b"" if how == "cut off" else rng.randbytes(4096) + whole[at + 4096 :]))
+        if complaint := await _complaint(url):
+            complaints.append(complaint)
+    assert complaints
+    for complaint in complaints:
+        assert f"database {path}: " in complaint
+        assert "backup" in complaint
+
+
+async def _complaint(url: str) -> str:
+    """What is wrong with a database by what its opening and some use of it say; empty for nothing."""
+    try:
+        store = await open_store(url)
+        try:
+            await store.next_incarnation("plant")
+            async with store.read() as work:
+                await work.orders.totals()
+        finally:
+            await store.close()
+    except UnavailableError as error:
+        return str(error)
+    return ""
 
 
 async def test_a_database_that_another_process_writes_to_is_not_waited_for_for_ever(

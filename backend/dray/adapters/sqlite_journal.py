@@ -2,18 +2,26 @@
 
 Opening it begins a life. Every write is on the disk when it returns, and is there wholly or not at all,
 also when the power fails in the middle.
+
+A file with flipped bytes, half a file, or an older copy that somebody has put back is worse than none: an agent
+would go on with what it is not bound by. So a journal is read through when it is opened. A damaged one is
+moved aside, and the agent begins without it as after a loss, and says so.
 """
 
 from __future__ import annotations
 
+import logging
 import sqlite3
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, closing, contextmanager
 from pathlib import Path
+from zlib import crc32
 
 import msgspec
 
+from dray.adapters.lives import Lives
+from dray.adapters.quarantine import set_aside
 from dray.errors import UnavailableError
 from dray.memory import Memory
 from dray.messages import Event
@@ -25,24 +33,38 @@ EVENTS_KEPT = 10_000
 """Some 5 MB on the disk. A strategist whose machines come and go tells a thousand facts in minutes, and what
 it forgets before the historian is back is gone for good."""
 
-_TABLES = """
+LAYOUT = 1
+"""Of the tables."""
+
+_TABLES = f"""
 CREATE TABLE IF NOT EXISTS life (
     only INTEGER PRIMARY KEY CHECK (only = 1),
+    agent TEXT NOT NULL,
     incarnation INTEGER NOT NULL,
-    memory BLOB
+    lost TEXT NOT NULL,
+    checksum INTEGER NOT NULL
+) STRICT;
+CREATE TABLE IF NOT EXISTS memory (
+    only INTEGER PRIMARY KEY CHECK (only = 1),
+    line BLOB NOT NULL,
+    checksum INTEGER NOT NULL
 ) STRICT;
 CREATE TABLE IF NOT EXISTS event (
     place INTEGER PRIMARY KEY AUTOINCREMENT,
     incarnation INTEGER NOT NULL,
     number INTEGER NOT NULL,
     line BLOB NOT NULL,
+    checksum INTEGER NOT NULL,
     UNIQUE (incarnation, number)
 ) STRICT;
+PRAGMA user_version = {LAYOUT};
 """
 
 _encode = msgspec.json.Encoder().encode
 _read_memory: msgspec.json.Decoder[Memory] = msgspec.json.Decoder(Memory)
 _read_event = msgspec.json.Decoder(Event)
+
+_log = logging.getLogger(__name__)
 
 
 def read_events(file: Path) -> list[Event]:
@@ -60,7 +82,7 @@ class SqliteJournal:
     """Implements `dray.ports.Journal`.
 
     Args:
-        file: made when it is not there.
+        file: made when it is not there; named after its agent. Beside it, `lives` counts.
         events_kept: its bound, over all lives.
 
     Attributes:
@@ -68,7 +90,7 @@ class SqliteJournal:
         writing_s: how long they took, all together.
 
     Raises:
-        UnavailableError: the file cannot be read or written, or is no journal; also from every write.
+        UnavailableError: the file cannot be read or written, or is another agent's; also from every write.
     """
 
     def __init__(self, file: Path, *, events_kept: int = EVENTS_KEPT) -> None:
@@ -77,23 +99,54 @@ class SqliteJournal:
         self.writing_s = 0.0
         with self._told():
             file.parent.mkdir(parents=True, exist_ok=True)
-            # Autocommit: transactions begin and end where it is written.
-            self._base = sqlite3.connect(file, timeout=BUSY_S, isolation_level=None)
-            self._base.execute("PRAGMA journal_mode = WAL")
-            # The default of a WAL loses the last writes when the power fails.
-            self._base.execute("PRAGMA synchronous = FULL")
-            self._base.executescript(_TABLES)
+            lives = Lives(file.with_suffix(".lives"))
+            lost = ""
+            try:
+                self._base = _open(file, lives.count)
+            except _Damaged as damage:
+                lost = f"{damage}; it is kept as {set_aside(file).name}"
+                self._base = _open(file, lives.count)
+            try:
+                self._begin_life(lives, lost)
+                self._memory = _memory_in(self._base)
+            except BaseException:
+                self._base.close()
+                raise
+        if self._lost:
+            _log.error("%s begins without its memory: %s", file, self._lost)
+
+    def _begin_life(self, lives: Lives, lost: str) -> None:
+        with self._transaction():
+            known = self._base.execute("SELECT agent, incarnation, lost FROM life").fetchone()
+            agent, last, untold = known or (self._file.stem, 0, "")
+            if agent != self._file.stem:
+                raise UnavailableError(
+                    f"the journal {self._file}",
+                    f"is that of {agent}",
+                    f"give it back, or move it away: {self._file.stem} then begins without a memory",
+                )
+            life = lives.next(last)
+            if not known and not lost and lives.count != 0:
+                lost = "it is not there, though its agent has lived before"
+            self._incarnation, self._lost = life, lost or untold
             self._base.execute(
-                "INSERT INTO life VALUES (1, 1, NULL) ON CONFLICT DO UPDATE SET incarnation = incarnation + 1"
+                "INSERT OR REPLACE INTO life VALUES (1, ?, ?, ?, ?)",
+                (agent, life, self._lost, _checksum(f"{agent} {life} {self._lost}".encode())),
             )
-            life, memory = self._base.execute("SELECT incarnation, memory FROM life").fetchone()
-            self._incarnation: int = life
-            self._memory = None if memory is None else _read_memory.decode(memory)
+        # What the journal says is never less than what is counted beside it: a journal that says less is an old copy.
+        with self._transaction():
+            (life,) = self._base.execute("SELECT incarnation FROM life").fetchone()
+            lives.write(life)
 
     @property
     def incarnation(self) -> int:
         """See `dray.ports.Journal`."""
         return self._incarnation
+
+    @property
+    def lost(self) -> str:
+        """See `dray.ports.Journal`."""
+        return self._lost
 
     @property
     def memory(self) -> Memory | None:
@@ -103,16 +156,20 @@ class SqliteJournal:
     def write(self, events: Sequence[Event], memory: Memory | None) -> None:
         """See `dray.ports.Journal`."""
         began_s = time.perf_counter()
-        lines = [(event.incarnation, event.number, _encode(event)) for event in events]
+        rows = [_event_row(event) for event in events]
         with self._told(), self._transaction():
-            self._base.executemany("INSERT INTO event (incarnation, number, line) VALUES (?, ?, ?)", lines)
-            if lines:
+            if rows:
+                self._base.executemany(
+                    "INSERT INTO event (incarnation, number, line, checksum) VALUES (?, ?, ?, ?)", rows
+                )
                 self._base.execute(
                     "DELETE FROM event WHERE place <= (SELECT max(place) FROM event) - ?",
                     (self._events_kept,),
                 )
+                self._note_told()
             if memory is not None:
-                self._base.execute("UPDATE life SET memory = ?", (_encode(memory),))
+                line = _encode(memory)
+                self._base.execute("INSERT OR REPLACE INTO memory VALUES (1, ?, ?)", (line, _checksum(line)))
         if memory is not None:
             self._memory = memory
         self.writes += 1
@@ -138,12 +195,21 @@ class SqliteJournal:
     def forget(self) -> None:
         """Forget the memory, and keep the history: what the agent was bound by is no more."""
         with self._told():
-            self._base.execute("UPDATE life SET memory = NULL")
+            self._base.execute("DELETE FROM memory")
         self._memory = None
 
     def close(self) -> None:
         """Let go of the file. Twice is harmless."""
         self._base.close()
+
+    def _note_told(self) -> None:
+        """The first events of a life tell of a loss before it: no later life need do so."""
+        if self._lost:
+            self._lost = ""
+            told = _checksum(f"{self._file.stem} {self._incarnation} ".encode())
+            self._base.execute(
+                "UPDATE life SET lost = '', checksum = ? WHERE incarnation = ?", (told, self._incarnation)
+            )
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
@@ -161,6 +227,94 @@ class SqliteJournal:
         return _told(self._file)
 
 
+class _Damaged(Exception):
+    """A journal that nobody should go on with; says why."""
+
+
+def _open(file: Path, lives: int | None) -> sqlite3.Connection:
+    """Open a journal, make it when there is none, and read it through.
+
+    Args:
+        file: the journal.
+        lives: so many its agent has had at least; None when nobody knows.
+
+    Raises:
+        _Damaged: it is not as it was written.
+        sqlite3.Error: it cannot be used at present.
+    """
+    # Autocommit: transactions begin and end where it is written.
+    base = sqlite3.connect(file, timeout=BUSY_S, isolation_level=None)
+    try:
+        base.execute("PRAGMA journal_mode = WAL")
+        # The default of a WAL loses the last writes when the power fails.
+        base.execute("PRAGMA synchronous = FULL")
+        if base.execute("SELECT count(*) FROM sqlite_schema").fetchone() == (0,):
+            base.executescript(_TABLES)
+        else:
+            _read_through(base, lives)
+    except (TypeError, ValueError) as error:
+        # The driver reads names, values and even complaints that are no text, or of another type.
+        base.close()
+        raise _Damaged("it is damaged: it holds what was never written") from error
+    except sqlite3.DatabaseError as error:
+        base.close()
+        if getattr(error, "sqlite_errorcode", sqlite3.SQLITE_CORRUPT) & 0xFF in _DAMAGES:
+            raise _Damaged(f"it is damaged: {error}") from error
+        raise
+    except BaseException:
+        base.close()
+        raise
+    return base
+
+
+_DAMAGES = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_ERROR, sqlite3.SQLITE_MISMATCH)
+"""What SQLite says of a file whose bytes are wrong; of one whose tables are wrong it says that our SQL is."""
+
+
+def _read_through(base: sqlite3.Connection, lives: int | None) -> None:
+    """See whether every byte is as it was written.
+
+    Raises:
+        _Damaged: one is not.
+        sqlite3.Error: something cannot be read.
+    """
+    (layout,) = base.execute("PRAGMA user_version").fetchone()
+    if layout != LAYOUT:
+        raise _Damaged(f"it is of another version of Dray, with layout {layout} and not {LAYOUT}")
+    (found,) = base.execute("PRAGMA integrity_check(1)").fetchone()
+    if found != "ok":
+        raise _Damaged(f"it is damaged: {found.splitlines()[-1]}")
+    lived = base.execute("SELECT agent, incarnation, lost, checksum FROM life").fetchall()
+    rows = [("life", f"{agent} {last} {lost}".encode(), told) for agent, last, lost, told in lived]
+    rows += (("memory", *row) for row in base.execute("SELECT line, checksum FROM memory"))
+    events = base.execute("SELECT incarnation, number, line, checksum FROM event")
+    rows += (("event", b"%d %d %s" % (life, number, line), told) for life, number, line, told in events)
+    for table, line, checksum in rows:
+        if _checksum(line) != checksum:
+            raise _Damaged(f"it is damaged: a row of {table} is not what was written")
+    if lived and lives is not None and lived[0][1] < lives:
+        raise _Damaged(f"it is an old copy, of life {lived[0][1]}, and its agent has had {lives}")
+    try:
+        _memory_in(base)
+    except msgspec.MsgspecError as error:
+        raise _Damaged(f"its memory is of another version of Dray: {error}") from error
+
+
+def _memory_in(base: sqlite3.Connection) -> Memory | None:
+    row = base.execute("SELECT line FROM memory").fetchone()
+    return None if row is None else _read_memory.decode(row[0])
+
+
+def _event_row(event: Event) -> tuple[int, int, bytes, int]:
+    line = _encode(event)
+    checksum = _checksum(b"%d %d %s" % (event.incarnation, event.number, line))
+    return event.incarnation, event.number, line, checksum
+
+
+def _checksum(line: bytes) -> int:
+    return crc32(line)
+
+
 @contextmanager
 def _told(file: Path) -> Iterator[None]:
     """Tell what is wrong with the file in words of ours."""
@@ -168,7 +322,8 @@ def _told(file: Path) -> Iterator[None]:
         yield
     except (sqlite3.Error, OSError, msgspec.MsgspecError) as error:
         remedy = (
-            "make room and let the agent write there, or move the file away: it then forgets its contracts"
+            "make room and let the agent write there, or move the file away: it then forgets its contracts. "
+            "A damaged file is moved aside by the agent's next life"
         )
         reason = (isinstance(error, OSError) and error.strerror) or str(error)
         raise UnavailableError(f"the journal {file}", reason, remedy) from error

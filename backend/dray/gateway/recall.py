@@ -18,12 +18,22 @@ from dray.messages.fact import (
     HelpAsked,
     HelpPromised,
     LinkChanged,
+    MemoryLost,
     TookOver,
 )
 from dray.store.events import EventFilter, EventRow
 from dray.store.work import Work
 
-TELLING = (TookOver, CarrierChanged, LinkChanged, HelpAsked, HelpPromised, GoalLost, GoalWaits)
+TELLING = (
+    TookOver,
+    CarrierChanged,
+    LinkChanged,
+    HelpAsked,
+    HelpPromised,
+    GoalLost,
+    GoalWaits,
+    MemoryLost,
+)
 """Facts that are news by themselves."""
 
 ROWS = 4 * NEWS_KEPT

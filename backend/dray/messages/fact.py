@@ -333,6 +333,15 @@ class OrderReturned(Fact, frozen=True):
     """Per item, what had not arrived."""
 
 
+# --- said by anybody -----------------------------------------------------------------------------
+
+
+class MemoryLost(Fact, frozen=True):
+    """An agent has begun a life without what it was bound by in earlier ones: its journal was lost or damaged."""
+
+    reason: Text
+
+
 AnyFact = (
     TaskOpened
     | BidReceived
@@ -366,6 +375,7 @@ AnyFact = (
     | OrderFulfilled
     | OrderDropped
     | OrderReturned
+    | MemoryLost
 )
 
 

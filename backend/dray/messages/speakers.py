@@ -56,6 +56,7 @@ from dray.messages.fact import (
     HelpPromised,
     LinkChanged,
     MachineStatusChanged,
+    MemoryLost,
     OrderAccepted,
     OrderDropped,
     OrderFulfilled,
@@ -168,6 +169,7 @@ TELLERS: Mapping[type[Fact], frozenset[Kind]] = {
     OrderFulfilled: _STRATEGISTS,
     OrderDropped: _STRATEGISTS,
     OrderReturned: _STRATEGISTS,
+    MemoryLost: _TELLERS,
 }
 """Every fact, and the kinds of agents that may tell it as their own."""
 

@@ -9,6 +9,7 @@ from dray.body import BodyState, Report
 from dray.errors import ProtocolViolation
 from dray.memory import Memory
 from dray.messages import Message
+from dray.messages.fact import MemoryLost
 from dray.protocol.events import (
     NOT_FOR_US,
     Commit,
@@ -18,6 +19,7 @@ from dray.protocol.events import (
     Ignore,
     Leave,
     Leaving,
+    Record,
     Reported,
     Started,
     Woke,
@@ -77,6 +79,8 @@ class Core:
             self._hear_leaving(now_s)
         else:
             started = cast(Started, event)
+            if started.lost:
+                self._out.append(Record(MemoryLost(reason=started.lost)))
             self._start(started.body, started.memory, now_s)
         if self._departure.lasts:
             self._leave_if_free(now_s)

@@ -36,6 +36,8 @@ class Started(Value, frozen=True):
     body: BodyState | None
     memory: Memory | None = None
     """What its last life has committed; None in the first one."""
+    lost: str = ""
+    """Why there is none though it has lived before; empty when that is not so."""
 
 
 class Heard(Value, frozen=True):

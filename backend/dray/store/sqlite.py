@@ -9,13 +9,13 @@ from __future__ import annotations
 import asyncio
 import sqlite3
 from collections.abc import Mapping
-from contextlib import suppress
+from contextlib import closing, suppress
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 from sqlalchemy import Connection, event
-from sqlalchemy.exc import InterfaceError, OperationalError
+from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError
 from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine, create_async_engine
 
 from dray.store import dialect
@@ -43,12 +43,23 @@ class Sqlite:
         """BEGIN IMMEDIATE has done so."""
 
     def is_away(self, error: Exception) -> bool:
-        """A full disk, a lock that is held for too long, a folder that is gone."""
+        """A full disk, a lock that is held for too long, a folder that is gone, a file with wrong bytes."""
+        if isinstance(error, DBAPIError) and isinstance(error.orig, sqlite3.Error):
+            # aiosqlite passes on what SQLite has said.
+            return isinstance(error, OperationalError | InterfaceError) or _is_damage(error.orig)
         return isinstance(error, OperationalError | InterfaceError | sqlite3.Error | OSError)
 
     def remedy(self, reason: str) -> str:
         if "not a database" in reason:
-            return "it is some other file: name another one with --db or DRAY_DATABASE_URL"
+            return (
+                "it is some other file, or damaged at its beginning: name another one with --db or "
+                "DRAY_DATABASE_URL, or put a backup in its place"
+            )
+        if "malformed" in reason or "unsupported file format" in reason:
+            return (
+                "it is damaged: end what uses it and move it away, then put a backup in its place, or what "
+                "`sqlite3 FILE .recover` still finds in it"
+            )
         if "locked" in reason:
             return "another process is writing to it: end it, or name another file with --db"
         return (
@@ -61,7 +72,18 @@ def _open_once(path: str) -> None:
     # It holds the key by which commands are signed: made for its owner alone. SQLite says why it cannot be made.
     with suppress(OSError):
         Path(path).touch(mode=0o600)
-    sqlite3.connect(path).close()
+    with closing(sqlite3.connect(path)) as base:
+        try:
+            base.execute("SELECT name, sql FROM sqlite_schema").fetchall()
+        except UnicodeDecodeError:
+            # The driver cannot even read what SQLite says of the names in it.
+            raise sqlite3.DatabaseError("database disk image is malformed") from None
+
+
+def _is_damage(error: BaseException) -> bool:
+    """Whether SQLite says that the file's bytes are wrong."""
+    code: int = getattr(error, "sqlite_errorcode", 0)
+    return code & 0xFF in (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
 
 
 def _prepare(connection: Any, _record: Any) -> None:

@@ -332,6 +332,7 @@ export interface NewsView {
     | "help_promised"
     | "link_back"
     | "link_lost"
+    | "memory_lost"
     | "takeover_refused"
     | "took_over";
   order: string;

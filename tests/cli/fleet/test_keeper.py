@@ -144,6 +144,41 @@ def test_what_ends_by_itself_is_replaced_too(tmp_path: Path) -> None:
     asyncio.run(story())
 
 
+def test_what_ends_again_and_again_is_started_ever_more_rarely(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    for name, seconds in (("REST_S", 0.01), ("REST_MAX_S", 0.04)):
+        monkeypatch.setattr(f"dray.cli.fleet.keeper.{name}", seconds)
+
+    async def story() -> None:
+        async with kept(tmp_path, ends_at_once(tmp_path)) as there:
+            rests_s = list[float]()
+            rest = there.keeper._rest
+            monkeypatch.setattr(
+                there.keeper, "_rest", lambda lived_s: rests_s.append(rest(lived_s)) or rests_s[-1]
+            )
+            for _ in range(7):
+                assert await there.says() == "dead"
+            assert rests_s[:5] == [0.01, 0.02, 0.04, 0.04, 0.04]
+            monkeypatch.setattr("dray.cli.fleet.keeper.STEADY_S", 0.0)
+            while rests_s[-1] != 0.01:
+                assert await there.says() == "dead"
+
+    asyncio.run(story())
+    assert "ATV1 has ended again, after 0 s: it is started in 0 s" in caplog.text
+
+
+def test_another_software_is_not_made_to_wait_for_what_the_one_before_it_did(tmp_path: Path) -> None:
+    async def story() -> None:
+        async with kept(tmp_path, ends_at_once(tmp_path)) as there:
+            await there.says()
+            there.keeper._rest_s = LONG_S
+            await there.keeper.replace(Filling(make_actor(tmp_path, "2.0")), at_once=True)
+            assert there.keeper._rest(0.0) == 1.0
+
+    asyncio.run(story())
+
+
 def test_what_hinders_a_start_is_told_and_tried_again_when_it_is_over(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:

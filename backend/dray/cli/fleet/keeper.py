@@ -20,6 +20,12 @@ from dray.cli.readiness import listening
 REST_S = 1.0
 """Before a process that has ended is started again: one that ends at once must not take the computer."""
 
+REST_MAX_S = 60.0
+"""The rest doubles with every life that was too short, up to this: what hinders it may be over by then."""
+
+STEADY_S = 60.0
+"""A process that has lived for so long was well: what ends it has nothing to do with what ended the one before."""
+
 READY_S = 60.0
 """Longest that others wait for their turn to be started because one does not say that it takes part."""
 
@@ -84,6 +90,8 @@ class Keeper:
         self._replacing = asyncio.Lock()
         self._hurry = asyncio.Event()
         """Set: there is no need to rest."""
+        self._rest_s = REST_S
+        """Before the next start, should the process end by itself."""
         self._away_s: float | None = None
         """How long the post stays empty when its process ends next; None for as long as usual."""
         self._next_start: asyncio.Future[int] = asyncio.get_running_loop().create_future()
@@ -94,6 +102,7 @@ class Keeper:
         Returns when it has ended and cannot come back.
         """
         while True:
+            began_s = time.monotonic()
             try:
                 async with self._turns:
                     await self._begin()
@@ -106,10 +115,22 @@ class Keeper:
             self._process = None
             if not self._post.comes_back:
                 return
-            rest_s, self._away_s = REST_S if self._away_s is None else self._away_s, None
+            rest_s = self._rest(time.monotonic() - began_s)
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(rest_s):
                     await self._hurry.wait()
+
+    def _rest(self, lived_s: float) -> float:
+        """How long the post stays empty now that its process has ended."""
+        if self._away_s is not None:
+            rest_s, self._away_s = self._away_s, None
+            return rest_s
+        rest_s = REST_S if lived_s >= STEADY_S else self._rest_s
+        self._rest_s = min(2.0 * rest_s, REST_MAX_S)
+        if rest_s > REST_S:
+            name, lived = self._post.name, f"{lived_s:.0f} s"
+            _log.warning("%s has ended again, after %s: it is started in %.0f s", name, lived, rest_s)
+        return rest_s
 
     def kill(self, away_s: float) -> bool:
         """Kill the process, and leave the post empty, as of a computer that stays away.
@@ -148,7 +169,10 @@ class Keeper:
                 killed = await (_end(process) if at_once else _leave(process, self._leave_s))
             left_s = time.monotonic() - began_s
             self._hurry.set()
-            return Replaced(left_s, killed, await started)
+            starts = await started
+            # How often the one before has ended says nothing of this one.
+            self._rest_s = REST_S
+            return Replaced(left_s, killed, starts)
 
     def settle(self) -> None:
         """The trial is passed: no later life is on trial any more."""

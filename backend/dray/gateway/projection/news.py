@@ -22,6 +22,7 @@ from dray.messages.fact import (
     HelpAsked,
     HelpPromised,
     LinkChanged,
+    MemoryLost,
     TookOver,
 )
 from dray.store.progress import ToWall
@@ -50,6 +51,7 @@ class News:
             HelpPromised: self._help_promised,
             GoalLost: self._goal_lost,
             GoalWaits: self._goal_waits,
+            MemoryLost: self._memory_lost,
         }
         self.changes = Changes("news")
 
@@ -132,6 +134,11 @@ class News:
         news = self._new(f"waits-{fact.order}", "goal_waits", event, fact.reason)
         news.goal, news.order = fact.goal, fact.order
         return self._tell(news)
+
+    # --- agents ---
+
+    def _memory_lost(self, event: Event, fact: MemoryLost) -> bool:
+        return self._tell(self._new(f"memory-{event.agent}", "memory_lost", event, fact.reason))
 
     def _new(self, name: str, kind: Any, event: Event, reason: str = "") -> NewsView:
         return NewsView(

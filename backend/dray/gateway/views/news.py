@@ -21,11 +21,12 @@ class NewsView(View, kw_only=True):
         "help_promised",
         "goal_lost",
         "goal_waits",
+        "memory_lost",
     ]
     at_s: float
     """Wall clock, as all times of views."""
     agent: str
-    """Whom it is about: the vehicle or machine to look at."""
+    """Whom it is about: the vehicle or machine to look at, or the strategist."""
     other: str = ""
     """Whom `agent` has replaced; or who has promised to help."""
     task: str = ""

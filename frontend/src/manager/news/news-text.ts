@@ -39,6 +39,8 @@ export function newsText(news: NewsView, nowS: number, called: Called): string {
       return t("news.goalLost", { agent, goal, arrived: format.count(arrived) });
     case "goal_waits":
       return t("news.goalWaits", { order: called.order(news.order), reason });
+    case "memory_lost":
+      return t("news.memoryLost", { agent, reason });
   }
 }
 

@@ -40,7 +40,7 @@ describe("news in words", () => {
 
   test.each([
     "took_over", "takeover_refused", "announced_anew", "link_lost", "link_back", "help_asked", "help_promised",
-    "goal_lost", "goal_waits",
+    "goal_lost", "goal_waits", "memory_lost",
   ] as const)("leave no gap in %s", (kind) => {
     const said = text(news({ kind, goal: "G1", until_at_s: NOW_S }));
     expect(said).not.toMatch(/[{}]/);

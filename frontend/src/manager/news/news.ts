@@ -44,6 +44,7 @@ export function toneOf(news: NewsView): "warn" | "chosen" | "normal" {
     case "help_asked":
     case "goal_lost":
     case "goal_waits":
+    case "memory_lost":
     case "announced_anew":
       return "warn";
     case "took_over":

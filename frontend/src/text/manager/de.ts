@@ -34,6 +34,7 @@ export const de: Catalogue<typeof en> = {
   "news.goalLost": "{agent} ist mit {goal} ausgefallen: {arrived} geliefert, der Rest ist neu ausgeschrieben",
   "news.goalLostWhole": "{agent} ist mit {goal} ausgefallen, alles war schon geliefert",
   "news.goalWaits": "Auftrag {order} wartet: {reason}",
+  "news.memoryLost": "{agent} hat ohne Gedächtnis begonnen: {reason}",
   "news.region": "Neues aus dem Werk",
   "news.dismiss": "Schließen",
 

@@ -32,6 +32,7 @@ export const en = {
   "news.goalLost": "{agent} failed with {goal}: {arrived} delivered, the rest is announced anew",
   "news.goalLostWhole": "{agent} failed with {goal}, all delivered by then",
   "news.goalWaits": "Order {order} waits: {reason}",
+  "news.memoryLost": "{agent} began without its memory: {reason}",
   "news.region": "News from the plant",
   "news.dismiss": "Dismiss",
 

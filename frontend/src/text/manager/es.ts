@@ -34,6 +34,7 @@ export const es: Catalogue<typeof en> = {
   "news.goalLost": "{agent} falló con {goal}: {arrived} entregados, el resto se anuncia de nuevo",
   "news.goalLostWhole": "{agent} falló con {goal}, ya estaba todo entregado",
   "news.goalWaits": "El pedido {order} espera: {reason}",
+  "news.memoryLost": "{agent} empezó sin su memoria: {reason}",
   "news.region": "Noticias de la planta",
   "news.dismiss": "Cerrar",
 

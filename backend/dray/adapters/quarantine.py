@@ -1,0 +1,52 @@
+"""Quarantine: a damaged database file is moved aside, so that its owner can begin without it and people can look at it."""
+
+from __future__ import annotations
+
+import re
+import time
+from pathlib import Path
+
+from dray.adapters.lives import flush_folder
+
+KEPT = 3
+"""Damaged files of one name that are kept, the newest: some 5 MB each, and a disk that damages them again and
+again must not be filled by it."""
+
+DAMAGED = ".damaged-"
+"""Between the old name and what tells of the time."""
+
+COMPANIONS = ("", "-wal", "-shm")
+"""What SQLite writes beside its file; without them the file is not whole."""
+
+
+def set_aside(file: Path) -> Path:
+    """Move a SQLite file with all that belongs to it to a name that tells when it was.
+
+    The file goes first: SQLite throws away what belongs to a file that is not there.
+
+    Returns:
+        Its new name.
+
+    Raises:
+        OSError: that cannot be done.
+    """
+    before = _set_aside_before(file)
+    number = int(before[-1].name.rpartition("-")[2]) + 1 if before else 1
+    stamp = time.strftime("%Y%m%dT%H%M%SZ", time.gmtime())
+    aside = file.with_name(f"{file.name}{DAMAGED}{stamp}-{number}")
+    for end in COMPANIONS:
+        part = file.with_name(file.name + end)
+        if end == "" or part.exists():
+            part.rename(aside.with_name(aside.name + end))
+    flush_folder(file.parent)
+    for old in [*before, aside][:-KEPT]:
+        for end in COMPANIONS:
+            old.with_name(old.name + end).unlink(missing_ok=True)
+    return aside
+
+
+def _set_aside_before(file: Path) -> list[Path]:
+    """Damaged files of this name, in the order of their numbers: clocks may have been set between them."""
+    numbered = re.compile(re.escape(f"{file.name}{DAMAGED}") + r"\w+-(\d{1,9})")
+    found = [(numbered.fullmatch(each.name), each) for each in file.parent.iterdir()]
+    return [each for _, each in sorted((int(match[1]), each) for match, each in found if match)]
