@@ -9,6 +9,7 @@ import pytest
 
 from dray.plant.model import BillLine, Product
 from dray.store import open_store
+from dray.store.audit import AuditFilter, AuditRow
 from dray.store.links import Link
 from dray.store.orders import Item, Order
 from dray.store.progress import OrderStatus
@@ -90,6 +91,35 @@ def test_one_link_is_taken_back_and_the_other_stays(dray, database) -> None:
 def test_all_links_of_an_order_are_taken_back_at_once(dray, database) -> None:
     dray("create", "O-1")
     assert dray("revoke", "O-1")[:2] == (0, "2 links taken back\n")
+
+
+def log(database: str) -> list[tuple[str, str, str, bytes]]:
+    """The audit log, oldest first: action, what it was about, by what, and the rest."""
+
+    async def read() -> list[AuditRow]:
+        store = await open_store(database.replace("sqlite:", "sqlite+aiosqlite:"))
+        async with store.read() as work:
+            rows = await work.audit.page(AuditFilter(), None, 10)
+        await store.close()
+        return rows
+
+    return [
+        (row.action, row.target, row.who_kind, bytes(row.detail)) for row in reversed(asyncio.run(read()))
+    ]
+
+
+def test_who_makes_links_and_takes_them_back_is_in_the_audit_log_and_no_token_is(dray, database) -> None:
+    token = dray("create", "O-1", "--days", "2")[1].strip().rpartition("/")[2]
+    dray("revoke", token)
+    dray("revoke", token)
+    dray("revoke", "O-1")
+    lines = log(database)
+    assert lines == [
+        ("link.create", "O-1", "console", b'{"days":2}'),
+        ("link.revoke", "O-1", "console", b'{"links":1}'),
+        ("link.revoke", "O-1", "console", b'{"links":1}'),
+    ], "what changed nothing has no line"
+    assert token not in str(lines)
 
 
 @pytest.mark.parametrize(

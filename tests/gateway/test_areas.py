@@ -318,6 +318,7 @@ def paths(template: str, names: dict[str, str]) -> str:
 def things(area: str) -> dict[str, str]:
     return {
         "atv": ATV[area],
+        "agent": ATV[area],
         "machine": MACHINE[area],
         "task": TASK[area],
         "alert": f"atv_help-{ATV[area]}",

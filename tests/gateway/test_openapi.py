@@ -150,6 +150,7 @@ async def _fill(house: House) -> dict[str, str]:
         "order": order["id"],
         "token": token,
         "atv": "ATV1",
+        "agent": "ATV2",
         "machine": "M1",
         "task": "M1-1",
         "fault": "f1",

@@ -10,6 +10,7 @@
     dray sim ...        named scenarios in virtual time
     dray fault ...      let something go wrong in a running `dray up`
     dray bench          benchmarks
+    dray shut-out       let nobody hear an agent any more; `dray readmit` takes it back
     dray user ...       who may log in, and by what
     dray key ...        keys by which other systems use the API
     dray link ...       customers' links to their orders
@@ -32,7 +33,7 @@ from typing import Annotated
 import typer
 
 from dray import __version__
-from dray.cli import agent, bench, certs, db, fault, front, key, link, plant, sim, up, user, wire
+from dray.cli import agent, bench, certs, db, fault, front, key, link, plant, shutout, sim, up, user, wire
 from dray.cli.fleet.commands import app as fleet_app
 from dray.errors import DrayError, InputError
 
@@ -53,6 +54,8 @@ app.command("historian")(front.historian)
 app.command("bench")(bench.bench)
 app.add_typer(sim.app, name="sim")
 app.add_typer(fault.app, name="fault")
+app.command("shut-out")(shutout.shut_out)
+app.command("readmit")(shutout.readmit)
 app.add_typer(user.app, name="user")
 app.add_typer(key.app, name="key")
 app.add_typer(link.app, name="link")

@@ -33,7 +33,7 @@ async def note(work: Work, action: str, target: str, **detail: Any) -> None:
     """Write a line of the audit log, in the transaction of what it tells."""
     row = AuditRow(
         at_s=time.time(),
-        who=_account(),
+        who=account(),
         who_kind="console",
         action=action,
         target=target,
@@ -52,7 +52,7 @@ async def _transact(url: str, work: Callable[[Work], Awaitable[T]]) -> T:
         await store.close()
 
 
-def _account() -> str:
+def account() -> str:
     """Who is logged in on this computer; empty where it does not know."""
     try:
         return getpass.getuser()

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import time
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from dray.store.work import Work
 
 app = typer.Typer(no_args_is_help=True, help="Customers' links to the pages of their orders.")
 
@@ -44,13 +47,24 @@ def create(
     db: Database = None,
 ) -> None:
     """Make another link to an order's page; it is printed once and kept nowhere."""
-    import asyncio
-
+    from dray.cli.console import note, transact
     from dray.cli.options import load_settings
+    from dray.errors import SettingsError
+    from dray.gateway.orderids import new_token
+    from dray.store.links import Link
 
     settings = load_settings(database_url=db)
     base = (url or f"http://{settings.host}:{settings.port}").rstrip("/")
-    token = asyncio.run(_create(settings.database_url, order, None if days is None else days * DAY_S))
+    token, now_s = new_token(), time.time()
+
+    async def keep(work: Work) -> None:
+        if await work.orders.get(order) is None:
+            raise SettingsError("ORDER", f"there is no order {order!r}; GET /api/orders lists them")
+        ends_s = None if days is None else now_s + days * DAY_S
+        await work.links.add(token, Link(order, now_s, expires_at_s=ends_s))
+        await note(work, "link.create", order, days=days)
+
+    transact(db, keep)
     typer.echo(f"{base}/track/{token}")
 
 
@@ -61,45 +75,22 @@ def revoke(
     db: Database = None,
 ) -> None:
     """Take links back: their pages say so from now on."""
-    import asyncio
-
-    from dray.cli.options import load_settings
-
-    count = asyncio.run(_revoke(load_settings(database_url=db).database_url, what))
-    typer.echo(f"{count} {'link' if count == 1 else 'links'} taken back")
-
-
-async def _create(url: str, order_id: str, life_s: float | None) -> str:
+    from dray.cli.console import note, transact
     from dray.errors import SettingsError
-    from dray.gateway.orderids import new_token
-    from dray.store import open_store
-    from dray.store.links import Link
-
-    store = await open_store(url)
-    try:
-        token, now_s = new_token(), time.time()
-        async with store.write() as work:
-            if await work.orders.get(order_id) is None:
-                raise SettingsError("ORDER", f"there is no order {order_id!r}; GET /api/orders lists them")
-            ends_s = None if life_s is None else now_s + life_s
-            await work.links.add(token, Link(order_id, now_s, expires_at_s=ends_s))
-    finally:
-        await store.close()
-    return token
-
-
-async def _revoke(url: str, what: str) -> int:
-    from dray.errors import SettingsError
-    from dray.store import open_store
 
     token, now_s = what.rstrip("/").rpartition("/")[2], time.time()
-    store = await open_store(url)
-    try:
-        async with store.write() as work:
-            if await work.orders.get(what) is not None:
-                return await work.links.revoke_all(what, now_s)
-            if await work.links.find(token) is None:
-                raise SettingsError("WHAT", "it is neither an order's id nor a link to one")
-            return await work.links.revoke(token, now_s)
-    finally:
-        await store.close()
+
+    async def take_back(work: Work) -> int:
+        if await work.orders.get(what) is not None:
+            order, count = what, await work.links.revoke_all(what, now_s)
+        elif (link := await work.links.find(token)) is not None:
+            order, count = link.order_id, await work.links.revoke(token, now_s)
+        else:
+            raise SettingsError("WHAT", "it is neither an order's id nor a link to one")
+        if count:
+            # Of a token nothing is written down: it opens a page, or has opened one.
+            await note(work, "link.revoke", order, links=count)
+        return count
+
+    count = transact(db, take_back)
+    typer.echo(f"{count} {'link' if count == 1 else 'links'} taken back")

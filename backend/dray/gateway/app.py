@@ -23,6 +23,7 @@ from dray.gateway.commands import Commands
 from dray.gateway.conditional import Conditional
 from dray.gateway.desk import STRATEGIST, Desk
 from dray.gateway.endings import Endings
+from dray.gateway.exclusiondesk import ExclusionDesk
 from dray.gateway.faultdesk import FaultDesk
 from dray.gateway.health import Health
 from dray.gateway.ledger import Ledger
@@ -100,6 +101,17 @@ def create_app(
         products = frozenset(product.id for product in plant.products)
         projection = Projection(plant, time, trials=faults is not None)
         desk = Desk(send=peer.send, time=time, wall_s=wall_s, products=products)
+        commands = Commands(
+            peer.send,
+            authority=authority,
+            projection=projection,
+            floor=projection.site.plant,
+            plant_s=lambda: time.to_plant_s(wall_s()),
+            wall_s=wall_s,
+            speed=time.speed,
+            name=f"{settings.gateway_name}.{incarnation}",
+            timeout_s=settings.command_timeout_s,
+        )
         parts = Parts(
             settings=settings,
             store=store,
@@ -109,18 +121,11 @@ def create_app(
             projection=projection,
             desk=desk,
             endings=Endings(store, desk, projection, wall_s),
-            commands=Commands(
-                peer.send,
-                authority=authority,
-                projection=projection,
-                floor=projection.site.plant,
-                plant_s=lambda: time.to_plant_s(wall_s()),
-                wall_s=wall_s,
-                speed=time.speed,
-                name=f"{settings.gateway_name}.{incarnation}",
-                timeout_s=settings.command_timeout_s,
-            ),
+            commands=commands,
             alerts=AlertDesk(projection, store, wall_s),
+            exclusions=ExclusionDesk(
+                store, projection, commands, peer.tell_all, wall_s=wall_s, own=settings.gateway_name
+            ),
             ledger=Ledger(store),
             hub=Hub(
                 projection,
@@ -138,13 +143,8 @@ def create_app(
             side_work=SideWork(),
             keys_at_work=set(),
         )
-        async with store.write() as work:
-            await work.products.replace(plant.products)
         lookout = Lookout(store, projection, desk)
-        await lookout.begin()
-        async with store.read() as work:
-            await recall_news(work, projection.news, time)
-        await parts.alerts.begin()
+        await _recall(parts, plant, lookout, time)
         metrics.add(State(parts))
         if historian is not None:
             metrics.add(History(historian))
@@ -165,6 +165,7 @@ def create_app(
                     parts.desk,
                     parts.endings,
                     parts.alerts,
+                    parts.exclusions,
                     parts.hub,
                     parts.access.watch,
                     presence,
@@ -212,3 +213,18 @@ def _shield(app: FastAPI, settings: Settings) -> None:
     app.add_middleware(ServerErrorMiddleware, handler=problems.on_bug)
     app.add_middleware(SecurityHeaders)
     app.add_middleware(Stopwatch)
+
+
+async def _recall(parts: Parts, plant: PlantFile, lookout: Lookout, time: TimeScale) -> None:
+    """Read from SQL what must be known before anybody is heard or answered.
+
+    Raises:
+        UnavailableError: the database cannot be read or written.
+    """
+    async with parts.store.write() as work:
+        await work.products.replace(plant.products)
+    await lookout.begin()
+    async with parts.store.read() as work:
+        await recall_news(work, parts.projection.news, time)
+    await parts.alerts.begin()
+    await parts.exclusions.begin()

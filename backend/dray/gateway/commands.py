@@ -7,13 +7,14 @@ panels of those who answer for the vehicle see it: sent, and then what became of
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from collections import OrderedDict
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from http import HTTPStatus
 
 from dray.adapters.signing import SigningKey
-from dray.gateway.access.principal import Principal
+from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.problems import Problem
 from dray.gateway.projection import Projection
 from dray.gateway.views import CommandView
@@ -32,6 +33,10 @@ PENDING = 1_000
 
 NAMES_KEPT = 2_000
 """Commands that are known by their names when they are sent again: more than may wait at once."""
+
+
+SHUTTING_OUT = Principal(kind="admin", id="shut-out", name="", scopes=frozenset({Scope.VEHICLES_STOP}))
+"""On whose behalf a vehicle is stopped that is shut out; who it was is in the audit log."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,6 +144,22 @@ class Commands:
             answer.command, "confirmed" if answer.done else "refused", answer.reason
         )
         return True
+
+    def part_with(self, atv: str, by: str) -> None:
+        """A vehicle is shut out: ask it to stop, and wait no longer for its word, which nobody believes.
+
+        Args:
+            atv: the vehicle.
+            by: the name of who has shut it out.
+        """
+        why = f"{by} has shut {atv} out: whether it obeys is not known, look at it"
+        stop = VehicleCommand(command=self._new_name(), kind=CommandKind.STOP, issued_by=by)
+        with contextlib.suppress(Problem):  # too many wait: it is shut out all the same
+            self._say(atv, stop, SHUTTING_OUT.id, replace(SHUTTING_OUT, name=by))
+        for name, sent in self._sent.items():
+            if sent.atv == atv and not sent.answer.done():
+                sent.answer.set_result(CommandAnswered(command=name, done=False, reason=why))
+                self._projection.commands.end(name, "not_confirmed", why)
 
     def _new_name(self) -> str:
         """A name that no command has: callers may have chosen one that looks like ours."""

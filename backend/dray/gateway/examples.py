@@ -10,6 +10,7 @@ import msgspec
 from dray.gateway.kpis import KpiHistory, KpiPoint
 from dray.gateway.ledger import ON_TIME_S, PromiseLedger, PromiseLine
 from dray.gateway.preview import MachineOffer, MaterialNeed, OrderPreview, StorageShare
+from dray.gateway.routes.agents import EXAMPLE as EXCLUSION
 from dray.gateway.routes.alerts import EXAMPLE as ALERT
 from dray.gateway.routes.events import EventAnswer
 from dray.gateway.routes.imports import ImportAnswer, ImportedOrder
@@ -58,6 +59,7 @@ PROMISES = PromiseLine(
 _STRUCTS = (
     ORDER,
     ALERT,
+    EXCLUSION,
     TrackAnswer(
         status=ORDER.status,
         reference=ORDER.reference,

@@ -28,6 +28,7 @@ from dray.gateway.tracking.answer import TrackAnswer
 from dray.gateway.views import AlertView, AtvView, FactoryView, FaultView, MachineView, TaskView
 from dray.plant.model import PlantFile
 from dray.store.audit import AuditRow
+from dray.store.exclusions import Exclusion
 
 SHAPES = (
     AlertView,
@@ -35,6 +36,7 @@ SHAPES = (
     AuditRow,
     CommandAnswer,
     EventAnswer,
+    Exclusion,
     FactoryView,
     FaultsAnswer,
     FaultView,

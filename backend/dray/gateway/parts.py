@@ -14,6 +14,7 @@ from dray.gateway.alertdesk import AlertDesk
 from dray.gateway.commands import Commands
 from dray.gateway.desk import Desk
 from dray.gateway.endings import Endings
+from dray.gateway.exclusiondesk import ExclusionDesk
 from dray.gateway.faultdesk import FaultDesk
 from dray.gateway.health import Health
 from dray.gateway.ledger import Ledger
@@ -45,6 +46,7 @@ class Parts:
     endings: Endings
     commands: Commands
     alerts: AlertDesk
+    exclusions: ExclusionDesk
     ledger: Ledger
     hub: Hub
     peer: Peer

@@ -6,7 +6,7 @@ from dray.gateway.commands import Commands
 from dray.gateway.desk import STRATEGIST, Desk
 from dray.gateway.endings import Endings
 from dray.gateway.projection import Projection
-from dray.messages import CancellationTaken, CommandAnswered, Message, OrderTaken, RevocationTaken
+from dray.messages import CancellationTaken, CommandAnswered, Message, OrderTaken, RevocationTaken, ShutOut
 from dray.messages.keys import Keys
 from dray.ports import Bus, Receive, Session
 
@@ -57,6 +57,11 @@ class Peer:
         """Say it to one agent; lost while it does not take part."""
         if self._session is not None:
             self._session.send(to, message)
+
+    def tell_all(self, said: ShutOut) -> None:
+        """Say to everybody who is shut out; lost while it does not take part."""
+        if self._session is not None:
+            self._session.publish(self._keys.shut_out, said)
 
     def leave(self) -> None:
         """Take part no longer; harmless when done twice."""

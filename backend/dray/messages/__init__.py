@@ -1,7 +1,8 @@
 """Everything agents say to one another: frozen structs, one per utterance.
 
 `heartbeat` is what everybody may hear at any time, `contract` the negotiation, `order` and `command` what
-comes from people, `berth` how vehicles share places to stand, `fact` what each writes into its history.
+comes from people, `shutout` whom people let nobody hear, `berth` how vehicles share places to stand, `fact` what
+each writes into its history.
 How messages become bytes is `dray.codec`; when they are said is `dray.protocol`.
 """
 
@@ -63,6 +64,7 @@ from dray.messages.order import (
     OrderTaken,
     RevocationTaken,
 )
+from dray.messages.shutout import ShutOut
 
 Heartbeat = AtvHeartbeat | MachineHeartbeat
 
@@ -98,6 +100,7 @@ AnyMessage = (
     | Event
     | EventsAsked
     | EventsKept
+    | ShutOut
 )
 
 __all__ = [
@@ -152,6 +155,7 @@ __all__ = [
     "Resigned",
     "RevocationTaken",
     "Role",
+    "ShutOut",
     "Superseded",
     "TakenOver",
     "TaskAnnounced",

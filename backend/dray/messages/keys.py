@@ -11,6 +11,7 @@ never holds any of these.
     {plant}/berth/{id}        claims of one charger or parking place
     {plant}/agent/@{id}       what is said to one agent alone
     {plant}/event/{id}        an agent's numbered events
+    {plant}/shut-out          who is shut out, said again and again by gateways
     {plant}/alive/{id}/{life} a token that is there as long as this life of the agent is
 """
 
@@ -30,6 +31,7 @@ class Keys:
         "all_heartbeats",
         "all_machine_heartbeats",
         "plant",
+        "shut_out",
     )
 
     def __init__(self, plant: str) -> None:
@@ -38,6 +40,7 @@ class Keys:
         self.all_atv_heartbeats = f"{plant}/hb/atv/*"
         self.all_machine_heartbeats = f"{plant}/hb/machine/*"
         self.all_events = f"{plant}/event/*"
+        self.shut_out = f"{plant}/shut-out"
 
     def atv_heartbeat(self, atv: str) -> str:
         return f"{self.plant}/hb/atv/{atv}"

@@ -81,6 +81,7 @@ from dray.messages.order import (
     OrderTaken,
     RevocationTaken,
 )
+from dray.messages.shutout import ShutOut
 
 
 class Kind(StrEnum):
@@ -127,6 +128,7 @@ SPEAKERS: Mapping[type[Message], frozenset[Kind]] = {
     OrderCancelled: _GATEWAYS,
     OrderRevoked: _GATEWAYS,
     VehicleCommand: _GATEWAYS,
+    ShutOut: _GATEWAYS,
     OrderTaken: _STRATEGISTS,
     CancellationTaken: _STRATEGISTS,
     RevocationTaken: _STRATEGISTS,

@@ -221,6 +221,18 @@ acknowledgements = Table(
     comment="Who has taken on which alert; a row leaves when its alert has ended.",
 )
 
+exclusions = Table(
+    "exclusions",
+    metadata,
+    Column("agent", Id, primary_key=True),
+    Column("number", BigInteger, nullable=False),
+    Column("reason", String(200), nullable=False),
+    Column("by", String(80), nullable=False),
+    Column("at_s", Double, nullable=False),
+    Column("readmitted_at_s", Double),
+    comment="Agents that were ever shut out. number: of the last decision about it, the highest of all is the list's.",
+)
+
 incarnations = Table(
     "incarnations",
     metadata,

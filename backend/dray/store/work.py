@@ -13,6 +13,7 @@ from dray.store.apikeys import ApiKeys
 from dray.store.audit import Audit
 from dray.store.database import Database
 from dray.store.events import Events
+from dray.store.exclusions import Exclusions
 from dray.store.goals import Goals
 from dray.store.incarnations import Incarnations
 from dray.store.keys import IdempotencyKeys
@@ -44,6 +45,7 @@ class Work:
         self.events = Events(connection)
         self.samples = Samples(connection)
         self.acknowledgements = Acknowledgements(connection)
+        self.exclusions = Exclusions(connection)
         self.kpis = Kpis(connection)
         self.keys = IdempotencyKeys(connection)
         self.incarnations = Incarnations(connection)

@@ -12,6 +12,7 @@ from dray.messages import (
     Event,
     MachineHeartbeat,
     Message,
+    ShutOut,
     TaskAnnounced,
 )
 from dray.messages.keys import Keys
@@ -73,9 +74,15 @@ _PUBLISHED = (
         "An agent's history, numbered without holes. The agent alone speaks here.",
         (Event,),
     ),
+    Channel(
+        "shutOut",
+        _KEYS.shut_out,
+        "Who is shut out, to everybody: a gateway says it every two seconds, and the highest number counts.",
+        (ShutOut,),
+    ),
 )
 
-_BROADCAST_ONLY = frozenset({AtvHeartbeat, MachineHeartbeat, TaskAnnounced, BerthClaimed})
+_BROADCAST_ONLY = frozenset({AtvHeartbeat, MachineHeartbeat, TaskAnnounced, BerthClaimed, ShutOut})
 
 CHANNELS = (
     *_PUBLISHED,

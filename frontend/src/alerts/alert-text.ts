@@ -24,6 +24,9 @@ function kindText(alert: AlertView, nowS: number, speed: number): string {
       return leftS > 0 ? t("alerts.what.atv_help", { left: format.duration(leftS) }) : t("alerts.what.help_late");
     case "atv_promised":
       return t("alerts.what.atv_promised", { by, left: format.duration(Math.max(0, leftS)) });
+    case "machine_shut_out":
+    case "atv_shut_out":
+      return t("alerts.what.shut_out", { by });
     case "atv_battery":
       return t("alerts.what.atv_battery", { percent: format.percent(battery_frac ?? 0) });
     case "order_late":

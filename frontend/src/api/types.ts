@@ -16,10 +16,12 @@ export interface AlertView {
     | "atv_help"
     | "atv_lost"
     | "atv_promised"
+    | "atv_shut_out"
     | "atv_stopped"
     | "machine_blocked"
     | "machine_error"
     | "machine_lost"
+    | "machine_shut_out"
     | "machine_starved"
     | "order_impossible"
     | "order_late"
@@ -36,6 +38,7 @@ export interface AlertView {
     | "look_at_auction"
     | "look_at_machine"
     | "promise_help"
+    | "put_right_and_readmit"
     | "repair"
     | "restore_machines"
     | "resume"
@@ -79,6 +82,7 @@ export interface AtvView {
   node: string;
   problem: string;
   seen_at_s: number;
+  shut_out: ShutOutView | null;
   software: string;
   speed_limit_frac: number;
   speed_mps: number;
@@ -98,6 +102,14 @@ export interface AtvView {
 export interface HelpView {
   promised_by: string;
   until_at_s: number;
+}
+/**
+ * A manager has shut the agent out: nobody hears it, whatever it says.
+ */
+export interface ShutOutView {
+  at_s: number;
+  by: string;
+  reason: string;
 }
 /**
  * A vehicle's part in one task.
@@ -282,6 +294,7 @@ export interface MachineView {
   problem: string;
   product: string;
   seen_at_s: number;
+  shut_out: ShutOutView | null;
   software: string;
   status: "blocked" | "error" | "idle" | "producing" | "starved";
   tasks: OpenTaskView[];

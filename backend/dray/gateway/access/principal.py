@@ -24,6 +24,8 @@ class Scope(StrEnum):
     VEHICLES_STOP = "vehicles:stop"
     """Stop, and nothing else; whoever may command vehicles may stop them."""
     ALERTS_ACKNOWLEDGE = "alerts:acknowledge"
+    AGENTS_WRITE = "agents:write"
+    """Shut agents out, and readmit them."""
     AUDIT_READ = "audit:read"
     PEOPLE_WRITE = "people:write"
     FAULTS_WRITE = "faults:write"

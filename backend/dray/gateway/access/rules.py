@@ -74,6 +74,9 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("POST", "/api/alerts/{alert}/acknowledge"): Rule(
         Scope.ALERTS_ACKNOWLEDGE, by_area=True, action="alert.acknowledge"
     ),
+    ("GET", "/api/agents/shut-out"): Rule(Scope.FACTORY_READ),
+    ("POST", "/api/agents/{agent}/shut-out"): Rule(Scope.AGENTS_WRITE, action="agent.shut_out"),
+    ("POST", "/api/agents/{agent}/readmit"): Rule(Scope.AGENTS_WRITE, action="agent.readmit"),
     ("GET", "/api/traffic"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/promises"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/events"): Rule(Scope.FACTORY_READ),

@@ -20,6 +20,8 @@ from dray.store.acknowledgements import Acknowledgement
 RESPONSES: Mapping[AlertKind, tuple[Literal["alarm", "warning"], AlertResponse]] = {
     "machine_lost": ("alarm", "look_at_machine"),
     "machine_error": ("alarm", "repair"),
+    "machine_shut_out": ("warning", "put_right_and_readmit"),
+    "atv_shut_out": ("warning", "put_right_and_readmit"),
     "machine_starved": ("warning", "see_to_supply"),
     "machine_blocked": ("warning", "see_to_removal"),
     "atv_lost": ("alarm", "find_vehicle"),

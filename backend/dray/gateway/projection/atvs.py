@@ -8,6 +8,7 @@ from typing import Any
 
 from dray.gateway.projection.changes import Changes
 from dray.gateway.projection.fleet import Fleet
+from dray.gateway.projection.outsiders import Outsiders
 from dray.gateway.views import AtvView, BriefView, HelpView, TrialView
 from dray.messages import AtvHeartbeat, Brief, Heartbeat, HelpWanted
 from dray.plant.model import VehicleSpec
@@ -23,9 +24,11 @@ class Atvs:
     Args:
         fleet: the plant's vehicles; others may come.
         to_wall_s: plant clock to wall clock.
+        outsiders: who is shut out.
     """
 
-    def __init__(self, fleet: Iterable[VehicleSpec], to_wall_s: ToWall) -> None:
+    def __init__(self, fleet: Iterable[VehicleSpec], to_wall_s: ToWall, outsiders: Outsiders) -> None:
+        self._outsiders = outsiders
         self._types = {vehicle.id: vehicle.type for vehicle in fleet}
         self._to_wall_s = to_wall_s
         self._last: dict[str, AtvHeartbeat] = {}
@@ -71,6 +74,12 @@ class Atvs:
         heartbeat = self._last.get(atv)
         return None if heartbeat is None else (heartbeat.pose.x_m, heartbeat.pose.y_m)
 
+    def mark(self, agents: Iterable[str]) -> None:
+        """Something else is to be shown of these, as far as they were heard."""
+        for agent in agents:
+            if agent in self._last:
+                self.changes.mark(agent)
+
     def view(self, atv: str) -> AtvView | None:
         """One vehicle, or None when it was never heard."""
         heartbeat = self._last.get(atv)
@@ -111,6 +120,7 @@ class Atvs:
             software=heartbeat.software,
             leaving=heartbeat.leaving,
             trial=trial_of(heartbeat),
+            shut_out=self._outsiders.view(heartbeat.atv),
             seen_at_s=self._to_wall_s(heartbeat.at_s),
         )
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from dray.gateway.projection.atvs import plain, trial_of
 from dray.gateway.projection.changes import Changes
+from dray.gateway.projection.outsiders import Outsiders
 from dray.gateway.projection.site import Site
 from dray.gateway.projection.timeuse import TimeUse
 from dray.gateway.views import BufferView, GoalView, MachineView, OpenTaskView
@@ -30,9 +31,11 @@ class Machines:
     Args:
         site: knows their names.
         to_wall_s: plant clock to wall clock.
+        outsiders: who is shut out.
     """
 
-    def __init__(self, site: Site, to_wall_s: ToWall) -> None:
+    def __init__(self, site: Site, to_wall_s: ToWall, outsiders: Outsiders) -> None:
+        self._outsiders = outsiders
         self._site = site
         self._to_wall_s = to_wall_s
         self._last: dict[str, MachineHeartbeat] = {}
@@ -79,6 +82,12 @@ class Machines:
         """The last one of each machine, and since when it has had that status (plant clock)."""
         return ((heartbeat, self._since_s[machine]) for machine, heartbeat in self._last.items())
 
+    def mark(self, agents: Iterable[str]) -> None:
+        """Something else is to be shown of these, as far as they were heard."""
+        for agent in agents:
+            if agent in self._last:
+                self.changes.mark(agent)
+
     def view(self, machine: str) -> MachineView | None:
         """One machine, or None when it was never heard."""
         heartbeat = self._last.get(machine)
@@ -107,6 +116,7 @@ class Machines:
             software=heartbeat.software,
             leaving=heartbeat.leaving,
             trial=trial_of(heartbeat),
+            shut_out=self._outsiders.view(heartbeat.machine),
             seen_at_s=self._to_wall_s(heartbeat.at_s),
         )
 

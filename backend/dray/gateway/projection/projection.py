@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from dray.gateway.frames import Delta, Snapshot
 from dray.gateway.projection import troubles
@@ -14,6 +14,7 @@ from dray.gateway.projection.interventions import Interventions
 from dray.gateway.projection.machines import BROKEN, DOWN, Machines
 from dray.gateway.projection.news import News
 from dray.gateway.projection.orders import Orders
+from dray.gateway.projection.outsiders import Outsiders
 from dray.gateway.projection.site import Site
 from dray.gateway.projection.tasks import Tasks
 from dray.gateway.projection.timeuse import SILENT
@@ -23,6 +24,7 @@ from dray.gateway.timescale import TimeScale
 from dray.gateway.views import FactoryView, UseView
 from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, Message
 from dray.plant.model import PlantFile
+from dray.store.exclusions import Exclusion
 from dray.store.kpis import KpiSample
 
 
@@ -41,9 +43,10 @@ class Projection:
 
     def __init__(self, plant: PlantFile, time: TimeScale, *, trials: bool = False) -> None:
         self.plant, self._time = plant.plant, time
-        self.atvs = Atvs(plant.fleet, time.to_wall_s)
+        self.outsiders = Outsiders()
+        self.atvs = Atvs(plant.fleet, time.to_wall_s, self.outsiders)
         self.site = Site(plant)
-        self.machines = Machines(self.site, time.to_wall_s)
+        self.machines = Machines(self.site, time.to_wall_s, self.outsiders)
         self.tasks = Tasks(time.to_wall_s)
         self.orders = Orders(time.to_wall_s, frozenset(product.id for product in plant.products))
         self.news = News(time.to_wall_s)
@@ -106,6 +109,12 @@ class Projection:
         else:
             self.ignored += 1
 
+    def shut_out(self, exclusions: Iterable[Exclusion]) -> None:
+        """Show these agents as shut out, and no others."""
+        changed = self.outsiders.put(exclusions)
+        self.atvs.mark(changed)
+        self.machines.mark(changed)
+
     def look(self, wall_s: float) -> list[str]:
         """See what is wrong at this moment; silence is heard by nobody else.
 
@@ -113,9 +122,12 @@ class Projection:
             The alerts that had been acknowledged and have ended.
         """
         now = troubles.Moment(self._time.to_plant_s(wall_s), wall_s, self._time.speed, self._time.to_wall_s)
-        of_atvs = tuple(troubles.of_atvs(self.atvs.heartbeats(), now))
+        heard = (each for each in self.atvs.heartbeats() if each.atv not in self.outsiders)
+        of_atvs = tuple(troubles.of_atvs(heard, now))
+        machines = (each for each in self.machines.heartbeats() if each[0].machine not in self.outsiders)
         wrong = (
-            *troubles.of_machines(self.machines.heartbeats(), now),
+            *troubles.of_outsiders(self.outsiders, self.atvs),
+            *troubles.of_machines(machines, now),
             *of_atvs,
             *troubles.of_transports(self.tasks.under_way(), of_atvs),
             *troubles.of_orders(self.orders.under_way(), self.orders.impossible(), now),

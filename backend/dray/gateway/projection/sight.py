@@ -22,6 +22,7 @@ from dray.gateway.views import (
     MachineView,
     NewsView,
     OpenTaskView,
+    ShutOutView,
     TaskView,
     WhyView,
 )
@@ -134,6 +135,7 @@ class AreaSight:
             watches=tuple(brief for brief in view.watches if self._concerned(brief)),
             berth=view.berth if view.berth in self._places else "",
             problem=self.words(view.problem),
+            shut_out=self._shut_out(view.shut_out),
         )
 
     def machine(self, view: MachineView) -> MachineView | None:
@@ -146,6 +148,7 @@ class AreaSight:
             goals=goals,
             tasks=tuple(self._open_task(task) for task in view.tasks),
             problem=self.words(view.problem),
+            shut_out=self._shut_out(view.shut_out),
         )
 
     def task(self, view: TaskView) -> TaskView | None:
@@ -234,6 +237,9 @@ class AreaSight:
             secondary=self._who(task.secondary),
             trouble=self.words(task.trouble),
         )
+
+    def _shut_out(self, view: ShutOutView | None) -> ShutOutView | None:
+        return None if view is None else replace(view, reason=self.words(view.reason))
 
     def _who(self, agent: str) -> str:
         return agent if not agent or self.has(agent) else ELSEWHERE

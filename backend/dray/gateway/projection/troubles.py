@@ -12,6 +12,7 @@ import msgspec
 from dray.gateway.projection.silence import bound_s
 from dray.gateway.views import AlertKind, OrderView, TaskView
 from dray.messages import AtvHeartbeat, AtvStatus, MachineHeartbeat, MachineStatus
+from dray.store.exclusions import Exclusion
 from dray.store.progress import ToWall
 
 BATTERY_FRAC = 0.1
@@ -50,6 +51,13 @@ class Moment(msgspec.Struct, frozen=True):
     speed: float
     """Factory seconds per real second."""
     to_wall_s: ToWall
+
+
+def of_outsiders(exclusions: Iterable[Exclusion], atvs: Container[str]) -> Iterator[Trouble]:
+    """What is wrong with agents that are shut out: nothing else, since what they have said counts no more."""
+    for each in exclusions:
+        kind: AlertKind = "atv_shut_out" if each.agent in atvs else "machine_shut_out"
+        yield Trouble(kind=kind, agent=each.agent, problem=each.reason, by=each.by)
 
 
 def of_machines(heartbeats: Iterable[tuple[MachineHeartbeat, float]], now: Moment) -> Iterator[Trouble]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dray.gateway.routes import (
+    agents,
     alerts,
     atvs,
     audit,
@@ -37,6 +38,7 @@ API = (
     atvs,
     tasks,
     alerts,
+    agents,
     promises,
     events,
     kpis,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from http import HTTPStatus
 from typing import Annotated, Self
 
 import msgspec
@@ -15,7 +16,7 @@ from dray.gateway.access.trail import Noted
 from dray.gateway.answers import PAGE, Cursor, Json, Limit, described, list_of, page, problems
 from dray.gateway.bodies import json_only
 from dray.gateway.parts import Gateway, Parts
-from dray.gateway.problems import not_found
+from dray.gateway.problems import Problem, not_found
 from dray.gateway.seen import Seen
 from dray.gateway.spreadsheet import Format, header_of, row_of, table, with_csv
 from dray.gateway.views import AtvView
@@ -115,7 +116,7 @@ async def get_atv(gateway: Gateway, seen: Seen, atv: str) -> Json:
         **problems(
             p403="The vehicle is not shown in the caller's areas; a stop is passed on to it all the same",
             p404="There is no such ATV",
-            p409="The name of the command was used for another one",
+            p409="The name of the command was used for another one, or the vehicle is shut out",
             p503="Too many commands wait for an answer",
             p504="The vehicle has not confirmed in time",
         ),
@@ -130,6 +131,13 @@ async def command_atv(
     if command.kind is not CommandKind.STOP and not caller.may(Scope.VEHICLES_COMMAND):
         raise missing(caller, Scope.VEHICLES_COMMAND)
     area_rule(gateway, caller, atv, command.kind)
+    if command.kind is not CommandKind.STOP and atv in gateway.projection.outsiders:
+        raise Problem(
+            HTTPStatus.CONFLICT,
+            "shut-out",
+            "The vehicle is shut out",
+            f"nobody hears {atv}: it can be stopped, and nothing else; readmit it first",
+        )
     answer = await gateway.commands.order(
         atv,
         command.kind,

@@ -18,6 +18,7 @@ from dray.gateway.views.factory import AudienceView, FactoryView, FaultView, Use
 from dray.gateway.views.machine import BufferView, GoalView, MachineView, OpenTaskView
 from dray.gateway.views.news import NewsView
 from dray.gateway.views.order import OrderItemView, OrderView
+from dray.gateway.views.shutout import ShutOutView
 from dray.gateway.views.task import BidView, CarrierView, RefusalView, TaskView
 from dray.gateway.views.trial import TrialView
 from dray.gateway.views.why import PassedView, RefusedView, WhyView
@@ -46,6 +47,7 @@ __all__ = [
     "PassedView",
     "RefusalView",
     "RefusedView",
+    "ShutOutView",
     "TaskView",
     "TrialView",
     "UseView",

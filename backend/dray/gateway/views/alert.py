@@ -15,6 +15,8 @@ AlertKind = Literal[
     "order_impossible",
     "order_waits",
     "order_late",
+    "machine_shut_out",
+    "atv_shut_out",
     "machine_starved",
     "machine_blocked",
     "task_trouble",
@@ -30,6 +32,7 @@ AlertResponse = Literal[
     "see_to_supply",
     "see_to_removal",
     "find_vehicle",
+    "put_right_and_readmit",
     "promise_help",
     "help",
     "resume",
@@ -57,7 +60,7 @@ class AlertView(View, kw_only=True):
     problem: str = ""
     """In the agent's own words, where it has any."""
     by: str = ""
-    """Who is on the way to help."""
+    """Who is on the way to help, or has shut the agent out."""
     seen_at_s: float | None = None
     """Of who is lost: when it was last heard."""
     until_at_s: float | None = None

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from dray.gateway.views.base import View
+from dray.gateway.views.shutout import ShutOutView
 from dray.gateway.views.trial import TrialView
 
 
@@ -63,4 +64,6 @@ class AtvView(View, kw_only=True):
     """It was asked to leave, takes nothing new, and goes when nothing holds it any more."""
     trial: TrialView | None = None
     """While it is on trial and takes short tasks only."""
+    shut_out: ShutOutView | None = None
+    """Nobody hears it any more: all else here is what it said before."""
     seen_at_s: float = 0.0

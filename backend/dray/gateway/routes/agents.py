@@ -1,0 +1,96 @@
+"""Agents: whom nobody hears any more, and hearing them again."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Path
+from pydantic import BaseModel, ConfigDict
+
+from dray.gateway.access.caller import Caller
+from dray.gateway.access.trail import Noted
+from dray.gateway.answers import PAGE, Cursor, Json, Limit, described, list_of, page, problems
+from dray.gateway.bodies import Line, json_only
+from dray.gateway.desk import STRATEGIST
+from dray.gateway.parts import Gateway, Parts
+from dray.gateway.problems import not_found
+from dray.store.exclusions import Exclusion
+from dray.store.historian import AGENT as HISTORIAN
+
+router = APIRouter(tags=["agents"])
+
+AgentId = Annotated[str, Path(max_length=128)]
+
+EXAMPLE = Exclusion("ATV3", "accepts transports and does not move", "Maria Weber", 1_893_456_000.0)
+
+
+class ShutOutRequest(BaseModel):
+    """Why an agent is shut out."""
+
+    model_config = ConfigDict(
+        extra="forbid", json_schema_extra={"examples": [{"reason": "accepts transports and does not move"}]}
+    )
+
+    reason: Line
+    """For the audit log, and for everybody who sees the agent on a panel."""
+
+
+@router.get(
+    "/agents/shut-out",
+    responses={200: list_of(Exclusion, "Agents that are shut out, by id")},
+    response_class=Json,
+)
+async def list_shut_out(gateway: Gateway, cursor: Cursor = None, limit: Limit = PAGE) -> Json:
+    """Whom nobody hears any more, by whose decision and why."""
+    async with gateway.store.read() as work:
+        exclusions = await work.exclusions.all()
+    return page(exclusions, lambda each: each.agent, cursor, limit)
+
+
+@router.post(
+    "/agents/{agent}/shut-out",
+    dependencies=[Depends(json_only)],
+    responses={
+        200: described(Exclusion, "It is shut out; of one that was before, the first decision", EXAMPLE),
+        **problems(
+            p404="There is no such agent",
+            p409="It is the gateway that was asked, or too many are shut out",
+        ),
+    },
+    response_class=Json,
+)
+async def shut_out(
+    gateway: Gateway, caller: Caller, note: Noted, agent: AgentId, request: ShutOutRequest
+) -> Json:
+    """Let nobody hear an agent any more, at once: it is silent for everybody, and others take its work.
+
+    A vehicle is asked to stop. All of it holds until `readmit`, over restarts and without the gateway.
+    """
+    note.detail["reason"] = request.reason
+    if not _is_known(gateway, agent):
+        raise not_found("agent", agent, "GET /api/atvs and GET /api/machines, with strategist and historian,")
+    return Json(await gateway.exclusions.shut_out(agent, request.reason, caller.name))
+
+
+@router.post(
+    "/agents/{agent}/readmit",
+    responses={
+        200: described(Exclusion, "It is heard again; why it was not", EXAMPLE),
+        **problems(p403="Another site's page asked", p404="It is not shut out"),
+    },
+    response_class=Json,
+)
+async def readmit(gateway: Gateway, note: Noted, agent: AgentId) -> Json:
+    """Hear an agent again. A vehicle stays stopped until somebody acknowledges and resumes it."""
+    ended = await gateway.exclusions.readmit(agent)
+    note.detail["was"] = ended.reason
+    return Json(ended)
+
+
+def _is_known(gateway: Parts, agent: str) -> bool:
+    own = gateway.settings.gateway_name
+    return (
+        agent in gateway.projection.atvs
+        or agent in gateway.floor.machines
+        or agent in {STRATEGIST, HISTORIAN, own}
+    )
