@@ -36,7 +36,7 @@ class Atvs:
         self.by_status: Counter[str] = Counter()
         self.fleet = Fleet()
 
-    def __contains__(self, atv: str) -> bool:
+    def __contains__(self, atv: object) -> bool:
         """Whether the plant has it, or it was heard of."""
         return atv in self._types or atv in self._last
 

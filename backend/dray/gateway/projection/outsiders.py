@@ -14,7 +14,7 @@ class Outsiders:
     def __init__(self) -> None:
         self._exclusions: dict[str, Exclusion] = {}
 
-    def __contains__(self, agent: str) -> bool:
+    def __contains__(self, agent: object) -> bool:
         return agent in self._exclusions
 
     def __iter__(self) -> Iterator[Exclusion]:
