@@ -48,6 +48,7 @@ from dray.settings import Settings
 from dray.store import Historian, Store, open_store
 from dray.store.apikeys import ApiKey
 from dray.store.audit import AuditFilter, AuditRow
+from dray.store.orderfilter import EVERY_ORDER
 from dray.store.people import Person
 
 PLANT = default_plant().file
@@ -331,7 +332,7 @@ class House:
     async def orders_kept(self) -> int:
         """How many orders are on disk."""
         async with self.store.read() as work:
-            return len(await work.orders.page([], None, None))
+            return len(await work.orders.page(EVERY_ORDER, None, None))
 
     async def say(self, messages: Iterable[Message]) -> None:
         """Publish these, and wait until the historian has written them."""
@@ -378,7 +379,9 @@ async def gateway(
     time = TimeScale(0.0, NOW_S, speed)
     store = await open_store(url)
     try:
-        historian = Historian(store=store, bus=bus, keys=KEYS, to_wall_s=time.to_wall_s, linger_s=0)
+        historian = Historian(
+            store=store, bus=bus, keys=KEYS, to_wall_s=time.to_wall_s, wall_s=wall, linger_s=0
+        )
         app = create_app(
             settings=Settings.load(**{"database_url": url, "admin_token": ADMIN_TOKEN} | settings),
             plant=plant,

@@ -375,6 +375,12 @@ async def test_a_cursor_that_is_not_from_this_list_is_refused(house: House, noun
     [
         ("/api/orders?status=lost", "status[0]"),
         ("/api/orders?status=stored&status=", "status[1]"),
+        ("/api/orders?reference=%00", "reference"),
+        ("/api/orders?customer=" + "x" * 201, "customer"),
+        ("/api/orders?updated_since=yesterday", "updated_since"),
+        ("/api/orders?updated_since=1900000000", "updated_since"),
+        ("/api/orders?due_before=2030-01-01T00:00:00", "due_before"),
+        ("/api/orders?due_before=0001-01-01T00:00:00%2B14:00", "due_before"),
         ("/api/tasks?state=lost", "state[0]"),
         ("/api/events?since=-1", "since"),
         ("/api/events?since=x", "since"),

@@ -21,7 +21,7 @@ from gateway_kit import (
 )
 
 from dray.messages import OrderCancelled, OrderReleased, OrderTaken
-from dray.messages.fact import GoalContracted, GoodsDelivered, OrderAccepted, OrderDropped
+from dray.messages.fact import GoalContracted, GoodsDelivered, OrderAccepted, OrderDropped, PieceMade
 from dray.plant.model import PlantFile
 from dray.store.progress import OrderStatus
 
@@ -149,6 +149,47 @@ async def test_orders_are_listed_newest_first_in_pages_that_hold_each_once(url: 
         assert whole == sorted(placed, reverse=True)
         assert await in_pages(house, limit=2) == [whole[0:2], whole[2:4], whole[4:6], whole[6:7]]
         assert await in_pages(house, limit=7) == [whole]
+
+
+async def test_orders_are_found_by_what_people_know_of_them(house: House) -> None:
+    pump = [{"product": OTHER_PRODUCT, "quantity": 1}]
+    first = await house.place(reference="PO-17", customer="Hall 3", due_at="2030-03-18T00:00:00Z")
+    house.wall.now_s += 1
+    second = await house.place(
+        reference="PO-18", customer="Hall 3", items=pump, due_at="2030-03-19T00:00:00Z"
+    )
+    house.wall.now_s += 1
+    third = await house.place(customer="Hall 4")
+
+    async def found(**wanted: str) -> list[str]:
+        names = [order["id"] for order in (await house.get("/api/orders", **wanted))["items"]]
+        table = (await house.client.get("/api/orders", params=wanted | {"format": "csv"})).text
+        assert [line.split(",")[0] for line in table.splitlines()[1:]] == names
+        return names
+
+    assert await found(reference="PO-17") == [first["id"]]
+    assert await found(reference="PO-1") == []
+    assert await found(customer="Hall 3") == [second["id"], first["id"]]
+    assert await found(customer="Hall 3", product=PRODUCT) == [first["id"]]
+    assert await found(product=OTHER_PRODUCT) == [second["id"]]
+    assert await found(due_before="2030-03-19T00:00:00Z") == [first["id"]]
+    assert await found(due_before="2030-03-19T02:00:00+01:00") == [second["id"], first["id"]]
+    assert await found(updated_since=second["updated_at"]) == [third["id"], second["id"]]
+    assert await found(updated_since=third["updated_at"], customer="Hall 3") == []
+
+
+async def test_who_follows_changes_by_their_newest_time_misses_none(house: House) -> None:
+    order, other = await house.place(), await house.place()
+    house.wall.now_s += 60
+    await house.client.post(f"/api/orders/{other['id']}/cancel")
+    since = (await house.get(f"/api/orders/{other['id']}"))["updated_at"]
+    house.wall.now_s += 60
+    contracted = GoalContracted("G1", order["id"], 0, PRODUCT, 5, "M1", 9.0)
+    await house.say(events("strategist", OrderAccepted(order=order["id"]), contracted))
+    await house.say(events("M1", PieceMade(goal="G1", product=PRODUCT, made=1)))
+    changed = (await house.get("/api/orders", updated_since=since))["items"]
+    assert [each["id"] for each in changed] == [other["id"], order["id"]]
+    assert [each["items"][0]["made"] for each in changed] == [0, 1]
 
 
 async def test_a_page_stays_where_it_is_while_orders_come(house: House) -> None:

@@ -95,6 +95,7 @@ def order(number: int = 1, *quantities: int, status: OrderStatus = OrderStatus.R
         created_at_s=1000.0 + number,
         due_at_s=5000.0,
         releases=int(status is not OrderStatus.STORED),
+        updated_at_s=1000.0 + number,
     )
 
 

@@ -9,7 +9,8 @@ from sqlalchemy.exc import IntegrityError
 
 from dray.store import Store
 from dray.store.keys import KeptAnswer
-from dray.store.orders import OrderTotals
+from dray.store.orderfilter import EVERY_ORDER, OrderFilter
+from dray.store.orders import Item, OrderTotals
 from dray.store.progress import Goal, OrderStatus, Progress, progress
 
 pytestmark = pytest.mark.anyio
@@ -33,7 +34,7 @@ async def test_pages_are_newest_first_and_miss_nothing(store: Store) -> None:
     seen: list[str] = []
     after: tuple[float, str] | None = None
     async with store.read() as work:
-        while page := await work.orders.page([], after, 3):
+        while page := await work.orders.page(EVERY_ORDER, after, 3):
             seen += [one.id for one in page]
             after = (page[-1].created_at_s, page[-1].id)
     assert seen == [f"O-{number}" for number in range(7, 0, -1)]
@@ -41,10 +42,34 @@ async def test_pages_are_newest_first_and_miss_nothing(store: Store) -> None:
 
 async def test_a_page_holds_only_the_statuses_that_were_asked_for(store: Store) -> None:
     await keep(store, order(1), order(2, status=OrderStatus.STORED), order(3, status=OrderStatus.CANCELLED))
+    wanted = OrderFilter(statuses=(OrderStatus.STORED, OrderStatus.CANCELLED))
     async with store.read() as work:
-        found = await work.orders.page([OrderStatus.STORED, OrderStatus.CANCELLED], None, 10)
+        found = await work.orders.page(wanted, None, 10)
         assert [one.id for one in found] == ["O-3", "O-2"]
         assert [one.id for one in await work.orders.open()] == ["O-1"]
+
+
+async def test_whatever_changes_an_order_says_when(store: Store) -> None:
+    await keep(store, order(1), order(2))
+    one = order(1)
+    begun = Progress(OrderStatus.RELEASED, (1,), (0,), None)
+    seen = []
+    async with store.write() as work:
+        for change in (
+            work.orders.advance(one, begun, 2009.0),
+            work.orders.advance(msgspec.structs.replace(one, items=(Item("P1", 4, 1),)), begun, 2010.0),
+            work.orders.revoke("O-1", 2011.0),
+            work.orders.store("O-1", 1, (3,), 2012.0),
+            work.orders.release("O-1", 2013.0),
+            work.orders.cancel("O-1", 2014.0),
+        ):
+            await change
+            found = await work.orders.get("O-1")
+            assert found is not None
+            seen.append(found.updated_at_s)
+        since = [OrderFilter(updated_since_s=at_s) for at_s in (2014.0, 2014.001)]
+        assert [len(await work.orders.page(each, None, 10)) for each in since] == [1, 0]
+    assert seen == [2009.0, 2009.0, 2011.0, 2012.0, 2013.0, 2014.0]
 
 
 async def test_only_a_stored_order_is_released_and_only_an_unended_one_cancelled(store: Store) -> None:
@@ -68,7 +93,7 @@ async def test_a_cancelled_order_counts_on_but_stays_cancelled(store: Store) -> 
     await keep(store, order(status=OrderStatus.CANCELLED))
     async with store.write() as work:
         await work.orders.advance(
-            order(status=OrderStatus.CANCELLED), Progress(OrderStatus.DELIVERED, (4,), (4,), 9.0)
+            order(status=OrderStatus.CANCELLED), Progress(OrderStatus.DELIVERED, (4,), (4,), 9.0), 9.0
         )
         found = await work.orders.get("O-1")
     assert found is not None
@@ -107,7 +132,7 @@ async def test_an_order_that_is_taken_back_is_stored_when_the_factory_says_so_an
 async def test_a_strategist_that_knows_nothing_of_a_release_leaves_what_is_known_of_it(store: Store) -> None:
     await keep(store, order())
     async with store.write() as work:
-        await work.orders.advance(order(), Progress(OrderStatus.IN_DELIVERY, (3,), (2,), None))
+        await work.orders.advance(order(), Progress(OrderStatus.IN_DELIVERY, (3,), (2,), None), 9.0)
         await work.orders.revoke("O-1", 20.0)
         await work.orders.store("O-1", 1, (), 25.0)
         found = await work.orders.get("O-1")
@@ -179,7 +204,7 @@ async def test_facts_that_come_when_an_order_has_ended_change_only_the_time_of_i
         for goals in ([], [delivered_goal(1, 15.0)], [delivered_goal(1, 15.0), delivered_goal(3, 16.0)]):
             read = await work.orders.get("O-1")
             assert read is not None
-            await work.orders.advance(read, progress(read.quantities, goals, 1, read.delivered))
+            await work.orders.advance(read, progress(read.quantities, goals, 1, read.delivered), 30.0)
             found = await work.orders.get("O-1")
             assert found is not None
             assert (found.status, found.items) == ("delivered", read.items)
@@ -204,7 +229,7 @@ async def test_an_advance_that_was_read_before_somebody_took_the_order_back_does
         assert read is not None
         await work.orders.revoke("O-1", 20.0)
         await work.orders.store("O-1", 1, (4,), 25.0)
-        await work.orders.advance(read, Progress(OrderStatus.IN_PRODUCTION, (1,), (0,), None))
+        await work.orders.advance(read, Progress(OrderStatus.IN_PRODUCTION, (1,), (0,), None), 30.0)
         found = await work.orders.get("O-1")
     assert found is not None
     assert found.status is OrderStatus.STORED

@@ -154,6 +154,7 @@ def _order(draft: OrderDraft, now_s: float) -> Order:
         due_at_s=None if draft.due_at is None else draft.due_at.timestamp(),
         released_at_s=now_s if draft.release else None,
         releases=int(draft.release),
+        updated_at_s=now_s,
     )
 
 

@@ -16,6 +16,7 @@ from dray.gateway.desk import Desk
 from dray.gateway.projection import Projection
 from dray.gateway.projection.orders import ENDED_KEPT
 from dray.store import Store
+from dray.store.orderfilter import OrderFilter
 from dray.store.orders import Mark
 from dray.store.progress import ENDED, UNENDED
 
@@ -47,8 +48,8 @@ class Lookout:
             UnavailableError: the database cannot be read.
         """
         async with self._store.read() as work:
-            unended = await work.orders.page(UNENDED, None, None)
-            orders = unended + await work.orders.page(ENDED, None, ENDED_KEPT)
+            unended = await work.orders.page(OrderFilter(statuses=UNENDED), None, None)
+            orders = unended + await work.orders.page(OrderFilter(statuses=ENDED), None, ENDED_KEPT)
             goals = await work.goals.of_orders(order.id for order in orders)
             totals = await work.orders.totals()
         self._marks = {order.id: order.mark for order in unended}

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import time as clock
 from collections import deque
 from collections.abc import AsyncIterator, Callable, Collection, Sequence
 from contextlib import asynccontextmanager
@@ -69,6 +70,7 @@ class Historian:
         samples_kept: heartbeat samples kept.
         queue_events: events that may wait.
         retry_s: see `RETRY_S`.
+        wall_s: the wall clock.
     """
 
     def __init__(
@@ -84,10 +86,12 @@ class Historian:
         samples_kept: int = 200_000,
         queue_events: int = QUEUE_EVENTS,
         retry_s: tuple[float, float] = RETRY_S,
+        wall_s: Callable[[], float] = clock.time,
     ) -> None:
         self._store, self._bus, self._keys = store, bus, keys
         self._to_wall_s, self._linger_s = to_wall_s, linger_s
         self._agents = agents
+        self._wall_s = wall_s
         self._events_kept, self._samples_kept = events_kept, samples_kept
         self._queue_events, self._retry_s = queue_events, retry_s
         self._events: deque[tuple[float, Event]] = deque()
@@ -305,4 +309,5 @@ class Historian:
             await work.orders.advance(
                 order,
                 progress(order.quantities, goals_of[order.id], order.incarnation, order.delivered),
+                self._wall_s(),
             )

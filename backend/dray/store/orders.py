@@ -8,6 +8,7 @@ import msgspec
 from sqlalchemy import ColumnElement, Row, bindparam, func, insert, or_, select, tuple_, update
 from sqlalchemy.ext.asyncio import AsyncConnection
 
+from dray.store.orderfilter import OrderFilter
 from dray.store.progress import OPEN, UNENDED, OrderStatus, Progress, delivered_after, status_after
 from dray.store.tables import goals, order_items, orders
 
@@ -46,6 +47,8 @@ class Order(msgspec.Struct, kw_only=True, gc=False):
     """How often it was released."""
     revoked_at_s: float | None = None
     """When its last release was taken back; until it is stored the factory has not confirmed that."""
+    updated_at_s: float = 0.0
+    """When anything of it that others are told has changed last."""
 
     @property
     def quantities(self) -> tuple[int, ...]:
@@ -95,6 +98,7 @@ class Orders:
         """Keep a new order."""
         row = msgspec.structs.asdict(order)
         row.pop("items")
+        row["updated_at_s"] = max(order.updated_at_s, order.created_at_s)
         await self._connection.execute(insert(orders), [row])
         await self._connection.execute(
             insert(order_items),
@@ -140,18 +144,16 @@ class Orders:
         return list((await self._connection.execute(query)).scalars())
 
     async def page(
-        self, statuses: Sequence[OrderStatus], after: tuple[float, str] | None, limit: int | None
+        self, wanted: OrderFilter, after: tuple[float, str] | None, limit: int | None
     ) -> list[Order]:
         """Newest first.
 
         Args:
-            statuses: only these; empty for all.
+            wanted: which ones.
             after: `created_at_s` and `id` of the last order of the page before.
             limit: how many at most.
         """
-        conditions: list[ColumnElement[bool]] = []
-        if statuses:
-            conditions.append(orders.c.status.in_(statuses))
+        conditions = list(wanted.conditions())
         if after is not None:
             conditions.append(tuple_(orders.c.created_at_s, orders.c.id) < tuple_(*after))
         return await self._select(*conditions, limit=limit)
@@ -178,6 +180,7 @@ class Orders:
                 released_at_s=at_s,
                 releases=orders.c.releases + 1,
                 revoked_at_s=None,
+                updated_at_s=at_s,
             )
         )
 
@@ -186,7 +189,7 @@ class Orders:
         await self._connection.execute(
             update(orders)
             .where(orders.c.id == order_id, orders.c.status.in_(OPEN), orders.c.revoked_at_s.is_(None))
-            .values(revoked_at_s=at_s)
+            .values(revoked_at_s=at_s, updated_at_s=at_s)
         )
 
     async def store(self, order_id: str, release: int, outstanding: Sequence[int], at_s: float) -> None:
@@ -216,8 +219,10 @@ class Orders:
                 .values(delivered=pieces)
             )
         too_late = bool(outstanding) and not any(outstanding)
-        after = {"revoked_at_s": None} if too_late else {"status": OrderStatus.STORED}
-        await self._connection.execute(update(orders).where(orders.c.id == order_id).values(after))
+        after: dict[str, object] = {"revoked_at_s": None} if too_late else {"status": OrderStatus.STORED}
+        await self._connection.execute(
+            update(orders).where(orders.c.id == order_id).values(after | {"updated_at_s": at_s})
+        )
         if too_late:
             await self.fulfil(order_id, release, at_s)
 
@@ -237,14 +242,15 @@ class Orders:
         told_s = await self._connection.scalar(told)
         delivered_at_s = at_s if told_s is None else told_s
         all_of_it = order.quantities
-        await self.advance(order, Progress(OrderStatus.DELIVERED, all_of_it, all_of_it, delivered_at_s))
+        reached = Progress(OrderStatus.DELIVERED, all_of_it, all_of_it, delivered_at_s)
+        await self.advance(order, reached, at_s)
 
     async def cancel(self, order_id: str, at_s: float) -> None:
         """Cancel an order that is not delivered yet; any other stays as it is."""
         await self._connection.execute(
             update(orders)
             .where(orders.c.id == order_id, orders.c.status.in_(UNENDED))
-            .values(status=OrderStatus.CANCELLED, cancelled_at_s=at_s)
+            .values(status=OrderStatus.CANCELLED, cancelled_at_s=at_s, updated_at_s=at_s)
         )
 
     async def accept(self, incarnations: dict[str, int]) -> None:
@@ -257,17 +263,16 @@ class Orders:
                 [{"of": order, "life": life} for order, life in incarnations.items()],
             )
 
-    async def advance(self, order: Order, progress: Progress) -> None:
-        """Write how far an order has come, as `status_after` has it."""
+    async def advance(self, order: Order, progress: Progress, at_s: float) -> None:
+        """Write how far an order has come, as `status_after` has it.
+
+        Args:
+            order: as it was read.
+            progress: what its goals say.
+            at_s: the wall clock now.
+        """
         status = status_after(order.status, progress.status)
         delivered_at_s = delivered_after(status, order.delivered_at_s, progress.delivered_at_s)
-        if (status, delivered_at_s) != (order.status, order.delivered_at_s):
-            await self._connection.execute(
-                update(orders)
-                # Somebody may have taken it back or cancelled it since it was read.
-                .where(orders.c.id == order.id, orders.c.status == order.status)
-                .values(status=status, delivered_at_s=delivered_at_s)
-            )
         changed = [
             {"of": order.id, "at": index, "made": made, "delivered": delivered}
             for index, (item, made, delivered) in enumerate(
@@ -275,6 +280,13 @@ class Orders:
             )
             if (item.made, item.delivered) != (made, delivered)
         ]
+        if changed or (status, delivered_at_s) != (order.status, order.delivered_at_s):
+            await self._connection.execute(
+                update(orders)
+                # Somebody may have taken it back or cancelled it since it was read.
+                .where(orders.c.id == order.id, orders.c.status == order.status)
+                .values(status=status, delivered_at_s=delivered_at_s, updated_at_s=at_s)
+            )
         if changed:
             await self._connection.execute(
                 update(order_items)

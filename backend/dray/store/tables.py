@@ -65,6 +65,7 @@ orders = Table(
     Column("incarnation", Integer, nullable=False, server_default="0"),
     Column("releases", Integer, nullable=False, server_default="0"),
     Column("revoked_at_s", Double),
+    Column("updated_at_s", Double, nullable=False, server_default="0"),
     CheckConstraint(
         "status IN ('stored', 'released', 'in_production', 'in_delivery', 'delivered', 'cancelled')",
         name="status",
@@ -72,6 +73,8 @@ orders = Table(
     UniqueConstraint("token"),
     Index(None, "created_at_s", "id"),
     Index(None, "status", "created_at_s", "id"),
+    Index(None, "updated_at_s"),
+    Index(None, "reference"),
     comment="Sales orders. incarnation: the newest life of the strategist that accepted the order.",
 )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Mapping, Sequence
+from collections.abc import AsyncIterator, Mapping
 from http import HTTPStatus
 from typing import Annotated
 
@@ -26,7 +26,7 @@ from dray.gateway.answers import (
     write_cursor,
 )
 from dray.gateway.bodies import json_only
-from dray.gateway.drafts import OrderDraft, WorkDraft
+from dray.gateway.drafts import Moment, OrderDraft, WorkDraft
 from dray.gateway.idempotency import Key, own_key
 from dray.gateway.parts import Gateway, Parts
 from dray.gateway.preview import OrderPreview
@@ -34,6 +34,7 @@ from dray.gateway.problems import not_found
 from dray.gateway.projection.orders import order_view
 from dray.gateway.spreadsheet import Format, Row, table, with_csv
 from dray.gateway.views import OrderItemView, OrderView
+from dray.store.orderfilter import OrderFilter
 from dray.store.orders import Order
 from dray.store.progress import OrderStatus
 
@@ -46,6 +47,8 @@ class OrderAnswer(OrderView, kw_only=True):
     created_at: str
     due_at: str | None = None
     delivered_at: str | None = None
+    updated_at: str
+    """When anything of it has changed last: what `updated_since` asks for."""
     tracking_url: str
 
 
@@ -59,11 +62,41 @@ EXAMPLE = OrderAnswer(
     due_at_s=1_893_463_200.0,
     created_at="2030-01-01T00:00:00Z",
     due_at="2030-01-01T02:00:00Z",
+    updated_at="2030-01-01T00:00:00Z",
     tracking_url="http://127.0.0.1:8000/track/Vb2n-0yqk4QmJ8cA1xRZ7uTLw9sEhGdf",
 )
 
 ROWS_AT_ONCE = 500
 """Orders that are read at once for a table."""
+
+Text = Annotated[str, Query(max_length=200, pattern=r"^[^\x00]*$")]
+"""As long as the longest customer; without NUL, which no text on PostgreSQL may hold."""
+
+
+def _wanted(
+    status: Annotated[list[OrderStatus] | None, Query(description="Only these; may be repeated")] = None,
+    reference: Annotated[Text, Query(description="The customer's own number, as it was given")] = "",
+    customer: Annotated[Text, Query(description="As it was given")] = "",
+    product: Annotated[Text, Query(description="The id of a product of which it has a line")] = "",
+    updated_since: Annotated[
+        Moment | None, Query(description="Changed then or later, in ISO 8601 with its zone")
+    ] = None,
+    due_before: Annotated[
+        Moment | None, Query(description="Due before then; only those with a due time")
+    ] = None,
+) -> OrderFilter:
+    return OrderFilter(
+        statuses=status or (),
+        reference=reference,
+        customer=customer,
+        product=product,
+        updated_since_s=None if updated_since is None else updated_since.timestamp(),
+        due_before_s=None if due_before is None else due_before.timestamp(),
+    )
+
+
+Wanted = Annotated[OrderFilter, Depends(_wanted)]
+"""A router's parameter: which orders a list is asked for."""
 
 COLUMNS = (
     *("order", "customer", "reference", "status"),
@@ -156,17 +189,21 @@ async def preview_order(gateway: Gateway, draft: WorkDraft) -> Json:
 async def list_orders(
     gateway: Gateway,
     request: Request,
-    status: Annotated[list[OrderStatus] | None, Query(description="Only these; may be repeated")] = None,
+    wanted: Wanted,
     cursor: Cursor = None,
     limit: Limit = PAGE,
     format: Format = "json",  # noqa: A002 - the word that others use
 ) -> Response:
-    """All orders there ever were; as a table with a row for each of their items."""
+    """All orders there ever were; as a table with a row for each of their items.
+
+    Filters are narrowed down by one another. Who follows all changes asks with `updated_since` as the newest
+    `updated_at` of the answer before: orders that have changed at that very moment come again, and none is missed.
+    """
     if format == "csv":
-        return table("orders", COLUMNS, _rows(gateway, status or []))
+        return table("orders", COLUMNS, _rows(gateway, wanted))
     after = read_cursor(cursor, tuple[float, str])
     async with gateway.store.read() as work:
-        orders = await work.orders.page(status or [], after, limit + 1)
+        orders = await work.orders.page(wanted, after, limit + 1)
     last = orders[limit - 1] if len(orders) > limit else None
     base = str(request.base_url)
     return listing(
@@ -249,16 +286,17 @@ def order_answer(order: Order, base_url: str, waits: str = "") -> OrderAnswer:
         created_at=iso(order.created_at_s),
         due_at=None if order.due_at_s is None else iso(order.due_at_s),
         delivered_at=None if order.delivered_at_s is None else iso(order.delivered_at_s),
+        updated_at=iso(order.updated_at_s),
         tracking_url=f"{base_url}track/{order.token}",
     )
 
 
-async def _rows(gateway: Parts, statuses: Sequence[OrderStatus]) -> AsyncIterator[Row]:
+async def _rows(gateway: Parts, wanted: OrderFilter) -> AsyncIterator[Row]:
     """All orders, newest first, read page by page: nobody else waits for a long table."""
     after: tuple[float, str] | None = None
     while True:
         async with gateway.store.read() as work:
-            orders = await work.orders.page(statuses, after, ROWS_AT_ONCE)
+            orders = await work.orders.page(wanted, after, ROWS_AT_ONCE)
         for order in orders:
             moments = (order.created_at_s, order.due_at_s, order.released_at_s, order.revoked_at_s)
             ends = (order.delivered_at_s, order.cancelled_at_s)

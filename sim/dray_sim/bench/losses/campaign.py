@@ -14,6 +14,7 @@ from dray.cli.fleet.folder import GATEWAY, HISTORIAN
 from dray.errors import UnavailableError
 from dray.plant import Plant
 from dray.store import Store, open_store
+from dray.store.orderfilter import EVERY_ORDER
 from dray.store.orders import Order
 from dray.store.progress import OrderStatus
 from dray_sim import demand
@@ -292,4 +293,4 @@ class _Field:
 
 async def _all_orders(store: Store) -> list[Order]:
     async with store.read() as work:
-        return await work.orders.page((), None, None)
+        return await work.orders.page(EVERY_ORDER, None, None)
