@@ -97,10 +97,10 @@ class Cell:
     def instruct(self, instruction: Instruction) -> None:
         self.instructions.append(instruction)
         self.made += 1
-        self.report(CycleDone(product=str(self.made)))
+        self.report(CycleDone(product=str(self.made), seq=self.made))
 
     def sense(self) -> WorkcellState:
-        return WorkcellState(stock={"made": self.made}, cycling="", broken="")
+        return WorkcellState(stock={"made": self.made}, seq=self.made, cycling="", broken="")
 
     def attach(self, report: Callable[[Report], None]) -> None:
         self.report = report
@@ -141,7 +141,7 @@ def test_an_agents_life_begins_with_what_its_body_senses() -> None:
         stage.start(agent, Cell())
         stage.start(bodiless := Scripted("S"))
         await asyncio.sleep(0.001)
-        assert agent.events == [(0.0, Started(WorkcellState(stock={"made": 0}, cycling="", broken="")))]
+        assert agent.events == [(0.0, Started(WorkcellState(stock={"made": 0}, seq=0, cycling="", broken="")))]
         assert bodiless.events == [(0.0, Started(None))]
 
     play(story)
@@ -186,8 +186,8 @@ def test_reports_of_the_body_reach_the_agent_in_order_also_those_given_at_once()
         await asyncio.sleep(0.001)
         assert cell.instructions == [StartCycle("a"), StartCycle("b")]
         assert [event for _, event in agent.events[1:]] == [
-            Reported(CycleDone("1")),
-            Reported(CycleDone("2")),
+            Reported(CycleDone("1", 1)),
+            Reported(CycleDone("2", 2)),
         ]
 
     play(story)
@@ -215,7 +215,7 @@ def test_an_agent_is_woken_when_it_wants_and_senses_its_body_then() -> None:
         cell.made = 7
         await asyncio.sleep(2.0)
         assert wakes(agent) == [1.0, 3.0, 5.0]
-        assert agent.events[-1][1] == Woke(WorkcellState(stock={"made": 7}, cycling="", broken=""))
+        assert agent.events[-1][1] == Woke(WorkcellState(stock={"made": 7}, seq=7, cycling="", broken=""))
 
     play(story)
 
@@ -554,13 +554,13 @@ def test_a_full_inbox_never_drops_what_the_body_reports() -> None:
         worker = stage.start(agent, cell)
         await asyncio.sleep(0.01)
         for number in range(12):
-            cell.report(CycleDone(str(number)))
+            cell.report(CycleDone(str(number), number))
         await stage.flood(worker, say("no room"))
         assert worker.dropped_messages == 1
 
     run(main())
     assert [event for _, event in agent.events[1:]] == [
-        Reported(CycleDone(str(number))) for number in range(12)
+        Reported(CycleDone(str(number), number)) for number in range(12)
     ]
 
 
@@ -590,7 +590,7 @@ def test_a_worker_that_ends_leaves_the_bus_and_its_body(way: str) -> None:
                 await stage.tasks["M1"]
         assert not is_there(stage, "M1")
         events = len(agent.events)
-        cell.report(CycleDone("late"))
+        cell.report(CycleDone("late", 1))
         await asyncio.sleep(20.0)
         assert len(agent.events) == events
 
@@ -691,11 +691,11 @@ def test_the_next_life_may_begin_in_the_instant_in_which_one_is_killed() -> None
         stage.start(second, cell)
         await asyncio.sleep(1.0)
         stranger.session.send("M1", say("to the second life"))
-        cell.report(CycleDone("a"))
+        cell.report(CycleDone("a", 1))
         await asyncio.sleep(5.0)
         assert len(first.events) == 1
         assert second.heard() == ["to the second life"]
-        assert Reported(CycleDone("a")) in [event for _, event in second.events]
+        assert Reported(CycleDone("a", 1)) in [event for _, event in second.events]
         assert wakes(second) == [3.0]
 
     play(story)

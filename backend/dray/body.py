@@ -186,6 +186,8 @@ class CycleDone(Part, frozen=True):
     """A piece was made and lies in the goods."""
 
     product: str
+    seq: int
+    """Of this change of the stock; see `WorkcellState.seq`."""
 
 
 class CycleFailed(Part, frozen=True):
@@ -201,6 +203,8 @@ class StockChanged(Part, frozen=True):
     item: str
     change: int
     """Pieces; negative when something was taken."""
+    seq: int
+    """Of this change of the stock; see `WorkcellState.seq`."""
     vehicle: str = ""
 
 
@@ -218,10 +222,17 @@ WorkcellReport = CycleDone | CycleFailed | StockChanged | Broken | Repaired
 
 
 class WorkcellState(Part, frozen=True):
-    """What a workcell senses of itself."""
+    """What a workcell senses of itself.
+
+    A state may be sensed before reports that explain it are heard, or told after them. So the changes of the stock
+    that are reported have numbers: whoever has heard another last one than `seq` knows that this stock is of another
+    moment.
+    """
 
     stock: dict[str, int]
     """Pieces at hand of every material and product, those in a running cycle not counted."""
+    seq: int
+    """How many changes of the stock the workcell has reported since it was built; all of them are in `stock`."""
     cycling: str
     """The product of the running cycle; empty for none."""
     broken: str

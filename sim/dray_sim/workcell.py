@@ -88,6 +88,8 @@ class SimWorkcell:
         self._buffers = {material: plant.materials[material].buffer for material in materials}
         self._goods_capacity = spec.goods_capacity
         self._stock = dict.fromkeys((*materials, *self._cycle_s), 0) | dict(stock or {})
+        self._seq = 0
+        """Of the last change of the stock that a report tells of."""
         self._docks: dict[str, tuple[str, int]] = {}
         """Vehicle -> what it may carry in or out, once."""
         self._cycle: _Cycle | None = None
@@ -118,7 +120,9 @@ class SimWorkcell:
     def sense(self) -> WorkcellState:
         """See `dray.ports.Body`."""
         cycling = self._cycle.product if self._cycle is not None else ""
-        return WorkcellState(stock=dict(self._stock), cycling=cycling, broken=self._broken)
+        return WorkcellState(
+            stock=dict(self._stock), seq=self._seq, cycling=cycling, broken=self._broken
+        )
 
     def attach(self, report: Callable[[Report], None]) -> None:
         """See `dray.ports.Body`."""
@@ -276,8 +280,9 @@ class SimWorkcell:
         self._settle()
         product, self._cycle = self._cycle.product, None
         self._stock[product] += 1
+        self._seq += 1
         self.made[product] += 1
-        self._reporter.say(CycleDone(product=product))
+        self._reporter.say(CycleDone(product=product, seq=self._seq))
         self._reporter.flush()
 
     def _refusal(self, vehicle: str, item: str, quantity: int) -> str:
@@ -293,7 +298,8 @@ class SimWorkcell:
 
     def _change_stock(self, item: str, change: int, vehicle: str = "") -> None:
         self._stock[item] += change
-        self._reporter.say(StockChanged(item=item, change=change, vehicle=vehicle))
+        self._seq += 1
+        self._reporter.say(StockChanged(item=item, change=change, seq=self._seq, vehicle=vehicle))
         self._reporter.flush_soon()
 
     def _settle(self) -> None:

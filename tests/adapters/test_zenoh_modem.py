@@ -141,7 +141,7 @@ def test_everything_else_is_the_bodys_own() -> None:
         vehicle.modem.instruct(Hold())
         assert vehicle.rest.told == [Hold()]
         assert vehicle.modem.sense() == msgspec.structs.replace(STANDING, link=Link.MESH)
-        vehicle.rest.state = WorkcellState(stock={}, cycling="", broken="")
+        vehicle.rest.state = WorkcellState(stock={}, seq=0, cycling="", broken="")
         assert vehicle.modem.sense() is vehicle.rest.state
 
     with_a_vehicle(test)

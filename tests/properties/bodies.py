@@ -235,6 +235,7 @@ class PlainWorkcell:
     def __init__(self, machine: str, plant: Plant, stock: dict[str, int] | None = None) -> None:
         self.machine = machine
         self.stock = dict.fromkeys(plant.materials_of(machine), 0) | dict(stock or {})
+        self.seq = 0
         self.cycling = ""
         self.broken = ""
         self.consumed: dict[str, int] = {}
@@ -248,7 +249,9 @@ class PlainWorkcell:
         return NEVER_S if self.broken else self._due_s
 
     def sense(self) -> WorkcellState:
-        return WorkcellState(stock=dict(self.stock), cycling=self.cycling, broken=self.broken)
+        return WorkcellState(
+            stock=dict(self.stock), seq=self.seq, cycling=self.cycling, broken=self.broken
+        )
 
     def instruct(self, instruction: Instruction, now_s: float) -> list[Report]:
         if isinstance(instruction, StartCycle):
@@ -273,7 +276,8 @@ class PlainWorkcell:
         product, self.cycling, self._due_s = self.cycling, "", NEVER_S
         self.made[product] = self.made.get(product, 0) + 1
         self.stock[product] = self.stock.get(product, 0) + 1
-        return [CycleDone(product=product)]
+        self.seq += 1
+        return [CycleDone(product=product, seq=self.seq)]
 
     def transfer(self, vehicle: str, item: str, change: int) -> tuple[str, list[Report]]:
         """A vehicle puts pieces in, or takes them out if `change` is negative: once for each opening."""
@@ -286,7 +290,8 @@ class PlainWorkcell:
             return "no room", []
         del self._docks[vehicle]
         self.stock[item] = self.stock.get(item, 0) + change
-        return "", [StockChanged(item=item, change=change, vehicle=vehicle)]
+        self.seq += 1
+        return "", [StockChanged(item=item, change=change, seq=self.seq, vehicle=vehicle)]
 
     def _start(self, product: str, now_s: float) -> list[Report]:
         bill = self._plant.products[product].bill

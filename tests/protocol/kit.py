@@ -386,10 +386,11 @@ class MachineRig(Rig):
         super().__init__(Machine(machine, PLANT, **options))
         self.stock = dict.fromkeys(PLANT.materials_of(machine), 0) | dict(stock or {})
         self.broken = ""
+        self.seq = 0
         self._cycles = 0
 
     def sense(self) -> WorkcellState:
-        return WorkcellState(stock=dict(self.stock), cycling="", broken=self.broken)
+        return WorkcellState(stock=dict(self.stock), seq=self.seq, cycling=self.cycling, broken=self.broken)
 
     def handle(self, event: Event) -> list[Effect]:
         effects = super().handle(event)
@@ -420,7 +421,8 @@ class MachineRig(Rig):
         started = len(instructed(self.all, StartCycle))
         assert self._cycles <= started, "no cycle runs"
         self.stock[product] = self.stock.get(product, 0) + 1
-        return self.report(CycleDone(product=product))
+        self.seq += 1
+        return self.report(CycleDone(product=product, seq=self.seq))
 
     def cycles(self, count: int) -> list[Effect]:
         """The running cycle ends, and the ones that follow it."""
@@ -430,10 +432,16 @@ class MachineRig(Rig):
     def is_cycling(self) -> bool:
         return len(instructed(self.all, StartCycle)) > self._cycles
 
+    @property
+    def cycling(self) -> str:
+        """The product of the running cycle, as the workcell senses it."""
+        return instructed(self.all, StartCycle)[-1].product if self.is_cycling else ""
+
     def stocked(self, item: str, change: int, vehicle: str = "") -> list[Effect]:
         """Something is put in, or taken out."""
         self.stock[item] = self.stock.get(item, 0) + change
-        return self.report(StockChanged(item=item, change=change, vehicle=vehicle))
+        self.seq += 1
+        return self.report(StockChanged(item=item, change=change, seq=self.seq, vehicle=vehicle))
 
     def hire(self, task: str, atv: str, *, cost_s: float = 50.0) -> list[Effect]:
         """A vehicle bids alone for a task that is announced now, is asked, and accepts."""

@@ -97,7 +97,8 @@ def test_what_was_handed_over_is_written_down_before_the_vehicle_is_told() -> No
 def test_a_cycle_that_an_earlier_life_has_begun_makes_a_piece_for_the_next_goal() -> None:
     rig = MachineRig("M7", FULL, incarnation=2)
     rig.start()
-    rig.report(CycleDone(product="pump-p3"))
+    rig.stock["pump-p3"], rig.seq = 1, 1
+    rig.report(CycleDone(product="pump-p3", seq=rig.seq))
     assert facts(rig.all, PieceMade) == []
     effects = rig.take_goal("G1", production(quantity=3))
     assert [(fact.goal, fact.made) for fact in facts(effects, PieceMade)] == [("G1", 1)]
@@ -109,7 +110,7 @@ def test_a_cycle_that_an_earlier_life_has_begun_makes_a_piece_for_the_next_goal(
 def test_a_machine_that_starts_in_the_middle_of_a_cycle_waits_for_its_end() -> None:
     class Running(MachineRig):
         def sense(self) -> WorkcellState:
-            return WorkcellState(stock=dict(self.stock), cycling="pump-p3", broken="")
+            return WorkcellState(stock=dict(self.stock), seq=0, cycling="pump-p3", broken="")
 
     rig = Running("M7", FULL, incarnation=2)
     rig.start()
@@ -117,7 +118,7 @@ def test_a_machine_that_starts_in_the_middle_of_a_cycle_waits_for_its_end() -> N
     assert instructed(rig.all, StartCycle) == []
     rig.run(1.0)
     assert status(rig) is MachineStatus.PRODUCING
-    assert instructed(rig.report(CycleDone(product="pump-p3")), StartCycle)
+    assert instructed(rig.report(CycleDone(product="pump-p3", seq=1)), StartCycle)
 
 
 def test_finished_pieces_that_lie_there_at_the_start_are_used_for_the_first_goals() -> None:

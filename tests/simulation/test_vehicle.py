@@ -349,7 +349,7 @@ def test_a_machine_is_supplied_through_its_dock(yard: Yard, vehicle: SimVehicle)
     yard.do(yard.workcell, OpenDock(vehicle="ATV1", item="shaft", quantity=20))
     said = yard.do(vehicle, Drop(order=6, station="M1"), for_s=20.0)
     assert ActionDone(order=6) in said
-    assert StockChanged(item="shaft", change=20, vehicle="ATV1") in said
+    assert StockChanged(item="shaft", change=20, seq=1, vehicle="ATV1") in said
     assert yard.workcell.sense().stock["shaft"] == 20
     assert (vehicle.sense().load, vehicle.sense().load_quantity) == ("", 0)
 

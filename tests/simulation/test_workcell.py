@@ -39,7 +39,7 @@ def yard() -> Yard:
 
 def test_a_new_workcell_senses_every_material_and_product(yard: Yard) -> None:
     assert yard.workcell.sense() == WorkcellState(
-        stock={"shaft": 0, "seal": 0, "gear": 0, "pump": 0}, cycling="", broken=""
+        stock={"shaft": 0, "seal": 0, "gear": 0, "pump": 0}, seq=0, cycling="", broken=""
     )
 
 
@@ -47,12 +47,12 @@ def test_a_cycle_takes_the_bill_when_it_starts_and_gives_a_piece_when_it_ends(ya
     workcell = cell(yard, shaft=5, seal=1)
     assert yard.do(workcell, GEAR, for_s=29.9) == []
     assert workcell.sense() == WorkcellState(
-        stock={"shaft": 3, "seal": 0, "gear": 0, "pump": 0}, cycling="gear", broken=""
+        stock={"shaft": 3, "seal": 0, "gear": 0, "pump": 0}, seq=0, cycling="gear", broken=""
     )
-    assert yard.do(workcell, for_s=0.2) == [CycleDone(product="gear")]
+    assert yard.do(workcell, for_s=0.2) == [CycleDone(product="gear", seq=1)]
     assert yard.said[-1][0] == 30.0
     assert workcell.sense() == WorkcellState(
-        stock={"shaft": 3, "seal": 0, "gear": 1, "pump": 0}, cycling="", broken=""
+        stock={"shaft": 3, "seal": 0, "gear": 1, "pump": 0}, seq=1, cycling="", broken=""
     )
     assert workcell.consumed == {"shaft": 2, "seal": 1}
     assert workcell.made == {"gear": 1}
@@ -96,7 +96,7 @@ def test_a_breakdown_pauses_the_cycle_and_a_repair_goes_on_with_it(yard: Yard) -
     assert workcell.sense().cycling == "gear"
     workcell.repair()
     workcell.repair()
-    assert yard.do(workcell, for_s=20.0) == [Repaired(), CycleDone(product="gear")]
+    assert yard.do(workcell, for_s=20.0) == [Repaired(), CycleDone(product="gear", seq=1)]
     assert yard.said[-1][0] == 130.0
     assert workcell.times() == WorkcellTimes(cycling_s=30.0, broken_s=100.0, still_s=0.0)
 
@@ -122,7 +122,7 @@ def test_the_dock_lets_one_transfer_through_and_shuts(yard: Yard) -> None:
     yard.do(workcell, OpenDock(vehicle="ATV1", item="shaft", quantity=20))
     assert workcell.put("ATV1", "shaft", 20) == ""
     assert workcell.put("ATV1", "shaft", 20) == SHUT
-    assert yard.do(workcell) == [StockChanged(item="shaft", change=20, vehicle="ATV1")]
+    assert yard.do(workcell) == [StockChanged(item="shaft", change=20, seq=1, vehicle="ATV1")]
     assert workcell.sense().stock["shaft"] == 20
 
 
@@ -155,7 +155,7 @@ def test_goods_are_fetched_through_the_dock_and_never_more_than_there_are(yard: 
     assert workcell.take("ATV1", "gear", 5) == TOO_LITTLE
     yard.do(workcell, OpenDock(vehicle="ATV1", item="gear", quantity=4))
     assert workcell.take("ATV1", "gear", 4) == ""
-    assert yard.do(workcell) == [StockChanged(item="gear", change=-4, vehicle="ATV1")]
+    assert yard.do(workcell) == [StockChanged(item="gear", change=-4, seq=1, vehicle="ATV1")]
 
 
 def test_goods_may_come_back_but_never_take_the_place_of_a_piece_in_the_making(yard: Yard) -> None:
@@ -164,7 +164,7 @@ def test_goods_may_come_back_but_never_take_the_place_of_a_piece_in_the_making(y
     assert workcell.put("ATV1", "gear", 6) == NO_ROOM
     yard.do(workcell, OpenDock(vehicle="ATV1", item="gear", quantity=5))
     assert workcell.put("ATV1", "gear", 5) == ""
-    assert yard.do(workcell, for_s=60.0)[-1] == CycleDone(product="pump")
+    assert yard.do(workcell, for_s=60.0)[-1] == CycleDone(product="pump", seq=2)
 
 
 def test_a_workcell_never_promises_that_something_comes_by_itself(yard: Yard) -> None:
@@ -225,7 +225,7 @@ def test_a_cycle_pauses_without_power_and_nothing_is_said(yard: Yard) -> None:
     assert (workcell.sense().cycling, workcell.off) == ("gear", True)
     workcell.power_on()
     assert yard.do(workcell, for_s=19.9) == []
-    assert yard.do(workcell, for_s=0.2) == [CycleDone(product="gear")]
+    assert yard.do(workcell, for_s=0.2) == [CycleDone(product="gear", seq=1)]
     assert workcell.times() == WorkcellTimes(
         cycling_s=pytest.approx(30.0), broken_s=pytest.approx(100.0), still_s=pytest.approx(0.1)
     )
@@ -259,7 +259,7 @@ def test_a_machine_that_breaks_without_power_stays_broken_with_it(yard: Yard) ->
     assert yard.do(workcell, for_s=100.0) == []
     assert workcell.sense().broken == "spindle"
     workcell.repair()
-    assert yard.do(workcell, for_s=20.0) == [Repaired(), CycleDone(product="gear")]
+    assert yard.do(workcell, for_s=20.0) == [Repaired(), CycleDone(product="gear", seq=1)]
 
 
 def test_a_machine_that_is_repaired_without_power_does_not_work(yard: Yard) -> None:
@@ -280,7 +280,7 @@ def test_power_that_is_switched_twice_is_switched_once(yard: Yard) -> None:
     yard.run(20.0)
     workcell.power_off()
     workcell.power_on()
-    assert yard.do(workcell, for_s=20.0) == [CycleDone(product="gear")]
+    assert yard.do(workcell, for_s=20.0) == [CycleDone(product="gear", seq=1)]
 
 
 # --- by hand ---
@@ -289,7 +289,7 @@ def test_power_that_is_switched_twice_is_switched_once(yard: Yard) -> None:
 def test_what_a_person_puts_in_is_told(yard: Yard) -> None:
     workcell = cell(yard)
     assert workcell.put_by_hand("gear", 5) == ""
-    assert yard.do(workcell) == [StockChanged(item="gear", change=5)]
+    assert yard.do(workcell) == [StockChanged(item="gear", change=5, seq=1)]
     assert workcell.sense().stock["gear"] == 5
 
 

@@ -107,7 +107,7 @@ class ScriptedVehicle:
         elif isinstance(instruction, Drop):
             item, quantity = self._load
             self._load = ("", 0)
-            arrived = StockChanged(item=item, change=quantity, vehicle=self._atv)
+            arrived = StockChanged(item=item, change=quantity, seq=0, vehicle=self._atv)
             self._stage.report(instruction.station, self._type.unload_s, arrived)
             self._stage.report(self._atv, self._type.unload_s, ActionDone(order=instruction.order))
 
@@ -121,9 +121,16 @@ class ScriptedWorkcell:
 
     def __init__(self, stock: dict[str, int]) -> None:
         self.stock = stock
+        self._seq = 0
 
     def sense(self) -> WorkcellState:
-        return WorkcellState(stock=dict(self.stock), cycling="", broken="")
+        return WorkcellState(stock=dict(self.stock), seq=self._seq, cycling="", broken="")
+
+    def count(self, report: StockChanged) -> StockChanged:
+        """Let a change of the stock happen; its report, numbered."""
+        self.stock[report.item] += report.change
+        self._seq += 1
+        return msgspec.structs.replace(report, seq=self._seq)
 
     def instruct(self, instruction: object) -> None:
         """Cycles and docks need nothing here."""
@@ -168,7 +175,7 @@ class Stage:
     def report(self, agent: str, after_s: float, report: Report) -> None:
         if agent in self._agents:
             if isinstance(report, StockChanged):
-                self._bodies[agent].stock[report.item] += report.change
+                report = self._bodies[agent].count(report)
             self._later(self.now_s + after_s, agent, Reported(report))
 
     def run(self, until_s: float) -> None:

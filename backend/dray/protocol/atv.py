@@ -174,11 +174,12 @@ class Atv(Core):
         self._obedience.stopped = state.held
         if isinstance(memory, AtvMemory):
             self._obedience.recall(memory)
-        self._rest.start(self._battery_frac, now_s)
         if isinstance(memory, AtvMemory) and memory.contract is not None:
             self._bind(memory.contract)
             self._go_on(lambda carriage: carriage.resume(state.load, now_s), now_s)
         self._bring_back(now_s)
+        if self._carriage is None:
+            self._rest.start(self._battery_frac, now_s)
         self._update_status(now_s, "started")
         self._pulse.at_once(now_s)
 

@@ -47,13 +47,14 @@ class Cycle:
             return
         self._goal, self.product = goal, goal.work.product
         for line in self._plant.products[self.product].bill:
-            self._supply.change(line.material, -line.quantity)
+            self._supply.use(line.material, line.quantity)
         self._out.append(Instruct(StartCycle(product=self.product)))
 
-    def done(self, product: str) -> None:
+    def done(self, product: str, seq: int) -> None:
         """A piece has come out; it is spare when its goal has ended meanwhile."""
+        if not self._supply.change(product, 1, seq):
+            return  # It lay there at the start, when all that did was counted.
         goal, self._goal, self.product = self._goal, None, ""
-        self._supply.change(product, 1)
         if goal is None or self._goals.get(goal.id) is not goal:
             self._goals.add_spare(product, 1)
         else:

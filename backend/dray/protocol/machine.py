@@ -188,7 +188,7 @@ class Machine(Core):
     def _start(self, body: BodyState | None, memory: Memory | None, now_s: float) -> None:
         if not isinstance(body, WorkcellState):
             raise ProtocolViolation(f"{self.id}: a machine needs a workcell, not {body!r}")
-        self._supply.sense(body.stock)
+        self._supply.begin(body.stock, body.seq)
         self._problem = body.broken
         self._cycle.product = body.cycling
         if isinstance(memory, MachineMemory):
@@ -230,7 +230,9 @@ class Machine(Core):
         )
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
-        if isinstance(body, WorkcellState) and self._supply.sense(body.stock):
+        if not isinstance(body, WorkcellState) or self._cycle.product not in ("", body.cycling):
+            return  # A body elsewhere may not have heard of the cycle yet, whose material is used up here.
+        if self._supply.sense(body.stock, body.seq):
             self._pursue(now_s)
 
     def _beat(self, _about: None, now_s: float) -> None:
@@ -273,7 +275,7 @@ class Machine(Core):
     # --- the workcell reports ---
 
     def _cycle_done(self, report: CycleDone, now_s: float) -> None:
-        self._cycle.done(report.product)
+        self._cycle.done(report.product, report.seq)
         self._pursue(now_s)
 
     def _cycle_failed(self, _report: CycleFailed, now_s: float) -> None:
@@ -282,11 +284,13 @@ class Machine(Core):
         self._pulse.at_once(now_s)
 
     def _stock_changed(self, report: StockChanged, now_s: float) -> None:
-        self._supply.change(report.item, report.change)
+        is_news = self._supply.change(report.item, report.change, report.seq)
         if report.item not in self._products:
             self._material_came(report)
         else:
             self._goods.moved(report, now_s)
+            if not is_news:
+                self._goods.recount(now_s)
             self._commit()
         self._pursue(now_s)
 
@@ -385,13 +389,18 @@ class Machine(Core):
             # Nothing would ever make them come: they are lost, and the books do not know.
             self._goods.recount(now_s)
         self._dock.hear_docked(sender, message, now_s)
+        task = self._tasks.get(message.task)
         if task is not None and now_s - task.held_s > HELD_MAX_S:
             self._withdraw(task, now_s)
 
     def _withdraw(self, task: OpenTask, now_s: float) -> None:
-        """Material that finds no room keeps a vehicle from whatever would make some."""
+        """Material that finds no room, or goods that are not there, keep a vehicle from whatever would help."""
         self._tasks.close(task, "withdrawn")
-        self._supply.settled(cast(Transport, task.work), None)
+        work = cast(Transport, task.work)
+        if work.item in self._products:
+            self._goods.lost(task, now_s)
+        else:
+            self._supply.settled(work, None)
         self._commit()
         self._pulse.at_once(now_s)
         self._pursue(now_s)

@@ -39,22 +39,42 @@ class Supply:
         self._on_order = dict.fromkeys(self._materials, 0)
         self._levels: tuple[BufferLevel, ...] | None = None
         self.stock: dict[str, int] = {}
-        """Pieces at hand of every material and product; change it through `change` and `sense`."""
+        """Pieces at hand of every material and product; only this class changes it."""
+        self._seq = 0
+        """Of the last change that is in `stock` (`dray.body.WorkcellState.seq`)."""
 
     # --- what is there ---
 
-    def sense(self, stock: dict[str, int]) -> bool:
-        """Take the workcell's own count; True when it is not what was believed."""
-        if stock == self.stock:
+    def begin(self, stock: dict[str, int], seq: int) -> None:
+        """Take the workcell's count at the start, which tells all that was reported to earlier lives, too."""
+        self.stock, self._seq, self._levels = dict(stock), seq, None
+
+    def sense(self, stock: dict[str, int], seq: int) -> bool:
+        """Take the workcell's count, unless it is of another moment: what it has reported since is still to come.
+
+        Returns:
+            True when it is not what was believed.
+        """
+        if seq != self._seq or stock == self.stock:
             return False
-        self.stock = dict(stock)
-        self._levels = None
+        self.stock, self._levels = dict(stock), None
         return True
 
-    def change(self, item: str, pieces: int) -> None:
-        """Pieces came, or went if negative."""
-        self.stock[item] = self.stock.get(item, 0) + pieces
-        self._levels = None
+    def change(self, item: str, pieces: int, seq: int) -> bool:
+        """Pieces came, or went if negative, as the workcell reports.
+
+        Returns:
+            False when the count at the start told so already, and nothing changes.
+        """
+        if seq <= self._seq:
+            return False
+        self._seq = seq
+        self._move(item, pieces)
+        return True
+
+    def use(self, item: str, pieces: int) -> None:
+        """A cycle takes pieces out."""
+        self._move(item, -pieces)
 
     def level(self, item: str) -> int:
         return self.stock.get(item, 0)
@@ -122,6 +142,10 @@ class Supply:
 
     def goals_changed(self) -> None:
         """The reorder points follow from the goals."""
+        self._levels = None
+
+    def _move(self, item: str, pieces: int) -> None:
+        self.stock[item] = self.stock.get(item, 0) + pieces
         self._levels = None
 
     def _missing(self, material: str, cycling: str) -> int:
