@@ -141,7 +141,9 @@ def test_an_agents_life_begins_with_what_its_body_senses() -> None:
         stage.start(agent, Cell())
         stage.start(bodiless := Scripted("S"))
         await asyncio.sleep(0.001)
-        assert agent.events == [(0.0, Started(WorkcellState(stock={"made": 0}, seq=0, cycling="", broken="")))]
+        assert agent.events == [
+            (0.0, Started(WorkcellState(stock={"made": 0}, seq=0, cycling="", broken="")))
+        ]
         assert bodiless.events == [(0.0, Started(None))]
 
     play(story)

@@ -6,7 +6,7 @@ cannot tell it: contracts, epochs, counts. Everything else is sensed or asked an
 
 from __future__ import annotations
 
-from dray.messages import OrderItem, Phase, Production, Transport
+from dray.messages import OrderItem, Phase, Production, TakenOver, Transport
 from dray.messages.base import Part
 
 
@@ -49,6 +49,10 @@ class Contract(Part, frozen=True):
     phase: Phase = Phase.APPROACHING
     cancelled: str = ""
     """Why it is to end as soon as the load is off; empty while it holds."""
+    number: int = 0
+    """Of the award by which it was given; 0 for a takeover."""
+    claim: TakenOver | None = None
+    """What is said of a takeover that its coordinator has not confirmed yet."""
 
 
 class MachineMemory(Part, tag_field="kind", tag="machine", frozen=True):
@@ -72,6 +76,10 @@ class GoalMemory(Part, frozen=True):
     astray: int
     """Pieces that were made and lost on the way."""
     epoch: int = 1
+    number: int = 1
+    """Of the award by which it was given."""
+    confirmed: bool = True
+    """Whether its strategist has heard that it was taken."""
 
 
 class TaskMemory(Part, frozen=True):
@@ -87,6 +95,11 @@ class TaskMemory(Part, frozen=True):
     promised_s: float = 0.0
     loaded: bool = False
     """Goods that have left this machine."""
+    secondary: str = ""
+    watch_number: int = 0
+    """Of the award by which the secondary watches."""
+    offered: bool = True
+    """Whether anybody was asked to carry it in this epoch."""
 
 
 class StrategistMemory(Part, tag_field="kind", tag="strategist", frozen=True):

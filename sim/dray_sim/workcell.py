@@ -120,9 +120,7 @@ class SimWorkcell:
     def sense(self) -> WorkcellState:
         """See `dray.ports.Body`."""
         cycling = self._cycle.product if self._cycle is not None else ""
-        return WorkcellState(
-            stock=dict(self._stock), seq=self._seq, cycling=cycling, broken=self._broken
-        )
+        return WorkcellState(stock=dict(self._stock), seq=self._seq, cycling=cycling, broken=self._broken)
 
     def attach(self, report: Callable[[Report], None]) -> None:
         """See `dray.ports.Body`."""

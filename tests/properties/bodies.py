@@ -249,9 +249,7 @@ class PlainWorkcell:
         return NEVER_S if self.broken else self._due_s
 
     def sense(self) -> WorkcellState:
-        return WorkcellState(
-            stock=dict(self.stock), seq=self.seq, cycling=self.cycling, broken=self.broken
-        )
+        return WorkcellState(stock=dict(self.stock), seq=self.seq, cycling=self.cycling, broken=self.broken)
 
     def instruct(self, instruction: Instruction, now_s: float) -> list[Report]:
         if isinstance(instruction, StartCycle):

@@ -253,7 +253,9 @@ class Watching(RuleBasedStateMachine):
     @rule(who=st.sampled_from(["M8", "M7"]))
     def is_released(self, who: str) -> None:
         self.watches = self.watches and who != "M8"
-        self.told(who, Release(task="M8-1", epoch=1, role=Role.SECONDARY, reason="the task has ended"))
+        self.told(
+            who, Release(task="M8-1", epoch=1, role=Role.SECONDARY, reason="the task has ended", number=1)
+        )
 
     @precondition(lambda self: self.took_over and not self.answered)
     @rule(kind=st.sampled_from(["confirmed", "released", "superseded"]))

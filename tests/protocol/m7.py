@@ -20,7 +20,7 @@ from dray.protocol.events import Effect
 FULL = {"housing": 72, "impeller": 90, "seal-kit": 120}
 NO_HOUSINGS = FULL | {"housing": 0}
 
-RELEASE = Release(task="G1", epoch=1, role=Role.PRIMARY, reason="no answer")
+RELEASE = Release(task="G1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1)
 
 
 def m7(stock: dict[str, int] = FULL, *, goal: int = 0) -> MachineRig:

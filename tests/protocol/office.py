@@ -54,6 +54,7 @@ class Office:
             lost=lambda _task, _now_s: None,
             left=lambda _atv: None,
             unloaded=lambda _task, _now_s: None,
+            commit=lambda: None,
         )
         self.seq = 0
 

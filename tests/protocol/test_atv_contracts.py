@@ -153,7 +153,7 @@ def test_every_answer_may_come_twice() -> None:
         opened,
         HandoverAccepted(task="M8-1", epoch=1),
         Superseded(task="M8-1", epoch=2),
-        Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer"),
+        Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1),
         Withdrawn(task="M8-1", epoch=1, reason="not needed any more"),
     ):
         rig.hear("M8", message)
@@ -186,7 +186,7 @@ def test_a_question_is_repeated_until_the_machine_answers() -> None:
 
 def test_a_released_vehicle_without_a_load_is_free_at_once() -> None:
     rig = contracted()
-    release = Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer")
+    release = Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1)
     [ended] = facts(rig.hear("M8", release), ContractEnded)
     assert ended.reason == "released"
     assert deeds(rig.hear("M8", release)) == []
@@ -194,16 +194,29 @@ def test_a_released_vehicle_without_a_load_is_free_at_once() -> None:
     assert sent(rig.hear("M7", announcement(task="M7-1")), Bid)
 
 
+def test_a_release_of_an_earlier_award_does_not_end_the_contract_of_a_later_one() -> None:
+    rig = contracted()
+    [again] = sent(
+        rig.hear("M8", award(number=2)), Accepted
+    )  # Its first answer was lost, and it was asked once more.
+    assert again.number == 2
+    late = Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1)
+    assert deeds(rig.hear("M8", late)) == []
+    assert last_beat(rig).task is not None
+    release = Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer", number=2)
+    assert facts(rig.hear("M8", release), ContractEnded)
+
+
 def test_a_release_of_another_epoch_is_ignored() -> None:
     rig = contracted()
-    release = Release(task="M8-1", epoch=2, role=Role.PRIMARY, reason="no")
+    release = Release(task="M8-1", epoch=2, role=Role.PRIMARY, reason="no", number=1)
     assert deeds(rig.hear("M8", release)) == []
 
 
 @pytest.mark.parametrize(
     "message",
     [
-        Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer"),
+        Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1),
         Withdrawn(task="M8-1", epoch=1, reason="not needed any more"),
         Superseded(task="M8-1", epoch=2),
         DockOpened(task="M8-1", epoch=1, station="M8"),
@@ -240,7 +253,7 @@ def test_an_answer_carries_the_number_of_its_award() -> None:
     [
         Superseded(task="M8-1", epoch=2),
         Withdrawn(task="M8-1", epoch=1, reason="not needed any more"),
-        Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="withdrawn"),
+        Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="withdrawn", number=1),
     ],
     ids=lambda message: type(message).__name__,
 )
@@ -280,7 +293,7 @@ def test_reports_of_older_ways_are_ignored() -> None:
     rig = contracted()
     old = rig.last(Drive)
     rig.report(NodePassed(order=old.order, node=old.nodes[1], index=1, battery_frac=0.9))
-    rig.hear("M8", Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer"))
+    rig.hear("M8", Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1))
     rig.hear("M8", award(task="M8-2", work=transport(sources=("S8",))))
     assert rig.last(Drive).order > old.order
     rig.report(WayDone(order=old.order, node="s3"))

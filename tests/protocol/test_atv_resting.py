@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from atv1 import SETTLED_S, contracted, handing_over, last_beat, parked
-from kit import KEYS, PLANT, VehicleRig, award, facts, instructed, listening, published
+from kit import KEYS, PLANT, VehicleRig, award, committed, facts, instructed, listening, published
 
 from dray.body import Charge, Drive
-from dray.messages import AtvStatus, BerthClaimed, HandoverAccepted, Release, Role
+from dray.messages import AtvStatus, BerthClaimed, DockOpened, HandoverAccepted, Release, Role
 from dray.messages.fact import AtvStatusChanged
 from dray.protocol.berths import CONTEST_S
 from dray.protocol.resting import CHARGED_FRAC, SETTLE_S
@@ -152,7 +152,7 @@ def test_two_that_believe_to_stand_in_one_berth_do_not_argue_for_ever() -> None:
 
 def test_a_vehicle_that_arrives_elsewhere_does_not_stand_in_the_berth_that_it_has_claimed() -> None:
     rig = contracted()
-    rig.hear("M8", Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer"))
+    rig.hear("M8", Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1))
     claim = published(rig.run(rig.now_s + SETTLE_S), BerthClaimed)[-1]
     rig.arrive()
     assert rig.node == "s3"
@@ -191,3 +191,22 @@ def test_a_charge_that_fails_is_given_up_and_sought_anew() -> None:
     assert last_beat(rig).status is AtvStatus.IDLE
     effects = rig.run(rig.now_s + 30.0)
     assert published(effects, BerthClaimed)
+
+
+def test_a_vehicle_that_starts_in_a_berth_with_a_contract_holds_no_berth_and_rests_after_its_work() -> None:
+    before = parked(node="p3")
+    before.hear("M8", award())
+    rig = VehicleRig("ATV1", node="p3", incarnation=2)
+    rig.memory, rig.now_s = committed(before.all), before.now_s
+    rig.start()
+    assert published(rig.all, BerthClaimed) == []
+    for step in (rig.arrive, rig.picked, rig.arrive):
+        step()
+    claim = BerthClaimed(berth="P3", atv="ATV5", battery_frac=0.2, standing=False)
+    assert published(rig.hear("ATV5", claim), BerthClaimed) == []
+    assert last_beat(rig).berth == ""
+    rig.hear("M8", DockOpened(task="M8-1", epoch=1, station="M8"))
+    rig.dropped()
+    rig.hear("M8", HandoverAccepted(task="M8-1", epoch=1))
+    effects = rig.run(rig.now_s + SETTLE_S + CONTEST_S)
+    assert instructed(effects, Drive)[-1].nodes[-1] in {PLANT.node_of(berth) for berth in PLANT.berths}

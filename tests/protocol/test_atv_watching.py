@@ -67,26 +67,32 @@ def test_a_vehicle_does_not_watch_itself() -> None:
     assert declined.reason is Refusal.IS_PRIMARY
 
 
-def test_a_watch_is_not_bid_for_twice() -> None:
+def test_a_watch_that_its_coordinator_does_not_know_of_is_bid_for_and_taken_again() -> None:
     rig = parked()
     secondary(rig, "M8-2")
     again = announcement(task="M8-2", role=Role.SECONDARY, primary="ATV2")
-    assert rig.hear("M8", again) == []
+    assert len(sent(rig.hear("M8", again), Bid, to="M8")) == 1
+    given = award(task="M8-2", role=Role.SECONDARY, primary="ATV2", number=7)
+    [taken] = sent(rig.hear("M8", given), Accepted, to="M8")
+    assert taken.number == 7
+    old = Release(task="M8-2", epoch=1, role=Role.SECONDARY, reason="silent", number=1)
+    assert deeds(rig.hear("M8", old)) == []
+    assert len(last_beat(rig).watches) == 1
 
 
 def test_a_released_watch_is_over_and_releasing_it_twice_is_harmless() -> None:
     rig = parked()
     secondary(rig, "M8-2")
-    release = Release(task="M8-2", epoch=1, role=Role.SECONDARY, reason="the task has ended")
+    release = Release(task="M8-2", epoch=1, role=Role.SECONDARY, reason="the task has ended", number=1)
     assert len(facts(rig.hear("M8", release), ContractEnded)) == 1
     assert deeds(rig.hear("M8", release)) == []
 
 
 def test_a_watch_is_released_by_its_coordinator_and_not_by_a_stale_word() -> None:
     rig = parked()
-    rig.hear("M8", award(role=Role.SECONDARY, primary="ATV2", epoch=2))
-    stale = Release(task="M8-1", epoch=1, role=Role.SECONDARY, reason="silent")
-    strange = Release(task="M8-1", epoch=2, role=Role.SECONDARY, reason="silent")
+    rig.hear("M8", award(role=Role.SECONDARY, primary="ATV2", epoch=2, number=2))
+    stale = Release(task="M8-1", epoch=1, role=Role.SECONDARY, reason="silent", number=1)
+    strange = Release(task="M8-1", epoch=2, role=Role.SECONDARY, reason="silent", number=2)
     for sender, release in (("M8", stale), ("M3", strange)):
         effects = rig.hear(sender, release)
         assert deeds(effects) == []

@@ -3,11 +3,26 @@
 from __future__ import annotations
 
 import msgspec
-from kit import KEYS, PLANT, MachineRig, facts, instructed, listening, production, published, rhb, sent
+from kit import (
+    KEYS,
+    PLANT,
+    MachineRig,
+    accepted,
+    award_number,
+    bid,
+    facts,
+    instructed,
+    listening,
+    production,
+    published,
+    rhb,
+    sent,
+)
 
 from dray.body import CloseDock, OpenDock
 from dray.memory import Memory
 from dray.messages import (
+    Award,
     Brief,
     Docked,
     DockOpened,
@@ -58,9 +73,18 @@ def goods(announced: TaskAnnounced) -> bool:
 
 
 def take_over(rig: MachineRig, task: str = "M7-1", atv: str = "ATV1") -> None:
+    rig.hear(atv, accepted(task, role=Role.SECONDARY, number=watch(rig, atv, task)))
     # Nothing was ever heard of ATV2, and the machine is about to find that out itself.
     rig.run(rig.now_s + LATENESS_MAX_S + 3.0)
     rig.hear(atv, TakenOver(task=task, epoch=2, primary="ATV2", finish_s=rig.now_s + 90.0, source="S6"))
+
+
+def watch(rig: MachineRig, atv: str, task: str) -> int:
+    """Let a vehicle bid for a watch, and be asked; the number of that award."""
+    effects = rig.hear(atv, bid(50.0, task=task, role=Role.SECONDARY))
+    while not sent(effects, Award, to=atv):
+        effects += rig.run(rig.agent.wake_at_s)
+    return award_number(effects, atv, task, Role.SECONDARY)
 
 
 def carrier(rig: MachineRig, task: str = "M7-1") -> tuple[str, int]:

@@ -26,8 +26,10 @@ from dray.messages import (
     Accepted,
     Award,
     Bid,
+    Confirmed,
     Declined,
     Docked,
+    GoalClosed,
     MachineHeartbeat,
     MachineStatus,
     Message,
@@ -39,7 +41,9 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import BidRefused, ContractEnded, ContractTaken, TaskClosed
+from dray.protocol.events import Ignore
 from dray.protocol.insisting import ASK_AGAIN_S
+from dray.protocol.partners import NO_PARTY
 
 
 def test_a_machine_listens_for_the_goals_it_can_make() -> None:
@@ -141,7 +145,7 @@ def test_an_acceptance_is_repeated_until_it_is_confirmed() -> None:
 def test_an_acceptance_is_repeated_no_more_after_a_release() -> None:
     rig = m7()
     rig.award_goal("G1", production())
-    rig.hear("STRATEGIST", Release(task="G1", epoch=1, role=Role.PRIMARY, reason="no answer"))
+    rig.hear("STRATEGIST", Release(task="G1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1))
     assert sent(rig.run(60.0), Accepted) == []
     assert rig.heartbeats(MachineHeartbeat)[-1].goals == ()
     assert deeds(rig.confirm_goal("G1")) == []
@@ -265,3 +269,26 @@ def test_spare_pieces_that_fill_the_machine_are_set_aside() -> None:
     rig.take_goal("G1", production(quantity=40))
     assert outgoing(rig.all)[-1] == ("G1", 24)  # Of those that are still there.
     assert rig.is_cycling
+
+
+def test_a_release_of_an_earlier_award_does_not_end_the_goal_of_a_later_one() -> None:
+    rig = m7()
+    rig.award_goal("G1", production(quantity=24))
+    again = Award(task="G1", epoch=1, role=Role.PRIMARY, work=production(), deadline_s=3600.0, number=2)
+    rig.hear("STRATEGIST", again)
+    rig.hear("STRATEGIST", Release(task="G1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1))
+    rig.confirm_goal("G1")
+    assert rig.is_cycling
+
+
+def test_what_its_strategist_alone_may_say_of_a_goal_is_taken_from_nobody_else() -> None:
+    rig = m7(goal=24)
+    words = (
+        Withdrawn(task="G1", epoch=1, reason="not needed"),
+        GoalClosed(goal="G1"),
+        Release(task="G1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1),
+        Confirmed(task="G1", epoch=1, arrived=24),
+        Award(task="G1", epoch=2, role=Role.PRIMARY, work=production(), deadline_s=3600.0),
+    )
+    for word in words:
+        assert rig.hear("M8", word) == [Ignore(NO_PARTY)]

@@ -3,12 +3,25 @@
 from __future__ import annotations
 
 from kit import MachineRig, facts, instructed, production, published, sent
-from m7 import FULL, NO_HOUSINGS, counted, delivered, handover, m7, outgoing, status, supplied_by, transports
+from m7 import (
+    FULL,
+    NO_HOUSINGS,
+    counted,
+    delivered,
+    docked,
+    handover,
+    m7,
+    outgoing,
+    status,
+    supplied_by,
+    transports,
+)
 
-from dray.body import Broken, CycleFailed, Repaired, StartCycle
+from dray.body import Broken, CycleDone, CycleFailed, Repaired, StartCycle, StockChanged
 from dray.messages import (
     Accepted,
     Confirmed,
+    DockOpened,
     GoalClosed,
     MachineHeartbeat,
     MachineStatus,
@@ -17,8 +30,11 @@ from dray.messages import (
     Role,
     TaskAnnounced,
     Transport,
+    Withdrawn,
 )
-from dray.messages.fact import ContractEnded, PieceMade
+from dray.messages.fact import ContractEnded, PieceMade, TaskClosed
+from dray.protocol.events import Effect
+from dray.protocol.machine import HELD_MAX_S
 
 # --- making -----------------------------------------------------------------------------------------
 
@@ -214,7 +230,99 @@ def test_an_award_of_a_goal_that_is_delivered_already_begins_nothing() -> None:
     delivered(rig, task)
     rig.hear("STRATEGIST", GoalClosed(goal="G1"))
     rig.award_goal("G1", production(quantity=1))
-    rig.hear("STRATEGIST", Release(task="G1", epoch=1, role=Role.PRIMARY, reason="the task has ended"))
+    rig.hear(
+        "STRATEGIST", Release(task="G1", epoch=1, role=Role.PRIMARY, reason="the task has ended", number=1)
+    )
     rig.run(rig.now_s + 60.0)
     assert len(instructed(rig.all, StartCycle)) == 1
     assert rig.heartbeats(MachineHeartbeat)[-1].goals == ()
+
+
+def lots_out(rig: MachineRig) -> list[tuple[str, int]]:
+    """Every transport of pumps that was announced: its name and how many."""
+    return [
+        (message.task, message.work.quantity)
+        for message in published(rig.all, TaskAnnounced)
+        if message.round == 1
+        and message.role is Role.PRIMARY
+        and isinstance(message.work, Transport)
+        and message.work.item == "pump-p3"
+    ]
+
+
+def test_a_report_that_is_heard_after_the_state_that_it_explains_is_not_counted_twice() -> None:
+    rig = m7(FULL, goal=48)
+    rig.cycles(48)
+    (first, _), (second, _) = lots_out(rig)
+    rig.hire(first, "ATV2")
+    rig.hire(second, "ATV3")
+    # The worker senses the workcell when it wakes its agent; what has happened just then is reported behind that.
+    rig.stock["pump-p3"] -= 24
+    rig.seq += 1
+    rig.wake()
+    rig.report(StockChanged(item="pump-p3", change=-24, seq=rig.seq, vehicle="ATV2"))
+    effects = rig.hear("ATV3", docked(second))
+    assert len(sent(effects, DockOpened, to="ATV3")) == 1
+    assert facts(effects, TaskClosed) == []
+    rig.run(rig.now_s + 5.0)
+    assert rig.heartbeats(MachineHeartbeat)[-1].goods[0].level == 24
+
+
+def test_a_piece_that_is_sensed_before_it_is_reported_is_counted_once() -> None:
+    rig = m7(FULL, goal=2)
+    rig.stock["pump-p3"] = 1
+    rig.seq += 1
+    rig.wake()
+    rig.report(CycleDone(product="pump-p3", seq=rig.seq))
+    rig.run(rig.now_s + 5.0)
+    beat = rig.heartbeats(MachineHeartbeat)[-1]
+    assert (beat.goods[0].level, beat.goals[0].made) == (1, 1)
+
+
+def test_what_was_reported_before_the_start_is_in_the_first_count() -> None:
+    rig = MachineRig("M7", FULL | {"pump-p3": 1}, incarnation=2)
+    rig.seq = 1
+    rig.start()
+    rig.report(CycleDone(product="pump-p3", seq=1))
+    rig.report(StockChanged(item="pump-p3", change=1, seq=1))
+    rig.take_goal("G1", production(quantity=2))
+    rig.run(rig.now_s + 5.0)
+    beat = rig.heartbeats(MachineHeartbeat)[-1]
+    assert (beat.goods[0].level, beat.goals[0].made) == (1, 1)
+
+
+def test_a_state_from_before_the_cycle_gives_no_material_back() -> None:
+    class Elsewhere(MachineRig):
+        """A workcell that has not heard of the cycle yet."""
+
+        @property
+        def cycling(self) -> str:
+            return ""
+
+    rig = Elsewhere("M7", FULL)
+    rig.start()
+    rig.take_goal("G1", production(quantity=2))
+    rig.stock |= FULL
+    rig.run(rig.now_s + 5.0)
+    levels = {each.item: each.level for each in rig.heartbeats(MachineHeartbeat)[-1].buffers}
+    assert levels == {item: level - 1 for item, level in FULL.items()}
+
+
+def test_spare_pieces_that_a_person_has_taken_off_their_carrier_are_written_off() -> None:
+    rig = MachineRig("M7", NO_HOUSINGS | {"pump-p3": 60})
+    rig.start()
+    rig.run(1.0)
+    [(task, quantity)] = lots_out(rig)
+    rig.hire(task, "ATV2")
+    rig.stocked("pump-p3", -quantity, "ATV2")
+    rig.take_goal("G1", production(quantity=36))
+    for (other, pieces), atv in zip(lots_out(rig)[1:], ("ATV3", "ATV4"), strict=True):
+        rig.hire(other, atv)
+        rig.stocked("pump-p3", -pieces, atv)
+    # Its load is gone for good; the carrier has come back for another one, and there is none.
+    effects: list[Effect] = []
+    while not sent(effects, Withdrawn, to="ATV2"):
+        assert rig.now_s < 3 * HELD_MAX_S
+        effects = rig.hear("ATV2", docked(task))
+        rig.now_s += 5.0
+    assert [fact.task for fact in facts(effects, TaskClosed)] == [task]

@@ -2,14 +2,37 @@
 
 from __future__ import annotations
 
-from kit import MachineRig, committed, facts, instructed, production, published, sent
-from m7 import FULL, RELEASE, counted, delivered, handover, m7, outgoing, status
+import pytest
+from kit import MachineRig, accepted, committed, facts, instructed, production, published, rhb, sent
+from m7 import (
+    FULL,
+    NO_HOUSINGS,
+    RELEASE,
+    counted,
+    delivered,
+    docked,
+    handover,
+    m7,
+    outgoing,
+    status,
+    supplied_by,
+)
 
 from dray.body import CycleDone, StartCycle, WorkcellState
 from dray.memory import MachineMemory
-from dray.messages import Accepted, Confirmed, MachineStatus, TaskAnnounced
+from dray.messages import (
+    Accepted,
+    Confirmed,
+    DockOpened,
+    MachineHeartbeat,
+    MachineStatus,
+    Release,
+    Superseded,
+    TaskAnnounced,
+)
 from dray.messages.fact import PieceMade
 from dray.protocol.events import Commit
+from dray.protocol.transports import ADOPT_S
 
 
 def reborn(rig: MachineRig, **stock: int) -> MachineRig:
@@ -130,3 +153,78 @@ def test_finished_pieces_that_lie_there_at_the_start_are_used_for_the_first_goal
     rig.cycles(4)
     assert not rig.is_cycling
     assert outgoing(rig.all) == [("G1", 24), ("G2", 10)]
+
+
+# --- contracts -----------------------------------------------------------------------------------
+
+
+def carrier(rig: MachineRig) -> tuple[str, int]:
+    """Who carries M7-1, and in which epoch, as the machine says it."""
+    rig.run(rig.now_s)
+    [brief] = [each for each in rig.heartbeats(MachineHeartbeat)[-1].tasks if each.task == "M7-1"]
+    return brief.primary, brief.epoch
+
+
+@pytest.mark.parametrize("number", [0, 1, 7])
+def test_a_carrier_that_starts_after_its_machine_keeps_its_contract(number: int) -> None:
+    again = reborn(supplied_by("ATV2"))
+    effects = again.hear("ATV2", accepted("M7-1", number=number))
+    assert sent(effects, Release) == []
+    assert carrier(again) == ("ATV2", 1)
+    assert len(sent(again.hear("ATV2", docked()), DockOpened)) == 1
+
+
+def test_somebody_else_s_acceptance_is_released_by_the_award_that_it_names() -> None:
+    again = reborn(supplied_by("ATV2"))
+    [release] = sent(again.hear("ATV3", accepted("M7-1", number=3)), Release, to="ATV3")
+    assert release.number == 3
+    assert carrier(again) == ("ATV2", 1)
+
+
+def asking() -> MachineRig:
+    """M7 needs housings, and asks for somebody who brings some."""
+    return m7(NO_HOUSINGS, goal=24)
+
+
+def test_an_acceptance_that_is_in_nobody_s_notes_but_the_vehicle_s_counts() -> None:
+    again = reborn(asking())
+    effects = again.hear("ATV2", accepted("M7-1"))
+    assert sent(effects, Release) == []
+    assert carrier(again) == ("ATV2", 1)
+
+
+def test_however_often_a_machine_starts_before_it_asks_anybody_the_carrier_of_its_task_is_taken_up() -> None:
+    again = asking()
+    for _ in range(3):
+        again = reborn(again)
+    again.hear("ATV2", rhb("ATV2", 1, again.now_s, task="M7-1", coordinator="M7"))
+    assert carrier(again) == ("ATV2", 1)
+
+
+def test_once_others_were_asked_an_earlier_acceptance_is_over() -> None:
+    again = reborn(asking())
+    again.run(again.now_s + ADOPT_S)
+    assert published(again.all, TaskAnnounced)[-1].epoch == 2
+    later = reborn(again)
+    assert sent(later.hear("ATV2", accepted("M7-1")), Release, to="ATV2")
+    assert carrier(later) == ("", 3)
+
+
+def test_a_machine_that_has_lost_its_notes_waits_for_the_word_of_those_who_ask_it() -> None:
+    lost = MachineRig("M7", NO_HOUSINGS, incarnation=2)
+    lost.start()
+    assert sent(lost.hear("ATV2", accepted("M7-1")), Release) == []
+    assert sent(lost.hear("ATV2", docked()), Superseded) == []
+    lost.run(lost.now_s + ADOPT_S)
+    assert sent(lost.hear("ATV2", docked()), Superseded, to="ATV2")
+
+
+def test_a_goal_that_was_taken_and_not_confirmed_is_asked_for_in_the_next_life_and_not_begun() -> None:
+    rig = m7()
+    rig.award_goal("G1", production(quantity=24))
+    again = reborn(rig)
+    [asked] = sent(again.all, Accepted, to="STRATEGIST")
+    assert (asked.task, asked.number) == ("G1", 1)
+    assert not again.is_cycling
+    again.confirm_goal("G1")
+    assert again.is_cycling

@@ -204,7 +204,9 @@ def test_a_goal_comes_back_from_memory_as_it_was() -> None:
     assert again.confirmed
 
 
-def test_a_goal_that_is_not_confirmed_is_not_remembered() -> None:
+def test_a_goal_that_is_not_confirmed_is_remembered_as_such() -> None:
     waiting = goal("A")
     waiting.confirmed = False
-    assert [memory.goal for memory in book(waiting, goal("B")).memories()] == ["B"]
+    first, second = book(waiting, goal("B")).memories()
+    assert [(each.goal, each.confirmed) for each in (first, second)] == [("A", False), ("B", True)]
+    assert not book().restore(first).confirmed

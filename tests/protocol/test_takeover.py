@@ -114,6 +114,16 @@ def test_a_confirmation_of_an_earlier_epoch_confirms_nothing() -> None:
     assert len(claims(rig)) == 2
 
 
+def test_its_next_life_says_so_too_until_the_machine_has_confirmed() -> None:
+    rig = guard()
+    rig.run(BOUND_S)
+    again = reborn(rig)
+    assert claims(again) == claims(rig)
+    again.hear("M8", Confirmed(task="M8-1", epoch=2))
+    again.run(again.now_s + 5 * ASK_AGAIN_S)
+    assert len(claims(again)) == 1
+
+
 def test_a_takeover_that_the_machine_refuses_ends() -> None:
     rig = guard()
     rig.run(BOUND_S)

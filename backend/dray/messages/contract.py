@@ -131,7 +131,8 @@ class Award(Message, frozen=True):
     primary: IdOrNone = ""
     """Whom to watch, when the role is SECONDARY."""
     number: Count = 1
-    """Counts the awards of one auction; an answer carries it back, so that a late one is recognised."""
+    """Counts the awards of one coordinator, over all its lives. An answer and a release carry it back, so that one that
+    comes late is recognised."""
 
 
 class Refusal(StrEnum):
@@ -188,12 +189,14 @@ class Declined(Message, frozen=True):
 
 
 class Release(Message, frozen=True):
-    """The coordinator lets a contractor go; whoever is not bound ignores it."""
+    """The coordinator lets a contractor go; whoever is not bound by this award ignores it."""
 
     task: Id
     epoch: Count
     role: Role
     reason: Text
+    number: Count = 0
+    """Of the award that binds no more; 0 where none was given, as for a takeover."""
 
 
 class Resigned(Message, frozen=True):

@@ -63,6 +63,12 @@ class Adoption:
         """The alarm has come: listen to all vehicles no longer."""
         self._out.append(Unsubscribe(self._key))
 
+    def waits_for_word_on(self, task: str) -> bool:
+        """Whether a task that is not known may be one of an earlier life, of which its carrier's heartbeat tells."""
+        if not self._forgetful or not self._timers.is_set(ADOPT):
+            return False
+        return self._tasks.get(task) is None and self._tasks.closed(task) is None
+
     def hear(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """A vehicle may name this machine as the one that it carries for."""
         brief = heartbeat.task
@@ -70,7 +76,7 @@ class Adoption:
             return
         known = self._tasks.get(brief.task)
         if known is not None:
-            self._tasks.adopt(heartbeat.atv, brief, known.work, now_s)
+            self._tasks.adopt(heartbeat.atv, brief, now_s)
         elif self._forgetful and self._is_ours(brief):
             work = Transport(
                 item=brief.item,
@@ -79,7 +85,7 @@ class Adoption:
                 destination=self._machine,
                 ability=self._plant.materials[brief.item].ability,
             )
-            self._tasks.adopt(heartbeat.atv, brief, work, now_s)
+            self._tasks.adopt_unknown(heartbeat.atv, brief, work, now_s)
             self._supply.ordered(work)
 
     def _is_ours(self, brief: Brief) -> bool:

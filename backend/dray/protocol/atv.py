@@ -21,6 +21,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, cast
 
+from msgspec.structs import replace
+
 from dray.body import (
     ActionDone,
     ActionFailed,
@@ -380,13 +382,13 @@ class Atv(Core):
         return "a load is on board" if self._carriage is None and self._load[0] else ""
 
     def _hear_announced(self, _sender: str, message: TaskAnnounced, now_s: float) -> None:
-        if message.role is Role.SECONDARY and self._watches.holds(message.task, message.epoch):
-            return
+        # Also for a task that it watches already: its coordinator does not know that any more.
         self._bidder.hear(message, self._standing(message.task, now_s), now_s)
 
     def _hear_award(self, sender: str, award: Award, now_s: float) -> None:
         if self._holds(award):
-            # Its answer was lost.
+            # Its answer was lost. From now on this award is the one that binds.
+            self._renew(award)
             self._out.append(accept(sender, award, self._promised_s))
             return
         answer = self._bidder.review(award, self._standing(award.task, now_s), now_s)
@@ -397,7 +399,7 @@ class Atv(Core):
             self._out.append(accept(sender, award, self._promised_s))
             self._pulse.at_once(now_s)
         else:
-            contract = _contract(award, award.epoch, sender, answer)
+            contract = _contract(award, sender, answer)
             accepted = accept(sender, award, contract.promised_s)
             self._take(contract, accepted, lambda carriage: carriage.begin(now_s), now_s)
 
@@ -406,6 +408,13 @@ class Atv(Core):
         if award.role is Role.SECONDARY:
             return self._watches.holds(award.task, award.epoch)
         return self._has_contract(award.task, award.epoch)
+
+    def _renew(self, award: Award) -> None:
+        if award.role is Role.SECONDARY:
+            self._watches.renew(award)
+        elif self._carriage is not None:
+            self._carriage.number = award.number
+            self._commit()
 
     @property
     def _promised_s(self) -> float:
@@ -434,8 +443,9 @@ class Atv(Core):
             source=quote.source,
         )
         self._watches.end(task, "taken over")
-        contract = _contract(award, epoch, watch.coordinator, quote)
-        self._take(contract, Record(took), lambda carriage: carriage.take_over(claim, now_s), now_s)
+        contract = _contract(award, watch.coordinator, quote)
+        contract = replace(contract, epoch=epoch, number=0, claim=claim)
+        self._take(contract, Record(took), lambda carriage: carriage.take_over(now_s), now_s)
 
     def _take(self, contract: Contract, how: Effect, begin: Callable[[Carriage], None], now_s: float) -> None:
         """Become the primary of a task, and free of everything else.
@@ -468,30 +478,36 @@ class Atv(Core):
         )
         self._commit()
 
-    def _hear_release(self, sender: str, message: Release, now_s: float) -> None:
+    def _hear_release(self, _sender: str, message: Release, now_s: float) -> None:
         if message.role is Role.SECONDARY:
-            if not self._watches.release(sender, message):
+            if not self._watches.release(message):
                 self._out.append(Ignore("released from a watch that it does not keep"))
             return
         carriage = self._carriage
-        if carriage is None or not self._concerns(carriage, sender, message):
+        if carriage is None or not self._concerns(carriage, message) or message.number != carriage.number:
             self._out.append(Ignore("released from a contract that it does not have"))
             return
         self._go_on(lambda carriage: carriage.cancel("released", now_s), now_s)
 
-    def _hear_of_contract(self, sender: str, message: Any, now_s: float) -> None:
+    def _hear_of_contract(self, _sender: str, message: Any, now_s: float) -> None:
         carriage = self._carriage
-        if carriage is None or not self._concerns(carriage, sender, message):
+        if carriage is None or not self._concerns(carriage, message):
             self._out.append(Ignore("an answer about another contract"))
             return
         self._go_on(lambda carriage: carriage.hear(message, now_s), now_s)
 
+    def _coordinator_of(self, task: str, role: Role) -> str:
+        if role is Role.SECONDARY:
+            return self._watches.coordinator_of(task)
+        carriage = self._carriage
+        return carriage.coordinator if carriage is not None and carriage.task == task else ""
+
     @staticmethod
-    def _concerns(carriage: Carriage, sender: str, message: Any) -> bool:
-        """Whether it is its coordinator's word on this contract; a Superseded speaks of another epoch."""
-        if carriage.coordinator != sender or carriage.task != message.task:
-            return False
-        return type(message) is Superseded or message.epoch == carriage.epoch
+    def _concerns(carriage: Carriage, message: Any) -> bool:
+        """Whether its coordinator speaks of this contract; a Superseded speaks of another epoch."""
+        return carriage.task == message.task and (
+            type(message) is Superseded or message.epoch == carriage.epoch
+        )
 
     def _has_contract(self, task: str, epoch: int) -> bool:
         carriage = self._carriage
@@ -588,13 +604,14 @@ class Atv(Core):
             self._pulse.at_once(now_s)
 
 
-def _contract(award: Award, epoch: int, coordinator: str, quote: Quote) -> Contract:
+def _contract(award: Award, coordinator: str, quote: Quote) -> Contract:
     return Contract(
         task=award.task,
-        epoch=epoch,
+        epoch=award.epoch,
         work=cast(Transport, award.work),
         coordinator=coordinator,
         source=quote.source,
         promised_s=quote.finish_s,
         deadline_s=award.deadline_s,
+        number=award.number,
     )

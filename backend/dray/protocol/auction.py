@@ -22,8 +22,9 @@ before it announces anything.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from enum import Enum
+from itertools import count
 
 import msgspec
 
@@ -83,6 +84,7 @@ class Auction:
         rules: patience and reach.
         out: where effects go, in order.
         candidates: bids to ask before announcing anything, cheapest first.
+        numbers: of its awards; by default from 1 on.
     """
 
     def __init__(
@@ -94,6 +96,7 @@ class Auction:
         rules: AuctionRules,
         out: list[Effect],
         candidates: tuple[tuple[str, Bid], ...] = (),
+        numbers: Iterator[int] | None = None,
     ) -> None:
         self.coordinator = coordinator
         self.terms = terms
@@ -102,6 +105,8 @@ class Auction:
         self.wake_at_s = NEVER_S
         self.winner = ""
         """Who accepted; empty until the stage is DECIDED."""
+        self.number = 0
+        """Of the newest award; 0 before the first."""
         self.winning_bid: Bid | None = None
         self.left_over: tuple[tuple[str, Bid], ...] = ()
         """Those who bid and were never asked, cheapest first, once it is DECIDED."""
@@ -114,14 +119,14 @@ class Auction:
         self._span_s = 0.0
         self._asked = ""
         self._rank = 0
-        self._awards = 0
+        self._numbers = count(1) if numbers is None else numbers
         self._unbid = 0
         """Rounds in which nobody has bid."""
 
     @property
     def has_asked(self) -> bool:
         """Whether anybody was asked: all by an announcement, or a candidate before that."""
-        return self.round > 0 or self._awards > 0
+        return self.round > 0 or self.number > 0
 
     @property
     def awaits_answers(self) -> bool:
@@ -179,9 +184,9 @@ class Auction:
             self._out.append(Ignore("accepted twice"))
             return
         if bidder != self._asked:
-            self._release(bidder, "asked no more")
+            self._release(bidder, answer.number, "asked no more")
             return
-        if answer.number != self._awards:
+        if answer.number != self.number:
             self._out.append(Ignore("an answer to an earlier award"))
             return
         self._note_answer("accepted")
@@ -191,7 +196,7 @@ class Auction:
 
     def hear_declined(self, bidder: str, answer: Declined, now_s: float) -> None:
         """Ask the next one, if this bidder is the one that was asked."""
-        if bidder != self._asked or answer.number != self._awards:
+        if bidder != self._asked or answer.number != self.number:
             self._out.append(Ignore("declined without being asked"))
             return
         self._note_answer(answer.reason.value)
@@ -201,7 +206,7 @@ class Auction:
     def cancel(self) -> None:
         """End it without a winner; whoever was asked is released."""
         if self._asked:
-            self._release(self._asked, "withdrawn")
+            self._release(self._asked, self.number, "withdrawn")
             self._asked = ""
         self.stage, self.wake_at_s = Stage.DECIDED, NEVER_S
 
@@ -213,7 +218,7 @@ class Auction:
             self._close_window(now_s)
         elif self.stage is Stage.ASKING:
             self._note_answer("silent")
-            self._release(self._asked, "no answer")
+            self._release(self._asked, self.number, "no answer")
             self._asked = ""
             self._ask_next(now_s)
         elif self.stage is Stage.RESTING:
@@ -280,7 +285,7 @@ class Auction:
         terms = self.terms
         self._asked, self.winning_bid = bidder, bid
         self._rank += 1
-        self._awards += 1
+        self.number = next(self._numbers)
         self.wake_at_s = now_s + self._rules.answer_in_s(self.round)
         fact = AwardGiven(task=terms.task, epoch=terms.epoch, role=terms.role, bidder=bidder, rank=self._rank)
         award = Award(
@@ -291,7 +296,7 @@ class Auction:
             deadline_s=terms.deadline_s,
             source=bid.source,
             primary=terms.primary,
-            number=self._awards,
+            number=self.number,
         )
         self._out += (Record(fact), Send(bidder, award))
 
@@ -325,9 +330,9 @@ class Auction:
         )
         self._out.append(Record(fact))
 
-    def _release(self, bidder: str, reason: str) -> None:
+    def _release(self, bidder: str, number: int, reason: str) -> None:
         terms = self.terms
-        release = Release(task=terms.task, epoch=terms.epoch, role=terms.role, reason=reason)
+        release = Release(task=terms.task, epoch=terms.epoch, role=terms.role, reason=reason, number=number)
         self._out.append(Send(bidder, release))
 
 

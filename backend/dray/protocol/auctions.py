@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import count
 
 from dray.messages import Bid, Work
 from dray.protocol.auction import Auction, Place, Terms
@@ -10,6 +11,9 @@ from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.events import NEVER_S, Effect
 from dray.protocol.suspicion import Hearing
 from dray.protocol.timers import Timers
+
+AWARDS_PER_LIFE = 1_000_000
+"""Numbers of awards, so that an answer to an earlier life's is recognised: more than one life gives."""
 
 
 class Auctions:
@@ -22,6 +26,7 @@ class Auctions:
         timers: the coordinator's alarms.
         out: where effects go.
         hearing: how heartbeats arrive at the coordinator; None where it follows nobody.
+        incarnation: how often the coordinator was started.
     """
 
     def __init__(
@@ -32,6 +37,7 @@ class Auctions:
         timers: Timers,
         out: list[Effect],
         hearing: Hearing | None,
+        incarnation: int,
     ) -> None:
         self._coordinator = coordinator
         self._place = place
@@ -39,6 +45,7 @@ class Auctions:
         self._timers = timers
         self._out = out
         self._hearing = hearing
+        self._numbers = count((incarnation - 1) * AWARDS_PER_LIFE + 1)
 
     def prepare(
         self, terms: Terms, rules: AuctionRules, candidates: tuple[tuple[str, Bid], ...] = ()
@@ -53,7 +60,9 @@ class Auctions:
         def audience(radius_m: float) -> tuple[str, ...]:
             return self._audience(terms.work, radius_m)
 
-        return Auction(self._coordinator, terms, self._place, audience, rules, self._out, candidates)
+        return Auction(
+            self._coordinator, terms, self._place, audience, rules, self._out, candidates, self._numbers
+        )
 
     def arm(self, kind: str, auction: Auction) -> None:
         """Set or clear the alarm ``(kind, task)`` as the auction wants it now."""

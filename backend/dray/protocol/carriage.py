@@ -35,7 +35,6 @@ from dray.messages import (
     Resigned,
     Role,
     Superseded,
-    TakenOver,
     Withdrawn,
 )
 from dray.messages.fact import PhaseEntered
@@ -129,7 +128,9 @@ class Carriage:
         self._full: set[str] = set()
         """Stations that did not take the load back. Only ever asked for membership."""
         self._claim = Insistence(CLAIM_TASK, timers, out)
-        """What is said until the coordinator has confirmed a takeover."""
+        """What is said until the coordinator has confirmed a takeover, over all lives of the vehicle."""
+        self.number = contract.number
+        """Of the award that binds it; 0 for a takeover."""
 
     def brief(self) -> Brief:
         """What the vehicle tells about it in its heartbeat."""
@@ -146,7 +147,13 @@ class Carriage:
 
     def memory(self) -> Contract:
         """What the vehicle's next life must know of it."""
-        return msgspec.structs.replace(self._contract, phase=self.phase, cancelled=self._cancelled)
+        return msgspec.structs.replace(
+            self._contract,
+            phase=self.phase,
+            cancelled=self._cancelled,
+            number=self.number,
+            claim=self._contract.claim if self.task in self._claim else None,
+        )
 
     @property
     def is_void(self) -> bool:
@@ -170,9 +177,9 @@ class Carriage:
         self._enter(Phase.APPROACHING, self.source)
         self._drive(self.source, now_s)
 
-    def take_over(self, claim: TakenOver, now_s: float) -> None:
+    def take_over(self, now_s: float) -> None:
         """Set off in the place of a failed vehicle, and tell the coordinator until it has heard."""
-        self._claim.say(self.task, self.coordinator, claim, now_s)
+        self._say_taken(now_s)
         self.begin(now_s)
 
     def resume(self, load: str, now_s: float) -> None:
@@ -184,10 +191,7 @@ class Carriage:
         self._loaded = load == self.work.item
         self._may_be_dropping = self.phase is Phase.UNLOADING
         if not self._cancelled:
-            accepted = Accepted(
-                task=self.task, epoch=self.epoch, role=Role.PRIMARY, finish_s=self.promised_s, number=0
-            )
-            self._out.append(Send(self.coordinator, accepted))
+            self._say_taken(now_s)
         if self._cancelled:
             self._give_up(now_s)
         elif self._loaded:
@@ -344,6 +348,16 @@ class Carriage:
     def _is_gated(self) -> bool:
         """Whether a gate decides about the load, and not the coordinator."""
         return self.work.destination in self._plant.delivery_warehouses
+
+    def _say_taken(self, now_s: float) -> None:
+        """Say how this contract was made."""
+        if self._contract.claim is not None:
+            self._claim.say(self.task, self.coordinator, self._contract.claim, now_s)
+            return
+        accepted = Accepted(
+            task=self.task, epoch=self.epoch, role=Role.PRIMARY, finish_s=self.promised_s, number=self.number
+        )
+        self._out.append(Send(self.coordinator, accepted))
 
     def _enter(self, phase: Phase, station: str) -> None:
         self.phase, self._station, self._failed = phase, station, 0

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from dray.messages import Accepted, Bid, Declined, Release, Role, Withdrawn, Work
+from dray.messages import Accepted, Bid, Declined, Release, Role, TakenOver, Withdrawn, Work
 from dray.messages.fact import TaskClosed
 from dray.protocol.auction import Auction, Place, Terms
 from dray.protocol.auction_rules import AuctionRules
@@ -39,6 +39,7 @@ class Coordinator:
         out: where effects go.
         contracted: called when a task has got its contractor.
         hearing: how heartbeats arrive at the agent; None where it follows nobody.
+        incarnation: how often the agent was started.
 
     Attributes:
         alarms: what its agent calls when an alarm of this class has come, with (task, now_s).
@@ -54,6 +55,8 @@ class Coordinator:
         out: list[Effect],
         contracted: Callable[[OpenTask, float], None],
         hearing: Hearing | None = None,
+        *,
+        incarnation: int = 1,
     ) -> None:
         self._rules = rules
         self._timers = timers
@@ -61,7 +64,7 @@ class Coordinator:
         self._contracted = contracted
         self._open: dict[str, OpenTask] = {}
         self._closed: Newest[str, ClosedTask] = Newest(CLOSED_KEPT)
-        self._auctions = Auctions(agent, place, audience, timers, out, hearing)
+        self._auctions = Auctions(agent, place, audience, timers, out, hearing, incarnation)
         self.alarms: dict[str, Callable[[str, float], None]] = {PRIMARY_AUCTION: self._wake_auction}
 
     def __iter__(self) -> Iterator[OpenTask]:
@@ -119,8 +122,15 @@ class Coordinator:
     def hear_accepted(self, sender: str, answer: Accepted, now_s: float) -> None:
         task = self._present(answer)
         if task is None:
-            self._release(sender, answer.task, answer.epoch, answer.role, "the task has ended")
-        elif answer.role is Role.PRIMARY:
+            self._release(sender, answer, "the task has ended")
+        elif answer.role is not Role.PRIMARY:
+            return
+        elif task.primary == sender:
+            # The contract stands, whichever life of either side has made it: a restarted carrier says so again.
+            self._out.append(Ignore("accepted twice"))
+        elif task.primary:
+            self._release(sender, answer, "another one carries it")
+        else:
             task.auction.hear_accepted(sender, answer)
             if task.auction.winner == sender and not task.primary:
                 self._contract(task, sender, answer, now_s)
@@ -177,5 +187,8 @@ class Coordinator:
         self._bound(task, auction.left_over, now_s)
         self._contracted(task, now_s)
 
-    def _release(self, to: str, task: str, epoch: int, role: Role, reason: str) -> None:
-        self._out.append(Send(to, Release(task=task, epoch=epoch, role=role, reason=reason)))
+    def _release(self, to: str, said: Accepted | TakenOver, reason: str) -> None:
+        """Nobody counts on what a contractor has taken."""
+        role, number = (said.role, said.number) if isinstance(said, Accepted) else (Role.PRIMARY, 0)
+        release = Release(task=said.task, epoch=said.epoch, role=role, reason=reason, number=number)
+        self._out.append(Send(to, release))

@@ -8,7 +8,7 @@ from typing import Any, cast
 from dray.body import BodyState, Report
 from dray.errors import ProtocolViolation
 from dray.memory import Memory
-from dray.messages import Message
+from dray.messages import Message, Role
 from dray.messages.fact import MemoryLost
 from dray.protocol.events import (
     NOT_FOR_US,
@@ -25,6 +25,7 @@ from dray.protocol.events import (
     Woke,
 )
 from dray.protocol.leaving import Departure
+from dray.protocol.partners import NO_PARTY, contract_of
 from dray.protocol.timers import Timers
 
 Hear = Callable[[str, Any, float], None]
@@ -121,10 +122,17 @@ class Core:
 
     def _hear(self, heard: Heard, now_s: float) -> None:
         hear = self._on_message.get(type(heard.message))
+        contract = contract_of(heard.message)
         if hear is None:
             self._out.append(Ignore(NOT_FOR_US))
+        elif contract is not None and self._coordinator_of(*contract) not in ("", heard.sender):
+            self._out.append(Ignore(NO_PARTY))
         else:
             hear(heard.sender, heard.message, now_s)
+
+    def _coordinator_of(self, task: str, role: Role) -> str:
+        """Who has given this agent a contract that it has; empty when it has none of this task in this role."""
+        return ""
 
     def _hear_report(self, report: Report, now_s: float) -> None:
         hear = self._on_report.get(type(report))

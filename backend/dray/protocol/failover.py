@@ -132,8 +132,10 @@ class Failover:
         elif now_s - task.unnamed_s > UNNAMED_S:
             self.replace(task, "does not carry it any more", now_s)
 
-    def veto(self, task: OpenTask, message: TakenOver, now_s: float) -> str:
-        """Why nobody may take a task over; empty when it is right."""
+    def veto(self, task: OpenTask, sender: str, message: TakenOver, now_s: float) -> str:
+        """Why somebody may not take a task over; empty when it is right."""
+        if sender != task.secondary:
+            return "another one watches"
         if message.primary != task.primary:
             return "another one carries it"
         if task.unloaded:

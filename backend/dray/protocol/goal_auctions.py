@@ -50,6 +50,7 @@ class GoalAuctions(Coordinator):
         out: where effects go.
         departure: of the strategist: one that was asked to leave puts nothing up.
         taken: called when a machine has taken a goal.
+        incarnation: how often the strategist was started.
     """
 
     def __init__(
@@ -62,8 +63,19 @@ class GoalAuctions(Coordinator):
         out: list[Effect],
         departure: Departure,
         taken: Callable[[OpenGoal, float], None],
+        *,
+        incarnation: int,
     ) -> None:
-        super().__init__(strategist, NOWHERE, self._audience, GOAL_RULES, timers, out, self._on_contracted)
+        super().__init__(
+            strategist,
+            NOWHERE,
+            self._audience,
+            GOAL_RULES,
+            timers,
+            out,
+            self._on_contracted,
+            incarnation=incarnation,
+        )
         self._strategist = strategist
         self._keys = keys
         self._book = book

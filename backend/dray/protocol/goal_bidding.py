@@ -104,23 +104,33 @@ class GoalBidder:
         known = self._goals.get(award.task)
         if known is not None:
             # Its first answer was lost, or the strategist has lost it with an earlier life.
-            known.epoch = max(known.epoch, award.epoch)
-            self._ask(known, award.number, now_s)
+            if award.epoch >= known.epoch:
+                known.epoch, known.number = award.epoch, award.number
+                self._commit()
+            self.ask(known, now_s)
             return False
         reason = self._why_not(award.task, work, unfit, now_s)
         if reason is not None:
             self._out.append(decline(sender, award, reason))
             return False
-        goal = Goal(award.task, work, award.deadline_s, sender, award.epoch)
+        goal = Goal(award.task, work, award.deadline_s, sender, award.epoch, award.number)
         self._goals.add(goal)
-        self._ask(goal, award.number, now_s)
+        self._commit()
+        self.ask(goal, now_s)
         taken = ContractTaken(task=award.task, epoch=award.epoch, role=award.role, coordinator=sender)
         self._out.append(Record(taken))
         return True
 
     def ask(self, goal: Goal, now_s: float) -> None:
-        """Ask whether a goal is still this machine's, and how much of it has arrived."""
-        self._ask(goal, 1, now_s)
+        """Say that a goal was taken until it is confirmed; whether it still is this machine's, and what has arrived."""
+        accepted = Accepted(
+            task=goal.id,
+            epoch=goal.epoch,
+            role=Role.PRIMARY,
+            finish_s=self._quoted_s.get(goal.id, now_s),
+            number=goal.number,
+        )
+        self._unconfirmed.say(goal.id, goal.strategist, accepted, now_s)
 
     def hear_confirmed(self, message: Confirmed) -> bool:
         """The contract stands on both sides; True when that, or what has arrived, is news."""
@@ -142,12 +152,14 @@ class GoalBidder:
 
         Returns:
             The goal, if it was known; None for words that change nothing. A Release answers a machine
-            that asks: to one whose goal is confirmed it comes from an earlier award, and too late.
+            that asks: to one whose goal is confirmed, or was given by another award, it comes too late.
         """
         goal = self._goals.get(message.task)
         if goal is None:
             return None
-        if isinstance(message, Release) and (goal.id not in self._unconfirmed or message.epoch < goal.epoch):
+        if isinstance(message, Release) and (
+            goal.id not in self._unconfirmed or message.number != goal.number
+        ):
             return None
         return self._end(goal, message.reason)
 
@@ -163,16 +175,6 @@ class GoalBidder:
         ended = ContractEnded(task=goal.id, epoch=goal.epoch, role=Role.PRIMARY, reason=reason)
         self._out.append(Record(ended))
         return goal
-
-    def _ask(self, goal: Goal, number: int, now_s: float) -> None:
-        accepted = Accepted(
-            task=goal.id,
-            epoch=goal.epoch,
-            role=Role.PRIMARY,
-            finish_s=self._quoted_s.get(goal.id, now_s),
-            number=number,
-        )
-        self._unconfirmed.say(goal.id, goal.strategist, accepted, now_s)
 
     def _why_not(self, goal: str, work: Production, unfit: str, now_s: float) -> Refusal | None:
         """A goal that was taken since the bid may have made its promise empty."""

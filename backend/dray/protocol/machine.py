@@ -42,6 +42,7 @@ from dray.messages import (
     Newcomer,
     Release,
     Resigned,
+    Role,
     TakenOver,
     TaskAnnounced,
     Transport,
@@ -76,6 +77,8 @@ from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
 from dray.protocol.tasks import OpenTask
 from dray.protocol.transports import Transports
 from dray.protocol.trial import Trial
+
+NOT_REMEMBERED = "about a task that may be of a life that has left no notes"
 
 HELD_MAX_S = 60.0
 """How long a vehicle may wait for room: two or three cycles, if the machine can work at all."""
@@ -135,6 +138,8 @@ class Machine(Core):
             lost=self._on_task_lost,
             left=self._on_left,
             unloaded=self._settle,
+            commit=self._commit,
+            incarnation=incarnation,
         )
         self._dock = Dock(machine, self._tasks, self._supply, self._out)
         self._goods = Goods(
@@ -156,7 +161,7 @@ class Machine(Core):
         self._on_message = {
             AtvHeartbeat: self._hear_vehicle,
             Bid: self._tasks.hear_bid,
-            Accepted: self._tasks.hear_accepted,
+            Accepted: self._hear_accepted,
             Declined: self._tasks.hear_declined,
             Resigned: self._tasks.hear_resigned,
             TakenOver: self._tasks.hear_taken_over,
@@ -361,6 +366,12 @@ class Machine(Core):
         self._tasks.hear_heartbeat(heartbeat, now_s)
         self._adoption.hear(heartbeat, now_s)
 
+    def _hear_accepted(self, sender: str, answer: Accepted, now_s: float) -> None:
+        if self._adoption.waits_for_word_on(answer.task):
+            self._out.append(Ignore(NOT_REMEMBERED))
+        else:
+            self._tasks.hear_accepted(sender, answer, now_s)
+
     def _audience(self, _work: Work, radius_m: float) -> tuple[str, ...]:
         x_m, y_m = self._plant.position_of(self.id)
         return tuple(self._keys.transports(cell) for cell in self._plant.cells_within(x_m, y_m, radius_m))
@@ -384,6 +395,9 @@ class Machine(Core):
         self._commit()
 
     def _hear_docked(self, sender: str, message: Docked, now_s: float) -> None:
+        if self._adoption.waits_for_word_on(message.task):
+            self._out.append(Ignore(NOT_REMEMBERED))  # It asks again.
+            return
         task = self._tasks.get(message.task)
         if task is not None and self._goods.lack(task):
             # Nothing would ever make them come: they are lost, and the books do not know.
@@ -424,6 +438,10 @@ class Machine(Core):
         self._pursue(now_s)
 
     # --- goals ---
+
+    def _coordinator_of(self, task: str, role: Role) -> str:
+        goal = self._goals.get(task) if role is Role.PRIMARY else None
+        return "" if goal is None else goal.strategist
 
     def _unfit(self) -> str:
         """Why it takes no goals at all; empty when it does."""

@@ -17,7 +17,7 @@ class Goal:
         work: what is to be made.
         deadline_s: when it should be done (plant clock).
         strategist: who has given it out.
-        epoch: of the contract.
+        epoch, number: of the contract, and of the award by which it was made.
     """
 
     __slots__ = (
@@ -29,18 +29,26 @@ class Goal:
         "epoch",
         "id",
         "made",
+        "number",
         "strategist",
         "work",
     )
 
     def __init__(
-        self, goal: str, work: Production, deadline_s: float, strategist: str = "", epoch: int = 1
+        self,
+        goal: str,
+        work: Production,
+        deadline_s: float,
+        strategist: str = "",
+        epoch: int = 1,
+        number: int = 1,
     ) -> None:
         self.id = goal
         self.work = work
         self.deadline_s = deadline_s
         self.strategist = strategist
         self.epoch = epoch
+        self.number = number
         self.confirmed = False
         """Whether the strategist has heard that it was accepted; nothing is begun before."""
         self.made = 0
@@ -105,6 +113,8 @@ class Goal:
             delivered=self.delivered,
             astray=self.astray,
             epoch=self.epoch,
+            number=self.number,
+            confirmed=self.confirmed,
         )
 
 
@@ -147,8 +157,10 @@ class GoalBook:
 
         Pieces that are on the way are to be added to what is committed.
         """
-        goal = Goal(memory.goal, memory.work, memory.deadline_s, memory.strategist, memory.epoch)
-        goal.confirmed = True
+        goal = Goal(
+            memory.goal, memory.work, memory.deadline_s, memory.strategist, memory.epoch, memory.number
+        )
+        goal.confirmed = memory.confirmed
         goal.made, goal.delivered, goal.astray = memory.made, memory.delivered, memory.astray
         goal.committed = memory.delivered + memory.astray
         self.add(goal)
@@ -250,8 +262,8 @@ class GoalBook:
         return tuple(goal.brief() for goal in self._goals.values())
 
     def memories(self) -> tuple[GoalMemory, ...]:
-        """What the next life must know: a goal that is not confirmed binds nobody."""
-        return tuple(goal.memory() for goal in self.confirmed())
+        """What the next life must know, those that are not confirmed yet too: their strategist may count on them."""
+        return tuple(goal.memory() for goal in self)
 
     def confirmed(self) -> Iterator[Goal]:
         """The goals that may be worked at, most urgent first."""

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 from dray.messages import Accepted, AtvHeartbeat, Bid, Declined, Release, Role
 from dray.messages.fact import WatchLost
-from dray.protocol.auction import Terms
+from dray.protocol.auction import Auction, Terms
 from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.auctions import Auctions
 from dray.protocol.events import NEVER_S, Effect, Record, Send
@@ -55,6 +55,10 @@ class Secondaries:
         self._out = out
         self.alarms = {WATCH_AUCTION: self._wake_auction, SECONDARY_VIGIL: self._check}
 
+    def restore(self, task: OpenTask, atv: str, number: int, now_s: float) -> None:
+        """Go on with a secondary that an earlier life has elected."""
+        self._follow(task, atv, number, now_s)
+
     def seek(self, task: OpenTask, candidates: tuple[tuple[str, Bid], ...], now_s: float) -> None:
         """Elect a secondary, of these candidates first; nobody is needed for what nobody could take over."""
         if task.loaded:
@@ -78,7 +82,7 @@ class Secondaries:
             task.watch = None
             self._timers.clear((WATCH_AUCTION, task.id))
         if task.secondary:
-            self._release(task, task.secondary, reason)
+            self._release(task, task.secondary, task.watch_number, reason)
             self.end(task)
 
     def lose(self, task: OpenTask, reason: str, now_s: float) -> None:
@@ -96,7 +100,7 @@ class Secondaries:
         """Follow a task's secondary no longer, and say nothing: it knows."""
         self._following.end(task.secondary)
         self._timers.clear((SECONDARY_VIGIL, task.id))
-        task.secondary, task.watch_bid, task.guard = "", None, None
+        task.secondary, task.watch_bid, task.watch_number, task.guard = "", None, 0, None
 
     # --- what is heard ---
 
@@ -109,9 +113,9 @@ class Secondaries:
         if task.watch is not None:
             task.watch.hear_accepted(sender, answer)
             if task.watch.winner == sender:
-                self._bind(task, sender, now_s)
+                self._bind(task, task.watch, now_s)
         elif sender != task.secondary:
-            self._release(task, sender, "another one watches")
+            self._release(task, sender, answer.number, "another one watches")
 
     def hear_declined(self, task: OpenTask, sender: str, answer: Declined, now_s: float) -> None:
         if task.watch is not None:
@@ -145,22 +149,24 @@ class Secondaries:
             return
         failure = task.guard.failure(now_s)
         if failure:
-            self._release(task, task.secondary, failure)
+            self._release(task, task.secondary, task.watch_number, failure)
             self.lose(task, failure, now_s)
         else:
             self._timers.set((SECONDARY_VIGIL, task.id), task.guard.fails_at_s)
 
     # --- how it is done ---
 
-    def _bind(self, task: OpenTask, atv: str, now_s: float) -> None:
-        watch, task.watch = task.watch, None
-        task.secondary, task.unwatched_s = atv, NEVER_S
-        task.watch_bid = watch.winning_bid if watch is not None else None
+    def _bind(self, task: OpenTask, watch: Auction, now_s: float) -> None:
+        task.watch, task.watch_bid = None, watch.winning_bid
         self._timers.clear((WATCH_AUCTION, task.id))
+        self._follow(task, watch.winner, watch.number, now_s)
+
+    def _follow(self, task: OpenTask, atv: str, number: int, now_s: float) -> None:
+        task.secondary, task.watch_number, task.unwatched_s = atv, number, NEVER_S
         self._following.begin(atv)
         task.guard = Vigil(atv, IDLE_INTERVAL_S, now_s, self._following.hearing)
         self._timers.set((SECONDARY_VIGIL, task.id), task.guard.fails_at_s)
 
-    def _release(self, task: OpenTask, atv: str, reason: str) -> None:
-        release = Release(task=task.id, epoch=task.epoch, role=Role.SECONDARY, reason=reason)
+    def _release(self, task: OpenTask, atv: str, number: int, reason: str) -> None:
+        release = Release(task=task.id, epoch=task.epoch, role=Role.SECONDARY, reason=reason, number=number)
         self._out.append(Send(atv, release))

@@ -94,6 +94,7 @@ class Strategist(Core):
             self._out,
             self._departure,
             self._on_taken,
+            incarnation=incarnation,
         )
         self._on_message = {
             Bid: self._auctions.hear_bid,

@@ -39,6 +39,7 @@ class OpenTask:
         "vigil",
         "watch",
         "watch_bid",
+        "watch_number",
         "work",
     )
 
@@ -53,7 +54,9 @@ class OpenTask:
         self.primary = ""
         self.secondary = ""
         self.watch_bid: Bid | None = None
-        """What the secondary would carry it for, when it was asked to watch."""
+        """What the secondary would carry it for, when it was asked to watch; None if an earlier life has asked it."""
+        self.watch_number = 0
+        """Of the award by which the secondary watches."""
         self.source = ""
         self.promised_s = 0.0
         """When the primary has promised to be done."""
@@ -131,6 +134,9 @@ class OpenTask:
             source=self.source,
             promised_s=self.promised_s,
             loaded=self.loaded,
+            secondary=self.secondary,
+            watch_number=self.watch_number,
+            offered=self.is_offered,
         )
 
     @property

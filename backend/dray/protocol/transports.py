@@ -32,7 +32,7 @@ from dray.messages.fact import CarrierChanged
 from dray.protocol.auction import Place
 from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.coordinator import PRIMARY_AUCTION, Coordinator
-from dray.protocol.events import Effect, Ignore, Record, Send
+from dray.protocol.events import NEVER_S, Effect, Ignore, Record, Send
 from dray.protocol.failover import Failover
 from dray.protocol.secondaries import Secondaries
 from dray.protocol.supervision import Following
@@ -59,6 +59,8 @@ class Transports(Coordinator):
         lost: called when goods are given up with the vehicle that had them on board.
         left: called with a vehicle that does not carry a task any more.
         unloaded: called when a task has ended because its load is down, though nobody has said so.
+        commit: called when the next life must know of something else.
+        incarnation: how often the machine was started.
     """
 
     def __init__(
@@ -75,8 +77,21 @@ class Transports(Coordinator):
         lost: Callable[[OpenTask, float], None],
         left: Callable[[str], None],
         unloaded: Callable[[OpenTask, float], None],
+        commit: Callable[[], None],
+        incarnation: int = 1,
     ) -> None:
-        super().__init__(machine, place, audience, rules, timers, out, contracted, following.hearing)
+        super().__init__(
+            machine,
+            place,
+            audience,
+            rules,
+            timers,
+            out,
+            contracted,
+            following.hearing,
+            incarnation=incarnation,
+        )
+        self._commit = commit
         self._lost = lost
         self._left = left
         self._unloaded = unloaded
@@ -130,7 +145,7 @@ class Transports(Coordinator):
         enough whether it still carries it. One that had none may have been accepted while nobody listened:
         it is announced after ADOPT_S, with a higher epoch, unless a vehicle has named it by then.
         """
-        epoch = memory.epoch if memory.primary else memory.epoch + 1
+        epoch = memory.epoch + 1 if memory.offered and not memory.primary else memory.epoch
         deadline_s = _prolonged_s(memory.deadline_s, memory.opened_s, now_s)
         auction = self._auction(memory.task, epoch, memory.work, deadline_s)
         task = self._open[memory.task] = OpenTask(memory.task, memory.work, auction, memory.opened_s)
@@ -138,32 +153,24 @@ class Transports(Coordinator):
         if memory.primary:
             auction.cancel()
             task.loaded = memory.loaded
-            self._bind(task, memory.primary, memory.source, memory.promised_s, now_s, IDLE_INTERVAL_S)
+            self._restore_carrier(task, memory, now_s)
         else:
             auction.open_later(now_s + ADOPT_S)
             self._auctions.arm(PRIMARY_AUCTION, auction)
         return task
 
-    def adopt(self, atv: str, brief: Brief, work: Work, now_s: float) -> OpenTask | None:
-        """Acknowledge the contract of a vehicle that names this coordinator, after a restart.
-
-        Returns:
-            The task, when it was without a carrier or not known at all; None when it is in other hands,
-            or may be: the vehicle carries it with an epoch that was over in the last life already.
-        """
+    def adopt(self, atv: str, brief: Brief, now_s: float) -> None:
+        """Acknowledge the contract of a vehicle that names this coordinator, after a restart, if it may have it."""
         task = self._open.get(brief.task)
-        if task is None:
-            deadline_s = brief.due_s if brief.due_s is not None else now_s
-            auction = self._auction(brief.task, brief.epoch, work, deadline_s)
-            task = self._open[brief.task] = OpenTask(brief.task, work, auction, now_s)
-        elif task.primary or task.is_offered or brief.epoch < task.epoch - 1:
-            return None  # Others were asked since then, in this life or before: its epoch must not fall.
-        task.auction.cancel()
-        task.epoch = brief.epoch
-        self._timers.clear((PRIMARY_AUCTION, task.id))
-        self._bind(task, atv, "", brief.due_s or 0.0, now_s)
-        self._contracted(task, now_s)
-        return task
+        if task is not None and self._may_be_carried(task, brief.epoch):
+            self._adopt(task, atv, brief.epoch, brief.due_s or 0.0, now_s)
+
+    def adopt_unknown(self, atv: str, brief: Brief, work: Work, now_s: float) -> None:
+        """Acknowledge the contract of a vehicle for a task that no notes tell of."""
+        deadline_s = brief.due_s if brief.due_s is not None else now_s
+        auction = self._auction(brief.task, brief.epoch, work, deadline_s)
+        task = self._open[brief.task] = OpenTask(brief.task, work, auction, now_s)
+        self._adopt(task, atv, brief.epoch, deadline_s, now_s)
 
     # --- what is heard ---
 
@@ -175,9 +182,15 @@ class Transports(Coordinator):
             super().hear_bid(sender, bid, now_s)
 
     def hear_accepted(self, sender: str, answer: Accepted, now_s: float) -> None:
+        task = self._open.get(answer.task)
+        if answer.role is Role.PRIMARY and task is not None and self._may_be_carried(task, answer.epoch):
+            # The award is in nobody's notes but the vehicle's, which has been started again too.
+            self._adopt(task, sender, answer.epoch, answer.finish_s, now_s)
+            return
         task = self._present(answer)
         if task is not None and answer.role is Role.SECONDARY:
             self._secondaries.hear_accepted(task, sender, answer, now_s)
+            self._commit()
         else:
             super().hear_accepted(sender, answer, now_s)
 
@@ -212,8 +225,8 @@ class Transports(Coordinator):
             self._confirm(task)
         elif task is None or message.epoch <= task.epoch:
             self._out.append(Send(sender, self.superseded(message.task, message.epoch)))
-        elif veto := self._failover.veto(task, message, now_s):
-            self._release(sender, task.id, message.epoch, Role.PRIMARY, veto)
+        elif veto := self._failover.veto(task, sender, message, now_s):
+            self._release(sender, message, veto)
         else:
             self._change_carrier(task, sender, message, now_s)
 
@@ -227,14 +240,42 @@ class Transports(Coordinator):
 
     # --- how it is done ---
 
+    def _wake_auction(self, task_id: str, now_s: float) -> None:
+        task = self._open.get(task_id)
+        was_offered = task is not None and task.is_offered
+        super()._wake_auction(task_id, now_s)
+        if not was_offered:
+            self._commit()  # Somebody may accept from now on: another life must use a higher epoch.
+
+    def _may_be_carried(self, task: OpenTask, epoch: int) -> bool:
+        """Whether somebody may have accepted a task of an earlier life in this epoch, and nobody since.
+
+        Once others were asked, in this life or before, the epoch must not fall.
+        """
+        return not task.primary and not task.is_offered and task.epoch - 1 <= epoch <= task.epoch
+
+    def _adopt(self, task: OpenTask, atv: str, epoch: int, promised_s: float, now_s: float) -> None:
+        task.auction.cancel()
+        task.epoch = epoch
+        self._timers.clear((PRIMARY_AUCTION, task.id))
+        self._bind(task, atv, "", promised_s, now_s)
+        self._contracted(task, now_s)
+
+    def _restore_carrier(self, task: OpenTask, memory: TaskMemory, now_s: float) -> None:
+        task.primary, task.source, task.promised_s = memory.primary, memory.source, memory.promised_s
+        self._failover.follow(task, IDLE_INTERVAL_S, now_s)
+        if memory.secondary:
+            self._secondaries.restore(task, memory.secondary, memory.watch_number, now_s)
+        else:
+            self._secondaries.seek(task, (), now_s)
+
     def _bound(
         self,
         task: OpenTask,
         runners_up: tuple[tuple[str, Bid], ...],
         now_s: float,
-        interval_s: float = WORKING_INTERVAL_S,
     ) -> None:
-        self._failover.follow(task, interval_s, now_s)
+        self._failover.follow(task, WORKING_INTERVAL_S, now_s)
         self._secondaries.seek(task, runners_up, now_s)
 
     def _let_go(self, task: OpenTask, reason: str) -> None:
@@ -243,6 +284,7 @@ class Transports(Coordinator):
         if task.primary:
             self._left(task.primary)
         task.primary, task.source, task.loaded, task.unloaded = "", "", False, False
+        task.held_s = NEVER_S
 
     def _bind(
         self,
@@ -251,11 +293,10 @@ class Transports(Coordinator):
         source: str,
         promised_s: float,
         now_s: float,
-        interval_s: float = WORKING_INTERVAL_S,
     ) -> None:
         """A vehicle carries a task, though no auction of this life has found it."""
         task.primary, task.source, task.promised_s = atv, source, promised_s
-        self._bound(task, (), now_s, interval_s)
+        self._bound(task, (), now_s)
 
     def _change_carrier(self, task: OpenTask, atv: str, message: TakenOver, now_s: float) -> None:
         failure = task.vigil.failure(now_s) if task.vigil is not None else ""

@@ -82,6 +82,11 @@ class Watches:
         watch = self._watches.get(task)
         return watch is not None and watch.award.epoch == epoch
 
+    def coordinator_of(self, task: str) -> str:
+        """Who has asked for a watch that is kept; empty when none is."""
+        watch = self._watches.get(task)
+        return "" if watch is None else watch.coordinator
+
     def briefs(self) -> tuple[Brief, ...]:
         return tuple(watch.brief() for watch in self._watches.values())
 
@@ -98,10 +103,14 @@ class Watches:
         )
         self._out.append(Record(taken))
 
-    def release(self, sender: str, message: Release) -> bool:
-        """The coordinator lets a watch go; False when the message is stale or a stranger's."""
+    def renew(self, award: Award) -> None:
+        """A watch that is kept was asked for once more; a release of the earlier award does not end it."""
+        self._watches[award.task].award = award
+
+    def release(self, message: Release) -> bool:
+        """The coordinator lets a watch go; False when it was taken by another award."""
         watch = self._watches.get(message.task)
-        if watch is None or watch.coordinator != sender or watch.award.epoch > message.epoch:
+        if watch is None or watch.award.number != message.number:
             return False
         self.end(message.task, message.reason)
         return True

@@ -1,0 +1,46 @@
+"""Whose word counts on a contract: what a coordinator alone may say of it is taken from that coordinator alone.
+
+A contractor asks here before anything else is done (`core`). Coordinators hear the words of contractors, and of those
+who believe to be one, themselves: a stranger's is answered there, for it may be a carrier that was replaced.
+"""
+
+from __future__ import annotations
+
+from dray.messages import (
+    Award,
+    Confirmed,
+    DockHeld,
+    DockOpened,
+    GoalClosed,
+    HandoverAccepted,
+    Message,
+    Release,
+    Role,
+    Superseded,
+    Withdrawn,
+)
+
+NO_PARTY = "the word of somebody who is no party to the contract that it is about"
+"""Why a message is ignored."""
+
+Word = (
+    Award
+    | Confirmed
+    | DockHeld
+    | DockOpened
+    | GoalClosed
+    | HandoverAccepted
+    | Release
+    | Superseded
+    | Withdrawn
+)
+"""What a coordinator says to its contractor. An award counts if its task is in the receiver's hands already."""
+
+
+def contract_of(message: Message) -> tuple[str, Role] | None:
+    """The contract that a coordinator speaks of: its task or goal, and the role in it; None for any other message."""
+    if not isinstance(message, Word):
+        return None
+    if isinstance(message, GoalClosed):
+        return message.goal, Role.PRIMARY
+    return message.task, message.role if isinstance(message, Award | Release) else Role.PRIMARY
