@@ -80,7 +80,7 @@ def with_handovers_that_count_twice(patch: pytest.MonkeyPatch) -> None:
 
 def without_release_after_silence(patch: pytest.MonkeyPatch) -> None:
     """A coordinator gives up on a silent bidder and does not say so."""
-    patch.setattr(Auction, "_release", lambda _self, _bidder, _reason: None)
+    patch.setattr(Auction, "_release", lambda *_: None)
 
 
 def that_resumes_unacknowledged(patch: pytest.MonkeyPatch) -> None:
