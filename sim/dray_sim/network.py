@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from dray.codec import decode, encode
-from dray.messages import AtvHeartbeat, Link
+from dray.messages import AtvHeartbeat, Link, ShutOut
 from dray.messages.speakers import objection
 from dray_sim.coverage import Coverage
 from dray_sim.latency import WLAN, Latency
@@ -150,6 +150,8 @@ class SimNetwork:
         self.refused: Counter[str] = Counter()
         self.kinds: dict[str, Kind] = {}
         self.shut_out: frozenset[str] = frozenset()
+        self._decision = 0
+        """The number of the last one about who is shut out."""
         self.relayed = 0
         self._clock = clock
         self._codec = codec
@@ -231,6 +233,8 @@ class SimNetwork:
         """Carry `message` to all that listen on `key`."""
         if not self._may_say(sender, key, message):
             return
+        if type(message) is ShutOut:
+            self._shut_out(message)
         message = self._utter(sender.agent, key, message)
         receivers = self._listeners.found.get(key)
         if receivers is None:
@@ -283,6 +287,11 @@ class SimNetwork:
         if reason:
             self.refused[reason] += 1
         return not reason
+
+    def _shut_out(self, said: ShutOut) -> None:
+        """Hear some no more, all at once: on the real bus each process is told for itself."""
+        if said.number > self._decision:
+            self._decision, self.shut_out = said.number, frozenset(said.agents)
 
     def _utter(self, sender: str, address: str, message: Message) -> Message:
         if self._trace is not None:

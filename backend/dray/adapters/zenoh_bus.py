@@ -23,7 +23,7 @@ import time
 from collections import Counter
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import zenoh
 from zenoh.handlers import Callback
@@ -54,6 +54,15 @@ ROLL_CALL_S = 2.0
 UNREADABLE = "no message of ours"
 NEWER = "a newer wire version"
 UNSEALED = "not signed by its sender"
+
+
+class Heard(NamedTuple):
+    """A message that came in and may be heard."""
+
+    sender: str
+    message: Message
+    context: str
+    stamp: Stamp
 
 
 class ZenohSession:
@@ -125,7 +134,7 @@ class ZenohSession:
     # --- on the agent's loop ---------------------------------------------------------------------
 
     def _say(self, key: str, message: Message) -> None:
-        if self._left:
+        if self._left or self.agent in self._bus.shut_out:
             self._bus.unsaid += 1
             return
         self._said[key] += 1
@@ -166,22 +175,9 @@ class ZenohSession:
 
     def _hear(self, key: str, sample: zenoh.Sample) -> None:
         bus = self._bus
-        try:
-            attachment = sample.attachment
-            stamp = read_stamp(b"" if attachment is None else attachment.to_bytes())
-            data = sample.payload.to_bytes()
-            sender, message, context = decode_with_context(data)
-            kind = bus.kind_of(sender, key, stamp, data)
-        except NewerVersion:
-            bus.refuse(NEWER)
-        except SealError:
-            bus.refuse(UNSEALED)
-        except WireError:
-            bus.refuse(UNREADABLE)
-        else:
-            if reason := objection(sender, kind, key, message, bus.shut_out):
-                bus.refuse(reason)
-                return
+        heard = bus.read(key, sample)
+        if heard is not None:
+            sender, message, context, stamp = heard
             with bus.lock:
                 bus.missed += self._heard.skipped(sender, key, stamp)
             bus.arrivals.say(message, self._arrive, sender, message, context)
@@ -212,7 +208,7 @@ class ZenohBus:
         lock: held where Zenoh's threads count.
         arrivals: what has come in and waits for its agent; counts what it drops.
         delivered: messages that reached an agent.
-        unsaid: messages of agents that had left.
+        unsaid: messages of agents that had left, or are shut out and know it.
         missed: messages that were lost on the way, by the numbers of those that came after them.
         refused: what came in and reached nobody, by reason; reasons are few and fixed.
         shut_out: agents that nobody in this process hears any more; replaced as a whole.
@@ -266,6 +262,27 @@ class ZenohBus:
         """Let go of a session that has left."""
         if self._sessions.get(session.agent) is session:
             del self._sessions[session.agent]
+
+    def read(self, key: str, sample: zenoh.Sample) -> Heard | None:
+        """What has come in on `key`; None, and refused, when nobody may hear it. On any thread."""
+        try:
+            attachment = sample.attachment
+            stamp = read_stamp(b"" if attachment is None else attachment.to_bytes())
+            data = sample.payload.to_bytes()
+            sender, message, context = decode_with_context(data)
+            kind = self.kind_of(sender, key, stamp, data)
+        except NewerVersion:
+            reason = NEWER
+        except SealError:
+            reason = UNSEALED
+        except WireError:
+            reason = UNREADABLE
+        else:
+            reason = objection(sender, kind, key, message, self.shut_out)
+            if not reason:
+                return Heard(sender, message, context, stamp)
+        self.refuse(reason)
+        return None
 
     def kind_of(self, sender: str, key: str, stamp: Stamp, data: bytes) -> Kind | None:
         """What `sender` is, who has really said this; None on a bus without certificates. On any thread.

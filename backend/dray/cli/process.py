@@ -17,6 +17,7 @@ from dray.adapters.sqlite_journal import SqliteJournal
 from dray.adapters.system_clock import SystemClock
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_claim import Claim
+from dray.adapters.zenoh_exclusions import Exclusions
 from dray.adapters.zenoh_links import Identity, Links
 from dray.adapters.zenoh_modem import Modem
 from dray.body import VehicleState
@@ -91,9 +92,11 @@ class Surroundings:
             UnavailableError: an address cannot be listened on.
         """
         bus = ZenohBus(links_of(self.settings, name), self.plant.id, replaced)
+        exclusions = Exclusions(bus, self.settings.journal_folder / f"{name}.shut-out")
         try:
             yield bus
         finally:
+            exclusions.end()
             bus.close()
 
     @asynccontextmanager

@@ -1,0 +1,83 @@
+"""Exclusions on the real bus: what one process knows of who is shut out.
+
+Gateways say the list again and again on one key (`dray.messages.shutout`); each process listens there for itself,
+whatever its agents do. It writes the newest list down, so that its next life knows it before it hears anybody, also
+while no gateway is there.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import threading
+from pathlib import Path
+
+import msgspec
+import zenoh
+from zenoh.handlers import Callback
+
+from dray.adapters.zenoh_bus import ZenohBus
+from dray.messages import ShutOut
+
+log = logging.getLogger(__name__)
+
+_read = msgspec.json.Decoder(ShutOut).decode
+_write = msgspec.json.Encoder().encode
+
+
+class Exclusions:
+    """Tells a bus whom its agents hear no more, until it is ended.
+
+    Args:
+        bus: of this process.
+        file: where the list is kept; made when there is something to keep.
+    """
+
+    def __init__(self, bus: ZenohBus, file: Path) -> None:
+        self._bus, self._file = bus, file
+        self._lock = threading.Lock()
+        self._list = self._recall()
+        bus.shut_out = frozenset(self._list.agents)
+        self._ear = bus.inner.declare_subscriber(bus.keys.shut_out, Callback(self._hear, indirect=False))
+
+    def end(self) -> None:
+        """Hear of no more decisions; what was decided holds as long as the bus is used."""
+        self._ear.undeclare()
+
+    def _hear(self, sample: zenoh.Sample) -> None:
+        """On Zenoh's threads."""
+        heard = self._bus.read(self._bus.keys.shut_out, sample)
+        if heard is not None and isinstance(heard.message, ShutOut):
+            self._take(heard.sender, heard.message)
+
+    def _take(self, gateway: str, said: ShutOut) -> None:
+        with self._lock:
+            if said.number <= self._list.number:
+                return
+            before, self._list = set(self._list.agents), said
+            self._bus.shut_out = frozenset(said.agents)
+            self._keep(said)
+        for agent in sorted(before.symmetric_difference(said.agents)):
+            log.warning("%s is %s, says %s", agent, "readmitted" if agent in before else "shut out", gateway)
+
+    def _recall(self) -> ShutOut:
+        try:
+            return _read(self._file.read_bytes())
+        except FileNotFoundError:
+            return ShutOut(number=0)
+        except (OSError, msgspec.MsgspecError) as error:
+            log.warning("%s: %s; who is shut out is known when a gateway says it", self._file, error)
+            return ShutOut(number=0)
+
+    def _keep(self, said: ShutOut) -> None:
+        """Replace the file as a whole: a process that ends meanwhile leaves the old one."""
+        fresh = self._file.with_name(f"{self._file.name}.new")
+        try:
+            self._file.parent.mkdir(parents=True, exist_ok=True)
+            with fresh.open("wb") as file:
+                file.write(_write(said))
+                file.flush()
+                os.fsync(file.fileno())
+            fresh.replace(self._file)
+        except OSError as error:
+            log.warning("%s cannot be written: %s; the next start hears it from a gateway", self._file, error)
