@@ -74,10 +74,25 @@ class Session(Protocol):
 
 
 class Bus(Protocol):
-    """Where agents meet. There may be any number of agents; none of them is special."""
+    """Where agents meet. There may be any number of agents; none of them is special.
 
-    def join(self, agent: str, receive: Receive) -> Session:
-        """Take part as `agent`. A second join under one name replaces the first, as a restart does."""
+    Who may say what: before anybody hears a message, `dray.messages.speakers.objection` is asked. What is refused
+    reaches nobody, and is counted by reason.
+    """
+
+    def join(self, agent: str, receive: Receive, life: int = 0) -> Session:
+        """Take part as `agent`.
+
+        Of several lives of one agent the latest stays, wherever they are and whichever joined first, and the others
+        leave. Without clocks: a process that hung while its computer's clock was put back must not win over its
+        restart.
+
+        Args:
+            agent: its id.
+            receive: hears what is said to it.
+            life: its incarnation (`Journal`). 0 for who keeps no journal: it gives way to whoever joins after it in the
+                same process, or with a life elsewhere.
+        """
         ...
 
 

@@ -125,7 +125,7 @@ class Worker:
         if self._killed:
             return
         loop = asyncio.get_running_loop()
-        session = self._session = self._bus.join(self.agent.id, self._hear)
+        session = self._session = self._bus.join(self.agent.id, self._hear, self.agent.incarnation)
         try:
             if self._body is not None:
                 self._body.attach(self._report)

@@ -40,15 +40,16 @@ class BridgedSession:
     many of them undone that it must have stopped (`Crossing.order`).
     """
 
-    def __init__(self, bridge: BridgedBus, agent: str, receive: Receive) -> None:
+    def __init__(self, bridge: BridgedBus, agent: str, receive: Receive, life: int) -> None:
         self._in, self._out = bridge.inbound, bridge.outbound
+        self.life = life
         self._receive = receive
         self.context = ""
         """Crosses in neither direction: nobody out here is traced."""
         self._left = False
         self._inner: Session
         """Set by the first call that crosses, and used on the simulation's thread only."""
-        self._in.order(self._join, bridge.network, agent)
+        self._in.order(self._join, bridge.network, agent, life)
 
     # --- on the outer loop -----------------------------------------------------------------------
 
@@ -83,8 +84,8 @@ class BridgedSession:
 
     # --- on the simulation's loop ----------------------------------------------------------------
 
-    def _join(self, network: Bus, agent: str) -> None:
-        self._inner = network.join(agent, self._hear)
+    def _join(self, network: Bus, agent: str, life: int) -> None:
+        self._inner = network.join(agent, self._hear, life)
 
     def _publish(self, key: str, message: Message) -> None:
         self._inner.publish(key, message)
@@ -127,12 +128,14 @@ class BridgedBus:
         self._sessions: dict[str, BridgedSession] = {}
         """The latest session of every agent that ever joined from outside: a handful."""
 
-    def join(self, agent: str, receive: Receive) -> BridgedSession:
+    def join(self, agent: str, receive: Receive, life: int = 0) -> BridgedSession:
         """See `dray.ports.Bus.join`; the joining takes effect with the next turn of the simulation."""
-        session = BridgedSession(self, agent, receive)
-        if agent in self._sessions:
-            self._sessions[agent].silence()
-        self._sessions[agent] = session
+        session = BridgedSession(self, agent, receive, life)
+        before = self._sessions.get(agent)
+        if before is None or before.life <= life:
+            if before is not None:
+                before.silence()
+            self._sessions[agent] = session
         return session
 
 

@@ -56,10 +56,11 @@ NO_GATEWAY = "no way by radio"
 class SimSession:
     """One agent's place on the network (see `dray.ports.Session`)."""
 
-    __slots__ = ("_network", "agent", "context", "deliver", "joined", "number", "receive")
+    __slots__ = ("_network", "agent", "context", "deliver", "joined", "life", "number", "receive")
 
-    def __init__(self, network: SimNetwork, number: int, agent: str, receive: Receive) -> None:
+    def __init__(self, network: SimNetwork, number: int, agent: str, receive: Receive, life: int) -> None:
         self._network = network
+        self.life = life
         self.number = number
         self.agent = agent
         self.receive = receive
@@ -176,13 +177,16 @@ class SimNetwork:
 
     # --- the port --------------------------------------------------------------------------------
 
-    def join(self, agent: str, receive: Receive) -> SimSession:
+    def join(self, agent: str, receive: Receive, life: int = 0) -> SimSession:
         """See `dray.ports.Bus.join`."""
         before = self._sessions.get(agent)
+        self._joins += 1
+        session = SimSession(self, self._joins, agent, receive, life)
+        if before is not None and before.life > life:
+            session.joined = False
+            return session
         if before is not None:
             self.leave(before)
-        self._joins += 1
-        session = SimSession(self, self._joins, agent, receive)
         self._sessions[agent] = session
         return session
 

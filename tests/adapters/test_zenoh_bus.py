@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import os
+import time
 from collections.abc import Callable, Coroutine
 from typing import Any
 
@@ -16,6 +17,7 @@ from zenoh_kit import PATIENCE_S, Row, free_address, multicast_works
 from dray.adapters.zenoh_bus import NEWER, UNREADABLE, ZenohBus
 from dray.adapters.zenoh_links import Links
 from dray.adapters.zenoh_stamp import KNOWN, Stamp, Tally, read_stamp, write_stamp
+from dray.adapters.zenoh_tokens import UNSIGNED
 from dray.cli.meters.bus import BusMeter
 from dray.codec import encode
 from dray.errors import ProtocolViolation, SettingsError, UnavailableError, WireError
@@ -38,9 +40,9 @@ def on(count: int, test: Callable[[Row], Coroutine[Any, Any, None]]) -> None:
 class Agent:
     """An agent that remembers the orders that it has heard of."""
 
-    def __init__(self, bus: ZenohBus, name: str) -> None:
+    def __init__(self, bus: ZenohBus, name: str, life: int = 0) -> None:
         self.heard: list[str] = []
-        self.session = bus.join(name, self._receive)
+        self.session = bus.join(name, self._receive, life)
 
     def _receive(self, sender: str, message: Message) -> None:
         assert isinstance(message, OrderTaken)
@@ -128,10 +130,10 @@ def test_an_agent_that_joins_elsewhere_is_replaced_here_and_its_process_is_told(
         here, there = row.buses
         told: list[str] = []
         here.replaced = told.append
-        before = Agent(here, "A")
+        before = Agent(here, "A", life=1)
         speaker = Agent(here, "S")
         await row.settle()
-        after = Agent(there, "A")
+        after = Agent(there, "A", life=2)
         await row.settle()
         before.session.send("S", OrderTaken(order="of the dead"))
         speaker.session.send("A", OrderTaken(order="1"))
@@ -139,6 +141,73 @@ def test_an_agent_that_joins_elsewhere_is_replaced_here_and_its_process_is_told(
         assert told == ["A"]
         assert (before.heard, after.heard, speaker.heard) == ([], ["1"], [])
         assert here.unsaid == 1
+
+    on(2, test)
+
+
+@pytest.mark.parametrize("step_s", [-3600.0, 3600.0], ids=["back", "forward"])
+def test_a_process_that_hangs_does_not_win_over_its_restart_when_the_clock_has_been_put(
+    monkeypatch: pytest.MonkeyPatch, step_s: float
+) -> None:
+    async def test(row: Row) -> None:
+        here, there = row.buses
+        told: list[str] = []
+        here.replaced = there.replaced = told.append
+        hanging = Agent(here, "A", life=7)
+        await row.settle()
+        now_s = time.time() + step_s
+        monkeypatch.setattr(time, "time", lambda: now_s)
+        monkeypatch.setattr(time, "time_ns", lambda: int(now_s * 1e9))
+        restarted, speaker = Agent(there, "A", life=8), Agent(there, "S")
+        await row.settle()
+        speaker.session.send("A", OrderTaken(order="1"))
+        await row.settle()
+        assert told == ["A"]
+        assert (hanging.heard, restarted.heard) == ([], ["1"])
+
+    on(2, test)
+
+
+def test_of_two_lives_with_one_number_one_leaves() -> None:
+    async def test(row: Row) -> None:
+        told: list[str] = []
+        for bus in row.buses:
+            bus.replaced = told.append
+            Agent(bus, "A", life=3)
+        await row.settle()
+        assert told == ["A"]
+
+    on(2, test)
+
+
+def test_who_keeps_no_journal_replaces_nobody_elsewhere() -> None:
+    async def test(row: Row) -> None:
+        here, there = row.buses
+        told: list[str] = []
+        here.replaced = there.replaced = told.append
+        first, second, speaker = Agent(here, "A"), Agent(there, "A"), Agent(here, "S")
+        await row.settle()
+        speaker.session.send("A", OrderTaken(order="1"))
+        await row.settle()
+        assert told == []
+        assert first.heard == second.heard == ["1"]
+
+    on(2, test)
+
+
+@pytest.mark.parametrize(
+    "key", ["p/alive/A/x/-", "p/alive/A/-1/-", f"p/alive/A/{'9' * 5000}/-", "p/alive/A/٣/-"]
+)
+def test_a_token_that_says_no_life_is_ignored_and_counted(key: str) -> None:
+    async def test(row: Row) -> None:
+        here, there = row.buses
+        agent = Agent(there, "A", life=1)
+        with here.inner.liveliness().declare_token(key):
+            await row.settle()
+            here.inner.put("p/agent/@A", TAKEN, attachment=STAMP)
+            await row.settle()
+        assert agent.heard == ["1"]
+        assert dict(there.refused) == {UNSIGNED: 1}
 
     on(2, test)
 
@@ -251,7 +320,7 @@ def skipped(*stamps: tuple[int, int]) -> list[int]:
 
 
 def test_nothing_is_missing_before_the_first_that_is_heard() -> None:
-    assert skipped((1, 17), (1, 18)) == [0, 0]
+    assert skipped((1, 17), (1, 18)) == skipped((0, 17), (0, 18)) == [0, 0]
 
 
 def test_numbers_that_were_skipped_are_missing() -> None:

@@ -58,8 +58,8 @@ class Spread:
     def __init__(self, row: Row, ear: Ear) -> None:
         self._turns, self._ear = cycle(row.buses), ear
 
-    def join(self, agent: str, receive: Receive) -> Overheard:
-        return Overheard(next(self._turns).join(agent, receive), agent, self._ear)
+    def join(self, agent: str, receive: Receive, life: int = 0) -> Overheard:
+        return Overheard(next(self._turns).join(agent, receive, life), agent, self._ear)
 
 
 class Stage:
@@ -122,7 +122,7 @@ def on_zenoh(story: Story) -> object:
         bus = Spread(row, ears)
         try:
             told = await tell(story, SimFactory(PLANT, clock(), seed=1, meet=lambda _: bus), bus, ears)
-            assert all(not zenoh.refused and not zenoh.missed for zenoh in row.buses)
+            assert [(dict(zenoh.refused), zenoh.missed) for zenoh in row.buses] == [({}, 0)] * SESSIONS
             return told
         finally:
             row.close()

@@ -197,7 +197,7 @@ def test_a_historian_ends_when_another_one_has_been_started(
             first = group.create_task(run_historian(Surroundings(settings, plant)))
             await ready.wait()
             with closing(ZenohBus(Links(peers=(address,), plain=True), plant.id)) as bus:
-                bus.join("historian", lambda _sender, _message: None)
+                bus.join("historian", lambda _sender, _message: None, life=1_000)
                 await asyncio.wait((first,))
 
     with pytest.raises(ExceptionGroup) as raised:

@@ -28,7 +28,7 @@ class Bus:
     def __init__(self) -> None:
         self.said: list[Message] = []
 
-    def join(self, agent: str, receive: object) -> Bus:
+    def join(self, agent: str, receive: object, life: int = 0) -> Bus:
         return self
 
     def publish(self, key: str, message: Message) -> None:

@@ -211,8 +211,8 @@ class OnZenoh(World):
 
         asyncio.run(main())
 
-    def join(self, agent: str, receive: Receive) -> Session:
-        return next(self._turns).join(agent, receive)
+    def join(self, agent: str, receive: Receive, life: int = 0) -> Session:
+        return next(self._turns).join(agent, receive, life)
 
     async def settle(self) -> None:
         await self._row.settle()
@@ -260,9 +260,9 @@ def world(request: pytest.FixtureRequest, folder: Path) -> World:
 class Peer:
     """An agent that remembers what it has heard, as (sender, order)."""
 
-    def __init__(self, world: World, name: str, *subscriptions: str) -> None:
+    def __init__(self, world: World, name: str, *subscriptions: str, life: int = 0) -> None:
         self.heard: list[tuple[str, str]] = []
-        self.session: Session = world.bus.join(name, self._receive)
+        self.session: Session = world.bus.join(name, self._receive, life)
         for key in subscriptions:
             self.session.subscribe(key)
 
@@ -466,10 +466,10 @@ async def test_who_has_left_says_nothing_any_more_and_may_leave_twice(world: Wor
     assert listener.heard == leaving.heard == []
 
 
-async def test_a_second_join_under_one_name_replaces_the_first(world: World) -> None:
-    before, speaker = Peer(world, "A", "p/k"), Peer(world, "S")
+async def test_a_later_life_replaces_an_earlier_one(world: World) -> None:
+    before, speaker = Peer(world, "A", "p/k", life=1), Peer(world, "S")
     await world.settle()
-    after = Peer(world, "A")
+    after = Peer(world, "A", life=2)
     await world.settle()
     speaker.session.send("A", say(1))
     speaker.session.publish("p/k", say(2))
@@ -478,9 +478,22 @@ async def test_a_second_join_under_one_name_replaces_the_first(world: World) -> 
     assert after.heard == [("S", "1")]
 
 
+async def test_an_earlier_life_that_joins_late_is_nobody(world: World) -> None:
+    late, speaker = Peer(world, "A", life=2), Peer(world, "S")
+    await world.settle()
+    early = Peer(world, "A", "p/k", life=1)
+    await world.settle()
+    early.session.send("S", say("of the dead"))
+    speaker.session.send("A", say(1))
+    speaker.session.publish("p/k", say(2))
+    await world.settle()
+    assert early.heard == speaker.heard == []
+    assert late.heard == [("S", "1")]
+
+
 async def test_the_end_of_a_replaced_session_does_not_touch_its_successor(world: World) -> None:
-    before, speaker = Peer(world, "A"), Peer(world, "S")
-    after = Peer(world, "A", "p/k")
+    before, speaker = Peer(world, "A", life=1), Peer(world, "S")
+    after = Peer(world, "A", "p/k", life=2)
     before.session.leave()
     await world.settle()
     speaker.session.send("A", say(1))
@@ -493,7 +506,7 @@ async def test_the_end_of_a_replaced_session_does_not_touch_its_successor(world:
 async def test_many_agents_may_come_and_go(world: World) -> None:
     speaker = Peer(world, "S")
     for round_number in range(20):
-        peers = [Peer(world, f"A{number}", "p/k") for number in range(10)]
+        peers = [Peer(world, f"A{number}", "p/k", life=round_number + 1) for number in range(10)]
         await world.settle()
         speaker.session.publish("p/k", say(round_number))
         await world.settle()

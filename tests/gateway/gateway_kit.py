@@ -127,7 +127,7 @@ class FakeBus:
         """Sender, receiver and message, in the order sent; the receiver need not exist."""
         self._more = asyncio.Event()
 
-    def join(self, agent: str, receive: Receive) -> FakeSession:
+    def join(self, agent: str, receive: Receive, life: int = 0) -> FakeSession:
         session = self.sessions[agent] = FakeSession(self, agent, receive)
         return session
 

@@ -104,12 +104,12 @@ class Deafened:
     def __init__(self, bus: SimNetwork, chance: Random) -> None:
         self._bus, self._chance = bus, chance
 
-    def join(self, agent: str, receive: Receive) -> Session:
+    def join(self, agent: str, receive: Receive, life: int = 0) -> Session:
         def hear(sender: str, message: Message) -> None:
             if self._chance.random() >= 0.2:
                 receive(sender, message)
 
-        return self._bus.join(agent, hear)
+        return self._bus.join(agent, hear, life)
 
 
 class Beats:

@@ -21,6 +21,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "cli/fleet"))
 
 from rolls import NOBODY, write_roll
 
+from dray.adapters.zenoh_tokens import Tokens
 from dray.cli.fleet.folder import LOGS, ROLL, write_settings
 from dray.cli.fleet.processes import Process
 from dray.errors import UnavailableError
@@ -475,6 +476,7 @@ class Bus:
     """A bus on which nobody is."""
 
     keys = Keys("plant")
+    tokens = Tokens(keys.alive, None, print)
 
     @property
     def inner(self) -> Any:

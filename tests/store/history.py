@@ -53,7 +53,7 @@ class Line:
         self.asked: list[tuple[str, EventsAsked]] = []
         self.answer: Callable[[str, EventsAsked], Iterable[Message]] = lambda _agent, _question: ()
 
-    def join(self, agent: str, receive: Receive) -> Line:
+    def join(self, agent: str, receive: Receive, life: int = 0) -> Line:
         self.heard_by = receive
         return self
 

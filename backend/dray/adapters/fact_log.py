@@ -43,6 +43,6 @@ class LoggedBus:
     def __init__(self, bus: Bus) -> None:
         self._bus = bus
 
-    def join(self, agent: str, receive: Receive) -> Session:
+    def join(self, agent: str, receive: Receive, life: int = 0) -> Session:
         """See `dray.ports.Bus.join`."""
-        return LoggedSession(self._bus.join(agent, receive))
+        return LoggedSession(self._bus.join(agent, receive, life))

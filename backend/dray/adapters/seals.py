@@ -6,11 +6,14 @@ is signed by its sender, together with the key on which it was said and the time
 certificate along. A relay can lose it, and nothing else.
 
 A message may be played again within `FRESH_S`; that is a message that comes twice, which the protocol
-has to bear anyway.
+has to bear anyway. A voucher, by which an agent says in a chunk of a key that it is there, may be played again for
+ever: it must say nothing that another moment makes wrong.
 """
 
 from __future__ import annotations
 
+import base64
+import binascii
 import datetime as dt
 import time
 from collections.abc import Callable
@@ -39,6 +42,11 @@ _DAY = "%Y-%m-%d %H:%M"
 _ECDSA = ec.ECDSA(hashes.SHA256())
 
 
+class _Voucher(msgspec.Struct, frozen=True, gc=False, array_like=True):
+    certificate: bytes
+    signature: bytes
+
+
 class _Seal(msgspec.Struct, frozen=True, gc=False, array_like=True):
     certificate: bytes
     at_s: float
@@ -56,6 +64,7 @@ class _Examined:
 
 _write = msgspec.msgpack.Encoder().encode
 _read = msgspec.msgpack.Decoder(_Seal).decode
+_read_voucher = msgspec.msgpack.Decoder(_Voucher).decode
 
 
 class Seals:
@@ -123,18 +132,45 @@ class Seals:
             read = _read(seal)
         except (msgspec.MsgspecError, ValueError) as fault:
             raise SealError(f"no seal: {fault}", data) from fault
-        examined = self._examine(read.certificate, data)
-        kind = examined.agents.get(sender)
-        if kind is None:
-            raise SealError(f"its certificate does not name {sender}", data)
-        now_s = self._now_s()
-        if abs(now_s - read.at_s) > FRESH_S or now_s > examined.until_s:
-            raise SealError(f"said {now_s - read.at_s:.0f} s ago, or its certificate has expired", data)
-        try:
-            examined.key.verify(read.signature, _signed(key, life, number, read.at_s, data), _ECDSA)
-        except InvalidSignature:
-            raise SealError("its signature does not fit", data) from None
+        examined, kind = self._of(read.certificate, sender, data)
+        age_s = self._now_s() - read.at_s
+        if abs(age_s) > FRESH_S:
+            raise SealError(f"said {age_s:.0f} s ago", data)
+        _verify(examined, read.signature, _signed(key, life, number, read.at_s, data))
         return kind
+
+    def vouch(self, key: str) -> str:
+        """A chunk that, at the end of `key`, says who has declared it."""
+        signature = self._key.sign(_vouched(key), _ECDSA)
+        return base64.urlsafe_b64encode(_write(_Voucher(self._certificate, signature))).decode()
+
+    def examine_voucher(self, chunk: str, agent: str, key: str) -> None:
+        """See that it was `agent` who has vouched for this key.
+
+        Raises:
+            SealError: nobody whom we know has, or not for this.
+        """
+        data = chunk.encode()
+        try:
+            read = _read_voucher(base64.b64decode(data, altchars=b"-_", validate=True))
+        except (msgspec.MsgspecError, binascii.Error, ValueError) as fault:
+            raise SealError(f"no voucher: {fault}", data) from fault
+        examined, _ = self._of(read.certificate, agent, data)
+        _verify(examined, read.signature, _vouched(key))
+
+    def _of(self, certificate: bytes, agent: str, data: bytes) -> tuple[_Examined, Kind]:
+        """A certificate that is good for `agent` now, and what the agent is.
+
+        Raises:
+            SealError: it is not.
+        """
+        examined = self._examine(certificate, data)
+        kind = examined.agents.get(agent)
+        if kind is None:
+            raise SealError(f"its certificate does not name {agent}", data)
+        if self._now_s() > examined.until_s:
+            raise SealError("its certificate has expired", data)
+        return examined, kind
 
     def _examine(self, certificate: bytes, data: bytes) -> _Examined:
         known = self._known.get(certificate)
@@ -163,6 +199,17 @@ class Seals:
         PolicyBuilder().store(Store(self._authorities)).time(at).build_client_verifier().verify(
             certificate, []
         )
+
+
+def _verify(examined: _Examined, signature: bytes, signed: bytes) -> None:
+    try:
+        examined.key.verify(signature, signed, _ECDSA)
+    except InvalidSignature:
+        raise SealError("its signature does not fit", signed) from None
+
+
+def _vouched(key: str) -> bytes:
+    return f"there {key}".encode()
 
 
 def _signed(key: str, life: int, number: int, at_s: float, data: bytes) -> bytes:

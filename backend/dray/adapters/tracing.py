@@ -70,7 +70,7 @@ class TracedBus:
         self._bus, self._to_wall_s = bus, to_wall_s
         self._tracer = provider.get_tracer(SERVICE, __version__)
 
-    def join(self, agent: str, receive: Receive) -> Session:
+    def join(self, agent: str, receive: Receive, life: int = 0) -> Session:
         """See `dray.ports.Bus.join`."""
         spans = Spans(agent, self._tracer, self._to_wall_s)
 
@@ -79,7 +79,7 @@ class TracedBus:
                 spans.hear(message, inner.context)
             receive(sender, message)
 
-        inner = self._bus.join(agent, hear)
+        inner = self._bus.join(agent, hear, life)
         return TracedSession(inner, spans)
 
 

@@ -4,7 +4,7 @@ One process has one Zenoh session, and any number of agents on it: one for a veh
 
     publish  {key}                           whoever listens on a pattern that matches
     send     {plant}/agent/@{to}             one agent: a chunk with an @ is matched by no wildcard
-    join     {plant}/alive/{agent}/{life}    a liveliness token: who is there, and since when
+    join     {plant}/alive/{agent}/{life}/…  a liveliness token: who is there, in which life (`zenoh_tokens`)
 
 Two threads meet here. Agents call on their loop, and a call goes straight into Zenoh's queues, which never
 hold it up. What comes in comes on Zenoh's threads: there it is read and judged, and crosses to the loop by
@@ -19,7 +19,6 @@ from __future__ import annotations
 import asyncio
 import logging
 import threading
-import time
 from collections import Counter
 from collections.abc import Callable
 from functools import partial
@@ -31,6 +30,7 @@ from zenoh.handlers import Callback
 from dray.adapters.crossing import Crossing
 from dray.adapters.seals import Seals
 from dray.adapters.zenoh_stamp import Stamp, Tally, read_stamp, write_stamp
+from dray.adapters.zenoh_tokens import NO_LIFE, Tokens
 from dray.codec import decode_with_context, encode
 from dray.errors import NewerVersion, ProtocolViolation, SealError, SettingsError, WireError
 from dray.messages.keys import Keys
@@ -68,7 +68,7 @@ class Heard(NamedTuple):
 class ZenohSession:
     """One agent's place on the bus (see `dray.ports.Session`)."""
 
-    def __init__(self, bus: ZenohBus, agent: str, receive: Receive) -> None:
+    def __init__(self, bus: ZenohBus, agent: str, receive: Receive, life: int) -> None:
         self.agent = agent
         self.context = ""
         self._bus = bus
@@ -83,15 +83,15 @@ class ZenohSession:
         self._subscribers: dict[str, zenoh.Subscriber[None]] = {}
         self._owners: dict[str, str] = {}
         """By which of its patterns a key is heard, so that two that match do not make it heard twice."""
-        # Never twice the same, and never less: a restart is later than the life before it.
-        self._life = time.time_ns()
+        self.life = life
+        self._token = bus.tokens.of(agent, life)
         keys, inner = bus.keys, bus.inner
         own = keys.addressed(agent)
         self._own = inner.declare_subscriber(own, _on_zenohs_thread(partial(self._hear, own)))
         self._others = inner.liveliness().declare_subscriber(
-            keys.alive(agent, "*"), _on_zenohs_thread(self._see_other)
+            bus.tokens.all_of(agent), _on_zenohs_thread(self._see_other), history=True
         )
-        self._token = inner.liveliness().declare_token(keys.alive(agent, str(self._life)))
+        self._presence = inner.liveliness().declare_token(bus.tokens.key(self._token))
 
     def publish(self, key: str, message: Message) -> None:
         """Say it to all that listen on `key`."""
@@ -124,7 +124,7 @@ class ZenohSession:
         if self._left:
             return
         self._left = True
-        self._token.undeclare()
+        self._presence.undeclare()
         self._others.undeclare()
         self._own.undeclare()
         for pattern in tuple(self._patterns):
@@ -139,8 +139,8 @@ class ZenohSession:
             return
         self._said[key] += 1
         number, data, seals = self._said[key], encode(self.agent, message, self.context), self._bus.seals
-        seal = b"" if seals is None else seals.seal(key, self._life, number, data)
-        self._bus.inner.put(key, data, attachment=write_stamp(Stamp(self._life, number, seal)))
+        seal = b"" if seals is None else seals.seal(key, self.life, number, data)
+        self._bus.inner.put(key, data, attachment=write_stamp(Stamp(self.life, number, seal)))
 
     def _arrive(self, sender: str, message: Message, context: str) -> None:
         if not self._left:
@@ -184,9 +184,10 @@ class ZenohSession:
 
     def _see_other(self, sample: zenoh.Sample) -> None:
         """Another life of this agent is there, or was: the latest of them is the agent."""
-        life = str(sample.key_expr).rpartition("/")[2]
-        later = sample.kind == zenoh.SampleKind.PUT and life.isdecimal() and int(life) > self._life
-        if later and not self._replaced:
+        if self._replaced or sample.kind != zenoh.SampleKind.PUT:
+            return
+        other = self._bus.tokens.read(str(sample.key_expr))
+        if other is not None and other.replaces(self._token):
             self._replaced = True
             self._bus.arrivals.order(self._give_way)
 
@@ -204,6 +205,7 @@ class ZenohBus:
     Attributes:
         keys: the plant's.
         seals: by which agents are known; None on a bus without certificates.
+        tokens: of those who are there.
         inner: Zenoh's session.
         lock: held where Zenoh's threads count.
         arrivals: what has come in and waits for its agent; counts what it drops.
@@ -226,19 +228,26 @@ class ZenohBus:
         self.missed = 0
         self.lock = threading.Lock()
         self.seals = None if links.identity is None else Seals(links.identity, plant)
+        self.tokens = Tokens(self.keys.alive, self.seals, self.refuse)
         self.inner = links.open()
 
-    def join(self, agent: str, receive: Receive) -> ZenohSession:
-        """See `dray.ports.Bus.join`; also when the first has joined in another process.
+    def join(self, agent: str, receive: Receive, life: int = NO_LIFE) -> ZenohSession:
+        """See `dray.ports.Bus.join`; also when another life has joined in another process.
 
         Raises:
             SettingsError: the process's certificate does not name the agent.
         """
         if self.seals is not None and agent not in self.seals.agents:
             raise SettingsError(agent, f"the certificate names {', '.join(self.seals.agents)} only")
-        if before := self._sessions.get(agent):
+        before = self._sessions.get(agent)
+        if before is not None and before.life <= life:
             before.leave()
-        session = self._sessions[agent] = ZenohSession(self, agent, receive)
+            before = None
+        session = ZenohSession(self, agent, receive, life)
+        if before is None:
+            self._sessions[agent] = session
+        else:
+            session.leave()
         return session
 
     async def roll_call(self) -> frozenset[str]:
@@ -247,14 +256,15 @@ class ZenohBus:
         all_told = asyncio.Event()
 
         def note(reply: zenoh.Reply) -> None:
-            if reply.ok is not None:
-                present.add(str(reply.ok.key_expr).split("/")[-2])
+            token = None if reply.ok is None else self.tokens.read(str(reply.ok.key_expr))
+            if token is not None:
+                present.add(token.agent)
 
         def end() -> None:
             self.arrivals.order(all_told.set)
 
         tokens = Callback(note, end, indirect=False)
-        self.inner.liveliness().get(self.keys.alive("*", "*"), tokens, timeout=ROLL_CALL_S)
+        self.inner.liveliness().get(self.tokens.everybody, tokens, timeout=ROLL_CALL_S)
         await all_told.wait()
         return frozenset(present)
 

@@ -1,6 +1,9 @@
 """A claim: what only one process of a plant may be at a time, and the first keeps.
 
 An agent is another matter: there the latest life counts, since its journal has all that the one before knew.
+
+With certificates a claim is signed, and only that of the agent whose name it has counts. Whoever has seen a claim may
+say it again when it has ended: this is good enough for a floor that is simulated, and for nothing that more depends on.
 """
 
 from __future__ import annotations
@@ -11,31 +14,31 @@ from collections.abc import Callable
 import zenoh
 from zenoh.handlers import Callback
 
-from dray.adapters.crossing import Crossing
+from dray.adapters.zenoh_bus import ZenohBus
+from dray.adapters.zenoh_tokens import Tokens
 
 
 class Claim:
-    """Holds a claim until it is ended, or its session is closed.
+    """Holds a claim until it is ended, or its bus is closed.
 
     Whoever meets an earlier claim is told, however late the links to it come about. Two computers whose clocks differ
     by more than the time between their starts take the wrong one for the first.
 
     Args:
-        session: of this process.
-        arrivals: to the loop of `lost`.
-        key: what is claimed, as a path of chunks without wildcards.
-        lost: called when another one was first.
+        bus: of this process.
+        name: what is claimed; with certificates, one that the process's own certificate names.
+        lost: called on the loop of the bus when another one was first.
     """
 
-    def __init__(
-        self, session: zenoh.Session, arrivals: Crossing, key: str, lost: Callable[[], None]
-    ) -> None:
+    def __init__(self, bus: ZenohBus, name: str, lost: Callable[[], None]) -> None:
+        self._bus, self._lost = bus, lost
+        self._claims = Tokens(f"{bus.keys.plant}/claim", bus.seals, bus.refuse)
         # Never twice the same.
-        self._begun = time.time_ns()
-        self._arrivals, self._lost = arrivals, lost
+        self._own = self._claims.of(name, time.time_ns() // 1000)
         see = Callback(self._see, indirect=False)
-        self._others = session.liveliness().declare_subscriber(f"{key}/*", see, history=True)
-        self._token = session.liveliness().declare_token(f"{key}/{self._begun}")
+        liveliness = bus.inner.liveliness()
+        self._others = liveliness.declare_subscriber(self._claims.all_of(name), see, history=True)
+        self._token = liveliness.declare_token(self._claims.key(self._own))
 
     def end(self) -> None:
         """Leave it to others."""
@@ -44,6 +47,8 @@ class Claim:
 
     def _see(self, sample: zenoh.Sample) -> None:
         """On Zenoh's threads."""
-        begun = str(sample.key_expr).rpartition("/")[2]
-        if sample.kind == zenoh.SampleKind.PUT and begun.isdecimal() and int(begun) < self._begun:
-            self._arrivals.order(self._lost)
+        if sample.kind != zenoh.SampleKind.PUT:
+            return
+        other = self._claims.read(str(sample.key_expr))
+        if other is not None and self._own.replaces(other):
+            self._bus.arrivals.order(self._lost)

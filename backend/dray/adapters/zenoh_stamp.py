@@ -15,6 +15,9 @@ from dray.errors import WireError
 KNOWN = 10_000
 """Senders and keys whose last number is known: ten times those of a plant of three hundred agents."""
 
+NEVER_HEARD = -1
+"""Before every life."""
+
 Number = Annotated[int, msgspec.Meta(ge=0)]
 
 
@@ -22,7 +25,7 @@ class Stamp(msgspec.Struct, frozen=True, gc=False, array_like=True):
     """What stands beside a message.
 
     Attributes:
-        life: when its sender joined, in nanoseconds of unix time.
+        life: which life of its sender it is from (`dray.ports.Bus.join`).
         number: the how-manyth of this life on this key.
         seal: see `dray.adapters.seals`; empty on a bus without certificates.
     """
@@ -62,7 +65,7 @@ class Tally:
         Nothing is missing before the first that is heard, and none that comes late or twice.
         """
         place = (sender, key)
-        life, last = self._last.get(place, (0, 0))
+        life, last = self._last.get(place, (NEVER_HEARD, 0))
         if stamp.life < life or (stamp.life == life and stamp.number <= last):
             return 0
         if len(self._last) >= KNOWN:

@@ -78,7 +78,8 @@ async def run_historian(where: Surroundings) -> None:
     store = await open_store(where.settings.database_url)
     try:
         async with where.bus(HISTORIAN, give_way) as bus:
-            historian = historian_of(where.settings, where.plant, store, bus, where.time)
+            life = await store.next_incarnation(where.plant.id)
+            historian = historian_of(where.settings, where.plant, store, bus, where.time, life)
             async with where.told(BusMeter(bus), History(historian)):
                 with stopped_by_signals(stopped.set):
                     async with historian.running():

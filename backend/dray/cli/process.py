@@ -240,7 +240,7 @@ async def serve_floor(surroundings: Surroundings, seed: int) -> None:
         stopped.set()
 
     async with surroundings.bus(FLOOR) as bus, asyncio.TaskGroup() as group:
-        claim = Claim(bus.inner, bus.arrivals, f"{plant.id}/floor", give_way)
+        claim = Claim(bus, FLOOR, give_way)
         clock = surroundings.clock()
         floor = Floor(plant, clock, seed=seed, stock_frac=NEARLY_EMPTY_FRAC)
         server = FloorServer(bus.inner, plant.id, floor)

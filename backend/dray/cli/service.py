@@ -188,7 +188,7 @@ def _app(
 ) -> FastAPI:
     settings, plant = service.settings, service.plant
     bus = BridgedBus(inside.factory.bus, factory.loop, asyncio.get_running_loop())
-    historian = historian_of(settings, plant, store, bus, inside.time)
+    historian = historian_of(settings, plant, store, bus, inside.time, incarnation)
     return create_app(
         settings=settings,
         plant=plant.file,
@@ -203,13 +203,16 @@ def _app(
     )
 
 
-def historian_of(settings: Settings, plant: Plant, store: Store, bus: Bus, scale: TimeScale) -> Historian:
+def historian_of(
+    settings: Settings, plant: Plant, store: Store, bus: Bus, scale: TimeScale, life: int
+) -> Historian:
     """The historian of a plant, which is not running yet."""
     return Historian(
         store=store,
         bus=bus,
         keys=Keys(plant.id),
         to_wall_s=scale.to_wall_s,
+        life=life,
         agents=(*plant.fleet, *plant.machines, STRATEGIST),
         linger_s=settings.historian_linger_s,
         events_kept=settings.events_kept,

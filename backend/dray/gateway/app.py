@@ -96,7 +96,7 @@ def create_app(
             if sender == STRATEGIST:
                 presence.heard()
 
-        peer = Peer(bus, Keys(plant.plant), settings.gateway_name, overhear)
+        peer = Peer(bus, Keys(plant.plant), settings.gateway_name, incarnation, overhear)
         presence = Presence(peer.send)
         products = frozenset(product.id for product in plant.products)
         projection = Projection(plant, time, trials=faults is not None)

@@ -18,11 +18,12 @@ class Peer:
         bus: where agents meet.
         keys: the plant's.
         name: its own on the bus.
+        life: its incarnation: the latest gateway of this name stays.
         ear: hears everything that is heard.
     """
 
-    def __init__(self, bus: Bus, keys: Keys, name: str, ear: Receive) -> None:
-        self._bus, self._keys, self._name, self._ear = bus, keys, name, ear
+    def __init__(self, bus: Bus, keys: Keys, name: str, life: int, ear: Receive) -> None:
+        self._bus, self._keys, self._name, self._life, self._ear = bus, keys, name, life, ear
         self._session: Session | None = None
         self.ignored = 0
         """Messages that nobody here waits for. Normal."""
@@ -49,7 +50,7 @@ class Peer:
                 case _:
                     projection.fold(message)
 
-        self._session = self._bus.join(self._name, receive)
+        self._session = self._bus.join(self._name, receive, self._life)
         self._session.subscribe(self._keys.all_heartbeats)
         self._session.subscribe(self._keys.all_events)
 

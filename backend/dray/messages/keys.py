@@ -12,7 +12,7 @@ never holds any of these.
     {plant}/agent/@{id}       what is said to one agent alone
     {plant}/event/{id}        an agent's numbered events
     {plant}/shut-out          who is shut out, said again and again by gateways
-    {plant}/alive/{id}/{life} a token that is there as long as this life of the agent is
+    {plant}/alive/{id}/{life}/{seal}  a token that is there as long as this life of the agent is
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ class Keys:
     """
 
     __slots__ = (
+        "alive",
         "all_atv_heartbeats",
         "all_events",
         "all_heartbeats",
@@ -41,6 +42,7 @@ class Keys:
         self.all_machine_heartbeats = f"{plant}/hb/machine/*"
         self.all_events = f"{plant}/event/*"
         self.shut_out = f"{plant}/shut-out"
+        self.alive = f"{plant}/alive"
 
     def atv_heartbeat(self, atv: str) -> str:
         return f"{self.plant}/hb/atv/{atv}"
@@ -62,9 +64,6 @@ class Keys:
 
     def events(self, agent: str) -> str:
         return f"{self.plant}/event/{agent}"
-
-    def alive(self, agent: str, life: str) -> str:
-        return f"{self.plant}/alive/{agent}/{life}"
 
 
 _OWNED = frozenset({"hb/atv", "hb/machine", "event"})

@@ -64,6 +64,7 @@ class Historian:
         bus: where the agents are heard.
         keys: the plant's.
         to_wall_s: plant clock to wall clock.
+        life: its incarnation: the latest historian stays.
         agents: who is asked for history even when nobody has heard of them.
         linger_s: wall seconds in which events are gathered for one write.
         events_kept: rows of history kept.
@@ -80,6 +81,7 @@ class Historian:
         bus: Bus,
         keys: Keys,
         to_wall_s: ToWall,
+        life: int = 0,
         agents: Collection[str] = (),
         linger_s: float = 0.2,
         events_kept: int = 1_000_000,
@@ -90,7 +92,7 @@ class Historian:
     ) -> None:
         self._store, self._bus, self._keys = store, bus, keys
         self._to_wall_s, self._linger_s = to_wall_s, linger_s
-        self._agents = agents
+        self._agents, self._life = agents, life
         self._wall_s = wall_s
         self._events_kept, self._samples_kept = events_kept, samples_kept
         self._queue_events, self._retry_s = queue_events, retry_s
@@ -146,7 +148,7 @@ class Historian:
         self._recovered = recovered
         async with self._store.read() as work:
             self._gaps = Gaps(await work.events.known(), self._now_s(), self._agents)
-        session = self._bus.join(AGENT, self.receive)
+        session = self._bus.join(AGENT, self.receive, self._life)
         session.subscribe(self._keys.all_events)
         session.subscribe(self._keys.all_heartbeats)
         writer = asyncio.create_task(self._write_on(), name=AGENT)

@@ -14,7 +14,7 @@ ABOUT = """\
 What the agents of a Dray plant say to one another, on Zenoh. Generated from the code by `dray wire write`.
 
 A message is UTF-8 JSON. Beside it, as Zenoh's attachment, stands its stamp: a MessagePack array of the sender's
-life (when it joined, in nanoseconds of unix time), the number of the message in that life on that key, from
+life (its incarnation; 0 of a program that keeps no journal), the number of the message in that life on that key, from
 1, and its seal (bytes; empty on a bus without certificates)."""
 
 _PARAMETERS = {

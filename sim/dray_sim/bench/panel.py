@@ -60,7 +60,7 @@ class _Nobody:
 
     context = ""
 
-    def join(self, agent: str, receive: Receive) -> Session:
+    def join(self, agent: str, receive: Receive, life: int = 0) -> Session:
         return self
 
     def publish(self, key: str, message: Message) -> None:

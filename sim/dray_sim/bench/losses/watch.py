@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import time
 
 import zenoh
 from zenoh.handlers import Callback
@@ -49,25 +50,26 @@ class Watch:
 
     Attributes:
         heard: the last heartbeat of each.
-        lives: when each of an agent's lives has joined the bus (wall clock), in order.
+        lives: of each agent, when each of its lives was first seen on the bus (wall clock), by its number.
         told: the life and the number of the newest fact of each agent.
     """
 
     def __init__(self, bus: ZenohBus) -> None:
         self.heard = Witness()
-        self.lives: dict[str, list[float]] = {}
+        self.lives: dict[str, dict[int, float]] = {}
         self.told: dict[str, tuple[int, int]] = {}
         self._bus = bus
         self._joined = asyncio.Event()
         session = bus.join(OBSERVER, self._hear)
         for key in (bus.keys.all_heartbeats, bus.keys.all_events):
             session.subscribe(key)
-        tokens = bus.keys.alive("*", "*")
-        bus.inner.liveliness().declare_subscriber(tokens, Callback(self._see, indirect=False), history=True)
+        see = Callback(self._see, indirect=False)
+        bus.inner.liveliness().declare_subscriber(bus.tokens.everybody, see, history=True)
 
     def joined_since(self, agent: str, since_s: float) -> float | None:
-        """When the first life of an agent has joined that began after this moment (wall clock)."""
-        return next((life_s for life_s in self.lives.get(agent, ()) if life_s > since_s), None)
+        """When the first life of an agent was seen that was not there before this moment (wall clock)."""
+        seen_s = sorted(self.lives.get(agent, {}).values())
+        return next((life_s for life_s in seen_s if life_s > since_s), None)
 
     async def until_joined(self, agents: frozenset[str]) -> None:
         """Wait until all of these are on the bus."""
@@ -83,13 +85,13 @@ class Watch:
 
     def _see(self, token: zenoh.Sample) -> None:
         """On a thread of Zenoh's."""
-        if token.kind == zenoh.SampleKind.PUT:
-            agent, life = str(token.key_expr).split("/")[-2:]
-            self._bus.arrivals.order(self._note_life, agent, int(life) / 1e9)
+        if token.kind != zenoh.SampleKind.PUT:
+            return
+        there = self._bus.tokens.read(str(token.key_expr))
+        if there is not None:
+            self._bus.arrivals.order(self._note_life, there.agent, there.life, time.time())
 
-    def _note_life(self, agent: str, joined_s: float) -> None:
-        lives = self.lives.setdefault(agent, [])
-        if joined_s not in lives:
-            lives.append(joined_s)
-            lives.sort()
+    def _note_life(self, agent: str, life: int, seen_s: float) -> None:
+        # A token is seen again when a link has been mended.
+        self.lives.setdefault(agent, {}).setdefault(life, seen_s)
         self._joined.set()

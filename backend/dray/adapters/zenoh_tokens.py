@@ -1,0 +1,98 @@
+"""Liveliness tokens: who is there, and in which of its lives.
+
+    {plant}/alive/{agent}/{life}/{seal}
+
+The life is the agent's incarnation, from its journal, and no time: whatever clocks do, a restart is later than the
+life that it replaces. With certificates the last chunk is the agent's signature over its name and its life, and
+brings its certificate along; so nobody can say that another agent lives on elsewhere. A token that is said again by
+somebody else says nothing new: the latest life counts.
+"""
+
+from __future__ import annotations
+
+import re
+import secrets
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from dray.adapters.seals import Seals
+from dray.errors import SealError
+
+UNSIGNED = "a token that is not signed by its agent"
+
+NO_LIFE = 0
+"""Of whoever keeps no journal, a tool that only looks: it replaces nobody."""
+
+_LIFE = re.compile(r"[0-9]{1,16}")
+"""As long as a `Count` may be."""
+
+_NONCE_BYTES = 8
+"""Of a token without certificates: enough for two lives with one number never to be the same."""
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """One life of an agent that is there, or was."""
+
+    agent: str
+    life: int
+    seal: str
+
+    def replaces(self, other: Token) -> bool:
+        """Whether this is a later life of the same agent.
+
+        Two lives with one number come from a journal that was copied. One of them has to go; which one, both sides
+        say alike.
+        """
+        return self.life != NO_LIFE and (self.life, self.seal) > (other.life, other.seal)
+
+
+class Tokens:
+    """All tokens of one sort in a plant. On any thread.
+
+    Args:
+        under: the path under which they are.
+        seals: by which agents are known; None on a bus without certificates.
+        refuse: told the reason why a token says nothing.
+    """
+
+    def __init__(self, under: str, seals: Seals | None, refuse: Callable[[str], None]) -> None:
+        self._under, self._seals, self._refuse = under, seals, refuse
+        self.everybody = f"{under}/*/*/*"
+        """Matches all of them."""
+
+    def of(self, agent: str, life: int) -> Token:
+        """The token of an agent of this process, in this life."""
+        if self._seals is None:
+            return Token(agent, life, secrets.token_hex(_NONCE_BYTES))
+        return Token(agent, life, self._seals.vouch(self._words(agent, life)))
+
+    def key(self, token: Token) -> str:
+        """The key that says it."""
+        return f"{self._words(token.agent, token.life)}/{token.seal}"
+
+    def all_of(self, agent: str) -> str:
+        """Matches those of one agent."""
+        return f"{self._under}/{agent}/*/*"
+
+    def read(self, key: str) -> Token | None:
+        """What a key on `everybody` says; None, and refused, when it says nothing."""
+        agent, life, seal = key.rsplit("/", 3)[1:]
+        token = Token(agent, int(life), seal) if _LIFE.fullmatch(life) else None
+        if token is None or not self._is_signed(token):
+            self._refuse(UNSIGNED)
+            return None
+        return token
+
+    def _is_signed(self, token: Token) -> bool:
+        """Whether its agent has said it; on a bus without certificates everybody is believed."""
+        if self._seals is None:
+            return True
+        try:
+            self._seals.examine_voucher(token.seal, token.agent, self._words(token.agent, token.life))
+        except SealError:
+            return False
+        return True
+
+    def _words(self, agent: str, life: int) -> str:
+        return f"{self._under}/{agent}/{life}"
