@@ -154,3 +154,31 @@ def test_certificates_are_for_the_plant_that_the_environment_names(
     code, out, _ = dray("make", tmp_path / "certs")
     assert code == 0
     assert "certificates for elsewhere" in out
+
+
+def test_a_certificate_is_called_back_by_the_agents_name(dray: Dray, tmp_path: Path) -> None:
+    dray("make", tmp_path)
+    code, out, _ = dray("revoke", tmp_path, "ATV3", "--reason", "key-compromise")
+    assert code == 0
+    assert out.startswith("1 certificate of ATV3 called back; copy ")
+    assert str(tmp_path / "revoked.pem") in out
+    code, out, _ = dray("revoke", tmp_path, "ATV3", "--reason", "superseded")
+    assert (code, out.partition(";")[0]) == (0, "ATV3: all its certificates were called back already")
+
+
+@pytest.mark.parametrize(
+    ("args", "told"),
+    [
+        (("ATV3",), "--reason"),
+        (("ATV3", "--reason", "stolen"), "key-compromise"),
+        (("ATV99", "--reason", "superseded"), "knows of no certificate"),
+    ],
+)
+def test_what_cannot_be_called_back_is_named(
+    dray: Dray, tmp_path: Path, args: tuple[str, ...], told: str
+) -> None:
+    dray("make", tmp_path)
+    code, _, err = dray("revoke", tmp_path, *args)
+    assert code == 2
+    assert told in err
+    assert not (tmp_path / "revoked.pem").exists()

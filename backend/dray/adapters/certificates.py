@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import datetime as dt
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+import msgspec
 from cryptography import x509
 from cryptography.exceptions import UnsupportedAlgorithm
 from cryptography.hazmat.primitives import hashes, serialization
@@ -25,6 +27,12 @@ from dray.plant.model import ID_RULE, is_id
 
 AUTHORITY = "authority"
 """The name of the authority's files."""
+
+REVOKED = "revoked"
+"""The name of the list of certificates that were called back (`dray.adapters.revocations`)."""
+
+ISSUED = f"{AUTHORITY}.issued"
+"""Beside the authority's key: a line of JSON for each certificate that it has issued."""
 
 AUTHORITY_DAYS = 3650
 """As long as a plant's control computers are in service."""
@@ -41,6 +49,16 @@ _URI = re.compile(r"dray:([^/]+)/([^/]+)/([^/]+)")
 
 _OF = "Dray authority of "
 """Before the plant's id, in the name of an authority."""
+
+
+class Issued(msgspec.Struct, frozen=True):
+    """One certificate that was issued, as the authority remembers it: to call it back when its file is gone."""
+
+    serial: str
+    """Hexadecimal: it has 160 bits."""
+    agents: tuple[str, ...]
+    until_s: float
+    """Until when it is valid (unix time)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +142,21 @@ class Authority:
             .add_extension(x509.SubjectAlternativeName(names), critical=False)
             .add_extension(issuer, critical=False)
         )
-        _write(folder, first, builder.sign(self.key, hashes.SHA256()), key)
+        made = builder.sign(self.key, hashes.SHA256())
+        _write(folder, first, made, key)
+        note = Issued(f"{made.serial_number:x}", tuple(agents), made.not_valid_after_utc.timestamp())
+        with (folder / ISSUED).open("ab") as notes:
+            notes.write(msgspec.json.encode(note) + b"\n")
+
+    def issued(self, folder: Path) -> Iterator[Issued]:
+        """What was issued in this folder; a line that is torn is passed over."""
+        try:
+            lines = (folder / ISSUED).read_bytes().splitlines()
+        except OSError:
+            return
+        for line in lines:
+            with suppress(msgspec.MsgspecError):
+                yield msgspec.json.decode(line, type=Issued)
 
 
 def read_key(pem: bytes) -> ec.EllipticCurvePrivateKey:
@@ -159,11 +191,11 @@ def agents_of(certificate: x509.Certificate, plant: str) -> dict[str, Kind]:
 
 
 def _check_name(agent: str) -> None:
-    """Refuse a name that no agent may have, and the one under which it would replace the authority."""
+    """Refuse a name that no agent may have, and those under which it would replace the authority's own files."""
     if not is_id(agent):
         raise SettingsError(repr(agent), f"is no id of an agent; {ID_RULE}")
     # Some file systems do not tell capitals from small letters.
-    if agent.lower() == AUTHORITY:
+    if agent.lower() in {AUTHORITY, REVOKED}:
         raise SettingsError(agent, "is the name of the authority's own files; give the agent another id")
 
 

@@ -27,6 +27,8 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.verification import PolicyBuilder, Store, VerificationError
 
 from dray.adapters.certificates import agents_of, read_key
+from dray.adapters.revocations import FILE as REVOKED
+from dray.adapters.revocations import Revocations
 from dray.adapters.zenoh_links import Identity
 from dray.errors import SealError, SettingsError
 from dray.messages.speakers import Kind
@@ -57,6 +59,7 @@ class _Seal(msgspec.Struct, frozen=True, gc=False, array_like=True):
 class _Examined:
     """A certificate of our authority."""
 
+    serial: int
     key: ec.EllipticCurvePublicKey
     agents: dict[str, Kind]
     until_s: float
@@ -74,6 +77,7 @@ class Seals:
         identity: whose certificate and key to use, and whom to trust.
         plant: the plant's id; certificates of other plants are worth nothing here.
         now_s: unix time, for tests.
+        clock_s: a clock that never goes back, for tests.
 
     Attributes:
         agents: for whom this process may speak.
@@ -84,7 +88,14 @@ class Seals:
             plant, or are not valid now: nobody would hear us.
     """
 
-    def __init__(self, identity: Identity, plant: str, *, now_s: Callable[[], float] = time.time) -> None:
+    def __init__(
+        self,
+        identity: Identity,
+        plant: str,
+        *,
+        now_s: Callable[[], float] = time.time,
+        clock_s: Callable[[], float] = time.monotonic,
+    ) -> None:
         self._plant, self._now_s = plant, now_s
         try:
             own = x509.load_pem_x509_certificate(identity.certificate.read_bytes())
@@ -112,6 +123,13 @@ class Seals:
                 f"be signed by {identity.authority}: see that the clock is right, or make a new one with "
                 "`dray certs issue`",
             ) from None
+        revoked = identity.authority.with_name(REVOKED)
+        self._revocations = Revocations(revoked, self._authorities, own.serial_number, clock_s=clock_s)
+        if own.serial_number in self._revocations:
+            raise SettingsError(
+                str(identity.certificate),
+                f"was called back ({revoked}); make a new one with `dray certs issue`",
+            )
         self.until_s = own.not_valid_after_utc.timestamp()
         self._certificate = own.public_bytes(serialization.Encoding.DER)
         self._known: dict[bytes, _Examined] = {}
@@ -173,9 +191,17 @@ class Seals:
         return examined, kind
 
     def _examine(self, certificate: bytes, data: bytes) -> _Examined:
-        known = self._known.get(certificate)
-        if known is not None:
-            return known
+        """What a certificate says.
+
+        Raises:
+            SealError: it is none of our authority's, or was called back.
+        """
+        examined = self._known.get(certificate) or self._read_certificate(certificate, data)
+        if examined.serial in self._revocations:
+            raise SealError("its certificate was called back", data)
+        return examined
+
+    def _read_certificate(self, certificate: bytes, data: bytes) -> _Examined:
         try:
             loaded = x509.load_der_x509_certificate(certificate)
             self._verify(loaded, dt.datetime.now(dt.UTC))
@@ -184,7 +210,9 @@ class Seals:
         key = loaded.public_key()
         if not isinstance(key, ec.EllipticCurvePublicKey):
             raise SealError("its certificate is for no key on an elliptic curve", data)
-        examined = _Examined(key, agents_of(loaded, self._plant), loaded.not_valid_after_utc.timestamp())
+        examined = _Examined(
+            loaded.serial_number, key, agents_of(loaded, self._plant), loaded.not_valid_after_utc.timestamp()
+        )
         if len(self._known) >= KNOWN:
             self._known.clear()
         self._known[certificate] = examined

@@ -86,6 +86,34 @@ def issue(
     typer.echo(f"{folder / agent}.pem")
 
 
+@app.command()
+def revoke(
+    folder: Folder,
+    agent: Annotated[str, typer.Argument(help="The id of the agent whose certificates are called back.")],
+    reason: Annotated[
+        str, typer.Option(help="key-compromise, superseded, cessation-of-operation or unspecified.")
+    ],
+) -> None:
+    """Call back all certificates of an agent that were issued so far; copy revoked.pem to every computer then.
+
+    Running processes notice the changed file within some seconds. A certificate that is issued afterwards is good.
+    """
+    from dray.adapters.certificates import Authority
+    from dray.adapters.revocations import FILE, REASONS, call_back
+    from dray.cli.output import one_of
+
+    one_of(REASONS, reason, "--reason")
+    authority = Authority.load(folder)
+    with _writing_into(folder):
+        count = call_back(authority, folder, agent, reason)
+    told = (
+        f"{count} {'certificate' if count == 1 else 'certificates'} of {agent} called back"
+        if count
+        else (f"{agent}: all its certificates were called back already")
+    )
+    typer.echo(f"{told}; copy {folder / FILE} beside authority.pem on every computer")
+
+
 def _plant_of(authority: Authority, file: Path | None) -> str:
     """The id of the plant for which an authority issues certificates.
 
