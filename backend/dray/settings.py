@@ -86,8 +86,8 @@ def _addresses(several: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _agent_name(text: str) -> str:
-    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_.-]{0,31}", text):
-        raise ValueError("write letters, digits, _ . and -, a letter first, at most 32")
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_.-]{0,26}", text):
+        raise ValueError("write letters, digits, _ . and -, a letter first, at most 27")
     return text
 
 
@@ -95,6 +95,12 @@ def _web_address(text: str) -> str:
     if not re.fullmatch(r"(https?://\S+)?", text):
         raise ValueError("write it as http://127.0.0.1:4318/v1/traces")
     return text
+
+
+def _public_url(text: str) -> str:
+    if not re.fullmatch(r"(https?://[^\s/?#@]+)?/?", text):
+        raise ValueError("write it as https://dray.example.com, with no path")
+    return text.rstrip("/")
 
 
 def _several(text: object) -> object:
@@ -127,6 +133,28 @@ class Settings(BaseSettings):
 
     port: Annotated[int, Field(ge=0, le=65_535)] = 8000
     """TCP port; 0 lets the system choose one."""
+
+    stop_port: Annotated[int | None, Field(ge=0, le=65_535)] = None
+    """TCP port for stops alone, which nothing else can fill; by default the one after `port`, or any free one where
+    that is taken."""
+
+    stop_url: Annotated[str, AfterValidator(_public_url)] = ""
+    """Where browsers reach that port, as https://dray.example.com:8444, when a proxy stands before it; by default
+    it is on the panel's own host, for pages that come by http."""
+
+    public_url: Annotated[str, AfterValidator(_public_url)] = ""
+    """Under which address people and customers know this gateway, as https://dray.example.com: links to tracking
+    pages begin with it. By default they begin with the address that was asked."""
+
+    allowed_hosts: Several = ()
+    """Several names, with commas, under which this gateway may be asked, beside those of this machine, of `host` and
+    of `public_url`; * for any. Addresses of numbers are always allowed."""
+
+    connections: Annotated[int, Field(ge=16, le=60_000)] = 512
+    """Open connections at once, except for stops: more than twice the browsers of a large plant."""
+
+    connections_each: Annotated[int, Field(ge=4, le=60_000)] = 128
+    """Of one address, unless it is a trusted proxy's: twenty browser tabs. A tablet has two or three."""
 
     log_level: Literal["debug", "info", "warning", "error"] = "info"
     """What a person who starts it by hand wants to read."""
@@ -171,6 +199,9 @@ class Settings(BaseSettings):
 
     stream_clients: Annotated[int, Field(ge=1, le=10_000)] = 200
     """Browsers at once: every one costs a queue; a plant has some tens of panels."""
+
+    stream_clients_each: Annotated[int, Field(ge=1, le=10_000)] = 16
+    """Of one person, key or the administrator: screens and tabs, and no more than others can spare."""
 
     historian_linger_s: Annotated[float, Field(ge=0, le=10)] = 0.2
     """Wall seconds in which events are gathered for one write: five syncs to disk per second at most."""

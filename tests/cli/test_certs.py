@@ -13,7 +13,7 @@ from cryptography.hazmat.primitives import serialization
 from dray.adapters.certificates import read_key
 from dray.adapters.seals import Seals
 from dray.adapters.zenoh_links import Identity
-from dray.messages.speakers import Kind
+from dray.messages.speakers import Kind, names_of
 from dray.plant import default_plant, plant_yaml
 
 Dray = Callable[..., tuple[int, str, str]]
@@ -38,7 +38,7 @@ def test_every_agent_of_the_plant_gets_its_certificate(dray: Dray, tmp_path: Pat
     }
     assert f"{len(expected)} certificates for {plant.id}" in out
     for agent, kind in expected.items():
-        assert Seals(Identity.in_folder(folder, agent), plant.id).agents == {agent: kind}
+        assert Seals(Identity.in_folder(folder, agent), plant.id).agents == names_of(agent, kind)
 
 
 def test_nobody_else_may_read_a_key(dray: Dray, tmp_path: Path) -> None:

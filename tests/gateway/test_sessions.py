@@ -122,13 +122,13 @@ async def test_a_session_that_was_replaced_may_stop_and_nothing_else(house: Hous
     async with house.visitor() as other:
         await try_in(other, "ana", PIN)
     sessions, token = house.parts.access.sessions, ana.cookies[COOKIE]
-    principal = sessions.remembered(token) if away else await sessions.recognise(token)
+    principal = sessions.remembered(token, house.wall.now_s) if away else await sessions.recognise(token)
     assert principal is not None
     assert (principal.over, principal.areas) == (Over.REPLACED, {"AREA1"})
     assert principal.scopes == {Scope.VEHICLES_STOP}
     house.wall.now_s += GRACE_S
     assert await sessions.recognise(token) is None
-    assert sessions.remembered(token) is None
+    assert sessions.remembered(token, house.wall.now_s) is None
 
 
 @pytest.mark.parametrize("then", ["disabled", "logged out there"])

@@ -38,7 +38,9 @@ class Stage:
     def __init__(self, clients: int = 10) -> None:
         self.wall = Wall()
         self.projection = Projection(PLANT, TimeScale(0.0, NOW_S))
-        self.hub = Hub(self.projection, wall_s=self.wall, rate_hz=10.0, queue_frames=QUEUE, clients=clients)
+        self.hub = Hub(
+            self.projection, wall_s=self.wall, rate_hz=10.0, queue_frames=QUEUE, clients=clients, each=clients
+        )
         self.seq = 0
 
     def join(self) -> Client:
@@ -289,7 +291,7 @@ def test_frames_are_made_at_the_rate_that_was_asked_for_however_much_happens() -
     async def main() -> int:
         loop = asyncio.get_running_loop()
         projection = Projection(PLANT, TimeScale(0.0, 0.0))
-        hub = Hub(projection, wall_s=loop.time, rate_hz=10.0, queue_frames=1000, clients=1)
+        hub = Hub(projection, wall_s=loop.time, rate_hz=10.0, queue_frames=1000, clients=1, each=1)
         client = hub.join(ADMIN)
         assert client is not None
         await client.next_frame()

@@ -20,7 +20,8 @@ import asyncio
 import logging
 import threading
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -68,8 +69,12 @@ class Heard(NamedTuple):
 class ZenohSession:
     """One agent's place on the bus (see `dray.ports.Session`)."""
 
-    def __init__(self, bus: ZenohBus, agent: str, receive: Receive, life: int) -> None:
+    def __init__(
+        self, bus: ZenohBus, agent: str, receive: Receive, life: int, arrivals: Crossing | None = None
+    ) -> None:
         self.agent = agent
+        self._beside = arrivals is not None
+        self._arrivals = arrivals or bus.arrivals
         self.context = ""
         self._bus = bus
         self._receive = receive
@@ -153,7 +158,8 @@ class ZenohSession:
         if not self._left:
             log.warning("%s has joined the bus elsewhere; this one leaves", self.agent)
             self.leave()
-            self._bus.replaced(self.agent)
+            if not self._beside:  # Else this is another loop than that of whoever wants to know.
+                self._bus.replaced(self.agent)
 
     # --- on Zenoh's threads ----------------------------------------------------------------------
 
@@ -180,7 +186,7 @@ class ZenohSession:
             sender, message, context, stamp = heard
             with bus.lock:
                 bus.missed += self._heard.skipped(sender, key, stamp)
-            bus.arrivals.say(message, self._arrive, sender, message, context)
+            self._arrivals.say(message, self._arrive, sender, message, context)
 
     def _see_other(self, sample: zenoh.Sample) -> None:
         """Another life of this agent is there, or was: the latest of them is the agent."""
@@ -189,7 +195,7 @@ class ZenohSession:
         other = self._bus.tokens.read(str(sample.key_expr))
         if other is not None and other.replaces(self._token):
             self._replaced = True
-            self._bus.arrivals.order(self._give_way)
+            self._arrivals.order(self._give_way)
 
 
 class ZenohBus:
@@ -231,8 +237,16 @@ class ZenohBus:
         self.tokens = Tokens(self.keys.alive, self.seals, self.refuse)
         self.inner = links.open()
 
-    def join(self, agent: str, receive: Receive, life: int = NO_LIFE) -> ZenohSession:
+    def join(
+        self, agent: str, receive: Receive, life: int = NO_LIFE, arrivals: Crossing | None = None
+    ) -> ZenohSession:
         """See `dray.ports.Bus.join`; also when another life has joined in another process.
+
+        Args:
+            agent: as whom.
+            receive: called on the loop of `arrivals`.
+            life: which of its lives this is.
+            arrivals: to the agent's own loop, where that is not the bus's.
 
         Raises:
             SettingsError: the process's certificate does not name the agent.
@@ -243,12 +257,17 @@ class ZenohBus:
         if before is not None and before.life <= life:
             before.leave()
             before = None
-        session = ZenohSession(self, agent, receive, life)
+        session = ZenohSession(self, agent, receive, life, arrivals)
         if before is None:
             self._sessions[agent] = session
         else:
             session.leave()
         return session
+
+    @contextmanager
+    def beside(self) -> Iterator[Beside]:
+        """The same bus for agents on the running loop, which may be another thread's."""
+        yield Beside(self)
 
     async def roll_call(self) -> frozenset[str]:
         """Who is there now, in any process, as far as the links reach."""
@@ -314,6 +333,22 @@ class ZenohBus:
         for session in tuple(self._sessions.values()):
             session.leave()
         self.inner.close()
+
+
+class Beside:
+    """A bus as agents on another loop see it: what they hear crosses to that loop by a queue of their own.
+
+    Args:
+        bus: the process's.
+    """
+
+    def __init__(self, bus: ZenohBus) -> None:
+        self._bus = bus
+        self._arrivals = Crossing(asyncio.get_running_loop())
+
+    def join(self, agent: str, receive: Receive, life: int = NO_LIFE) -> ZenohSession:
+        """See `ZenohBus.join`; the session is used on the loop on which this was made."""
+        return self._bus.join(agent, receive, life, self._arrivals)
 
 
 def _on_zenohs_thread(hear: Callable[[zenoh.Sample], None]) -> Callback[zenoh.Sample]:

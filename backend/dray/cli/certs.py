@@ -39,7 +39,7 @@ def make(folder: Folder, plant: PlantFile = None, days: Days = None) -> None:
     from dray.cli.options import load_settings
     from dray.cli.plant import chosen_plant
     from dray.errors import SettingsError
-    from dray.messages.speakers import Kind
+    from dray.messages.speakers import Kind, names_of
 
     chosen = chosen_plant(load_settings(plant_file=plant).plant_file)
     if (folder / f"{AUTHORITY}.pem").exists():
@@ -50,7 +50,7 @@ def make(folder: Folder, plant: PlantFile = None, days: Days = None) -> None:
         *({machine: Kind.MACHINE} for machine in chosen.machines),
         *({atv: Kind.ATV} for atv in chosen.fleet),
         {"strategist": Kind.STRATEGIST},
-        {"gateway": Kind.GATEWAY},
+        names_of("gateway", Kind.GATEWAY),
         {"historian": Kind.HISTORIAN},
     ]
     with _writing_into(folder):
@@ -77,12 +77,12 @@ def issue(
     """Make a certificate for one agent, with the authority of that folder and for its plant."""
     from dray.adapters.certificates import DAYS, Authority
     from dray.cli.output import one_of
-    from dray.messages.speakers import Kind
+    from dray.messages.speakers import Kind, names_of
 
     chosen = one_of({str(each): each for each in Kind}, kind, "KIND")
     authority = Authority.load(folder)
     with _writing_into(folder):
-        authority.issue(folder, _plant_of(authority, plant), {agent: chosen}, days=days or DAYS)
+        authority.issue(folder, _plant_of(authority, plant), names_of(agent, chosen), days=days or DAYS)
     typer.echo(f"{folder / agent}.pem")
 
 

@@ -12,8 +12,9 @@ from dray.cli.meters.bus import BusMeter
 from dray.cli.meters.clock import ClockMeter
 from dray.cli.newcomers import welcome
 from dray.cli.process import Surroundings, say_ready
-from dray.cli.service import Service, greeting_of, historian_of, serve, with_admin_token
+from dray.cli.service import Service, greeting_of, historian_of, serve, with_admin_token, with_stop_port
 from dray.cli.serving import address_of, listen, stopped_by_signals
+from dray.cli.stopway import StopWay, listen_for_stops
 from dray.errors import UnavailableError
 from dray.gateway.app import create_app
 from dray.gateway.metrics.history import History
@@ -33,11 +34,19 @@ async def run_gateway(where: Surroundings, *, demand: bool) -> None:
     service, token = with_admin_token(
         Service(where.settings, plant, speed=where.settings.plant_speed, seed=1, demand=demand)
     )
-    settings = service.settings
-    with contextlib.closing(listen(settings.host, settings.port)) as listener:
+    with contextlib.ExitStack() as stack:
+        listener = stack.enter_context(
+            contextlib.closing(listen(service.settings.host, service.settings.port))
+        )
+        port = listener.getsockname()[1]
+        stops = stack.enter_context(contextlib.closing(listen_for_stops(service.settings, port)))
+        service = with_stop_port(service, stops)
+        settings = service.settings
         store = await open_store(settings.database_url)
         try:
             async with where.bus(settings.gateway_name, lambda _: elsewhere.set()) as bus:
+                authority = await authority_of(store)
+                incarnation = await store.next_incarnation(plant.id)
                 # Steered as the agents' clocks are: should the computer's be set, nobody seems silent for it.
                 wall = SystemClock(asyncio.get_running_loop())
                 app = create_app(
@@ -46,10 +55,13 @@ async def run_gateway(where: Surroundings, *, demand: bool) -> None:
                     bus=bus,
                     store=store,
                     time=where.time,
-                    authority=await authority_of(store),
-                    incarnation=await store.next_incarnation(plant.id),
+                    authority=authority,
+                    incarnation=incarnation,
                     collectors=(BusMeter(bus), ClockMeter(wall)),
                     wall_s=wall.now_s,
+                    beside=StopWay(
+                        stops, port, settings, bus.beside, authority, where.time, incarnation
+                    ).beside,
                 )
                 url = address_of(listener, settings.host)
                 links = await welcome(store, plant.file, time.time())

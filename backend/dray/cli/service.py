@@ -11,7 +11,7 @@ import contextlib
 import shlex
 import socket
 import time
-from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Iterable, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import typer
@@ -31,6 +31,7 @@ from dray.cli.meters.factory import FactoryMeter
 from dray.cli.newcomers import welcome
 from dray.cli.readiness import tell_ready
 from dray.cli.serving import Server, address_of, listen, stopped_by_signals
+from dray.cli.stopway import StopWay, listen_for_stops
 from dray.cli.traces import traced, watched
 from dray.cli.trials import SimFaultDesk
 from dray.gateway.access.tokens import new_token
@@ -120,6 +121,9 @@ async def run_service(service: Service) -> None:
     prepare_logs(settings)
     with contextlib.ExitStack() as stack:
         listener = stack.enter_context(contextlib.closing(listen(settings.host, settings.port)))
+        port = listener.getsockname()[1]
+        stops = stack.enter_context(contextlib.closing(listen_for_stops(settings, port)))
+        service = with_stop_port(service, stops)
         store = await open_store(settings.database_url)
         try:
             incarnation = await store.next_incarnation(service.plant.id)
@@ -129,7 +133,7 @@ async def run_service(service: Service) -> None:
             factory = SimThread(life, paced(service.speed))
             try:
                 inside = await asyncio.to_thread(factory.start, BUILDING_S)
-                app = _app(service, store, authority, factory, inside, incarnation)
+                app = _app(service, store, authority, factory, inside, incarnation, (stops, port))
                 url = address_of(listener, settings.host)
                 greeting = greeting_of(
                     service, url, token, await welcome(store, service.plant.file, time.time())
@@ -148,6 +152,12 @@ def with_admin_token(service: Service) -> tuple[Service, str]:
     token = new_token()
     settings = service.settings.model_copy(update={"admin_token": SecretStr(token)})
     return replace(service, settings=settings), token
+
+
+def with_stop_port(service: Service, listener: socket.socket) -> Service:
+    """The service with the port that its stops have got: the panels are told."""
+    settings = service.settings.model_copy(update={"stop_port": listener.getsockname()[1]})
+    return replace(service, settings=settings)
 
 
 def _life(
@@ -185,8 +195,14 @@ def _app(
     factory: Factory,
     inside: Inside,
     incarnation: int,
+    stops: tuple[socket.socket, int],
 ) -> FastAPI:
     settings, plant = service.settings, service.plant
+
+    @contextlib.contextmanager
+    def beside() -> Iterator[Bus]:
+        yield BridgedBus(inside.factory.bus, factory.loop, asyncio.get_running_loop())
+
     bus = BridgedBus(inside.factory.bus, factory.loop, asyncio.get_running_loop())
     historian = historian_of(settings, plant, store, bus, inside.time, incarnation)
     return create_app(
@@ -200,6 +216,7 @@ def _app(
         historian=historian,
         collectors=(FactoryMeter(inside.factory, bus),),
         faults=SimFaultDesk(inside.faults, factory.loop, time.time),
+        beside=StopWay(*stops, settings, beside, authority, inside.time, incarnation).beside,
     )
 
 

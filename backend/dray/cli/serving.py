@@ -12,6 +12,7 @@ from typing import Any
 
 import uvicorn
 
+from dray.cli.guard import Guard, guarded, room_for
 from dray.errors import UnavailableError
 from dray.settings import Settings
 
@@ -21,18 +22,22 @@ BACKLOG = 128
 INCOMING_BYTES = 4096
 """Longest message that a panel may send on the stream: it has nothing to say."""
 
+HEAD_BYTES = 32 * 1024
+"""Longest head of a request: an address with a filter, and the cookies of a host with other servers."""
+
 GOODBYE_S = 3
 """Wall seconds that open requests get when the server ends: no answer takes longer, but a command."""
 
 ANY_ADDRESS = frozenset({"0.0.0.0", "::", ""})  # noqa: S104 (compared with, not bound to)
 
 
-def listen(host: str, port: int) -> socket.socket:
+def listen(host: str, port: int, option: str = "--port") -> socket.socket:
     """Take the port, before anything else is started.
 
     Args:
         host: a name or address of this machine.
         port: 0 lets the system choose one.
+        option: where it was chosen.
 
     Raises:
         UnavailableError: with a remedy, when it is taken or not allowed.
@@ -52,9 +57,9 @@ def listen(host: str, port: int) -> socket.socket:
     except OSError as error:
         listener.close()
         if error.errno == errno.EADDRINUSE:
-            remedy = "end the program that uses it, or choose another one with --port (0: any free one)"
+            remedy = f"end the program that uses it, or choose another one with {option} (0: any free one)"
         else:
-            remedy = "choose another one with --host and --port; ports below 1024 need a privilege"
+            remedy = f"choose another one with --host and {option}; ports below 1024 need a privilege"
         raise UnavailableError(what, _reason(error), remedy) from error
     return listener
 
@@ -108,12 +113,35 @@ class Server(uvicorn.Server):
         app: an ASGI application.
         settings: how much is logged, and which proxies are trusted.
         on_ready: called once, when requests are answered.
+        guard: of its connections; that of the settings, when absent.
+        head_bytes: longest head of a request.
+        streams: whether there are any streams.
     """
 
-    def __init__(self, app: Any, settings: Settings, on_ready: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        app: Any,
+        settings: Settings,
+        on_ready: Callable[[], None],
+        *,
+        guard: Guard | None = None,
+        head_bytes: int = HEAD_BYTES,
+        streams: bool = True,
+    ) -> None:
         self._candid = _Candid(app)
+        self.guard = guard or Guard(
+            most=room_for(settings.connections),
+            each=settings.connections_each,
+            exempt=(each.strip() for each in settings.trusted_proxies.split(",")),
+        )
+        http, socket = guarded(self.guard)
         config = uvicorn.Config(
             self._candid,
+            http=http,
+            ws=socket if streams else "none",
+            h11_max_incomplete_event_size=head_bytes,
+            # So many connections are accepted in one go, before the guard sees any of them.
+            backlog=BACKLOG,
             log_level=settings.log_level,
             # Ours: see `dray.cli.service`.
             log_config=None,
@@ -129,6 +157,12 @@ class Server(uvicorn.Server):
         )
         super().__init__(config)
         self._on_ready = on_ready
+
+    async def on_tick(self, counter: int) -> bool:
+        """Ten times a second; see that nobody keeps us waiting once in each."""
+        if counter % 10 == 0:
+            self.guard.sweep()
+        return await super().on_tick(counter)
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Start to answer."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import time as clock
 from collections.abc import AsyncIterator, Callable, Iterable
-from contextlib import AsyncExitStack, asynccontextmanager
+from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager, suppress
 
 from fastapi import Depends, FastAPI
 from prometheus_client.registry import Collector
@@ -13,11 +13,13 @@ from starlette.middleware.errors import ServerErrorMiddleware
 
 from dray import __version__
 from dray.adapters.signing import SigningKey
+from dray.errors import UnavailableError
 from dray.gateway import openapi, problems
 from dray.gateway.access.access import open_access
 from dray.gateway.access.caller import admitted
 from dray.gateway.access.gate import Gate
 from dray.gateway.access.hasher import Hasher
+from dray.gateway.access.trail import Trail
 from dray.gateway.alertdesk import AlertDesk
 from dray.gateway.commands import Commands
 from dray.gateway.conditional import Conditional
@@ -26,6 +28,7 @@ from dray.gateway.endings import Endings
 from dray.gateway.exclusiondesk import ExclusionDesk
 from dray.gateway.faultdesk import FaultDesk
 from dray.gateway.health import Health
+from dray.gateway.hosts import Hosts, KnownHost
 from dray.gateway.ledger import Ledger
 from dray.gateway.lookout import Lookout
 from dray.gateway.metrics import Metrics, Stopwatch
@@ -68,6 +71,7 @@ def create_app(
     collectors: Iterable[Collector] = (),
     wall_s: Callable[[], float] = clock.time,
     hasher: Hasher | None = None,
+    beside: Callable[[Parts], AbstractAsyncContextManager[None]] | None = None,
 ) -> FastAPI:
     """Put a gateway together. It joins the bus when the server starts, and leaves it when it ends.
 
@@ -85,6 +89,7 @@ def create_app(
         collectors: of metrics that others in this process have.
         wall_s: the wall clock.
         hasher: of secrets, when not the usual one.
+        beside: runs as long as the application does: the way for stops.
     """
 
     @asynccontextmanager
@@ -133,6 +138,7 @@ def create_app(
                 rate_hz=settings.stream_rate_hz,
                 queue_frames=settings.stream_queue_frames,
                 clients=settings.stream_clients,
+                each=settings.stream_clients_each,
             ),
             peer=peer,
             presence=presence,
@@ -157,6 +163,7 @@ def create_app(
             stack.push_async_callback(sampler.sample)
             stack.callback(peer.leave)
             stack.callback(parts.side_work.close)
+            stack.push_async_callback(_last_lines, parts.access.trail)
             peer.join(projection, desk, parts.endings, parts.commands)
             tasks = await stack.enter_async_context(asyncio.TaskGroup())
             running = [
@@ -167,7 +174,9 @@ def create_app(
                     parts.alerts,
                     parts.exclusions,
                     parts.hub,
+                    parts.access,
                     parts.access.watch,
+                    parts.access.trail,
                     presence,
                     sampler,
                     roll_call,
@@ -175,6 +184,9 @@ def create_app(
                 )
             ]
             await roll_call.begin()
+            if beside is not None:
+                await parts.access.learn()
+                await stack.enter_async_context(beside(parts))
             yield
             for task in running:
                 task.cancel()
@@ -202,6 +214,12 @@ def create_app(
     return app
 
 
+async def _last_lines(trail: Trail) -> None:
+    """Write what waits for the audit log, if the database is there."""
+    with suppress(UnavailableError):
+        await trail.catch_up()
+
+
 def _shield(app: FastAPI, settings: Settings) -> None:
     """What every request passes before it reaches a router; the last one added is the outermost."""
     app.add_middleware(BodyLimit, bulk_bytes=settings.body_limit_bytes)
@@ -209,6 +227,7 @@ def _shield(app: FastAPI, settings: Settings) -> None:
     app.add_middleware(KnownQueries, routes=app.routes)
     app.add_middleware(Gate)
     app.add_middleware(SameOrigin)
+    app.add_middleware(KnownHost, hosts=Hosts.of(settings))
     # FastAPI's own handler of bugs stands outside of all shields: its answers would lack the headers.
     app.add_middleware(ServerErrorMiddleware, handler=problems.on_bug)
     app.add_middleware(SecurityHeaders)

@@ -48,12 +48,14 @@ class Sent:
         person: on whose behalf.
         said: in which words, without the grant.
         answer: the vehicle's word.
+        beside: it went by the way that is for stops alone (`dray.gateway.stop`), which keeps account of it.
     """
 
     atv: str
     person: str
     said: VehicleCommand
     answer: asyncio.Future[CommandAnswered]
+    beside: bool = False
 
 
 class Commands:
@@ -126,13 +128,31 @@ class Commands:
         if sent is None:
             sent = self._say(atv, said, person, by)
         elif (sent.atv, sent.person, sent.said) != (atv, person, said):
-            raise Problem(
-                HTTPStatus.CONFLICT,
-                "command-name-used",
-                "The name of the command was used",
-                f"another command is called {name}; choose a name that is used once, a UUID say",
-            )
+            raise name_used(name)
         return await self._wait(name, sent)
+
+    def sent_beside(self, atv: str, said: VehicleCommand, by: Principal) -> bool:
+        """A stop has gone out by its own way: show it, and know it by its name.
+
+        Returns:
+            False when a command of this name went out by this way before.
+        """
+        if said.command in self._sent:
+            return False
+        self._show(self._keep(Sent(atv, f"{by.kind}:{by.id}", said, _nothing_yet(), beside=True)), by)
+        return True
+
+    def answered_beside(self, atv: str, name: str, answer: CommandAnswered | None) -> None:
+        """What has become of it; None when the vehicle has not answered in time."""
+        if answer is not None:
+            self.answered(atv, answer)
+        else:
+            self._projection.commands.end(name, "not_confirmed")
+
+    def went_beside(self, name: str | None) -> bool:
+        """Whether the command of this name went out by the way that is for stops alone, first."""
+        sent = None if name is None else self._sent.get(name)
+        return sent is not None and sent.beside
 
     def answered(self, sender: str, answer: CommandAnswered) -> bool:
         """A vehicle has answered; returns whether that is news, in time or late."""
@@ -171,19 +191,16 @@ class Commands:
 
     def _say(self, atv: str, said: VehicleCommand, person: str, by: Principal) -> Sent:
         if self._waiting >= PENDING:
-            raise Problem(
-                HTTPStatus.SERVICE_UNAVAILABLE,
-                "too-many-commands",
-                "Too many commands wait for an answer",
-                f"{PENDING} vehicles were asked and have not answered yet; try again in some seconds",
-                headers={"Retry-After": "3"},
-            )
-        answer: asyncio.Future[CommandAnswered] = asyncio.get_running_loop().create_future()
-        sent = self._sent[said.command] = Sent(atv, person, said, answer)
-        if len(self._sent) > NAMES_KEPT:
-            self._sent.popitem(last=False)
+            raise too_many_wait(PENDING)
+        sent = self._keep(Sent(atv, person, said, _nothing_yet()))
         self._show(sent, by)
         self._send(atv, self._granted(sent, by))
+        return sent
+
+    def _keep(self, sent: Sent) -> Sent:
+        self._sent[sent.said.command] = sent
+        if len(self._sent) > NAMES_KEPT:
+            self._sent.popitem(last=False)
         return sent
 
     async def _wait(self, name: str, sent: Sent) -> CommandAnswered:
@@ -193,13 +210,7 @@ class Commands:
                 return await asyncio.shield(sent.answer)
         except TimeoutError:
             self._projection.commands.end(name, "not_confirmed")
-            raise Problem(
-                HTTPStatus.GATEWAY_TIMEOUT,
-                "not-confirmed",
-                "Not confirmed by the vehicle",
-                f"{sent.atv} has not answered within {self._timeout_s:g} s: it may or may not have heard; "
-                "look at it",
-            ) from None
+            raise not_confirmed(sent.atv, self._timeout_s) from None
         finally:
             self._waiting -= 1
 
@@ -221,10 +232,53 @@ class Commands:
 
     def _granted(self, sent: Sent, by: Principal) -> VehicleCommand:
         valid_s = STOP_VALID_S if sent.said.kind is CommandKind.STOP else self._timeout_s + CLOCKS_S
-        return self._authority.grant(
-            sent.atv,
-            sent.said,
-            person=sent.person,
-            areas=None if by.areas is None else sorted(by.areas),
-            valid_until_s=self._plant_s() + valid_s * self._speed,
-        )
+        until_s = self._plant_s() + valid_s * self._speed
+        return granted(self._authority, sent.atv, sent.said, by, until_s)
+
+
+def granted(
+    authority: SigningKey, atv: str, said: VehicleCommand, by: Principal, valid_until_s: float
+) -> VehicleCommand:
+    """A command to one vehicle with the grant of whoever gives it; `valid_until_s` is on the plant's clock."""
+    return authority.grant(
+        atv,
+        said,
+        person=f"{by.kind}:{by.id}",
+        areas=None if by.areas is None else sorted(by.areas),
+        valid_until_s=valid_until_s,
+    )
+
+
+def name_used(name: str) -> Problem:
+    """Another command has this name."""
+    return Problem(
+        HTTPStatus.CONFLICT,
+        "command-name-used",
+        "The name of the command was used",
+        f"another command is called {name}; choose a name that is used once, a UUID say",
+    )
+
+
+def too_many_wait(most: int) -> Problem:
+    """So many commands wait for an answer that no other is given."""
+    return Problem(
+        HTTPStatus.SERVICE_UNAVAILABLE,
+        "too-many-commands",
+        "Too many commands wait for an answer",
+        f"{most} vehicles were asked and have not answered yet; try again in some seconds",
+        headers={"Retry-After": "3"},
+    )
+
+
+def not_confirmed(atv: str, timeout_s: float) -> Problem:
+    """A vehicle has not answered in time."""
+    return Problem(
+        HTTPStatus.GATEWAY_TIMEOUT,
+        "not-confirmed",
+        "Not confirmed by the vehicle",
+        f"{atv} has not answered within {timeout_s:g} s: it may or may not have heard; look at it",
+    )
+
+
+def _nothing_yet() -> asyncio.Future[CommandAnswered]:
+    return asyncio.get_running_loop().create_future()

@@ -165,6 +165,8 @@ async def _on_http(request: Request, error: Exception) -> Response:
             detail = f"there is nothing at {path}; /api/docs tells what there is"
         case HTTPStatus.METHOD_NOT_ALLOWED:
             headers["Allow"] = ", ".join(_allowed(request))
+            if request.method == "OPTIONS":
+                return Response(status_code=HTTPStatus.NO_CONTENT, headers=headers)
             detail = f"{path} does not know {request.method}; use {headers['Allow']}"
         case HTTPStatus.BAD_REQUEST:
             detail = "the body cannot be read as JSON in UTF-8; see /api/docs"

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from contextlib import suppress
 from http import HTTPStatus
-from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from dray.gateway.access.caller import takes_files
+from dray.gateway.hosts import authority_in
 from dray.gateway.problems import Problem
 
 BODY_BYTES = 64 * 1024
@@ -143,7 +143,7 @@ def _is_ours(scope: Scope) -> bool:
     if headers.get("sec-fetch-site", "same-origin") not in _OURS:
         return False
     origin = headers.get("origin")
-    return origin is None or urlsplit(origin).netloc == headers.get("host")
+    return origin is None or authority_in(origin) == headers.get("host")
 
 
 class SecurityHeaders:

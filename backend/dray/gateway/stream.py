@@ -10,7 +10,7 @@ anybody else.
 from __future__ import annotations
 
 import asyncio
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -40,12 +40,13 @@ class Client:
 
     Args:
         room: where its frames come from.
+        owner: the caller, by kind and id.
         audience: whose it is.
         size: frames that wait at most.
     """
 
-    def __init__(self, room: Room, audience: AudienceView, size: int) -> None:
-        self.room, self._size = room, size
+    def __init__(self, room: Room, owner: str, audience: AudienceView, size: int) -> None:
+        self.room, self.owner, self._size = room, owner, size
         self._audience = _encoder.encode(audience).decode()
         self._frames: deque[str] = deque()
         self._lost = True
@@ -148,6 +149,7 @@ class Hub:
         rate_hz: frames per wall second at most.
         queue_frames: frames that wait for one client at most.
         clients: how many there may be.
+        each: of one caller.
     """
 
     def __init__(
@@ -158,9 +160,13 @@ class Hub:
         rate_hz: float,
         queue_frames: int,
         clients: int,
+        each: int,
     ) -> None:
         self._projection, self._wall_s = projection, wall_s
-        self._pause_s, self._queue_frames, self._most = 1.0 / rate_hz, queue_frames, clients
+        self._pause_s, self._queue_frames = 1.0 / rate_hz, queue_frames
+        self._most, self._each = clients, each
+        self._of: Counter[str] = Counter()
+        """How many clients each caller has."""
         self._rooms: dict[frozenset[str] | None, Room] = {}
         """By the areas that are seen; None for the whole plant. Only those with somebody in them."""
         self._made = Made()
@@ -168,13 +174,15 @@ class Hub:
         self._factory: FactoryView | None = None
 
     def join(self, who: Principal) -> Client | None:
-        """A queue for a new client; None when there are too many."""
-        if self.joined >= self._most:
+        """A queue for a new client; None when there are too many, or too many of this caller."""
+        owner = f"{who.kind}:{who.id}"
+        if self.joined >= self._most or self._of[owner] >= self._each:
             return None
+        self._of[owner] += 1
         room = self._rooms.get(who.areas)
         if room is None:
             room = self._rooms[who.areas] = Room(self._scene(who.areas), self._wall_s, self._made)
-        client = Client(room, audience_of(who), self._queue_frames)
+        client = Client(room, owner, audience_of(who), self._queue_frames)
         room.clients.add(client)
         return client
 
@@ -195,7 +203,12 @@ class Hub:
 
     def leave(self, client: Client) -> None:
         """The client is gone; harmless when done twice."""
-        client.room.clients.discard(client)
+        if client not in client.room.clients:
+            return
+        client.room.clients.remove(client)
+        self._of[client.owner] -= 1
+        if not self._of[client.owner]:
+            del self._of[client.owner]
         self._rooms = {areas: room for areas, room in self._rooms.items() if room.clients}
 
     def tick(self) -> None:

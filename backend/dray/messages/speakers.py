@@ -94,6 +94,20 @@ class Kind(StrEnum):
     HISTORIAN = "historian"
 
 
+STOP_SUFFIX = "-stop"
+
+
+def stop_desk_of(gateway: str) -> str:
+    """The name of the agent by which a gateway says stops, beside its own."""
+    return gateway + STOP_SUFFIX
+
+
+def names_of(agent: str, kind: Kind) -> dict[str, Kind]:
+    """Whom the process of an agent speaks for, as its certificate says."""
+    names = (agent, stop_desk_of(agent)) if kind is Kind.GATEWAY else (agent,)
+    return dict.fromkeys(names, kind)
+
+
 _ATVS = frozenset({Kind.ATV})
 _MACHINES = frozenset({Kind.MACHINE})
 _STRATEGISTS = frozenset({Kind.STRATEGIST})

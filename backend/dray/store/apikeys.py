@@ -23,7 +23,9 @@ class ApiKey(msgspec.Struct, frozen=True, kw_only=True):
     used_at_s: float | None = None
 
 
-_COLUMNS = [api_keys.c[name] for name in ApiKey.__struct_fields__]
+_NAMES = ApiKey.__struct_fields__
+
+_COLUMNS = [api_keys.c[name] for name in _NAMES]
 
 
 class ApiKeys:
@@ -51,6 +53,17 @@ class ApiKeys:
             select(*_COLUMNS).order_by(api_keys.c.created_at_s, api_keys.c.id)
         )
         return [ApiKey(**row._mapping) for row in rows]  # noqa: SLF001 - SQLAlchemy's public name
+
+    async def standing(self, most: int) -> list[tuple[str, ApiKey]]:
+        """Those that nobody has taken back, with the digests of their tokens; the newest come first."""
+        query = (
+            select(api_keys.c.token_hash, *_COLUMNS)
+            .where(api_keys.c.revoked_at_s.is_(None))
+            .order_by(api_keys.c.created_at_s.desc(), api_keys.c.id)
+            .limit(most)
+        )
+        rows = (await self._connection.execute(query)).mappings()
+        return [(row["token_hash"], ApiKey(**{name: row[name] for name in _NAMES})) for row in rows]
 
     async def use(self, key_id: str, at_s: float) -> None:
         """Note that it is in use."""

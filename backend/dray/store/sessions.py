@@ -26,7 +26,9 @@ class Session(msgspec.Struct, frozen=True, kw_only=True):
     """Logged out, taken back, or replaced; None for one that only ran out of time."""
 
 
-_COLUMNS = [sessions.c[name] for name in Session.__struct_fields__]
+_NAMES = Session.__struct_fields__
+
+_COLUMNS = [sessions.c[name] for name in _NAMES]
 
 
 class Sessions:
@@ -59,6 +61,17 @@ class Sessions:
         same = (sessions.c.person_id == session.person_id, sessions.c.created_at_s == session.ended_at_s)
         query = select(sessions.c.id).where(*same, sessions.c.id != session.id).limit(1)
         return (await self._connection.execute(query)).first() is not None
+
+    async def latest(self, since_s: float, most: int) -> list[tuple[str, Session]]:
+        """Those that have not ended before `since_s`, with the digests of their tokens; those used last come first."""
+        query = (
+            select(sessions.c.token_hash, *_COLUMNS)
+            .where(sessions.c.ended_at_s.is_(None) | (sessions.c.ended_at_s >= since_s))
+            .order_by(sessions.c.used_at_s.desc(), sessions.c.id)
+            .limit(most)
+        )
+        rows = (await self._connection.execute(query)).mappings()
+        return [(row["token_hash"], Session(**{name: row[name] for name in _NAMES})) for row in rows]
 
     async def use(self, ids: Iterable[str], at_s: float) -> None:
         """Note that these are in use."""

@@ -1,11 +1,15 @@
 /** Requests to the gateway, with its problems (RFC 9457) as values. */
 import { tellLoggedOut } from "./session";
+import { firstWord, stopOrigins } from "./stop-ways";
 import type { KpiHistory, OrderPreview, PlantFile } from "./types";
 
 export interface FieldError {
   readonly field: string;
   readonly reason: string;
 }
+
+/** The kind of a problem with `status` 0 where there was no way to the gateway at all. */
+export const NOT_SENT = "not-sent";
 
 /** Why a request did not succeed. `status` 0: no answer came. */
 export class Problem extends Error {
@@ -132,8 +136,14 @@ export interface CommandAnswer {
   readonly reason: string;
 }
 
+/** Sends a command; a stop goes all the ways there are at once, and counts once by its name. */
 export async function commandAtv(atv: string, command: CommandRequest): Promise<CommandAnswer> {
-  return (await request("POST", `/api/atvs/${encodeURIComponent(atv)}/commands`, command)) as CommandAnswer;
+  const path = `/api/atvs/${encodeURIComponent(atv)}/commands`;
+  if (command.kind !== "stop") return (await request("POST", path, command)) as CommandAnswer;
+  const named = { command: newKey(), ...command };
+  return await firstWord([path, ...stopOrigins().map((origin) => origin + path)], (way) =>
+    request("POST", way, named) as Promise<CommandAnswer>,
+  );
 }
 
 /** Ends the session of this browser. Not by a form: on pages without a referrer it would not tell where it comes from. */
@@ -207,15 +217,20 @@ async function request(
   const sent = body === undefined ? {} : { "Content-Type": "application/json" };
   const init: RequestInit = {
     method,
+    // The way for stops is another origin on the same host.
+    credentials: path.startsWith("/") ? "same-origin" : "include",
     headers: { Accept: "application/json", ...sent, ...headers },
     signal: AbortSignal.timeout(PATIENCE_MS),
     body: body === undefined ? null : JSON.stringify(body),
   };
-  const response = await fetch(path, init).catch(() => {
-    throw new Problem(0, "");
+  const response = await fetch(path, init).catch((error: unknown) => {
+    // Browsers do not tell a connection that was refused from one that was cut: only patience that has ended is told.
+    const late = error instanceof DOMException && error.name === "TimeoutError";
+    throw new Problem(0, "", [], late ? "" : NOT_SENT);
   });
   const answer: unknown = await response.json().catch(() => null);
-  if (response.status === 401) tellLoggedOut();
+  // Who is known at the way for stops is known from memory: only the gateway itself says who is logged in.
+  if (response.status === 401 && path.startsWith("/")) tellLoggedOut();
   if (!response.ok) throw problemOf(response.status, answer);
   return answer;
 }

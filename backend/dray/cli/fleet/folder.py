@@ -15,7 +15,7 @@ from dray.cli.fleet.processes import PROC
 from dray.cli.options import load_settings
 from dray.cli.process import FLOOR
 from dray.errors import UnavailableError
-from dray.messages.speakers import Kind
+from dray.messages.speakers import Kind, names_of
 from dray.plant import Plant
 from dray.protocol.strategist import STRATEGIST
 from dray.settings import PREFIX, Settings
@@ -146,7 +146,7 @@ def _certify(plant: Plant, folder: Path) -> None:
         **dict.fromkeys(plant.fleet, Kind.ATV),
     }
     for name, kind in kinds.items():
-        authority.issue(folder, plant.id, {name: kind})
+        authority.issue(folder, plant.id, names_of(name, kind))
 
 
 def _forget_bodies(folder: Path) -> None:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import hmac
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from dray.errors import UnavailableError
 from dray.gateway.access.hasher import Hasher
 from dray.gateway.access.keys import Keys
 from dray.gateway.access.limits import Limit, neighbourhood
@@ -24,6 +27,11 @@ STRANGERS_TRIES = 50
 STRANGERS_HZ = 1.0
 """Tries that come back per second."""
 
+LEARN_S = 2.0
+"""Wall seconds until a login, or the end of one, at another process is known where the database is not asked."""
+
+_log = logging.getLogger(__name__)
+
 
 @dataclass(frozen=True)
 class Access:
@@ -37,13 +45,54 @@ class Access:
     strangers: Limit
     admin_token: str
 
+    def remembered(self, credentials: str, cookie: str, now_s: float) -> Principal | None:
+        """Who this was when the database was last asked, for a stop and nothing else. On any thread.
+
+        Args:
+            credentials: the header Authorization; empty for none.
+            cookie: the session's; counts where there are no credentials.
+            now_s: the wall clock, as the caller's thread reads it.
+        """
+        if not credentials:
+            return self.sessions.remembered(cookie, now_s) if cookie else None
+        kind, _, token = credentials.partition(" ")
+        token = token.strip()
+        if kind.lower() != "bearer" or not token:
+            return None
+        return ADMIN if self._is_admins(token) else self.keys.remembered(token, now_s)
+
+    async def learn(self) -> None:
+        """Ask the database who may stop vehicles.
+
+        Raises:
+            UnavailableError: it is away; what was known stays known.
+        """
+        await self.sessions.learn()
+        await self.keys.learn()
+
+    async def run(self) -> None:
+        """Go on learning until cancelled."""
+        away = False
+        while True:
+            try:
+                await self.learn()
+                away = False
+            except UnavailableError as error:
+                if not away:
+                    _log.warning("who may stop vehicles is known from before: %s", error)
+                away = True
+            await asyncio.sleep(LEARN_S)
+
+    def _is_admins(self, token: str) -> bool:
+        return bool(self.admin_token) and hmac.compare_digest(token.encode(), self.admin_token.encode())
+
     async def by_bearer(self, token: str, address: str) -> Principal | None:
         """Whose bearer token this is; None when it is nobody's.
 
         Raises:
             Problem: 429, too many from this address were nobody's, or a key is used too often.
         """
-        if self.admin_token and hmac.compare_digest(token.encode(), self.admin_token.encode()):
+        if self._is_admins(token):
             return ADMIN
         principal = await self.keys.recognise(token) if token.startswith(KEY_PREFIX) else None
         if principal is None:

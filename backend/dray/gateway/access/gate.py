@@ -88,7 +88,8 @@ async def recognise(connection: HTTPConnection, found: Found) -> Principal:
     Raises:
         Problem: 401, it cannot be said; 429, too many tokens that nobody knows; 503, the database is away.
     """
-    access = parts_of(connection).access
+    parts = parts_of(connection)
+    access = parts.access
     credentials, cookie = connection.headers.get("authorization", ""), connection.cookies.get(COOKIE, "")
     try:
         if credentials:
@@ -102,7 +103,7 @@ async def recognise(connection: HTTPConnection, found: Found) -> Principal:
             raise unknown("nobody is logged in")
     except UnavailableError as error:
         stops = found.rule.scope is Right.VEHICLES_STOP and not credentials
-        principal = access.sessions.remembered(cookie) if stops else None
+        principal = access.sessions.remembered(cookie, parts.wall_s()) if stops else None
         if principal is None:
             raise Problem(
                 HTTPStatus.SERVICE_UNAVAILABLE,

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 
 from dray.errors import UnavailableError
 from dray.gateway.access.limits import Limit
-from dray.gateway.access.principal import Principal, Scope
+from dray.gateway.access.principal import STOP_ONLY, Principal, Scope
 from dray.store import Store
 from dray.store.apikeys import ApiKey
+from dray.store.digest import digest
 
 USED_AGAIN_S = 60.0
 """The use of a key is noted this often."""
+
+REMEMBERED = 1_000
+"""Keys that are known without the database: some per machine of a large plant."""
 
 
 class Keys:
@@ -28,6 +33,8 @@ class Keys:
     def __init__(self, store: Store, wall_s: Callable[[], float], *, rate_hz: float, tries: int) -> None:
         self._store, self._wall_s = store, wall_s
         self._limit = Limit(wall_s, tries=tries, rate_hz=rate_hz)
+        self._remembered: dict[str, ApiKey] = {}
+        """By the token's digest, as the database last told. Replaced on the loop, and looked at by any thread."""
 
     async def recognise(self, token: str) -> Principal | None:
         """Whose key this is; None when it is nobody's, or not any more.
@@ -47,6 +54,25 @@ class Keys:
                 async with self._store.write() as work:
                     await work.api_keys.use(key.id, now_s)
         return principal_of(key)
+
+    async def learn(self) -> None:
+        """Ask the database for all keys that may stop vehicles.
+
+        Raises:
+            UnavailableError: the database is away; what was known stays known.
+        """
+        async with self._store.read() as work:
+            standing = await work.api_keys.standing(REMEMBERED)
+        self._remembered = {
+            token: key for token, key in standing if principal_of(key).may(Scope.VEHICLES_STOP)
+        }
+
+    def remembered(self, token: str, now_s: float) -> Principal | None:
+        """Whose key this was when the database was last asked: may only stop. On any thread."""
+        key = self._remembered.get(digest(token))
+        if key is None or not usable(key, now_s):
+            return None
+        return replace(principal_of(key), scopes=STOP_ONLY)
 
 
 def usable(key: ApiKey, now_s: float) -> bool:

@@ -33,6 +33,8 @@ class Scope(StrEnum):
 
 EVERYTHING = frozenset(Scope)
 
+STOP_ONLY = frozenset({Scope.VEHICLES_STOP})
+
 SCOPES: dict[Role, frozenset[Scope]] = {
     Role.MANAGER: EVERYTHING,
     Role.OPERATOR: frozenset(

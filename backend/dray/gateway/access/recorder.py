@@ -1,7 +1,7 @@
 """The recorder: a line of the audit log for every request that changes something, before its answer leaves.
 
-When the line cannot be written the answer says so, although what was asked may have been done: a vehicle
-that was told to stop must not wait for a disk.
+When the line cannot be written the answer says so, although what was asked may have been done. The answer to a
+stop waits for no disk: its line is written as soon as that is possible (`Trail.write_later`).
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from starlette.requests import HTTPConnection
 from starlette.types import Message, Receive, Scope, Send
 
 from dray.errors import UnavailableError
-from dray.gateway.access.trail import Note, Result, result_of
+from dray.gateway.access.trail import Line, Note, Result, result_of
 from dray.gateway.parts import parts_of
 from dray.gateway.problems import Problem
 
@@ -70,17 +70,21 @@ class Recorder:
 
     async def _write(self, result: Result, status: int) -> None:
         note = self._note
-        if note.who is None and note.result is None:
+        if note.elsewhere or (note.who is None and note.result is None):
             return
-        detail = note.detail if status < HTTPStatus.BAD_REQUEST else note.detail | {"status": status}
-        await parts_of(HTTPConnection(self._scope)).access.trail.write(
+        line = Line(
             who=note.who,
             address=address_of(self._scope),
             action=self._action,
             target=note.target,
             result=result,
-            detail=detail,
+            detail=note.detail if status < HTTPStatus.BAD_REQUEST else note.detail | {"status": status},
         )
+        trail = parts_of(HTTPConnection(self._scope)).access.trail
+        if note.waits:
+            await trail.write(line)
+        else:
+            trail.write_later(line)
 
     def _tell_the_log(self, error: UnavailableError) -> None:
         who = "nobody" if self._note.who is None else self._note.who.id

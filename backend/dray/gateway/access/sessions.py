@@ -19,7 +19,7 @@ from enum import Enum
 import msgspec
 
 from dray.errors import UnavailableError
-from dray.gateway.access.principal import SCOPES, Over, Principal, Role, Scope
+from dray.gateway.access.principal import SCOPES, STOP_ONLY, Over, Principal, Role
 from dray.gateway.access.tokens import new_id, new_token
 from dray.store import Store
 from dray.store.digest import digest
@@ -45,8 +45,6 @@ KEPT_S = 30 * 24 * HOUR_S
 
 REMEMBERED = 1_000
 """Sessions that are known without the database, some 1 MB: all people of a large plant."""
-
-STOP_ONLY = frozenset({Scope.VEHICLES_STOP})
 
 
 class Standing(Enum):
@@ -122,7 +120,9 @@ class Sessions:
     def __init__(self, store: Store, wall_s: Callable[[], float]) -> None:
         self._store, self._wall_s = store, wall_s
         self._remembered: OrderedDict[str, Known] = OrderedDict()
-        """By the token's digest, as the database last told."""
+        """By the token's digest, as the database last told. Changed on the loop, and looked at by any thread."""
+        self._changes = 0
+        """How many sessions were begun or ended here."""
 
     async def begin(self, person: Person, *, before: str = "", station: str = "") -> tuple[str, Session]:
         """Log somebody in; returns the cookie's token, which is always a new one.
@@ -150,9 +150,11 @@ class Sessions:
             if before and (old := await work.sessions.find(before)):
                 await work.sessions.end(old.id, now_s)
             await work.sessions.add(token, session)
+        self._changes += 1
         self._remembered.pop(digest(before), None)
         if person.role == Role.OPERATOR:
             self._note_replaced(person, now_s)
+        self._remember(token, Known(person, session, replaced=False))
         return token, session
 
     async def recognise(self, token: str) -> Principal | None:
@@ -174,10 +176,29 @@ class Sessions:
                     await work.sessions.use([session.id], now_s)
         return principal
 
-    def remembered(self, token: str) -> Principal | None:
-        """Whose cookie this was when the database was last asked, for as long as it is away: may only stop."""
+    async def learn(self) -> None:
+        """Ask the database for all sessions that are worth something, also those that were never shown here.
+
+        Raises:
+            UnavailableError: the database is away; what was known stays known.
+        """
+        changes = self._changes
+        async with self._store.read() as work:
+            people = {person.id: person for person in await work.people.all()}
+            latest = await work.sessions.latest(self._wall_s() - GRACE_S, REMEMBERED)
+        if changes != self._changes:
+            return  # Somebody has come or gone since: the next look tells it all.
+        logins = {(each.person_id, each.created_at_s) for _, each in latest}
+        self._remembered = OrderedDict(
+            (key, Known(people[each.person_id], each, (each.person_id, each.ended_at_s) in logins))
+            for key, each in reversed(latest)
+            if each.person_id in people
+        )
+
+    def remembered(self, token: str, now_s: float) -> Principal | None:
+        """Whose cookie this was when the database was last asked: may only stop. On any thread."""
         known = self._remembered.get(digest(token))
-        principal = None if known is None else known.principal(self._wall_s())
+        principal = None if known is None else known.principal(now_s)
         return None if principal is None else replace(principal, scopes=STOP_ONLY)
 
     def _remember(self, token: str, known: Known) -> None:
@@ -200,13 +221,18 @@ class Sessions:
 
     async def end(self, token: str) -> tuple[Person, Session] | None:
         """Log out; returns whose session ended by this, None when none did."""
-        self._remembered.pop(digest(token), None)
+        self._forget(token)
         async with self._store.write() as work:
             session = await work.sessions.find(token)
             if session is None or not await work.sessions.end(session.id, self._wall_s()):
                 return None
             person = await work.people.get(session.person_id)
+        self._forget(token)  # Somebody may have been recognised by it while it ended.
         return None if person is None else (person, session)
+
+    def _forget(self, token: str) -> None:
+        self._changes += 1
+        self._remembered.pop(digest(token), None)
 
 
 def may_still_stop(person: Person, session: Session, now_s: float) -> bool:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
+import logging
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
@@ -9,6 +12,7 @@ from typing import Annotated, Any, Literal
 from fastapi import Depends
 from starlette.requests import HTTPConnection
 
+from dray.errors import UnavailableError
 from dray.gateway.access.principal import Principal
 from dray.store import Store
 from dray.store.audit import AuditRow
@@ -21,6 +25,13 @@ PRUNED_EVERY = 1000
 
 TARGET_CHARS = 128
 """As long as the longest id."""
+
+LATER = 10_000
+"""Lines of stops that wait for the database, some 10 MB: whoever stops all vehicles of a large plant again and again
+has hours until it is full."""
+
+AGAIN_S = 1.0
+"""Wall seconds until what could not be written is tried again."""
 
 Result = Literal["done", "refused", "failed"]
 
@@ -40,10 +51,43 @@ class Note:
     detail: dict[str, Any] = field(default_factory=dict)
     result: Result | None = None
     who: Principal | None = None
+    waits: bool = True
+    """Whether the answer waits until the line is on disk; that of a stop does not."""
+    elsewhere: bool = False
+    """Whether somebody else writes the line."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Line:
+    """What the audit log is to keep.
+
+    Attributes:
+        who: did it, or tried to; None for nobody whom we know.
+        address: from where.
+        action: what it was, as `vehicle.command`.
+        target: what it was about.
+        result: what came of it.
+        detail: what else is worth knowing; no secret.
+        at_s: when it happened (wall clock); None for now.
+    """
+
+    who: Principal | None
+    address: str
+    action: str
+    target: str
+    result: Result
+    detail: dict[str, Any]
+    at_s: float | None = None
+
+
+_log = logging.getLogger(__name__)
 
 
 class Trail:
     """Writes the audit log.
+
+    A line is on disk before its answer leaves, except for stops: their lines wait in memory for as long as the
+    database is away, are told to the log at once, and are lost only with the process.
 
     Args:
         store: where it is kept.
@@ -53,34 +97,72 @@ class Trail:
 
     def __init__(self, store: Store, wall_s: Callable[[], float], keep: int) -> None:
         self._store, self._wall_s, self._keep = store, wall_s, keep
+        self._later: deque[AuditRow] = deque()
+        self._more = asyncio.Event()
+        self._writing = asyncio.Lock()
 
-    async def write(
-        self,
-        *,
-        who: Principal | None,
-        address: str,
-        action: str,
-        target: str,
-        result: Result,
-        detail: dict[str, Any],
-    ) -> None:
+    async def write(self, line: Line) -> None:
         """Add a line; it is on disk when this returns."""
-        row = AuditRow(
-            at_s=self._wall_s(),
-            who="" if who is None else who.id,
-            who_kind="nobody" if who is None else who.kind,
-            from_ip=address,
-            session="" if who is None else who.session,
-            action=action,
+        await self._write([self._row(line)])
+
+    def write_later(self, line: Line) -> None:
+        """Add a line as soon as the database takes it."""
+        row = self._row(line)
+        _log.info("%s %s: %s, by %s, %s", row.action, row.target, row.result, row.who, row.detail)
+        if len(self._later) >= LATER:
+            _log.error("not in the audit log, for which %d lines wait already: %r", LATER, row)
+            return
+        self._later.append(row)
+        self._more.set()
+
+    @property
+    def waiting(self) -> int:
+        """Lines that wait for the database."""
+        return len(self._later)
+
+    async def run(self) -> None:
+        """Write what waits, until cancelled."""
+        while True:
+            await self._more.wait()
+            try:
+                await self.catch_up()
+            except UnavailableError:
+                await asyncio.sleep(AGAIN_S)
+
+    async def catch_up(self) -> None:
+        """Write what waits.
+
+        Raises:
+            UnavailableError: the database does not take it; it goes on waiting.
+        """
+        async with self._writing:
+            while self._later:
+                rows = list(self._later)
+                await self._write(rows)
+                for _ in rows:
+                    self._later.popleft()
+            self._more.clear()
+
+    def _row(self, line: Line) -> AuditRow:
+        return AuditRow(
+            at_s=self._wall_s() if line.at_s is None else line.at_s,
+            who="" if line.who is None else line.who.id,
+            who_kind="nobody" if line.who is None else line.who.kind,
+            from_ip=line.address,
+            session="" if line.who is None else line.who.session,
+            action=line.action,
             # A path may hold a NUL, which PostgreSQL has in no text.
-            target=target.replace("\0", "")[:TARGET_CHARS],
-            result=result,
-            detail=detail,
+            target=line.target.replace("\0", "")[:TARGET_CHARS],
+            result=line.result,
+            detail=line.detail,
         )
+
+    async def _write(self, rows: list[AuditRow]) -> None:
         async with self._store.write() as work:
-            position = await work.audit.add(row)
-            if position % PRUNED_EVERY == 0:
-                await work.audit.prune(self._keep)
+            for row in rows:
+                position = await work.audit.add(row)
+                if position % PRUNED_EVERY == 0:
+                    await work.audit.prune(self._keep)
 
 
 def result_of(status: int) -> Result:

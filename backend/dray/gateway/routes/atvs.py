@@ -128,6 +128,7 @@ async def command_atv(
 ) -> Json:
     """Stop a vehicle, acknowledge, let it go on, limit its speed, or promise help; waits for its word."""
     note.detail |= command.model_dump(mode="json", exclude_none=True)
+    note.waits = command.kind is not CommandKind.STOP
     if command.kind is not CommandKind.STOP and not caller.may(Scope.VEHICLES_COMMAND):
         raise missing(caller, Scope.VEHICLES_COMMAND)
     area_rule(gateway, caller, atv, command.kind)
@@ -138,14 +139,17 @@ async def command_atv(
             "The vehicle is shut out",
             f"nobody hears {atv}: it can be stopped, and nothing else; readmit it first",
         )
-    answer = await gateway.commands.order(
-        atv,
-        command.kind,
-        by=caller,
-        command=command.command,
-        speed_frac=command.speed_frac,
-        wait_s=command.wait_s,
-    )
+    try:
+        answer = await gateway.commands.order(
+            atv,
+            command.kind,
+            by=caller,
+            command=command.command,
+            speed_frac=command.speed_frac,
+            wait_s=command.wait_s,
+        )
+    finally:
+        note.elsewhere = gateway.commands.went_beside(command.command)
     note.detail["command"] = answer.command
     if not answer.done:
         note.result, note.detail["reason"] = "refused", answer.reason

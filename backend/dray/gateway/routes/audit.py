@@ -52,6 +52,8 @@ async def list_audit(
     """
     after = read_cursor(cursor, tuple[Annotated[int, msgspec.Meta(ge=0, le=LAST_POSITION)]])
     wanted = AuditFilter(since_s=since, until_s=until, who=who, action=action, target=target, result=result)
+    # Lines of stops are written after their answers: whoever reads the log reads them all.
+    await gateway.access.trail.catch_up()
     if format == "csv":
         return table("audit", header_of(COLUMNS), _rows(gateway, wanted))
     async with gateway.store.read() as work:

@@ -12,6 +12,7 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 from dray.gateway import decisions, intake
 from dray.gateway.access.caller import Caller
 from dray.gateway.access.trail import Noted
+from dray.gateway.addresses import public_url
 from dray.gateway.answers import (
     PAGE,
     Cursor,
@@ -153,7 +154,7 @@ async def place_order(
     gateway: Gateway, request: Request, caller: Caller, note: Noted, draft: OrderDraft, key: Key = None
 ) -> Json:
     """Place an order."""
-    base = str(request.base_url)
+    base = public_url(gateway.settings, request)
     if key is None:
         placed = await intake.place(gateway, draft)
         note.target = placed.id
@@ -205,7 +206,7 @@ async def list_orders(
     async with gateway.store.read() as work:
         orders = await work.orders.page(wanted, after, limit + 1)
     last = orders[limit - 1] if len(orders) > limit else None
-    base = str(request.base_url)
+    base = public_url(gateway.settings, request)
     return listing(
         [order_answer(order, base, gateway.projection.orders.waits(order.id)) for order in orders[:limit]],
         None if last is None else write_cursor(last.created_at_s, last.id),
@@ -276,7 +277,7 @@ def order_answer(order: Order, base_url: str, waits: str = "") -> OrderAnswer:
 
     Args:
         order: the order.
-        base_url: where this gateway is asked at, with a slash at the end.
+        base_url: where this gateway is reached, without a slash at the end.
         waits: why it waits; empty when it goes on.
     """
     view = order_view(order, waits)
@@ -287,7 +288,7 @@ def order_answer(order: Order, base_url: str, waits: str = "") -> OrderAnswer:
         due_at=None if order.due_at_s is None else iso(order.due_at_s),
         delivered_at=None if order.delivered_at_s is None else iso(order.delivered_at_s),
         updated_at=iso(order.updated_at_s),
-        tracking_url=f"{base_url}track/{order.token}",
+        tracking_url=f"{base_url}/track/{order.token}",
     )
 
 
@@ -317,4 +318,6 @@ def _created(order_id: str, answer: bytes, headers: Mapping[str, str] | None = N
 def _answer(gateway: Parts, order: Order | None, order_id: str, request: Request) -> Json:
     if order is None:
         raise not_found("order", order_id, "GET /api/orders")
-    return Json(order_answer(order, str(request.base_url), gateway.projection.orders.waits(order.id)))
+    return Json(
+        order_answer(order, public_url(gateway.settings, request), gateway.projection.orders.waits(order.id))
+    )

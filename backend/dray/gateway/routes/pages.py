@@ -12,9 +12,11 @@ from fastapi.responses import HTMLResponse, PlainTextResponse, RedirectResponse,
 from dray.gateway.access.caller import Caller
 from dray.gateway.access.onward import HOMES
 from dray.gateway.access.principal import Role
+from dray.gateway.addresses import stop_url
 from dray.gateway.language import language_of
 from dray.gateway.panels import NotBuilt
 from dray.gateway.parts import Gateway, Parts
+from dray.gateway.shields import CONTENT_POLICY
 
 router = APIRouter(include_in_schema=False)
 
@@ -63,9 +65,13 @@ async def worker(gateway: Gateway) -> Response:
 
 
 def _panel(gateway: Parts, request: Request, template: str) -> Response:
+    stop = stop_url(gateway.settings, request)
     try:
-        page = gateway.panels.render(template, language=language_of(request))
+        page = gateway.panels.render(template, language=language_of(request), stop=stop)
     except NotBuilt:
         return PlainTextResponse(NOT_BUILT, HTTPStatus.SERVICE_UNAVAILABLE)
     # The page names the built scripts: an old page would ask for scripts that are gone.
-    return HTMLResponse(page, headers={"Cache-Control": "no-store"})
+    headers = {"Cache-Control": "no-store"}
+    if stop:
+        headers["Content-Security-Policy"] = f"{CONTENT_POLICY}; connect-src 'self' {stop}"
+    return HTMLResponse(page, headers=headers)

@@ -1,0 +1,26 @@
+"""Addresses: where this gateway is reached, as it tells others."""
+
+from __future__ import annotations
+
+from starlette.requests import Request
+
+from dray.settings import Settings
+
+
+def public_url(settings: Settings, request: Request) -> str:
+    """Where people and customers reach the gateway, without a slash at the end.
+
+    Where nobody has said so, it is the address that was asked, whose host is one of ours (`dray.gateway.hosts`).
+    """
+    return settings.public_url or str(request.base_url).rstrip("/")
+
+
+def stop_url(settings: Settings, request: Request) -> str:
+    """Where a panel reaches the way for stops; empty where its browser cannot."""
+    if settings.stop_url or not settings.stop_port:
+        return settings.stop_url
+    # A page that came by https may ask nothing by http: then there is a proxy, and the settings must say where.
+    host = request.url.hostname or ""
+    if request.url.scheme != "http" or not host:
+        return ""
+    return f"http://[{host}]:{settings.stop_port}" if ":" in host else f"http://{host}:{settings.stop_port}"

@@ -1,0 +1,57 @@
+"""The book: keeps account of stops that went by their own way. On the gateway's loop, and after the fact."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from dray.gateway.access.trail import Line, Trail
+from dray.gateway.commands import Commands
+from dray.gateway.stop.desk import Stop
+from dray.messages import CommandAnswered
+
+ACTION = "vehicle.command"
+"""What the audit log calls a command, whichever way it went (`access.rules`)."""
+
+
+class StopBook:
+    """Shows stops to panels, and has a line of the audit log written for each.
+
+    A stop that is sent both ways has one line: of the way on which it was heard first.
+
+    Args:
+        commands: knows all commands by their names.
+        trail: writes the audit log.
+    """
+
+    def __init__(self, commands: Commands, trail: Trail) -> None:
+        self._commands, self._trail = commands, trail
+
+    def sent(self, stop: Stop) -> None:
+        """A stop has gone out."""
+        self._commands.sent_beside(stop.atv, stop.said, stop.by)
+
+    def ended(self, stop: Stop, answer: CommandAnswered | None) -> None:
+        """What has become of it; None when the vehicle has not answered in time."""
+        self._commands.answered_beside(stop.atv, stop.name, answer)
+        if self._commands.went_beside(stop.name):
+            self._write(stop, answer)
+
+    def _write(self, stop: Stop, answer: CommandAnswered | None) -> None:
+        detail: dict[str, Any] = {"kind": stop.said.kind.value, "command": stop.name, "way": "stop"}
+        if stop.by.over:
+            detail["session_over"] = stop.by.over.value
+        if answer is None:
+            detail["status"] = 504
+        elif not answer.done:
+            detail["reason"] = answer.reason
+        self._trail.write_later(
+            Line(
+                who=stop.by,
+                address=stop.address,
+                action=ACTION,
+                target=stop.atv,
+                result="failed" if answer is None else "done" if answer.done else "refused",
+                detail=detail,
+                at_s=stop.at_s,
+            )
+        )

@@ -1,0 +1,188 @@
+"""The desk: grants stops, says them to vehicles, and waits for their word. On the loop of stops.
+
+It asks neither the projection nor the database: where the vehicle is, the vehicle knows, and the grant says where
+its holder may stop.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import Counter, OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from dray.adapters.signing import SigningKey
+from dray.errors import UnavailableError
+from dray.gateway.access.principal import Principal
+from dray.gateway.commands import STOP_VALID_S, granted, name_used, not_confirmed, too_many_wait
+from dray.gateway.timescale import TimeScale
+from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand
+from dray.ports import Bus, Session
+
+PENDING = 1_000
+"""Stops that wait for an answer at once: some per vehicle of the largest plant."""
+
+PENDING_EACH = 400
+"""Of one caller: all vehicles of a large plant. Nobody fills the desk alone."""
+
+NAMES_KEPT = 2_000
+"""Stops that are known by their names when they are sent again: more than may wait at once."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """A stop that was asked for.
+
+    Attributes:
+        atv: which vehicle.
+        said: in which words, without the grant.
+        by: who asked.
+        address: from where.
+        at_s: when (wall clock).
+    """
+
+    atv: str
+    said: VehicleCommand
+    by: Principal
+    address: str
+    at_s: float
+
+    @property
+    def name(self) -> str:
+        """The command's."""
+        return self.said.command
+
+
+Told = Callable[[Stop, CommandAnswered | None], None]
+"""Called with a stop and the vehicle's word on it."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Sent:
+    stop: Stop
+    answer: asyncio.Future[CommandAnswered]
+
+
+class StopDesk:
+    """Says stops to vehicles.
+
+    Args:
+        bus: where agents meet; it must call us on the running loop.
+        name: the desk's own on the bus.
+        incarnation: differs in every life of the gateway: the latest desk of this name stays.
+        authority: grants what is sent.
+        time: the two clocks.
+        wall_s: the wall clock.
+        timeout_s: wall seconds to wait for the vehicle's word.
+        sent: told of every stop that goes out; must not block.
+        ended: told what became of it; None when the vehicle has not answered in time. Must not block.
+    """
+
+    def __init__(
+        self,
+        bus: Bus,
+        *,
+        name: str,
+        incarnation: int,
+        authority: SigningKey,
+        time: TimeScale,
+        wall_s: Callable[[], float],
+        timeout_s: float,
+        sent: Callable[[Stop], None],
+        ended: Told,
+    ) -> None:
+        self._authority, self._time, self._wall_s = authority, time, wall_s
+        self._life, self._timeout_s = f"{name}.{incarnation}", timeout_s
+        self._tell_sent, self._tell_ended = sent, ended
+        self._sent: OrderedDict[str, _Sent] = OrderedDict()
+        """By their names, the oldest first."""
+        self._waiting: Counter[str] = Counter()
+        """How many wait, by who asked."""
+        self._count = 0
+        self._session: Session = bus.join(name, self._hear, incarnation)
+
+    async def stop(
+        self, atv: str, by: Principal, address: str, command: str | None = None
+    ) -> CommandAnswered:
+        """Say it to a vehicle, and wait for its word.
+
+        Args:
+            atv: the vehicle; one that nobody knows is silent.
+            by: who asks.
+            address: from where.
+            command: the name of the command, when the caller has one; one that was sent already is only
+                waited for.
+
+        Raises:
+            Problem: 504 when the vehicle does not answer in time, 503 when too many are waiting, 409 when
+                another stop has this name.
+        """
+        name = command or self._new_name()
+        said = VehicleCommand(command=name, kind=CommandKind.STOP, issued_by=by.name)
+        sent = self._sent.get(name)
+        if sent is None:
+            sent = self._say(Stop(atv, said, by, address, self._wall_s()))
+        elif (sent.stop.atv, sent.stop.by.kind, sent.stop.by.id) != (atv, by.kind, by.id):
+            raise name_used(name)
+        return await self._wait(sent)
+
+    def leave(self) -> None:
+        """Leave the bus."""
+        self._session.leave()
+
+    def _say(self, stop: Stop) -> _Sent:
+        who = _who(stop.by)
+        for waiting, most in ((self._waiting.total(), PENDING), (self._waiting[who], PENDING_EACH)):
+            if waiting >= most:
+                raise too_many_wait(most)
+        valid_s = STOP_VALID_S * self._time.speed
+        until_s = self._time.to_plant_s(stop.at_s) + valid_s
+        sent = self._sent[stop.name] = _Sent(stop, asyncio.get_running_loop().create_future())
+        if len(self._sent) > NAMES_KEPT:
+            self._sent.popitem(last=False)
+        self._tell_sent(stop)
+        self._session.send(stop.atv, granted(self._authority, stop.atv, stop.said, stop.by, until_s))
+        asyncio.get_running_loop().call_later(self._timeout_s, self._give_up, sent)
+        return sent
+
+    async def _wait(self, sent: _Sent) -> CommandAnswered:
+        who = _who(sent.stop.by)
+        self._waiting[who] += 1
+        try:
+            return await asyncio.shield(sent.answer)
+        except UnavailableError:
+            raise not_confirmed(sent.stop.atv, self._timeout_s) from None
+        finally:
+            self._waiting[who] -= 1
+            if not self._waiting[who]:
+                del self._waiting[who]
+
+    def _hear(self, sender: str, message: Message) -> None:
+        if not isinstance(message, CommandAnswered):
+            return
+        sent = self._sent.get(message.command)
+        if sent is None or sent.stop.atv != sender:
+            return
+        if not sent.answer.done():
+            sent.answer.set_result(message)
+        elif sent.answer.exception() is None:
+            return  # It was heard before.
+        self._tell_ended(sent.stop, message)
+
+    def _give_up(self, sent: _Sent) -> None:
+        if not sent.answer.done():
+            sent.answer.set_exception(UnavailableError(sent.stop.atv, "has not answered", "look at it"))
+            sent.answer.exception()  # Nobody may wait any more, which is no fault.
+            self._tell_ended(sent.stop, None)
+
+    def _new_name(self) -> str:
+        """A name that no command has: callers may have chosen one that looks like ours."""
+        while True:
+            self._count += 1
+            name = f"{self._life}-{self._count}"
+            if name not in self._sent:
+                return name
+
+
+def _who(by: Principal) -> str:
+    return f"{by.kind}:{by.id}"
