@@ -10,6 +10,9 @@ export function App() {
       <a class="skip" href="#vehicles">
         {t("skip.toVehicles")}
       </a>
+      <a class="skip" href="#stops">
+        {t("skip.toStop")}
+      </a>
       <TopBar />
       <Banner />
       <Floor />

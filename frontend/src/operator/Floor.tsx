@@ -1,28 +1,23 @@
 import { useComputed, useSignal, useSignalEffect } from "@preact/signals";
-import type { RefObject } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { selection } from "../selection/selection";
 import { world } from "../stream/stream";
-import { t } from "../text/operator";
+import { format, t } from "../text/operator";
 import { AreaMap } from "./area/AreaMap";
 import { Cards } from "./cards/Cards";
 import { groupsOf, type Groups, shownGroups } from "./cards/need";
-import { StopDock } from "./cards/StopDock";
 import { watchTouch } from "./cards/touch";
 import { moment, placeName, plant, plantFailed } from "./state";
 import { StationCard } from "./station/StationCard";
+import { StopBar } from "./stop/StopBar";
+import { Unconfirmed } from "./stop/Unconfirmed";
 
-/**
- * Who needs somebody, then the place, then who is well: one page that scrolls. As soon as it does, every
- * Stop is below it, too.
- */
+/** Who needs somebody, then the place, then who is well: one page that scrolls. Every Stop is below it, always. */
 export function Floor() {
   const page = useRef<HTMLElement>(null);
-  const foot = useRef<HTMLElement>(null);
   const held = useSignal(false);
   const groups = useSignal<Groups>({ needing: [], well: [] });
   const wanted = useComputed(() => groupsOf(world.value?.atvs.values() ?? [], moment.value));
-  const scrolls = useScrolls(page, foot);
 
   useSignalEffect(() => {
     groups.value = shownGroups(groups.peek(), wanted.value, held.value);
@@ -43,16 +38,23 @@ export function Floor() {
   return (
     <>
       <main ref={page} id="vehicles" tabIndex={-1}>
+        {needing.length > 0 && (
+          <p class="needing-head">
+            <b>{t("cards.needingCount", { count: format.count(needing.length) })}</b> <span class="muted">{t("cards.joinBelow")}</span>
+          </p>
+        )}
         <Cards class="needing" ids={needing} label={t("cards.needing")} />
         <Place />
         <Cards class="well" ids={well} label={t("cards.well", { name })} />
         {needing.length + well.length === 0 && <p class="empty">{t(world.value ? "cards.none" : "loading")}</p>}
       </main>
-      <footer ref={foot}>
-        {scrolls && <StopDock ids={[...needing, ...well]} />}
+      <footer id="stops" tabIndex={-1}>
+        <Unconfirmed />
+        <StopBar />
         <p id="stop-not">
           <b>{t("stop.label")}</b> {t("stop.not")}
         </p>
+        <p class="muted">{t("stop.places")}</p>
       </footer>
     </>
   );
@@ -71,30 +73,4 @@ function Place() {
       <StationCard />
     </div>
   );
-}
-
-/** Whether the page is longer than its room; with what is at its foot now, or was when that was least. */
-function useScrolls(page: RefObject<HTMLElement | null>, foot: RefObject<HTMLElement | null>): boolean {
-  const scrolls = useSignal(false);
-  useEffect(() => {
-    const inside = page.current;
-    if (!inside) return undefined;
-    let leastFootPx = Infinity;
-    const look = (): void => {
-      const footPx = foot.current?.clientHeight ?? 0;
-      leastFootPx = Math.min(leastFootPx, footPx);
-      // Else the dock would make the room for its own absence.
-      scrolls.value = inside.scrollHeight > inside.clientHeight + footPx - leastFootPx;
-    };
-    const sizes = new ResizeObserver(look);
-    sizes.observe(inside);
-    const cards = new MutationObserver(look);
-    cards.observe(inside, { childList: true, subtree: true, characterData: true });
-    look();
-    return () => {
-      sizes.disconnect();
-      cards.disconnect();
-    };
-  }, [foot, page, scrolls]);
-  return scrolls.value;
 }

@@ -17,7 +17,17 @@ export const plantFailed = signal<string | null>(null);
 /** Names of materials and products by id. */
 export const names = computed(() => namesOf(plant.value));
 
-export const moment = computed<Moment>(() => ({ nowS: nowS.value, speed: world.value?.factory.speed ?? 1 }));
+/** A frame comes at least once a second, and is shown a quarter of a second later at most. */
+const FRAME_S = 1.5;
+
+/**
+ * The moment that is shown. It does not go on without news: what does not reach this tablet is no silence of a
+ * vehicle's.
+ */
+export const moment = computed<Moment>(() => ({
+  nowS: Math.min(nowS.value, (world.value?.atS ?? Infinity) + FRAME_S),
+  speed: world.value?.factory.speed ?? 1,
+}));
 
 /** The machine at which this person works. */
 export const station = computed(() => plant.value?.machines.find(({ id }) => id === me.value?.station));
@@ -31,7 +41,7 @@ export const placeName = computed(() => {
 export function circumstancesOf(atv: AtvView): Circumstances {
   return {
     connected: !isPast(freshness.value) && freshness.value !== "connecting",
-    ended: ended.value,
+    ended: ended.value !== null,
     lost: isLost(atv, moment.value.nowS, moment.value.speed),
   };
 }

@@ -22,7 +22,8 @@ export const connected = signal(false);
 export const nowS = signal(Date.now() / 1000);
 
 const heardAtMs = signal<number | null>(null);
-const tickMs = signal(performance.now());
+/** This browser's own clock, some times a second. */
+export const tickMs = signal(performance.now());
 
 /** Seconds since the last frame; null before the first one. */
 export const ageS = computed(() =>

@@ -12,7 +12,6 @@ import { HelpAsk } from "./HelpAsk";
 import { type Need, needOf } from "./need";
 import { Release } from "./Release";
 import { SpeedSteps } from "./SpeedSteps";
-import { StopButton } from "./StopButton";
 
 const TONES = {
   help: "warn", coming: "warn", problem: "alarm", lost: "alarm", stopped: "warn", working: "normal", resting: "normal",
@@ -21,7 +20,7 @@ const TONES = {
 /** Below this a vehicle may not come back from where it is sent. */
 const LOW_FRAC = 0.2;
 
-/** One vehicle near: what it does or needs, and what a person may ask of it. Stop is always at its right. */
+/** One vehicle near: what it does or needs, and what a person may ask of it. Stop is in the bar below all cards. */
 export function VehicleCard({ atv }: { atv: AtvView }) {
   const need = needOf(atv, moment.value);
   const chosen = selection.value.atv === atv.id;
@@ -33,7 +32,8 @@ export function VehicleCard({ atv }: { atv: AtvView }) {
             <Link kind="atv" id={atv.id} />
           </h2>
           <Tag tone={TONES[need]}>{needText(atv, need)}</Tag>
-          {atv.status === "stopped" && need !== "stopped" && <Tag tone="warn">{t("need.stopped")}</Tag>}
+          {need === "stopped" && atv.problem !== "" && <Tag tone="alarm">{t("need.problem")}</Tag>}
+          {need === "lost" && atv.status === "stopped" && <Tag tone="warn">{t("need.stopped")}</Tag>}
           <Where atv={atv} />
         </header>
         <div class="vehicle-now">
@@ -47,7 +47,6 @@ export function VehicleCard({ atv }: { atv: AtvView }) {
         </div>
         <CommandLine atv={atv.id} stopped={atv.status === "stopped"} />
       </div>
-      <StopButton atv={atv.id} />
     </li>
   );
 }

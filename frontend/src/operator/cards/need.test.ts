@@ -14,7 +14,8 @@ describe("what a vehicle needs", () => {
   test.each<[string, Partial<AtvView>, string]>([
     ["asks for help", waiting(1200), "help"],
     ["has been promised some", waiting(1200, "North"), "coming"],
-    ["is stopped and its task waits", { status: "stopped", help: { until_at_s: 1100, promised_by: "" } }, "help"],
+    ["is stopped by a person while its task waits", { status: "stopped", help: { until_at_s: 1100, promised_by: "" } }, "stopped"],
+    ["is stopped with a problem", { ...waiting(1200), status: "stopped" }, "stopped"],
     ["has a problem and no task", { status: "error", problem: "battery empty" }, "problem"],
     ["is held by a person", { status: "stopped" }, "stopped"],
     ["carries something", { status: "working", task }, "working"],
@@ -34,13 +35,24 @@ describe("the order of cards", () => {
     ];
     expect(groupsOf(all, NOW)).toEqual({
       needing: ["ATV7", "ATV6", "ATV5", "ATV9", "ATV8", "ATV4"],
-      well: ["ATV3", "ATV2", "ATV10"],
+      well: ["ATV2", "ATV3", "ATV10"],
     });
   });
 
   test("changes at once while nobody touches it", () => {
     const wanted = { needing: ["ATV2"], well: ["ATV1"] };
-    expect(shownGroups({ needing: [], well: ["ATV1", "ATV2"] }, wanted, false)).toBe(wanted);
+    expect(shownGroups({ needing: [], well: ["ATV1", "ATV2"] }, wanted, false)).toEqual(wanted);
+  });
+
+  test("is kept among those who need somebody: new ones join below", () => {
+    const before = { needing: ["ATV5", "ATV9"], well: ["ATV1"] };
+    const wanted = { needing: ["ATV1", "ATV9", "ATV5"], well: [] };
+    expect(shownGroups(before, wanted, false).needing).toEqual(["ATV5", "ATV9", "ATV1"]);
+  });
+
+  test("is by name among those who are well, whatever they do", () => {
+    const does = (working: string) => groupsOf([atv("ATV1"), atv("ATV2")].map((each) => (each.id === working ? { ...each, task } : each)), NOW).well;
+    expect(does("ATV1")).toEqual(does("ATV2"));
   });
 
   test("stays under a finger: who has gone is gone, who comes is last", () => {

@@ -5,7 +5,7 @@ import { isLost } from "../../plant/silence";
 
 /** The most urgent first. */
 export const NEEDS = [
-  /** It has asked for help, and nobody has promised any. */
+  /** It has asked for help by itself, and nobody has promised any. */
   "help",
   /** Somebody is on the way to it. */
   "coming",
@@ -38,13 +38,17 @@ export interface Moment {
 
 export function needOf(atv: AtvView, { nowS, speed }: Moment): Need {
   if (isLost(atv, nowS, speed)) return "lost";
+  // Its task may wait for a person then, too; but it is a person who has brought that about.
+  if (atv.status === "stopped") return "stopped";
   if (atv.help) return atv.help.promised_by === "" ? "help" : "coming";
   if (atv.problem !== "") return "problem";
-  if (atv.status === "stopped") return "stopped";
   return atv.task ? "working" : "resting";
 }
 
-/** Who needs somebody most is first; those who wait, by when their patience ends. */
+/**
+ * Who needs somebody most is first; those who wait, by when their patience ends. Who is well stands by name:
+ * what it does changes every minute, and nothing is to be done about it.
+ */
 export function groupsOf(atvs: Iterable<AtvView>, moment: Moment): Groups {
   const sorted = [...atvs]
     .map((atv) => ({ atv, rank: NEEDS.indexOf(needOf(atv, moment)) }))
@@ -52,7 +56,7 @@ export function groupsOf(atvs: Iterable<AtvView>, moment: Moment): Groups {
   const ids = (of: typeof sorted): string[] => of.map(({ atv }) => atv.id);
   return {
     needing: ids(sorted.filter(({ rank }) => rank < FIRST_WELL)),
-    well: ids(sorted.filter(({ rank }) => rank >= FIRST_WELL)),
+    well: ids(sorted.filter(({ rank }) => rank >= FIRST_WELL).sort((a, b) => byId(a.atv, b.atv))),
   };
 }
 
@@ -61,12 +65,17 @@ function untilS({ help }: AtvView): number {
 }
 
 /**
- * The groups as they are shown. While a finger rests on a card none moves away from under it: who has
- * gone is gone, who comes is put at the end.
+ * The groups as they are shown. Whoever needs somebody keeps its place among those, and new ones join below.
+ * While a finger rests on a card none moves away from under it: who has gone is gone, who comes is put at the end.
  */
 export function shownGroups(before: Groups, wanted: Groups, held: boolean): Groups {
-  const shown = held ? kept(before, wanted) : wanted;
+  const shown = held ? kept(before, wanted) : { needing: joined(before.needing, wanted.needing), well: wanted.well };
   return same(shown.needing, before.needing) && same(shown.well, before.well) ? before : shown;
+}
+
+function joined(before: readonly string[], wanted: readonly string[]): string[] {
+  const [known, still] = [new Set(before), new Set(wanted)];
+  return [...before.filter((id) => still.has(id)), ...wanted.filter((id) => !known.has(id))];
 }
 
 function kept(before: Groups, wanted: Groups): Groups {

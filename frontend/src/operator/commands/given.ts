@@ -1,6 +1,6 @@
 /** The commands that were given on this page, and what has become of them. */
 import { computed, signal } from "@preact/signals";
-import { commandAtv, type CommandRequest, newKey, Problem } from "../../api/client";
+import { commandAtv, type CommandRequest, newKey, NOT_SENT, Problem } from "../../api/client";
 import type { CommandView } from "../../api/types";
 import { serverNowS, world } from "../../stream/stream";
 import { t } from "../../text/operator";
@@ -15,7 +15,7 @@ const KEPT = 100;
 const given = signal<ReadonlyMap<string, Command>>(new Map());
 
 /** Those that the plant tells of, whoever gave them, and those that it has not heard of yet. */
-const all = computed(() => {
+export const all = computed(() => {
   const told = world.value?.commands ?? new Map<string, CommandView>();
   const unheard = [...given.value.values()].filter(({ id }) => !told.has(id));
   return [...[...told.values()].map((view) => fromPlant(view, given.value.get(view.id))), ...unheard];
@@ -47,7 +47,7 @@ function isLater(command: Command, than: Command | undefined): boolean {
 export async function give(atv: string, request: CommandRequest): Promise<void> {
   const id = newKey();
   const { kind, speed_frac: speedFrac = null } = request;
-  keep({ id, atv, kind, speedFrac, by: me.value?.name ?? "", stage: "sent", reason: "", atS: serverNowS() });
+  keep({ id, atv, kind, speedFrac, by: me.value?.name ?? "", stage: "sent", accepted: false, reason: "", atS: serverNowS() });
   try {
     const answer = await commandAtv(atv, { ...request, command: id });
     tell(id, answer.done ? "done" : "declined", answer.reason);
@@ -57,10 +57,13 @@ export async function give(atv: string, request: CommandRequest): Promise<void> 
 }
 
 function wordOf(error: unknown): [Word, string] {
-  if (!(error instanceof Problem)) return ["silence", problemText(error)];
-  if (error.status === 0) return ["silence", t("command.unreachable")];
+  // An answer that was cut off half-way is none.
+  if (!(error instanceof Problem)) return ["unanswered", t("command.unreachable")];
+  if (error.kind === NOT_SENT) return ["unsent", t("command.unsent")];
+  if (error.status === 0) return ["unanswered", t("command.unreachable")];
   if (error.status === 504) return ["silence", t("command.silent")];
-  return ["declined", problemText(error)];
+  // A plant that is in trouble itself may have passed it on before.
+  return [error.status >= 500 ? "unanswered" : "rejected", problemText(error)];
 }
 
 function tell(id: string, word: Word, reason: string): void {

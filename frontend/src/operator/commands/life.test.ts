@@ -1,9 +1,9 @@
 import { describe, expect, test } from "vitest";
 import type { CommandView } from "../../api/types";
-import { type Command, fromPlant, hear, isUnderway, type Stage, type Word } from "./life";
+import { type Command, fromPlant, hear, isUnderway, type Stage, stagesOf, type Word } from "./life";
 
 const sent: Command = {
-  id: "1", atv: "ATV3", kind: "stop", speedFrac: null, by: "North", stage: "sent", reason: "", atS: 100,
+  id: "1", atv: "ATV3", kind: "stop", speedFrac: null, by: "North", stage: "sent", accepted: false, reason: "", atS: 100,
 };
 const after = (...words: Word[]): Command => words.reduce((command, word, i) => hear(command, word, 101 + i, word), sent);
 
@@ -52,8 +52,31 @@ describe("a command", () => {
     expect(told("sent", after("done")).stage).toBe("confirmed");
   });
 
+  test.each<[Word[], Stage[]]>([
+    [[], ["sent"]],
+    [["passed_on"], ["sent", "accepted"]],
+    [["done"], ["sent", "accepted", "confirmed"]],
+    [["silence"], ["sent", "accepted", "not_confirmed"]],
+    [["declined"], ["sent", "accepted", "refused"]],
+    // What nobody has said is not shown.
+    [["rejected"], ["sent", "refused"]],
+    [["unanswered"], ["sent", "not_confirmed"]],
+    [["unsent"], ["not_sent"]],
+    [["unanswered", "passed_on"], ["sent", "accepted", "not_confirmed"]],
+  ])("after %j is shown as %j", (words, stages) => {
+    expect(stagesOf(after(...words))).toEqual(stages);
+  });
+
+  test("that could not be sent has come through all the same when the plant tells of it", () => {
+    expect(after("unsent", "passed_on").stage).toBe("accepted");
+    expect(after("unsent", "done").stage).toBe("confirmed");
+    expect(after("passed_on", "unsent").stage).toBe("not_confirmed");
+    expect(after("unsent", "unsent")).toEqual(after("unsent"));
+  });
+
   test.each<[Stage, boolean]>([
     ["sent", true], ["accepted", true], ["confirmed", false], ["refused", false], ["not_confirmed", false],
+    ["not_sent", false],
   ])("%s is underway: %s", (stage, underway) => {
     expect(isUnderway({ stage })).toBe(underway);
   });

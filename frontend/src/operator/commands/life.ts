@@ -1,12 +1,15 @@
 /**
- * The life of a command, as a person follows it: sent, accepted by the plant, confirmed by the vehicle.
- * Pure; the table says all there is.
+ * The life of a command, as a person follows it: sent, accepted by the plant, confirmed by the vehicle. What is
+ * shown is what was heard: nothing counts as sent or accepted because it should have been. Pure; the table says
+ * all there is.
  */
 import type { CommandView } from "../../api/types";
 
 export type Stage =
   /** On its way to the plant. */
   | "sent"
+  /** It has not left this tablet, as far as that can be known here. */
+  | "not_sent"
   /** The plant has passed it on to the vehicle. */
   | "accepted"
   /** The vehicle has done it. */
@@ -16,17 +19,38 @@ export type Stage =
   /** Nobody has said anything in time: it may or may not have been heard. */
   | "not_confirmed";
 
-export type Word = "passed_on" | "done" | "declined" | "silence";
+export type Word =
+  /** The plant has passed it on. */
+  | "passed_on"
+  /** The vehicle has done it, or has said no. */
+  | "done"
+  | "declined"
+  /** The plant was heard, and the vehicle was not. */
+  | "silence"
+  /** The plant has said no, and passed nothing on. */
+  | "rejected"
+  /** Not even the plant was heard: it may or may not have come through. */
+  | "unanswered"
+  /** There was no way to the plant. */
+  | "unsent";
 
 /** What a word leads to. A word that has no entry changes nothing: it is late, or said twice. */
 const NEXT: Readonly<Record<Stage, Readonly<Partial<Record<Word, Stage>>>>> = {
-  sent: { passed_on: "accepted", done: "confirmed", declined: "refused", silence: "not_confirmed" },
-  accepted: { done: "confirmed", declined: "refused", silence: "not_confirmed" },
+  sent: {
+    passed_on: "accepted", done: "confirmed", declined: "refused", rejected: "refused",
+    silence: "not_confirmed", unanswered: "not_confirmed", unsent: "not_sent",
+  },
+  // The plant tells it in the stream, too: a lost answer proves nothing then.
+  accepted: { done: "confirmed", declined: "refused", silence: "not_confirmed", unanswered: "not_confirmed", unsent: "not_confirmed" },
+  not_sent: { passed_on: "accepted", done: "confirmed", declined: "refused", silence: "not_confirmed" },
   // A late word is still the vehicle's.
   not_confirmed: { done: "confirmed", declined: "refused" },
   confirmed: {},
   refused: {},
 };
+
+/** Words that only come when the plant has passed it on. */
+const AFTER_PASSING: ReadonlySet<Word> = new Set(["passed_on", "done", "declined", "silence"]);
 
 export interface Command {
   readonly id: string;
@@ -36,6 +60,8 @@ export interface Command {
   readonly speedFrac: number | null;
   readonly by: string;
   readonly stage: Stage;
+  /** Whether the plant has passed it on to the vehicle. */
+  readonly accepted: boolean;
   /** Why it was refused, or why nobody knows; empty otherwise. */
   readonly reason: string;
   /** When the stage was reached, on the server's clock. */
@@ -47,7 +73,9 @@ export type Kind = "stop" | "acknowledge" | "resume" | "set_speed" | "promise";
 /** The command after a word about it; the same one where the word is no news. */
 export function hear(command: Command, word: Word, atS: number, reason = ""): Command {
   const stage = NEXT[command.stage][word];
-  return stage === undefined ? command : { ...command, stage, reason, atS };
+  const accepted = command.accepted || AFTER_PASSING.has(word);
+  if (stage === undefined) return accepted === command.accepted ? command : { ...command, accepted };
+  return { ...command, stage, accepted, reason, atS };
 }
 
 const WORDS = { sent: "passed_on", confirmed: "done", refused: "declined", not_confirmed: "silence" } as const;
@@ -59,7 +87,7 @@ const WORDS = { sent: "passed_on", confirmed: "done", refused: "declined", not_c
  */
 export function fromPlant(view: CommandView, own: Command | undefined): Command {
   const { atv, by, id, kind, reason, speed_frac: speedFrac, at_s: sentS, state } = view;
-  const given = own ?? { id, atv, kind, speedFrac, by, stage: "sent", reason: "", atS: sentS };
+  const given = own ?? { id, atv, kind, speedFrac, by, stage: "sent", accepted: false, reason: "", atS: sentS };
   return hear(given, WORDS[state], given.atS, reason);
 }
 
@@ -69,13 +97,7 @@ export function isUnderway({ stage }: Pick<Command, "stage">): boolean {
 }
 
 /** The stages as they are shown in a row, those that were passed and the one that it has come to. */
-export function stagesOf({ stage }: Pick<Command, "stage">): readonly Stage[] {
-  switch (stage) {
-    case "sent":
-      return ["sent"];
-    case "accepted":
-      return ["sent", "accepted"];
-    default:
-      return ["sent", "accepted", stage];
-  }
+export function stagesOf({ accepted, stage }: Pick<Command, "stage" | "accepted">): readonly Stage[] {
+  if (stage === "sent" || stage === "not_sent") return [stage];
+  return accepted && stage !== "accepted" ? ["sent", "accepted", stage] : ["sent", stage];
 }

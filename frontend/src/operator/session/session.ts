@@ -1,7 +1,8 @@
 /**
- * Who stands before the panel. A session that ends by time leaves the panel as it is: stop goes on to
- * work for a while (the server sees to that), and a person logs in again when there is time for it. One
- * that was ended on purpose is worth nothing any more: the login is all that is left.
+ * Who stands before the panel. Whatever ends the session, the panel stays as it is and says why: nobody is sent
+ * to a login from the middle of work. After its time, or when its person has logged in elsewhere, stop goes on to
+ * work for a while (the server sees to that). One that was taken back is worth nothing any more, and the panel
+ * says that, too.
  */
 import { signal } from "@preact/signals";
 import { fetchMe, logOut, type Me, Problem } from "../../api/client";
@@ -11,8 +12,13 @@ import { onLoggedOut, toLogin } from "../../api/session";
 const RETRY_MS = 3000;
 
 export const me = signal<Me | null>(null);
-/** It has run out of time. */
-export const ended = signal(false);
+/** Why a session is over; the server's kinds of a problem. */
+const ENDINGS = { "session-run-out": "run_out", "session-replaced": "replaced" } as const;
+
+export type Ending = (typeof ENDINGS)[keyof typeof ENDINGS] | "taken_back";
+
+/** Null as long as it goes on. */
+export const ended = signal<Ending | null>(null);
 
 let asking = false;
 /** The stream may end before the answer to the logout is here, which is no news then. */
@@ -20,11 +26,11 @@ let leaving = false;
 
 export function beginSession(): void {
   onLoggedOut(() => {
-    if (!ended.value && !leaving) void lookAgain();
+    if (ended.value === null && !leaving) void lookAgain();
   });
   // Somebody may have logged in again in another tab.
   document.addEventListener("visibilitychange", () => {
-    if (ended.value && document.visibilityState === "visible") void lookAgain();
+    if (ended.value !== null && document.visibilityState === "visible") void lookAgain();
   });
   void learnWho();
 }
@@ -57,9 +63,10 @@ async function learnWho(): Promise<boolean> {
     return true;
   } catch (error) {
     if (!(error instanceof Problem)) throw error;
-    if (error.kind === "session-run-out") ended.value = true;
-    else if (error.status === 401) toLogin();
-    else setTimeout(() => void learnWho(), RETRY_MS);
+    if (error.kind in ENDINGS) ended.value = ENDINGS[error.kind as keyof typeof ENDINGS];
+    else if (error.status !== 401) setTimeout(() => void learnWho(), RETRY_MS);
+    else if (me.value === null) toLogin();
+    else ended.value = "taken_back";
     return false;
   } finally {
     asking = false;

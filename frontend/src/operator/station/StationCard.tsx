@@ -84,7 +84,11 @@ function comingText(machine: MachineView, item: string, order: number): string {
   const task = machine.tasks.find((each) => each.item === item);
   const quantity = format.count(order);
   if (!task || task.primary === "") return t("station.ordered", { quantity });
-  const at = world.value?.atvs.get(task.primary)?.task?.due_at_s;
+  const carrier = world.value?.atvs.get(task.primary);
+  const at = carrier?.task?.due_at_s;
   const by = { quantity, atv: task.primary };
+  // Who is silent or stands still promises nothing any more.
+  if (carrier && isLost(carrier, moment.value.nowS, moment.value.speed)) return t("station.comingSilent", by);
+  if (carrier?.status === "stopped") return t("station.comingStopped", by);
   return at ? t("station.coming", { ...by, at: format.due(at, moment.value.nowS) }) : t("station.comingBy", by);
 }

@@ -5,10 +5,10 @@ import { ended } from "../session/session";
 
 /** Says why not everything works, and what still does; nothing while all is well. */
 export function Banner() {
-  if (ended.value) {
+  if (ended.value !== null) {
     return (
-      <div class="banner banner-calm" role="alert">
-        <span>{t("banner.ended")}</span>
+      <div class={`banner ${ended.value === "taken_back" ? "" : "banner-calm"}`} role="alert">
+        <span>{t(`banner.ended.${ended.value}`)}</span>
         <a class="button" href={`/login?next=${encodeURIComponent(location.pathname)}`}>
           {t("banner.logIn")}
         </a>

@@ -8,6 +8,7 @@ export const de: Catalogue<typeof en> = {
 
   "app.title": "Dray – Station",
   "skip.toVehicles": "Zu den Fahrzeugen springen",
+  "skip.toStop": "Zu den Stopp-Knöpfen springen",
 
   "top.plant": "Ganzes Werk",
   "top.station": "{id} · {name}",
@@ -17,7 +18,9 @@ export const de: Catalogue<typeof en> = {
   "area.title": "Bereich",
   "area.label": "Plan von {name}. Pfeiltasten verschieben, Plus und Minus zoomen, 0 zeigt den ganzen Bereich. Alle Fahrzeuge stehen auch in der Liste.",
 
-  "banner.ended": "Ihre Sitzung ist abgelaufen. Stopp geht weiterhin; alles andere wartet, bis Sie sich wieder anmelden.",
+  "banner.ended.run_out": "Ihre Sitzung ist abgelaufen. Stopp geht weiterhin; alles andere wartet, bis Sie sich wieder anmelden.",
+  "banner.ended.replaced": "Sie haben sich an einer anderen Station angemeldet; dieses Tablet zeigt nichts Neues mehr. Stopp geht von hier weiterhin; alles andere wartet, bis Sie sich hier wieder anmelden.",
+  "banner.ended.taken_back": "Sie wurden hier abgemeldet. Stopp geht von diesem Tablet nicht mehr: den Knopf am Fahrzeug drücken.",
   "banner.logIn": "Anmelden",
   "banner.offline": "Keine Verbindung zum Werk. Was Sie sehen, ist {age} alt; Befehle können jetzt nicht gesendet werden.",
   "banner.offlineEmpty": "Keine Verbindung zum Werk, und noch nichts von ihm gehört. Sehen Sie nach den Fahrzeugen selbst.",
@@ -27,6 +30,8 @@ export const de: Catalogue<typeof en> = {
   "failed": "Ihr Bereich konnte nicht geladen werden: {reason}",
 
   "cards.needing": "Fahrzeuge, die jemanden brauchen",
+  "cards.needingCount": "Brauchen jemanden: {count}",
+  "cards.joinBelow": "neue kommen unten dazu",
   "cards.well": "Fahrzeuge in {name}",
   "cards.none": "Kein Fahrzeug ist in Ihrem Bereich.",
   "card.away": "{metres} m",
@@ -62,6 +67,18 @@ export const de: Catalogue<typeof en> = {
   "stop.label": "Fahrzeug stoppen",
   "stop.not": "Kein Not-Halt: Bei Gefahr den Knopf am Fahrzeug drücken.",
   "stop.dock": "Stopp für jedes Fahrzeug in der Nähe",
+  "stop.away": "nicht in der Nähe",
+  "stop.silent": "stumm {age}",
+  "stop.tooSoon": "neu hier: noch einmal",
+  "stop.places": "Jedes Fahrzeug behält seinen Platz.",
+  "stop.before": "Frühere Plätze",
+  "stop.after": "Spätere Plätze",
+  "stop.more.one": "{n} weitere",
+  "stop.more.other": "{n} weitere",
+
+  "worry.title": "Nicht bestätigte Stopps",
+  "worry.look": "Vielleicht hat es gehört, vielleicht nicht. Sehen Sie nach.",
+  "worry.seen": "Habe nachgesehen",
 
   "release.title": "Damit {atv} weiterfährt",
   "release.acknowledge": "Fehler ist behoben",
@@ -82,13 +99,15 @@ export const de: Catalogue<typeof en> = {
   "command.set_speed": "Tempo {percent}",
   "command.promise": "Unterwegs",
   "stage.sent": "gesendet",
+  "stage.not_sent": "nicht gesendet",
   "stage.accepted": "angenommen",
   "stage.confirmed": "vom Fahrzeug bestätigt",
   "stage.refused": "abgelehnt",
   "stage.not_confirmed": "nicht bestätigt",
   "command.by": "von {by}",
   "command.said": "{atv}: {what} {stage}",
-  "command.unreachable": "keine Antwort vom Werk. Sehen Sie nach dem Fahrzeug.",
+  "command.unreachable": "keine Antwort vom Werk: Vielleicht kam es durch, vielleicht nicht. Sehen Sie nach dem Fahrzeug.",
+  "command.unsent": "keine Verbindung: Das Fahrzeug hat nichts davon gehört. Den Knopf am Fahrzeug drücken.",
   "command.silent": "keine Antwort vom Fahrzeug: Vielleicht hat es gehört, vielleicht nicht. Sehen Sie nach.",
   "command.ended": "Ihre Sitzung ist abgelaufen.",
 
@@ -101,6 +120,8 @@ export const de: Catalogue<typeof en> = {
   "station.none": "Wählen Sie im Plan eine Maschine, um ihr Material zu sehen.",
   "station.coming": "+{quantity} mit {atv}, {at}",
   "station.comingBy": "+{quantity} mit {atv}",
+  "station.comingSilent": "+{quantity} mit {atv}, stumm",
+  "station.comingStopped": "+{quantity} mit {atv}, gestoppt",
   "station.ordered": "+{quantity} bestellt, noch trägt es niemand",
   "station.unheard": "Von dieser Maschine wurde noch nichts gehört.",
 

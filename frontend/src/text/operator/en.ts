@@ -6,6 +6,7 @@ export const en = {
 
   "app.title": "Dray – station",
   "skip.toVehicles": "Skip to the vehicles",
+  "skip.toStop": "Skip to Stop",
 
   "top.plant": "Whole plant",
   "top.station": "{id} · {name}",
@@ -15,7 +16,9 @@ export const en = {
   "area.title": "Area",
   "area.label": "Map of {name}. Arrow keys move it, plus and minus zoom, 0 shows the whole area. All vehicles are in the list, too.",
 
-  "banner.ended": "Your session has ended. Stop still works; everything else waits until you log in again.",
+  "banner.ended.run_out": "Your session has run out of time. Stop still works; everything else waits until you log in again.",
+  "banner.ended.replaced": "You have logged in at another station, so this tablet shows nothing new any more. Stop still works from here; everything else waits until you log in here again.",
+  "banner.ended.taken_back": "You were logged out here. Stop does not work from this tablet any more: use the button on the vehicle.",
   "banner.logIn": "Log in",
   "banner.offline": "No connection to the plant. What you see is {age} old; a command cannot be sent now.",
   "banner.offlineEmpty": "No connection to the plant, and nothing was heard of it yet. Look at the vehicles themselves.",
@@ -25,6 +28,8 @@ export const en = {
   "failed": "Your area could not be loaded: {reason}",
 
   "cards.needing": "Vehicles that need somebody",
+  "cards.needingCount": "Needs somebody: {count}",
+  "cards.joinBelow": "new ones join below",
   "cards.well": "Vehicles in {name}",
   "cards.none": "No vehicle is in your area.",
   "card.away": "{metres} m",
@@ -60,6 +65,18 @@ export const en = {
   "stop.label": "Stop vehicle",
   "stop.not": "Not an emergency stop: use the button on the vehicle in danger.",
   "stop.dock": "Stop, for every vehicle near",
+  "stop.away": "not near",
+  "stop.silent": "silent {age}",
+  "stop.tooSoon": "new here: touch again",
+  "stop.places": "Each vehicle keeps its place.",
+  "stop.before": "Earlier places",
+  "stop.after": "Later places",
+  "stop.more.one": "{n} more",
+  "stop.more.other": "{n} more",
+
+  "worry.title": "Stops that are not confirmed",
+  "worry.look": "It may or may not have heard. Look at it.",
+  "worry.seen": "I have looked",
 
   "release.title": "To let {atv} go on",
   "release.acknowledge": "Fault is gone",
@@ -80,13 +97,15 @@ export const en = {
   "command.set_speed": "Speed {percent}",
   "command.promise": "On my way",
   "stage.sent": "sent",
+  "stage.not_sent": "could not be sent",
   "stage.accepted": "accepted",
   "stage.confirmed": "confirmed by the vehicle",
   "stage.refused": "refused",
   "stage.not_confirmed": "not confirmed",
   "command.by": "by {by}",
   "command.said": "{atv}: {what} {stage}",
-  "command.unreachable": "no answer from the plant. Look at the vehicle.",
+  "command.unreachable": "no answer from the plant: it may or may not have come through. Look at the vehicle.",
+  "command.unsent": "no connection: the vehicle has heard nothing of it. Use the button on the vehicle.",
   "command.silent": "no answer from the vehicle: it may or may not have heard. Look at it.",
   "command.ended": "your session has ended.",
 
@@ -99,6 +118,8 @@ export const en = {
   "station.none": "Choose a machine on the map to see its material.",
   "station.coming": "+{quantity} with {atv}, {at}",
   "station.comingBy": "+{quantity} with {atv}",
+  "station.comingSilent": "+{quantity} with {atv}, silent",
+  "station.comingStopped": "+{quantity} with {atv}, stopped",
   "station.ordered": "+{quantity} ordered, nobody carries it yet",
   "station.unheard": "Nothing was heard of this machine yet.",
 

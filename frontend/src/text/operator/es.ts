@@ -8,6 +8,7 @@ export const es: Catalogue<typeof en> = {
 
   "app.title": "Dray – puesto",
   "skip.toVehicles": "Saltar a los vehículos",
+  "skip.toStop": "Saltar a Parar",
 
   "top.plant": "Toda la planta",
   "top.station": "{id} · {name}",
@@ -17,7 +18,9 @@ export const es: Catalogue<typeof en> = {
   "area.title": "Zona",
   "area.label": "Plano de {name}. Las flechas lo mueven, más y menos acercan y alejan, 0 muestra toda la zona. Todos los vehículos están también en la lista.",
 
-  "banner.ended": "Su sesión ha terminado. Parar sigue funcionando; lo demás espera hasta que vuelva a entrar.",
+  "banner.ended.run_out": "Su sesión ha terminado. Parar sigue funcionando; lo demás espera hasta que vuelva a entrar.",
+  "banner.ended.replaced": "Ha entrado en otro puesto; esta tableta ya no muestra nada nuevo. Desde aquí Parar sigue funcionando; lo demás espera hasta que vuelva a entrar aquí.",
+  "banner.ended.taken_back": "Su sesión se ha cerrado aquí. Desde esta tableta Parar ya no funciona: use el botón del vehículo.",
   "banner.logIn": "Entrar",
   "banner.offline": "Sin conexión con la planta. Lo que ve tiene {age}; ahora no se puede enviar ninguna orden.",
   "banner.offlineEmpty": "Sin conexión con la planta, y aún no se ha oído nada de ella. Mire los vehículos mismos.",
@@ -27,6 +30,8 @@ export const es: Catalogue<typeof en> = {
   "failed": "No se pudo cargar su zona: {reason}",
 
   "cards.needing": "Vehículos que necesitan a alguien",
+  "cards.needingCount": "Necesitan a alguien: {count}",
+  "cards.joinBelow": "los nuevos se añaden abajo",
   "cards.well": "Vehículos en {name}",
   "cards.none": "No hay ningún vehículo en su zona.",
   "card.away": "{metres} m",
@@ -62,6 +67,18 @@ export const es: Catalogue<typeof en> = {
   "stop.label": "Parar vehículo",
   "stop.not": "No es una parada de emergencia: en caso de peligro, use el botón del vehículo.",
   "stop.dock": "Parar, para cada vehículo cercano",
+  "stop.away": "no está cerca",
+  "stop.silent": "mudo {age}",
+  "stop.tooSoon": "nuevo aquí: otra vez",
+  "stop.places": "Cada vehículo conserva su lugar.",
+  "stop.before": "Lugares anteriores",
+  "stop.after": "Lugares siguientes",
+  "stop.more.one": "{n} más",
+  "stop.more.other": "{n} más",
+
+  "worry.title": "Paradas sin confirmar",
+  "worry.look": "Puede haberlo oído o no. Mírelo.",
+  "worry.seen": "Lo he mirado",
 
   "release.title": "Para que {atv} siga",
   "release.acknowledge": "Fallo resuelto",
@@ -82,13 +99,15 @@ export const es: Catalogue<typeof en> = {
   "command.set_speed": "Velocidad {percent}",
   "command.promise": "De camino",
   "stage.sent": "enviado",
+  "stage.not_sent": "no se pudo enviar",
   "stage.accepted": "aceptado",
   "stage.confirmed": "confirmado por el vehículo",
   "stage.refused": "rechazado",
   "stage.not_confirmed": "sin confirmar",
   "command.by": "por {by}",
   "command.said": "{atv}: {what} {stage}",
-  "command.unreachable": "la planta no responde. Mire el vehículo.",
+  "command.unreachable": "la planta no responde: puede haber llegado o no. Mire el vehículo.",
+  "command.unsent": "sin conexión: el vehículo no ha oído nada. Use el botón del vehículo.",
   "command.silent": "el vehículo no responde: puede haberlo oído o no. Mírelo.",
   "command.ended": "su sesión ha terminado.",
 
@@ -101,6 +120,8 @@ export const es: Catalogue<typeof en> = {
   "station.none": "Elija una máquina en el plano para ver su material.",
   "station.coming": "+{quantity} con {atv}, {at}",
   "station.comingBy": "+{quantity} con {atv}",
+  "station.comingSilent": "+{quantity} con {atv}, mudo",
+  "station.comingStopped": "+{quantity} con {atv}, parado",
   "station.ordered": "+{quantity} pedidos, aún no los lleva nadie",
   "station.unheard": "Aún no se ha oído nada de esta máquina.",
 

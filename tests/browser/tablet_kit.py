@@ -1,0 +1,175 @@
+"""A tablet at a station: who stands before it, what it shows, and what can happen to it."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from complaints import Complaints
+from open_house import OpenHouse, open_house
+from playwright.sync_api import Locator, Page, WebSocketRoute
+from puppets import Puppet
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "gateway"))
+
+from gateway_kit import House, machine_heartbeat
+
+from dray.gateway.access.principal import Role
+from dray.messages import AtvStatus, BufferLevel, CommandKind, HelpWanted, MachineStatus
+
+OpenPage = Callable[..., Page]
+Enter = Callable[..., Page]
+
+LYING, UPRIGHT = {"width": 1024, "height": 768}, {"width": 800, "height": 1280}
+"""The tablets that the panel is made for."""
+
+LOOKS = {
+    "lying-light-en": {"viewport": LYING, "color_scheme": "light", "locale": "en-GB"},
+    "upright-dark-de": {"viewport": UPRIGHT, "color_scheme": "dark", "locale": "de-DE"},
+}
+
+AREA, STATION = "AREA3", "M8"
+IN_AREA = {"ATV2": (25.0, 14.5), "ATV6": (40.0, 14.5)}
+"""Vehicles in the middle of the area."""
+
+WHO = "operator-south"
+
+TOUCH_PX, THUMB_PX = 64.0, 118.0
+"""A finger in a glove; and 20 mm on a tablet of ten inches, with 149 px to the inch."""
+
+HOLD_MS = 1200
+"""Longer than Resume has to be held."""
+
+PAST_MS = 12_000
+"""A picture is one of the past after five seconds."""
+
+NOT_CONFIRMED_MS = 8_000
+"""A vehicle has three seconds to answer."""
+
+
+@pytest.fixture
+def house(tmp_path: Path) -> Iterator[OpenHouse]:
+    """A gateway to which the test tells what happens in its factory."""
+    with open_house(tmp_path) as house:
+        yield house
+
+
+@pytest.fixture
+def vehicles(house: OpenHouse) -> dict[str, Puppet]:
+    """The vehicles in the area, and the machine of the station."""
+
+    async def join(inside: House) -> dict[str, Puppet]:
+        stock = (
+            BufferLevel(item="housing", level=11, capacity=72, reorder_point=20, on_order=24),
+            BufferLevel(item="shaft", level=38, capacity=120, reorder_point=20),
+        )
+        inside.bus.say(machine_heartbeat(STATION, at_s=3600.0, status=MachineStatus.PRODUCING, buffers=stock))
+        return {atv: await Puppet.join(inside, atv, *place) for atv, place in IN_AREA.items()}
+
+    return house.do(join)
+
+
+@pytest.fixture
+def enter(open_page: OpenPage, house: OpenHouse) -> Enter:
+    """Open the panel as the operator of the area; once more for another tab of the same browser."""
+
+    def enter(
+        *, beside: Page | None = None, before: Callable[[Page], None] = lambda _page: None, **look: Any
+    ) -> Page:
+        if beside is not None:
+            page = beside.context.new_page()
+        else:
+            page = open_page("about:blank", who=None, has_touch=True, **{"viewport": LYING} | look)
+            token = house.do(_session)
+            cookie = {"name": "dray_session", "value": token, "url": house.url}
+            page.context.add_cookies([cookie | {"httpOnly": True, "sameSite": "Strict"}])
+        before(page)
+        page.goto(f"{house.url}/operator")
+        return page
+
+    return enter
+
+
+async def _session(house: House) -> str:
+    browser = await house.log_in(WHO, Role.OPERATOR, AREA)
+    await browser.post("/login/station", data={"station": STATION})
+    return browser.cookies["dray_session"]
+
+
+def card(page: Page, atv: str) -> Locator:
+    return page.locator(f"#vehicle-{atv}")
+
+
+def stop_of(page: Page, atv: str) -> Locator:
+    return page.locator(f"#stop-{atv}")
+
+
+def press_and_hold(page: Page, button: Locator) -> None:
+    button.scroll_into_view_if_needed()
+    box = button.bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    page.wait_for_timeout(HOLD_MS)
+    page.mouse.up()
+
+
+def kinds(vehicle: Puppet) -> list[CommandKind]:
+    return [command.kind for command in vehicle.heard]
+
+
+def forgive(complaints: Complaints, *causes: str) -> None:
+    """Take back what the test itself has brought about; each cause must have been complained of."""
+    for cause in causes:
+        assert any(cause in complaint for complaint in complaints), (cause, list(complaints))
+    complaints[:] = [each for each in complaints if not any(cause in each for cause in causes)]
+
+
+def ask_for_help(vehicle: Puppet) -> Callable[[House], Any]:
+    """It has a problem, and a task that waits."""
+    wanted = HelpWanted(until_s=170.0)
+    return beat(vehicle, status=AtvStatus.ERROR, problem="the load has shifted", help=wanted)
+
+
+def beat(vehicle: Puppet, **state: Any) -> Callable[[House], Any]:
+    """It changes, and says so."""
+
+    async def say(_house: House) -> None:
+        vehicle.beat(**state)
+
+    return say
+
+
+class Cable:
+    """The network between a page and its gateway, which can be pulled out."""
+
+    def __init__(self) -> None:
+        self._page: Page | None = None
+        self._sockets: list[WebSocketRoute] = []
+        self._out = False
+
+    def lay(self, page: Page) -> None:
+        self._page = page
+        page.route_web_socket("**/api/stream", self._open)
+
+    def pull(self) -> None:
+        assert self._page is not None
+        self._out = True
+        self._page.context.set_offline(True)
+        for socket in self._sockets:
+            socket.close()
+
+    def plug_in(self) -> None:
+        assert self._page is not None
+        self._out = False
+        self._page.context.set_offline(False)
+
+    def _open(self, socket: WebSocketRoute) -> None:
+        if self._out:
+            socket.close()
+        else:
+            self._sockets.append(socket)
+            socket.connect_to_server()
