@@ -100,6 +100,8 @@ class TaskMemory(Part, frozen=True):
     """Of the award by which the secondary watches."""
     offered: bool = True
     """Whether anybody was asked to carry it in this epoch."""
+    adopted: bool = False
+    """Taken up on its carrier's word alone, after a life that has left no notes."""
 
 
 class StrategistMemory(Part, tag_field="kind", tag="strategist", frozen=True):

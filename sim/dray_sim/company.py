@@ -16,6 +16,7 @@ from dray.messages.fact import (
     ContractEnded,
     ContractTaken,
     Fact,
+    MemoryLost,
     PhaseEntered,
     TaskClosed,
     TaskOpened,
@@ -70,6 +71,7 @@ class _Carried:
     """One open transport, from outside."""
 
     goods: bool
+    coordinator: str
     primary: str = ""
     loading: bool = False
     """The primary is at its source or past it."""
@@ -113,7 +115,12 @@ class ReplacedInTime:
                 self._unfit.pop(agent, None)
         elif type(fact) is TaskOpened:
             if type(fact.work) is Transport:
-                self._tasks.setdefault(fact.task, _Carried(goods=bool(fact.work.goal)))
+                self._tasks.setdefault(fact.task, _Carried(bool(fact.work.goal), agent))
+        elif type(fact) is MemoryLost:
+            # What a coordinator does not know it cannot give to others.
+            self._tasks = {
+                task: carried for task, carried in self._tasks.items() if carried.coordinator != agent
+            }
         elif isinstance(fact, TaskClosed):
             self._tasks.pop(fact.task, None)
         elif (task := self._tasks.get(getattr(fact, "task", ""))) is not None:

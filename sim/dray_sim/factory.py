@@ -19,13 +19,14 @@ from dray.messages.keys import Keys
 from dray.messages.speakers import Kind
 from dray.plant import Plant, with_machine
 from dray.plant.model import MachineSpec, VehicleSpec
-from dray.ports import Body, Bus
+from dray.ports import Body, Bus, Clock
 from dray.protocol.atv import Atv
 from dray.protocol.authority import Trusts
 from dray.protocol.events import Agent
 from dray.protocol.machine import Machine
 from dray.protocol.strategist import STRATEGIST, Strategist
 from dray.worker import Worker
+from dray_sim.computer import ComputerClock
 from dray_sim.coverage import Coverage
 from dray_sim.ears import Ear
 from dray_sim.floor import FIRST_STOCK_FRAC, Floor
@@ -49,12 +50,14 @@ class Post:
         make: its next life.
         body: what it acts with, if anything.
         journal: what it has written down.
+        clock: of its computer.
         software: the version that it runs.
     """
 
     make: MakeAgent
     body: Body | None
     journal: HeldJournal
+    clock: ComputerClock
     software: str
 
 
@@ -201,8 +204,34 @@ class SimFactory:
         self.workers[agent].kill()
         if agent == STRATEGIST or not self._powered(agent).off:
             post.journal.begin_life()
+            post.clock.begin_life()
             self._enliven(agent, trial)
             self._start(agent)
+
+    def lose_journal(self, agent: str) -> None:
+        """End an agent's process now, and let its next life find nothing of what it has written.
+
+        Raises:
+            KeyError: there is no such agent.
+        """
+        self.crash(agent)
+        self._posts[agent].journal.lose("the disk has failed")
+
+    def set_clock(self, agent: str, by_s: float) -> None:
+        """Set the clock of an agent's computer forward, or back if negative.
+
+        Raises:
+            KeyError: there is no such agent.
+        """
+        self._posts[agent].clock.step(by_s)
+
+    def clock_of(self, agent: str) -> Clock:
+        """The clock that an agent goes by.
+
+        Raises:
+            KeyError: there is no such agent.
+        """
+        return self._posts[agent].clock
 
     def power_off(self, agent: str) -> None:
         """Switch a vehicle or a machine off, its agent with it. Twice is harmless.
@@ -288,7 +317,7 @@ class SimFactory:
     def _employ(self, agent: str, kind: Kind, make: MakeAgent, body: Body | None) -> None:
         self.bus.kinds[agent] = kind
         journal = HeldJournal(incarnation=self._incarnation)
-        self._posts[agent] = Post(make, body, journal, __version__)
+        self._posts[agent] = Post(make, body, journal, ComputerClock(self.clock), __version__)
         self._enliven(agent)
 
     def _enliven(self, agent: str, trial: int = 0) -> None:
@@ -297,7 +326,7 @@ class SimFactory:
         self.workers[agent] = Worker(
             post.make(post.journal.incarnation, post.software, trial),
             bus=self._meet,
-            clock=self.clock,
+            clock=post.clock,
             keys=self.keys,
             body=post.body,
             journal=post.journal,

@@ -27,6 +27,7 @@ from dray.messages.fact import (
     CommandObeyed,
     ContractEnded,
     ContractTaken,
+    MemoryLost,
     TaskClosed,
     TaskOpened,
 )
@@ -51,14 +52,19 @@ class TasksEnd:
     def __init__(self) -> None:
         self._open_s: dict[str, dict[str, float]] = {}
         """By coordinator: its open tasks, and when each was announced first."""
+        self._forgotten: dict[str, None] = {}
+        """Tasks of coordinators that have lost their notes; their carriers may have told of them since."""
 
     def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         if type(message) is Event:
             fact = message.fact
             if type(fact) is TaskOpened:
                 self._open_s.setdefault(sender, {}).setdefault(fact.task, at_s)
+            elif type(fact) is MemoryLost:
+                self._forgotten.update(dict.fromkeys(self._open_s.pop(sender, {})))
             elif type(fact) is TaskClosed:
-                if self._open_s.get(sender, {}).pop(fact.task, None) is None:
+                known = self._open_s.get(sender, {}).pop(fact.task, None) is not None
+                if not known and self._forgotten.pop(fact.task, "") is not None:
                     raise InvariantBroken(1, at_s, f"{fact.task} ended twice, or was never announced")
         elif type(message) is MachineHeartbeat:
             self._check(message, at_s)
@@ -150,6 +156,8 @@ class OnePrimaryEach:
         elif type(fact) is ContractEnded and fact.role is Role.PRIMARY:
             if self._primary_of.get(sender) == fact.task:
                 del self._primary_of[sender]
+        elif type(fact) is MemoryLost:
+            self._primary_of.pop(sender, None)
 
 
 class StoppedStands:

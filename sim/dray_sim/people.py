@@ -35,6 +35,9 @@ from dray_sim.vehicle import LOAD_SHIFTED
 if TYPE_CHECKING:
     from dray_sim.factory import SimFactory
 
+LATEST_S = 10.0
+"""No heartbeat is under way for longer than this."""
+
 LOOK_S = 5.0
 """How often somebody glances at the tablet."""
 
@@ -154,7 +157,8 @@ class Operator:
         heartbeat = sight.heartbeat
         if now_s - sight.at_s > self._habits.silent_s:
             return Duty.RECOVER, sight.at_s
-        if self._stops.get(atv, now_s) < heartbeat.at_s:
+        since_s = self._stops.get(atv)
+        if since_s is not None and _is_later(sight, since_s):
             if heartbeat.status is AtvStatus.STOPPED:
                 return Duty.RELEASE, sight.at_s
             del self._stops[atv]
@@ -320,3 +324,9 @@ def hire(
     for operator in crew.values():
         operator.colleagues = crew
     return tuple(crew.values())
+
+
+def _is_later(sight: Sight, since_s: float) -> bool:
+    """Whether a heartbeat was said after a moment. A vehicle whose clock is ahead says times that have not come yet."""
+    said_s = sight.heartbeat.at_s
+    return since_s < said_s <= sight.at_s or since_s + LATEST_S < sight.at_s < said_s

@@ -14,6 +14,7 @@ import pytest
 
 from dray.adapters.system_clock import SLEW_FRAC, SystemClock
 from dray.ports import Clock
+from dray_sim.computer import ComputerClock
 from dray_sim.loop import JUMP, Pace, VirtualLoop, paced
 
 
@@ -58,6 +59,22 @@ def clock_that_is_set(by_s: float) -> Callable[[VirtualLoop], Clock]:
     return make
 
 
+def computer_that_is_set(by_s: float) -> Callable[[VirtualLoop], Clock]:
+    """The simulated clock of a computer, which is set by so much, again and again."""
+
+    def make(loop: VirtualLoop) -> Clock:
+        clock = ComputerClock(loop.clock)
+
+        def step() -> None:
+            clock.step(by_s)
+            loop.call_later(0.7, step)
+
+        step()
+        return clock
+
+    return make
+
+
 FAST = paced(1e6)
 """A second in a microsecond: paced, and yet nobody waits."""
 
@@ -67,6 +84,9 @@ WORLDS = {
     "system": lambda: World(JUMP, unix_clock),
     "system, set forward": lambda: World(JUMP, clock_that_is_set(3600.0), SLEW_FRAC),
     "system, set back": lambda: World(JUMP, clock_that_is_set(-3600.0), SLEW_FRAC),
+    "computer": lambda: World(JUMP, lambda loop: ComputerClock(loop.clock)),
+    "computer, set forward": lambda: World(JUMP, computer_that_is_set(3600.0), SLEW_FRAC),
+    "computer, set back": lambda: World(JUMP, computer_that_is_set(-3600.0), SLEW_FRAC),
 }
 
 

@@ -10,7 +10,17 @@ from dray.messages.fact import AtvStatusChanged, CarrierChanged, GoalLost
 from dray.protocol.leaving import LEAVES
 from dray_sim.broken import InvariantBroken
 from dray_sim.explore.blame import LATER_S, Blame
-from dray_sim.faults import Crashed, LinkTrouble, PoweredOff, RadioCut, SentAway, WlanCut
+from dray_sim.faults import (
+    ClockSet,
+    Crashed,
+    JournalLost,
+    LinkTrouble,
+    PoweredOff,
+    RadioCut,
+    SentAway,
+    WlanCut,
+)
+from dray_sim.faults.chance import COORDINATOR_BACK_S, VEHICLE_BACK_S
 
 LOST = CarrierChanged(task=TASK, epoch=2, replaced="ATV3", carrier="ATV1", reason="silent")
 
@@ -74,9 +84,41 @@ def test_a_goal_that_is_lost_for_nothing_is_noticed() -> None:
     lost = GoalLost(goal="D1-1", machine="M8", arrived=0, successor="D1-2")
     blame = Blame()
     blame.begin("F1", Crashed("M8"), 0.0)
-    blame.hear(1.0, "strategist", "*", event("strategist", lost))
+    blame.hear(1.0 + COORDINATOR_BACK_S, "strategist", "*", event("strategist", lost))
     with pytest.raises(InvariantBroken, match="M8 lost D1-1"):
         Blame().hear(1.0, "strategist", "*", event("strategist", lost))
+
+
+@pytest.mark.parametrize(("agent", "back_s"), [("ATV3", VEHICLE_BACK_S), ("M8", COORDINATOR_BACK_S)])
+def test_a_process_that_is_back_soon_is_no_reason_and_one_that_is_away_for_longer_is(
+    agent: str, back_s: float
+) -> None:
+    blame = Blame(fleet=("ATV3",))
+    blame.begin("F1", Crashed(agent), 10.0)
+    blame.end("F1", 10.0 + back_s)
+    with pytest.raises(InvariantBroken):
+        blame.hear(11.0 + back_s, "M8", "*", event("M8", LOST))
+    blame.begin("F2", Crashed(agent), 100.0)
+    blame.end("F2", 100.5 + back_s)
+    blame.hear(101.0 + back_s, "M8", "*", event("M8", LOST))
+
+
+def test_crashes_between_which_nothing_can_be_heard_are_one() -> None:
+    blame = Blame(fleet=("ATV3",))
+    for number, at_s in enumerate((10.0, 11.2, 12.4)):
+        blame.begin(f"F{number}", Crashed("ATV3"), at_s)
+        blame.end(f"F{number}", at_s + 1.0)
+    blame.hear(14.0, "M8", "*", event("M8", LOST))
+
+
+def test_a_journal_that_is_lost_is_a_reason_and_a_clock_that_was_set_is_none() -> None:
+    blame = Blame(fleet=("ATV3",))
+    blame.begin("F1", ClockSet("ATV3", 60.0), 10.0)
+    with pytest.raises(InvariantBroken):
+        blame.hear(20.0, "M8", "*", event("M8", LOST))
+    blame.begin("F2", JournalLost("M8"), 20.0)
+    blame.end("F2", 20.5)
+    blame.hear(21.0, "M8", "*", event("M8", LOST))
 
 
 def test_what_may_have_lost_a_message() -> None:

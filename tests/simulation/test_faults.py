@@ -16,15 +16,18 @@ import pytest
 from dray.plant import default_plant
 from dray_sim.factory import SimFactory
 from dray_sim.faults import (
+    CLOCKS,
     LEAVING,
     WEIGHTS,
     AccessPointDown,
     Cast,
+    ClockSet,
     CoverageHole,
     Crashed,
     Fault,
     FaultError,
     Faults,
+    JournalLost,
     LinkTrouble,
     LoadShifted,
     MachineBroken,
@@ -40,11 +43,13 @@ from dray_sim.faults import (
     kind_of,
     play,
     random_schedule,
+    random_waves,
     read_fault,
     read_schedule,
     write_schedule,
 )
 from dray_sim.faults import active as active_module
+from dray_sim.faults.chance import COORDINATOR_BACK_S, VEHICLE_BACK_S
 from dray_sim.faults.kinds import KIND_NAMES, KINDS
 from dray_sim.generator import generate_plant
 from dray_sim.loop import VirtualClock, clock, run
@@ -61,6 +66,8 @@ ONE_OF_EACH: tuple[Fault, ...] = (
     AccessPointDown("AP1"),
     PoweredOff("ATV3"),
     Crashed("strategist"),
+    JournalLost("M6"),
+    ClockSet("ATV6", by_s=-5.0),
     SentAway("M5", trial=2),
     MachineBroken("M4", "no oil"),
     VehicleBroken("ATV4"),
@@ -124,6 +131,13 @@ class FakeWorld:
         self.dead.add(agent)
         self.done.append(f"crash {agent}")
 
+    def lose_journal(self, agent: str) -> None:
+        self.dead.add(agent)
+        self.done.append(f"lose {agent}'s journal")
+
+    def set_clock(self, agent: str, by_s: float) -> None:
+        self.done.append(f"set {agent}'s clock by {by_s:g} s")
+
     def ask_to_leave(self, agent: str) -> None:
         self.dead.add(agent)
         self.done.append(f"send {agent} away")
@@ -166,6 +180,8 @@ def faults(world: FakeWorld) -> Faults:
         (AccessPointDown("AP1"), "begin access_point_down", "end access_point_down"),
         (PoweredOff("M1"), "off M1", "on M1"),
         (Crashed("strategist"), "crash strategist", "restart strategist"),
+        (JournalLost("M1"), "lose M1's journal", "restart M1"),
+        (ClockSet("ATV1", 30.0), "set ATV1's clock by 30 s", "set ATV1's clock by -30 s"),
         (SentAway("ATV1"), "send ATV1 away", "restart ATV1"),
         (SentAway("M1", trial=3), "send M1 away", "restart M1 on trial for 3"),
         (MachineBroken("M2", "no oil"), "break M2: no oil", "repair M2"),
@@ -454,10 +470,30 @@ def test_a_random_schedule_is_in_order_about_the_plant_and_over_in_time() -> Non
             assert 60.0 <= timed.at_s < timed.until_s <= 600.0
 
 
+def test_waves_are_crashes_of_sets_in_any_order_that_end_before_anybody_is_missed() -> None:
+    firsts: set[str] = set()
+    at_once: set[str] = set()
+    for seed in range(50):
+        waves = random_waves(PLANT, Random(seed), 600.0, 1.0)
+        assert read_schedule(write_schedule(waves), CAST) == waves
+        assert [timed.at_s for timed in waves] == sorted(timed.at_s for timed in waves)
+        for timed in waves:
+            assert isinstance(timed.fault, Crashed)
+            back_s = VEHICLE_BACK_S if timed.fault.agent in PLANT.fleet else COORDINATOR_BACK_S
+            assert 0.0 < (timed.until_s or 0.0) - timed.at_s <= back_s + 0.01
+            assert (timed.until_s or 0.0) <= 600.0
+            if timed.at_s == waves[0].at_s:
+                at_once.add(timed.fault.agent)
+        firsts |= {timed.fault.agent for timed in waves[:1] if isinstance(timed.fault, Crashed)}
+    assert len(firsts) > 10
+    assert at_once >= firsts
+    assert random_waves(PLANT, Random(3), 600.0, 1.0) == random_waves(PLANT, Random(3), 600.0, 1.0)
+
+
 def test_random_schedules_have_all_kinds_as_often_as_they_weigh_and_overlap() -> None:
     schedule = [timed for seed in range(40) for timed in random_schedule(PLANT, Random(seed), 3600.0, 2.0)]
     counts = Counter(type(timed.fault) for timed in schedule)
-    assert set(counts) == {*KINDS} - {*LEAVING} == set(WEIGHTS)
+    assert set(counts) == {*KINDS} - {*LEAVING, *CLOCKS, JournalLost} == set(WEIGHTS)
     total = sum(WEIGHTS.values())
     for kind, weight in WEIGHTS.items():
         assert counts[kind] / len(schedule) == pytest.approx(weight / total, abs=0.015)

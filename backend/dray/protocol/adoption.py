@@ -77,7 +77,7 @@ class Adoption:
         known = self._tasks.get(brief.task)
         if known is not None:
             self._tasks.adopt(heartbeat.atv, brief, now_s)
-        elif self._forgetful and self._is_ours(brief):
+        elif self._forgetful and self._is_ours(brief) and not self._carries_already(heartbeat.atv):
             work = Transport(
                 item=brief.item,
                 quantity=brief.quantity,
@@ -87,6 +87,10 @@ class Adoption:
             )
             self._tasks.adopt_unknown(heartbeat.atv, brief, work, now_s)
             self._supply.ordered(work)
+
+    def _carries_already(self, atv: str) -> bool:
+        """Whether the word of a vehicle was taken before: it has one contract, whatever it says."""
+        return any(task.primary == atv for task in self._tasks)
 
     def _is_ours(self, brief: Brief) -> bool:
         return brief.item in self._plant.materials_of(self._machine) and brief.phase in ON_THE_WAY

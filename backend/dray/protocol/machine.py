@@ -385,7 +385,15 @@ class Machine(Core):
         self._dock.shut(atv)
 
     def _on_task_lost(self, task: OpenTask, now_s: float) -> None:
-        self._goods.lost(task, now_s)
+        """A task was withdrawn; what is needed in its place is made, or ordered, anew."""
+        work = cast(Transport, task.work)
+        if work.item in self._products:
+            self._goods.lost(task, now_s)
+        else:
+            self._supply.settled(work, None)
+        self._commit()
+        self._pulse.at_once(now_s)
+        self._pursue(now_s)
 
     def _on_goal_short(self, goal: Goal | None, now_s: float) -> None:
         if goal is not None:
@@ -410,14 +418,7 @@ class Machine(Core):
     def _withdraw(self, task: OpenTask, now_s: float) -> None:
         """Material that finds no room, or goods that are not there, keep a vehicle from whatever would help."""
         self._tasks.close(task, "withdrawn")
-        work = cast(Transport, task.work)
-        if work.item in self._products:
-            self._goods.lost(task, now_s)
-        else:
-            self._supply.settled(work, None)
-        self._commit()
-        self._pulse.at_once(now_s)
-        self._pursue(now_s)
+        self._on_task_lost(task, now_s)
 
     def _hear_handover(self, sender: str, message: Handover, now_s: float) -> None:
         task = self._dock.hear_handover(sender, message)

@@ -61,7 +61,7 @@ class Secondaries:
 
     def seek(self, task: OpenTask, candidates: tuple[tuple[str, Bid], ...], now_s: float) -> None:
         """Elect a secondary, of these candidates first; nobody is needed for what nobody could take over."""
-        if task.loaded:
+        if task.loaded or task.adopted:
             return
         terms = Terms(
             task=task.id,

@@ -97,6 +97,8 @@ class Hearing:
             missed: how many before it have not.
             delay_s: how long it was under way, by the plant's clock.
         """
+        # Beyond these bounds it is not the link: one of two clocks is wrong.
+        delay_s = min(max(delay_s, 0.0), LATENESS_MAX_S)
         for _ in range(min(missed, MISSES_MAX)):
             self.loss_frac += GAIN * (1.0 - self.loss_frac)
         self.loss_frac -= GAIN * self.loss_frac

@@ -19,6 +19,7 @@ class OpenTask:
     """A task that has not ended, as its coordinator knows it."""
 
     __slots__ = (
+        "adopted",
         "auction",
         "due_s",
         "epoch",
@@ -67,6 +68,9 @@ class OpenTask:
         self.opened_s = opened_s
         self.due_s = auction.terms.deadline_s
         """The first deadline; that of the auction moves when nobody could keep it."""
+        self.adopted = False
+        """Taken up on its carrier's word alone: which epochs it has had is in notes that are lost, so it never gets
+        another one. Without its carrier it is withdrawn, and what is still needed is announced under another name."""
         self.loaded = False
         """Goods that have left this machine: nobody else can fetch them again."""
         self.unloaded = False
@@ -137,6 +141,7 @@ class OpenTask:
             secondary=self.secondary,
             watch_number=self.watch_number,
             offered=self.is_offered,
+            adopted=self.adopted,
         )
 
     @property

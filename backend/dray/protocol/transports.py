@@ -56,7 +56,7 @@ class Transports(Coordinator):
         following: which heartbeats the machine hears.
         out: where effects go.
         contracted: called when a task has got its primary, another one, or is without one again.
-        lost: called when goods are given up with the vehicle that had them on board.
+        lost: called when a task is given up with the vehicle that has carried it.
         left: called with a vehicle that does not carry a task any more.
         unloaded: called when a task has ended because its load is down, though nobody has said so.
         commit: called when the next life must know of something else.
@@ -111,11 +111,17 @@ class Transports(Coordinator):
 
     def reopen(self, task: OpenTask, reason: str, now_s: float) -> None:
         """Announce a task anew, with a higher epoch; whoever carried it is superseded."""
-        self._replace(task, (), reason, now_s)
+        if task.adopted:
+            self.give_up(task, now_s)
+        else:
+            self._replace(task, (), reason, now_s)
 
     def pass_on(self, task: OpenTask, reason: str, now_s: float) -> None:
         """Ask the secondary of a task to carry it, with a higher epoch; announce it when that will not."""
-        self._replace(task, self._secondaries.heir(task), reason, now_s)
+        if task.adopted:
+            self.give_up(task, now_s)
+        else:
+            self._replace(task, self._secondaries.heir(task), reason, now_s)
 
     def wait(self, task: OpenTask, trouble: str, now_s: float) -> None:
         """Let a task wait for its carrier, and say why."""
@@ -123,7 +129,7 @@ class Transports(Coordinator):
         self._contracted(task, now_s)
 
     def give_up(self, task: OpenTask, now_s: float) -> None:
-        """Goods are lost with their carrier."""
+        """Goods are lost with their carrier, or it has left nothing that others could go on with."""
         self.close(task, "withdrawn")
         self._lost(task, now_s)
 
@@ -152,7 +158,7 @@ class Transports(Coordinator):
         task.due_s = memory.deadline_s
         if memory.primary:
             auction.cancel()
-            task.loaded = memory.loaded
+            task.loaded, task.adopted = memory.loaded, memory.adopted
             self._restore_carrier(task, memory, now_s)
         else:
             auction.open_later(now_s + ADOPT_S)
@@ -170,6 +176,7 @@ class Transports(Coordinator):
         deadline_s = brief.due_s if brief.due_s is not None else now_s
         auction = self._auction(brief.task, brief.epoch, work, deadline_s)
         task = self._open[brief.task] = OpenTask(brief.task, work, auction, now_s)
+        task.adopted = True
         self._adopt(task, atv, brief.epoch, deadline_s, now_s)
 
     # --- what is heard ---

@@ -19,6 +19,7 @@ from dray.messages import (
 )
 from dray.messages.fact import (
     GoodsDelivered,
+    MemoryLost,
     OrderDropped,
     OrderFulfilled,
     PieceMade,
@@ -51,6 +52,8 @@ class Calm:
         self._since_s = float("inf")
         self._open: dict[str, tuple[float, int, str]] = {}
         """By transport: when it was announced first, how many were done before, and what is carried."""
+        self._coordinator: dict[str, str] = {}
+        """Of every transport that was announced."""
         self._orders: dict[str, None] = {}
         """Those that are not delivered yet."""
         self._ended_orders: dict[str, None] = {}
@@ -100,6 +103,11 @@ class Calm:
         if type(fact) is TaskOpened:
             if type(fact.work) is Transport:
                 self._open.setdefault(fact.task, (at_s, self._done, fact.work.item))
+                self._coordinator[fact.task] = event.agent
+        elif type(fact) is MemoryLost:
+            # It does not know of its transports; what still is to be done it announces under other names.
+            for task in [task for task in self._open if self._coordinator[task] == event.agent]:
+                del self._open[task]
         elif isinstance(fact, PROGRESS):
             self._moved_s = at_s
             if type(fact) is TaskClosed and self._open.pop(fact.task, None) is not None:

@@ -19,6 +19,7 @@ from dray_sim.explore.passerby import Passerby
 from dray_sim.explore.patience import Patience
 from dray_sim.explore.regret import Regret
 from dray_sim.explore.revision import Revision
+from dray_sim.explore.standing import Standing
 from dray_sim.explore.story import Story
 from dray_sim.explore.trial import Trial, draw
 from dray_sim.factory import SimFactory
@@ -120,8 +121,8 @@ class _Game:
         factory = SimFactory(
             trial.plant, clock(), seed=trial.seed, stock_frac=trial.stock_frac, codec=trial.codec, ear=ears
         )
-        blame, calm = Blame(), Calm(Patience(trial.plant, trial.habits))
-        checks = Invariants(factory, blame, Bonds(factory, blame), calm)
+        blame, calm = Blame(trial.plant.fleet), Calm(Patience(trial.plant, trial.habits))
+        checks = Invariants(factory, blame, Bonds(factory, blame), Standing(blame), calm)
         faults = _Diary(factory, blame, self._story)
         self._faults = faults.begun
         let_happen(trial.schedule, faults)

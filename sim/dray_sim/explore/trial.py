@@ -18,11 +18,13 @@ from dray.plant import MachineSpec, Making, Material, Plant, Product, VehicleSpe
 from dray_sim import demand
 from dray_sim.explore.revision import Revised
 from dray_sim.faults import (
+    CLOCKS,
     LEAVING,
     WEIGHTS,
     CoverageHole,
     Crashed,
     Fault,
+    JournalLost,
     LinkTrouble,
     LoadShifted,
     Partition,
@@ -32,6 +34,7 @@ from dray_sim.faults import (
     WlanCut,
     describe,
     random_schedule,
+    random_waves,
 )
 from dray_sim.generator import generate_plant
 from dray_sim.habits import Habits
@@ -71,6 +74,10 @@ class Profile:
         weights: which kinds of faults, and how often each against the others.
         leaving_frac: the part of the trials in which agents leave in order and come back.
         leaving: how many of them in a minute.
+        waves_frac: the part of the trials in which whole sets of agents are restarted, in any order.
+        waves: how many times in a minute.
+        clocks_frac: the part of the trials in which computers' clocks are set wrong, and right again.
+        clocks: how often in a minute.
         operators_frac: the part of the trials with operators.
         passerby_frac: the part in which somebody presses buttons at random.
         cancelled_frac: the part of the orders that customers cancel.
@@ -89,6 +96,10 @@ class Profile:
     weights: Mapping[type[Fault], float] = field(default_factory=lambda: WEIGHTS)
     leaving_frac: float = 0.0
     leaving: tuple[float, float] = (0.2, 2.0)
+    waves_frac: float = 0.0
+    waves: tuple[float, float] = (0.1, 1.0)
+    clocks_frac: float = 0.0
+    clocks: tuple[float, float] = (0.2, 4.0)
     operators_frac: float = 0.7
     passerby_frac: float = 0.4
     cancelled_frac: float = 0.1
@@ -97,7 +108,8 @@ class Profile:
 
 
 PROFILES: Mapping[str, Profile] = {
-    "all": Profile(leaving_frac=0.3),
+    "all": Profile(weights={**WEIGHTS, JournalLost: 1.0}, leaving_frac=0.3, waves_frac=0.3, clocks_frac=0.3),
+    "mishaps": Profile(leaving_frac=0.3),
     "deaths": Profile(weights={PoweredOff: 2.0, Crashed: 1.0}, passerby_frac=0.0),
     "links": Profile(weights={WlanCut: 2.0, LinkTrouble: 4.0, Partition: 2.0, CoverageHole: 1.0}),
     "answers": Profile(
@@ -106,6 +118,13 @@ PROFILES: Mapping[str, Profile] = {
     "hands": Profile(weights={VehicleBroken: 1.0, LoadShifted: 2.0}, operators_frac=1.0, passerby_frac=1.0),
     "revisions": Profile(revising_frac=1.0, revised_frac=0.8),
     "updates": Profile(intensity=(0.0, 1.0), leaving_frac=1.0, leaving=(0.5, 4.0), passerby_frac=0.2),
+    "restarts": Profile(
+        intensity=(0.0, 0.3), passerby_frac=0.0, operators_frac=0.3, waves_frac=1.0, waves=(0.3, 3.0)
+    ),
+    "notes": Profile(
+        weights={JournalLost: 2.0, Crashed: 1.0, PoweredOff: 0.5}, waves_frac=0.5, passerby_frac=0.0
+    ),
+    "clocks": Profile(intensity=(0.0, 1.0), waves_frac=0.5, clocks_frac=1.0),
     "calm": Profile(intensity=(0.0, 0.0), passerby_frac=0.0),
 }
 """By name, as `dray sim explore --profile` takes them."""
@@ -197,15 +216,22 @@ def draw(seed: int, profile: str = "all") -> Trial:
 
 
 def _schedule(seed: int, plant: Plant, ranges: Profile, intensity: float) -> tuple[Timed, ...]:
-    """Mishaps, and agents that leave and come back, in the order in which they begin."""
-    mishaps = random_schedule(
-        plant, Random(f"{seed} faults"), FAULTS_UNTIL_S, intensity, weights=ranges.weights
+    """Mishaps, agents that leave or are restarted, and clocks that are set, in the order in which they begin."""
+    schedule = list(
+        random_schedule(plant, Random(f"{seed} faults"), FAULTS_UNTIL_S, intensity, weights=ranges.weights)
     )
     random = Random(f"{seed} sent away")
-    if random.random() >= ranges.leaving_frac:
-        return mishaps
-    leaving = random_schedule(plant, random, FAULTS_UNTIL_S, random.uniform(*ranges.leaving), weights=LEAVING)
-    return tuple(sorted((*mishaps, *leaving), key=lambda timed: timed.at_s))
+    if random.random() < ranges.leaving_frac:
+        a_minute = random.uniform(*ranges.leaving)
+        schedule += random_schedule(plant, random, FAULTS_UNTIL_S, a_minute, weights=LEAVING)
+    random = Random(f"{seed} waves")
+    if random.random() < ranges.waves_frac:
+        schedule += random_waves(plant, random, FAULTS_UNTIL_S, random.uniform(*ranges.waves))
+    random = Random(f"{seed} clocks")
+    if random.random() < ranges.clocks_frac:
+        a_minute = random.uniform(*ranges.clocks)
+        schedule += random_schedule(plant, random, FAULTS_UNTIL_S, a_minute, weights=CLOCKS)
+    return tuple(sorted(schedule, key=lambda timed: timed.at_s))
 
 
 def _cancelled(

@@ -7,12 +7,14 @@ reads them from JSON, `chance` draws whole schedules, `active` begins and ends t
 from __future__ import annotations
 
 from dray_sim.faults.active import Faults, World, play
-from dray_sim.faults.chance import LEAVING, WEIGHTS, random_schedule
+from dray_sim.faults.chance import CLOCKS, LEAVING, WEIGHTS, random_schedule, random_waves
 from dray_sim.faults.kinds import (
     AccessPointDown,
+    ClockSet,
     CoverageHole,
     Crashed,
     Fault,
+    JournalLost,
     LinkTrouble,
     LoadShifted,
     MachineBroken,
@@ -30,15 +32,18 @@ from dray_sim.faults.names import Cast, FaultError
 from dray_sim.faults.schedule import Timed, read_fault, read_schedule, write_schedule
 
 __all__ = [
+    "CLOCKS",
     "LEAVING",
     "WEIGHTS",
     "AccessPointDown",
     "Cast",
+    "ClockSet",
     "CoverageHole",
     "Crashed",
     "Fault",
     "FaultError",
     "Faults",
+    "JournalLost",
     "LinkTrouble",
     "LoadShifted",
     "MachineBroken",
@@ -55,6 +60,7 @@ __all__ = [
     "kind_of",
     "play",
     "random_schedule",
+    "random_waves",
     "read_fault",
     "read_schedule",
     "write_schedule",

@@ -13,8 +13,10 @@ from types import MappingProxyType
 from typing import Protocol
 
 from dray_sim.faults.kinds import (
+    ClockSet,
     Crashed,
     Fault,
+    JournalLost,
     LoadShifted,
     MachineBroken,
     NetworkFault,
@@ -24,6 +26,9 @@ from dray_sim.faults.kinds import (
 )
 from dray_sim.faults.names import Cast, FaultError
 from dray_sim.faults.schedule import Timed
+
+_ENDED = (Crashed, JournalLost, SentAway)
+"""Faults during which an agent's process is not there."""
 
 MAX_ACTIVE = 1000
 """Faults at one time: more than a plant has agents helps nobody to find anything."""
@@ -80,6 +85,8 @@ class World(Protocol):
     def power_off(self, agent: str) -> None: ...
     def power_on(self, agent: str) -> None: ...
     def crash(self, agent: str) -> None: ...
+    def lose_journal(self, agent: str) -> None: ...
+    def set_clock(self, agent: str, by_s: float) -> None: ...
     def ask_to_leave(self, agent: str) -> None: ...
     def restart(self, agent: str, *, trial: int = 0) -> None: ...
 
@@ -158,6 +165,10 @@ class Faults:
                 world.power_off(agent)
             case Crashed(agent):
                 world.crash(agent)
+            case JournalLost(agent):
+                world.lose_journal(agent)
+            case ClockSet(agent, by_s):
+                world.set_clock(agent, by_s)
             case SentAway(agent):
                 world.ask_to_leave(agent)
             case MachineBroken(machine, reason):
@@ -176,12 +187,14 @@ class Faults:
         match fault:
             case PoweredOff(agent):
                 self._put_on(agent)
-            case Crashed(agent):
+            case Crashed(agent) | JournalLost(agent):
                 # Without power it comes with the power, which somebody may have given by hand meanwhile.
-                if not self._holds(agent, Crashed, SentAway) and not world.running(agent):
+                if not self._holds(agent, *_ENDED) and not world.running(agent):
                     world.restart(agent)
+            case ClockSet(agent, by_s):
+                world.set_clock(agent, -by_s)
             case SentAway(agent, trial):
-                if not self._holds(agent, Crashed, SentAway):
+                if not self._holds(agent, *_ENDED):
                     world.restart(agent, trial=trial)
             case MachineBroken(machine):
                 if not self._holds(machine, MachineBroken):
@@ -196,7 +209,7 @@ class Faults:
         if self._holds(agent, PoweredOff):
             return
         self.world.power_on(agent)
-        if self._holds(agent, Crashed, SentAway):
+        if self._holds(agent, *_ENDED):
             self.world.crash(agent)
 
     def _holds(self, name: str, *kinds: type[Fault]) -> bool:
@@ -207,7 +220,7 @@ class Faults:
 def _subject(fault: Fault) -> str:
     """Whom a fault in one body or process is about."""
     match fault:
-        case PoweredOff(name) | Crashed(name) | SentAway(name):
+        case PoweredOff(name) | Crashed(name) | JournalLost(name) | SentAway(name):
             return name
         case MachineBroken(name) | VehicleBroken(name) | LoadShifted(name):
             return name

@@ -13,9 +13,11 @@ from dray.plant import Plant
 from dray_sim.coverage import access_points_of
 from dray_sim.faults.kinds import (
     AccessPointDown,
+    ClockSet,
     CoverageHole,
     Crashed,
     Fault,
+    JournalLost,
     LinkTrouble,
     LoadShifted,
     MachineBroken,
@@ -52,6 +54,21 @@ WEIGHTS: Mapping[type[Fault], float] = {
 
 LEAVING: Mapping[type[Fault], float] = {SentAway: 1.0}
 """Agents that leave and come back are no mishap, and drawn apart."""
+
+CLOCKS: Mapping[type[Fault], float] = {ClockSet: 1.0}
+"""Clocks that are set wrong are drawn apart, too: an agent whose clock is wrong is not in trouble by that alone."""
+
+VEHICLE_BACK_S = 2.0
+"""A vehicle whose next life begins so soon is not suspected: it beats once a second at work, and 3.5 s are silence."""
+
+COORDINATOR_BACK_S = 10.0
+"""A machine or the strategist likewise: a machine keeps its goals for 15 s of silence."""
+
+LONGEST_GAP_S = 5.0
+"""Between two agents of a wave: longer than whatever one of them does at its start."""
+
+LEAST_STEP_S, LARGEST_STEP_S = 0.05, 60.0
+"""By how much a clock is set wrong, evenly on a logarithmic scale: from what NTP leaves to what a person does."""
 
 LONGEST_TRIAL = 3
 """Transports; more than that hardly anybody does in a short run."""
@@ -105,6 +122,43 @@ def random_schedule(
     return tuple(schedule)
 
 
+def random_waves(plant: Plant, random: Random, duration_s: float, intensity: float) -> tuple[Timed, ...]:
+    """Draw restarts of whole sets of agents, in any order: crashes that end so soon that they should cost nothing.
+
+    Args:
+        plant: who is there.
+        random: the only source of chance.
+        duration_s: by then all are back (plant clock).
+        intensity: waves in a minute, on average.
+    """
+    cast = Cast.of_plant(plant)
+    waves: list[Timed] = []
+    at_s = random.expovariate(intensity / MEAN_GAP_S)
+    while at_s < duration_s and len(waves) < MAX_FAULTS:
+        for agent in _some_agents(cast, random):
+            down_s = COORDINATOR_BACK_S if agent not in cast.vehicles else VEHICLE_BACK_S
+            end_s = at_s + random.uniform(0.01, down_s)
+            if end_s < duration_s:
+                waves.append(Timed(_neat(at_s), Crashed(agent), _neat(end_s)))
+            at_s += random.choice((0.0, random.uniform(0.0, LONGEST_GAP_S)))
+        at_s += random.expovariate(intensity / MEAN_GAP_S)
+    return tuple(sorted(waves, key=lambda timed: timed.at_s))
+
+
+def _some_agents(cast: Cast, random: Random) -> list[str]:
+    """All machines before all vehicles, or the other way round, or a mixture; some kinds not at all."""
+    groups = [list(group) for group in (cast.machines, cast.vehicles, cast.others) if random.random() < 0.7]
+    for group in groups:
+        random.shuffle(group)
+        if random.random() < 0.5:
+            del group[random.randint(1, len(group)) :]
+    random.shuffle(groups)
+    agents = [agent for group in groups for agent in group]
+    if random.random() < 0.5:
+        random.shuffle(agents)
+    return agents
+
+
 def _neat(seconds: float) -> float:
     """To a hundredth, so that a schedule reads well."""
     return round(seconds, 2)
@@ -123,6 +177,16 @@ def _agent(plant: Plant, random: Random) -> str:
     cast = Cast.of_plant(plant)
     group = cast.vehicles if random.random() < 0.5 else (*cast.machines, *cast.others)
     return random.choice(group)
+
+
+def _forgetful(plant: Plant, random: Random) -> str:
+    """A machine or a vehicle. What the strategist has promised is in its notes alone, beside the gateway's database."""
+    return _machine(plant, random) if random.random() < 0.5 else _vehicle(plant, random)
+
+
+def _step_s(random: Random) -> float:
+    size_s = LEAST_STEP_S * (LARGEST_STEP_S / LEAST_STEP_S) ** random.random()
+    return _neat(random.choice((-size_s, size_s)))
 
 
 def _body(plant: Plant, random: Random) -> str:
@@ -174,6 +238,8 @@ _DRAW: Mapping[type[Fault], Callable[[Plant, Random], Fault]] = {
     AccessPointDown: lambda plant, random: AccessPointDown(random.choice(access_points_of(plant)).id),
     PoweredOff: lambda plant, random: PoweredOff(_body(plant, random)),
     Crashed: lambda plant, random: Crashed(_agent(plant, random)),
+    JournalLost: lambda plant, random: JournalLost(_forgetful(plant, random)),
+    ClockSet: lambda plant, random: ClockSet(_agent(plant, random), _step_s(random)),
     SentAway: lambda plant, random: SentAway(_agent(plant, random), random.randint(0, LONGEST_TRIAL)),
     MachineBroken: lambda plant, random: MachineBroken(_machine(plant, random)),
     VehicleBroken: lambda plant, random: VehicleBroken(_vehicle(plant, random)),

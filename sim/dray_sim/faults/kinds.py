@@ -102,6 +102,19 @@ class Crashed(_Kind, frozen=True):
     agent: Id
 
 
+class JournalLost(_Kind, frozen=True):
+    """An agent's process has ended, and what it had written down is lost or torn: it is started again without memory."""
+
+    agent: Id
+
+
+class ClockSet(_Kind, frozen=True):
+    """The clock of an agent's computer was set forward by so much, or back, and is set right at the end."""
+
+    agent: Id
+    by_s: Annotated[float, Meta(ge=-3600.0, le=3600.0)]
+
+
 class SentAway(_Kind, frozen=True):
     """An agent was asked to leave in order, for other software say; it is started again at the end.
 
@@ -136,7 +149,17 @@ class LoadShifted(_Kind, frozen=True):
     atv: Id
 
 
-Fault = NetworkFault | PoweredOff | Crashed | SentAway | MachineBroken | VehicleBroken | LoadShifted
+Fault = (
+    NetworkFault
+    | PoweredOff
+    | Crashed
+    | JournalLost
+    | ClockSet
+    | SentAway
+    | MachineBroken
+    | VehicleBroken
+    | LoadShifted
+)
 
 KINDS: tuple[type[Fault], ...] = get_args(Fault)
 KIND_NAMES: tuple[str, ...] = tuple(_snake(kind.__name__) for kind in KINDS)

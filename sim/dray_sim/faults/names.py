@@ -11,9 +11,11 @@ from dray.protocol.strategist import STRATEGIST
 from dray_sim.coverage import access_points_of
 from dray_sim.faults.kinds import (
     AccessPointDown,
+    ClockSet,
     CoverageHole,
     Crashed,
     Fault,
+    JournalLost,
     LinkTrouble,
     LoadShifted,
     MachineBroken,
@@ -88,7 +90,7 @@ class Cast:
                 _find(agent, self.vehicles, f"{where}.agent", "vehicle")
             case PoweredOff(agent):
                 _find(agent, (*self.machines, *self.vehicles), f"{where}.agent", "machine or vehicle")
-            case Crashed(agent) | SentAway(agent):
+            case Crashed(agent) | JournalLost(agent) | ClockSet(agent) | SentAway(agent):
                 _find(agent, self.agents, f"{where}.agent", "agent of the factory")
             case MachineBroken(machine=machine):
                 _find(machine, self.machines, f"{where}.machine", "machine")
