@@ -19,7 +19,7 @@ from dray.body import (
     WorkcellState,
 )
 from dray.errors import ProtocolViolation
-from dray.memory import AtvMemory
+from dray.memory import WHOLE, AtvMemory, EndedOrder
 from dray.messages import AtvHeartbeat, AtvStatus, EventsAsked, EventsKept, OrderTaken, Pose
 from dray.messages.fact import OrderFulfilled
 from dray.messages.keys import Keys
@@ -429,7 +429,7 @@ def test_what_a_journal_has_forgotten_is_said_to_be_gone() -> None:
 def test_a_life_tells_what_the_one_before_it_has_seen() -> None:
     async def story(stage: Stage) -> None:
         journal = HeldJournal(incarnation=2)
-        journal.write([messages.Event("A1", 2, 1, 0.0, OrderFulfilled("before"))], None)
+        journal.write([messages.Event("A1", 2, 1, 0.0, OrderFulfilled("before"))], {})
         journal.begin_life()
         await with_a_history(stage, 1, journal)
         historian = Listener(stage)
@@ -465,7 +465,7 @@ def test_a_step_is_written_down_as_a_whole_before_any_of_it_is_told() -> None:
         stranger = Listener(stage, "**")
         stage.start(Scripted("M1", answer), Watchful(), journal)
         await asyncio.sleep(1.0)
-        assert seen == [(AtvMemory(speed_frac=0.5), [OrderFulfilled("o1"), OrderFulfilled("o2")])]
+        assert seen == [({WHOLE: AtvMemory(speed_frac=0.5)}, [OrderFulfilled("o1"), OrderFulfilled("o2")])]
         assert stranger.events == journal.events(3, 1, 9)
 
     play(story)
@@ -473,7 +473,8 @@ def test_a_step_is_written_down_as_a_whole_before_any_of_it_is_told() -> None:
 
 def test_what_was_written_is_told_to_the_next_life() -> None:
     def answer(event: Event, _: float) -> list[Effect]:
-        return [Commit(AtvMemory(speed_frac=frac)) for frac in (0.1, 0.2)]
+        notes = [Commit(AtvMemory(speed_frac=frac)) for frac in (0.1, 0.2)]
+        return [*notes, Commit(EndedOrder(), "O-1"), Commit(EndedOrder(), "O-2"), Commit(None, "O-1")]
 
     async def story(stage: Stage) -> None:
         journal = HeldJournal()
@@ -484,7 +485,7 @@ def test_what_was_written_is_told_to_the_next_life() -> None:
         await asyncio.sleep(1.0)
         started = second.events[0][1]
         assert isinstance(started, Started)
-        assert started.memory == AtvMemory(speed_frac=0.2)
+        assert started.memory == {WHOLE: AtvMemory(speed_frac=0.2), "O-2": EndedOrder()}
 
     play(story)
 

@@ -1,10 +1,14 @@
 """What agents are bound by, as it is written down for their next life.
 
-A memory is a whole state, small and frozen. It holds what others rely on and what the agent's senses
-cannot tell it: contracts, epochs, counts. Everything else is sensed or asked anew.
+A memory is a few notes, each small, frozen and with a name. They hold what others rely on and what the agent's
+senses cannot tell it: contracts, epochs, counts. Everything else is sensed or asked anew. A vehicle and a machine
+have one note; the strategist has one per order, so that what it writes in a step does not grow with all that it
+has in work.
 """
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 from dray.messages import OrderItem, Phase, Production, TakenOver, Transport
 from dray.messages.base import Part
@@ -105,20 +109,20 @@ class TaskMemory(Part, frozen=True):
 
 
 class StrategistMemory(Part, tag_field="kind", tag="strategist", frozen=True):
-    """What the strategist is bound by."""
+    """What the strategist is bound by beside its orders."""
 
-    orders: tuple[OrderMemory, ...] = ()
-    ended: tuple[str, ...] = ()
-    """Ended orders whose repeated release is recognised, oldest first."""
     goal_count: int = 0
-    returned: tuple[ReturnedOrder, ...] = ()
-    """Orders that were taken back, oldest first."""
-    fulfilled: tuple[str, ...] = ()
-    """Those of the ended orders of which all has arrived. The others were cancelled, or ended in a version of
-    the software that did not write it down."""
+    """Names of goals go on from here."""
 
 
-class ReturnedOrder(Part, frozen=True):
+class EndedOrder(Part, tag_field="kind", tag="ended", frozen=True):
+    """An order that has ended: no release of it is begun any more."""
+
+    fulfilled: bool = False
+    """All of it has arrived; else it was cancelled."""
+
+
+class ReturnedOrder(Part, tag_field="kind", tag="returned", frozen=True):
     """An order that was taken back: a later release of it is taken, and no other."""
 
     order: str
@@ -127,7 +131,7 @@ class ReturnedOrder(Part, frozen=True):
     """Per item, what had not arrived; empty when this release never came."""
 
 
-class OrderMemory(Part, frozen=True):
+class OrderMemory(Part, tag_field="kind", tag="order", frozen=True):
     """An order in work as the strategist remembers it."""
 
     order: str
@@ -153,4 +157,13 @@ class GoalBooked(Part, frozen=True):
     """Pieces that were counted at the gate, and told of."""
 
 
-Memory = AtvMemory | MachineMemory | StrategistMemory
+Note = AtvMemory | MachineMemory | StrategistMemory | OrderMemory | ReturnedOrder | EndedOrder
+
+WHOLE = ""
+"""The name of an agent's only note, or of that which is about none of its orders. An order's note has its id."""
+
+Memory = Mapping[str, Note]
+"""Notes by name, in the order in which they were first written; one that is written again keeps its place."""
+
+Changes = Mapping[str, Note | None]
+"""What is to become of notes, by name: None for those that are not needed any more."""

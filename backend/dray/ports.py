@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from dray.body import BodyState, Instruction, Report
-from dray.memory import Memory
+from dray.memory import Changes, Memory
 from dray.messages import Event, Message
 
 Receive = Callable[[str, Message], None]
@@ -110,8 +110,8 @@ class Journal(Protocol):
         ...
 
     @property
-    def memory(self) -> Memory | None:
-        """What was written last; None when nothing ever was."""
+    def memory(self) -> Memory:
+        """The notes as they were written last, in the order in which each was first written; read anew each time."""
         ...
 
     @property
@@ -122,9 +122,10 @@ class Journal(Protocol):
         """
         ...
 
-    def write(self, events: Sequence[Event], memory: Memory | None) -> None:
-        """Keep these events until they are old, and replace the memory, unless there is none.
+    def write(self, events: Sequence[Event], changes: Changes) -> None:
+        """Keep these events until they are old, and replace or forget these notes; all others stay.
 
+        It costs as much as what is given, whatever else is kept.
         The numbers of events go on from those of the same life that were written before.
         """
         ...

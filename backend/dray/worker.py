@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dray.body import BodyState, Instruction, Report
-    from dray.memory import Memory
+    from dray.memory import Note
     from dray.messages.keys import Keys
     from dray.ports import Body, Bus, Clock, Journal, Session
 
@@ -266,15 +266,16 @@ class Worker:
         will ever hear, nor a number that was told and is given again.
         """
         events: list[messages.Event] = []
-        memory: Memory | None = None
+        changes: dict[str, Note | None] = {}
         for effect in effects:
             kind = type(effect)
             if kind is Record:
                 events.append(self._number(cast(Record, effect).fact))
             elif kind is Commit:
-                memory = cast(Commit, effect).memory
-        if events or memory is not None:
-            self._journal.write(events, memory)
+                commit = cast(Commit, effect)
+                changes[commit.name] = commit.note
+        if events or changes:
+            self._journal.write(events, changes)
         return iter(events)
 
     def _number(self, fact: messages.AnyFact) -> messages.Event:

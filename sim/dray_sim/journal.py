@@ -7,14 +7,14 @@ from collections.abc import Sequence
 
 import msgspec
 
-from dray.memory import Memory
+from dray.memory import Changes, Memory, Note
 from dray.messages import Event
 
 HISTORY_FACTS = 1000
 """Facts kept for whoever missed some: with 300 agents in one memory some 150 MB at worst, and at one fact in
 ten seconds nearly three hours of a historian's absence."""
 
-_READ: msgspec.json.Decoder[Memory] = msgspec.json.Decoder(Memory)
+_READ: msgspec.json.Decoder[dict[str, Note]] = msgspec.json.Decoder(dict[str, Note])
 
 
 class HeldJournal:
@@ -30,7 +30,7 @@ class HeldJournal:
 
     def __init__(self, *, incarnation: int = 1, events_kept: int = HISTORY_FACTS) -> None:
         self._incarnation = incarnation
-        self._memory: Memory | None = None
+        self._memory: dict[str, Note] = {}
         self._events: deque[Event] = deque(maxlen=events_kept)
         self._lost = ""
 
@@ -40,10 +40,8 @@ class HeldJournal:
         return self._incarnation
 
     @property
-    def memory(self) -> Memory | None:
+    def memory(self) -> Memory:
         """See `dray.ports.Journal`: what a disk would give back, so only what can be written and read."""
-        if self._memory is None:
-            return None
         return _READ.decode(msgspec.json.encode(self._memory))
 
     @property
@@ -53,7 +51,7 @@ class HeldJournal:
 
     def lose(self, reason: str) -> None:
         """The agent's next life finds nothing of what was written, as when its disk has failed."""
-        self._memory = None
+        self._memory = {}
         self._events.clear()
         self._lost = reason
 
@@ -61,13 +59,16 @@ class HeldJournal:
         """The agent is started once more."""
         self._incarnation += 1
 
-    def write(self, events: Sequence[Event], memory: Memory | None) -> None:
+    def write(self, events: Sequence[Event], changes: Changes) -> None:
         """See `dray.ports.Journal`."""
         self._events.extend(events)
         if events:
             self._lost = ""
-        if memory is not None:
-            self._memory = memory
+        for name, note in changes.items():
+            if note is None:
+                self._memory.pop(name, None)
+            else:
+                self._memory[name] = note
 
     def kept(self, incarnation: int) -> tuple[int, int]:
         """See `dray.ports.Journal`."""

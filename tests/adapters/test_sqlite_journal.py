@@ -16,7 +16,7 @@ import pytest
 from dray.adapters.quarantine import KEPT
 from dray.adapters.sqlite_journal import SqliteJournal, read_events
 from dray.errors import UnavailableError
-from dray.memory import AtvMemory
+from dray.memory import WHOLE, AtvMemory
 from dray.messages import Event
 from dray.messages.fact import OrderFulfilled
 
@@ -32,7 +32,7 @@ journal = SqliteJournal(Path(sys.argv[1]), events_kept=1000)
 number = 0
 while True:
     number += 1
-    journal.write([Event("A", 1, number, 0.0, OrderFulfilled("O"))], AtvMemory(speed_frac=number / 1e6))
+    journal.write([Event("A", 1, number, 0.0, OrderFulfilled("O"))], {"": AtvMemory(speed_frac=number / 1e6)})
     print(number, flush=True)
 """
 
@@ -50,7 +50,7 @@ def test_what_a_killed_process_has_written_is_there_and_each_write_wholly(tmp_pa
         first, last = journal.kept(1)
         assert journal.incarnation == 2
         assert (first, last) in {(1, told[-1]), (1, told[-1] + 1)}
-        assert journal.memory == AtvMemory(speed_frac=last / 1e6)
+        assert journal.memory == {WHOLE: AtvMemory(speed_frac=last / 1e6)}
 
 
 def test_a_folder_in_the_place_of_a_journal_is_named(tmp_path: Path) -> None:
@@ -76,7 +76,7 @@ def lived(file: Path, *, events: int = 300) -> bytes:
                     Event(file.stem, life, number, 0.0, OrderFulfilled(f"O{number}"))
                     for number in range(1, events)
                 ],
-                AtvMemory(speed_frac=0.5),
+                {WHOLE: AtvMemory(speed_frac=0.5)},
             )
     return file.read_bytes()
 
@@ -112,14 +112,14 @@ def test_a_damaged_journal_is_moved_aside_and_its_agent_begins_a_greater_life(
                 damaged += 1
                 # Of a file that was cut off at its first byte there is nothing to be kept.
                 assert list(tmp_path.glob("ATV1.db.damaged-*")) or "not there" in journal.lost
-                assert journal.memory is None
+                assert journal.memory == {}
                 assert journal.kept(2) == (1, 0)
             else:
-                assert journal.memory == AtvMemory(speed_frac=0.5)
+                assert journal.memory == {WHOLE: AtvMemory(speed_frac=0.5)}
                 assert [event.number for event in journal.events(2, 1, 300)] == list(range(1, 300))
-            journal.write([Event("ATV1", 3, 1, 0.0, OrderFulfilled("O"))], AtvMemory())
+            journal.write([Event("ATV1", 3, 1, 0.0, OrderFulfilled("O"))], {WHOLE: AtvMemory()})
         with closing(SqliteJournal(file)) as journal:
-            assert (journal.incarnation, journal.lost, journal.memory) == (4, "", AtvMemory())
+            assert (journal.incarnation, journal.lost, journal.memory) == (4, "", {WHOLE: AtvMemory()})
     # Some bits of a file mean nothing: unused room in its pages, say.
     assert damaged > 10
 
@@ -131,7 +131,7 @@ def test_an_old_copy_that_was_put_back_is_no_memory(tmp_path: Path) -> None:
         SqliteJournal(file).close()
     file.write_bytes(copy)
     with closing(SqliteJournal(file)) as journal:
-        assert (journal.incarnation, journal.memory) == (5, None)
+        assert (journal.incarnation, journal.memory) == (5, {})
         assert "an old copy, of life 2, and its agent has had 4" in journal.lost
 
 
@@ -146,7 +146,7 @@ def test_a_journal_of_another_agent_is_left_alone_and_named(tmp_path: Path) -> N
             SqliteJournal(mine)
     mine.rename(others)
     with closing(SqliteJournal(others)) as journal:
-        assert (journal.incarnation, journal.memory) == (3, AtvMemory(speed_frac=0.5))
+        assert (journal.incarnation, journal.memory) == (3, {WHOLE: AtvMemory(speed_frac=0.5)})
 
 
 @pytest.mark.parametrize("content", ["", "17", "1\ufffd", "99 00000000", "x" * 10_000])
@@ -193,16 +193,16 @@ def test_a_write_behind_a_damaged_file_is_not_read_as_one_of_the_next(tmp_path: 
     file = tmp_path / "ATV1.db"
     lived(file)
     with closing(SqliteJournal(file)) as hung:
-        hung.write([], AtvMemory(speed_frac=0.75))
+        hung.write([], {WHOLE: AtvMemory(speed_frac=0.75)})
         file.write_bytes(b"\0" * 20_000)
         with closing(SqliteJournal(file)) as journal:
-            assert (journal.incarnation, journal.memory) == (4, None)
+            assert (journal.incarnation, journal.memory) == (4, {})
             assert journal.lost
             with contextlib.suppress(UnavailableError):
-                hung.write([], AtvMemory(speed_frac=0.25))
-            assert journal.memory is None
+                hung.write([], {WHOLE: AtvMemory(speed_frac=0.25)})
+            assert journal.memory == {}
         with closing(SqliteJournal(file)) as journal:
-            assert (journal.incarnation, journal.memory) == (5, None)
+            assert (journal.incarnation, journal.memory) == (5, {})
 
 
 def test_a_loss_is_in_the_log(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
@@ -220,7 +220,7 @@ def test_a_history_is_read_over_all_lives_and_begins_none(tmp_path: Path) -> Non
     told = [Event("A", life, number, 0.0, OrderFulfilled("O")) for life in (1, 2) for number in (1, 2, 3)]
     for life in (1, 2):
         with closing(SqliteJournal(file, events_kept=5)) as journal:
-            journal.write([event for event in told if event.incarnation == life], None)
+            journal.write([event for event in told if event.incarnation == life], {})
     assert read_events(file) == told[1:]
     with closing(SqliteJournal(file, events_kept=5)) as journal:
         assert journal.incarnation == 3
@@ -230,11 +230,11 @@ def test_a_history_is_read_over_all_lives_and_begins_none(tmp_path: Path) -> Non
 def test_a_write_that_fails_leaves_what_was_there(tmp_path: Path) -> None:
     with closing(SqliteJournal(tmp_path / "journal.db", events_kept=10)) as journal:
         event = Event("A", 1, 1, 0.0, OrderFulfilled("O"))
-        journal.write([event], AtvMemory(speed_frac=0.5))
+        journal.write([event], {WHOLE: AtvMemory(speed_frac=0.5)})
         # A number is given once; a second event of the same number is our own bug.
         with pytest.raises(UnavailableError):
-            journal.write([event], AtvMemory(speed_frac=0.75))
-        assert journal.memory == AtvMemory(speed_frac=0.5)
+            journal.write([event], {WHOLE: AtvMemory(speed_frac=0.75)})
+        assert journal.memory == {WHOLE: AtvMemory(speed_frac=0.5)}
         assert journal.events(1, 1, 9) == [event]
 
 
@@ -249,9 +249,9 @@ def test_a_write_that_sqlite_has_taken_back_by_itself_is_told_with_its_cause(tmp
             "CREATE TRIGGER full BEFORE INSERT ON event BEGIN SELECT RAISE(ROLLBACK, 'the disk is full'); END"
         )
         with pytest.raises(UnavailableError, match="the disk is full"):
-            journal.write([event(1)], None)
+            journal.write([event(1)], {})
         journal._base.execute("DROP TRIGGER full")
-        journal.write([event(1)], None)
+        journal.write([event(1)], {})
         assert journal.events(1, 1, 9) == [event(1)]
 
 
@@ -265,7 +265,7 @@ def test_a_write_that_fails_at_its_end_hinders_no_later_one(tmp_path: Path) -> N
             """
         )
         with pytest.raises(UnavailableError, match="FOREIGN KEY"):
-            journal.write([event(1)], None)
+            journal.write([event(1)], {})
         journal._base.execute("DROP TRIGGER owe")
-        journal.write([event(2)], None)
+        journal.write([event(2)], {})
         assert journal.events(1, 1, 9) == [event(2)]

@@ -20,7 +20,7 @@ from dray.adapters.zenoh_links import Links
 from dray.cli.office import run_historian
 from dray.cli.process import Surroundings, serve_floor
 from dray.errors import UnavailableError
-from dray.memory import AtvMemory
+from dray.memory import WHOLE, AtvMemory
 from dray.messages.speakers import Kind
 from dray.plant import default_plant, plant_yaml
 from dray.settings import Settings
@@ -165,7 +165,7 @@ def test_an_agent_does_not_begin_on_a_floor_that_knows_nothing_of_what_binds_it(
     dray: Dray, floor: subprocess.Popen[str], tmp_path: Path
 ) -> None:
     with closing(SqliteJournal(tmp_path / "journals/ATV1.db", events_kept=1)) as journal:
-        journal.write((), AtvMemory(speed_frac=0.5))
+        journal.write((), {WHOLE: AtvMemory(speed_frac=0.5)})
     code, told = dray("agent", "atv", "ATV1")
     assert code == 1
     assert "journals/ATV1.db is about: is gone, for the floor has begun anew; move away the journals" in told

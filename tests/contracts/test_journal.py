@@ -14,14 +14,17 @@ import pytest
 
 from dray.adapters.sqlite_journal import SqliteJournal
 from dray.memory import (
+    WHOLE,
     AtvMemory,
     CommandMemory,
     Contract,
+    EndedOrder,
     GoalBooked,
     GoalMemory,
     MachineMemory,
-    Memory,
+    Note,
     OrderMemory,
+    ReturnedOrder,
     StrategistMemory,
     TaskMemory,
 )
@@ -92,7 +95,7 @@ def event(life: int, number: int) -> Event:
 def write(journal: Journal, numbers: range) -> list[Event]:
     written = [event(journal.incarnation, number) for number in numbers]
     for one in written:
-        journal.write([one], None)
+        journal.write([one], {})
     return written
 
 
@@ -131,14 +134,18 @@ TASK = TaskMemory(
     promised_s=12.0,
 )
 BOOKED = GoalBooked(goal="O-1-1.1", work=MAKE, deadline_s=99.0, machine="M1")
+GOALS = StrategistMemory(goal_count=7)
 ORDER = OrderMemory(order="O-1", items=(OrderItem("P1", 4),), due_s=99.0, goals=(BOOKED,))
 
-MEMORIES: list[Memory] = [
+NOTES: list[Note] = [
     AtvMemory(),
     AtvMemory(contract=CONTRACT, acknowledged=True, speed_frac=0.25),
     AtvMemory(answered=(CommandMemory(command="C1", person="person:p", valid_until_s=9.5, refused="no"),)),
     MachineMemory(goals=(GOAL,), tasks=(TASK,), task_count=7),
-    StrategistMemory(orders=(ORDER,), ended=("O-0", "O-9"), goal_count=5, fulfilled=("O-0",)),
+    StrategistMemory(goal_count=5),
+    ORDER,
+    EndedOrder(fulfilled=True),
+    ReturnedOrder(order="O-1", release=2, outstanding=(4, 0)),
 ]
 
 
@@ -153,35 +160,46 @@ def test_lives_are_counted_from_one(case: Case) -> None:
 def test_an_agent_that_never_wrote_a_memory_remembers_nothing(case: Case) -> None:
     journal = case.first_life()
     write(journal, range(1, 3))
-    assert journal.memory is None
-    assert case.next_life(journal).memory is None
+    assert journal.memory == {}
+    assert case.next_life(journal).memory == {}
 
 
-@pytest.mark.parametrize("memory", MEMORIES, ids=lambda memory: type(memory).__name__)
-def test_every_kind_of_memory_outlives_the_process(case: Case, memory: Memory) -> None:
+@pytest.mark.parametrize("note", NOTES, ids=lambda note: type(note).__name__)
+def test_every_kind_of_note_outlives_the_process(case: Case, note: Note) -> None:
     journal = case.first_life()
-    journal.write([], memory)
-    assert journal.memory == memory
+    journal.write([], {"O-1": note})
+    assert journal.memory == {"O-1": note}
     again = case.next_life(journal)
-    assert again.memory == memory
-    assert case.next_life(again).memory == memory
+    assert again.memory == {"O-1": note}
+    assert case.next_life(again).memory == {"O-1": note}
 
 
 def test_events_without_a_memory_leave_the_one_that_is_there(case: Case) -> None:
     journal = case.first_life()
     written = [event(1, number) for number in (1, 2, 3)]
-    journal.write(written, AtvMemory(speed_frac=0.5))
-    journal.write([event(1, 4)], None)
+    journal.write(written, {WHOLE: AtvMemory(speed_frac=0.5)})
+    journal.write([event(1, 4)], {})
     journal = case.next_life(journal)
-    assert journal.memory == AtvMemory(speed_frac=0.5)
+    assert journal.memory == {WHOLE: AtvMemory(speed_frac=0.5)}
     assert journal.events(1, 1, 9) == [*written, event(1, 4)]
 
 
-def test_the_last_memory_replaces_those_before_it(case: Case) -> None:
+def test_a_note_is_replaced_or_forgotten_and_all_others_stay(case: Case) -> None:
     journal = case.first_life()
-    for memory in (*MEMORIES, AtvMemory()):
-        journal.write([], memory)
-    assert case.next_life(journal).memory == AtvMemory()
+    journal.write([], {"A": AtvMemory(), "B": GOALS, "C": EndedOrder()})
+    journal.write([], {"B": ORDER})
+    journal.write([event(1, 1)], {"A": None, "never written": None, "D": EndedOrder(fulfilled=True)})
+    journal = case.next_life(journal)
+    assert journal.memory == {"B": ORDER, "C": EndedOrder(), "D": EndedOrder(fulfilled=True)}
+
+
+def test_notes_come_in_the_order_in_which_they_were_first_written(case: Case) -> None:
+    journal = case.first_life()
+    for number in range(20):
+        journal.write([], {f"O{number % 7}": StrategistMemory(goal_count=number)})
+    journal.write([], {"O3": None})
+    journal.write([], {"O3": EndedOrder(), "O1": EndedOrder()})
+    assert list(case.next_life(journal).memory) == ["O0", "O1", "O2", "O4", "O5", "O6", "O3"]
 
 
 def test_events_are_found_by_life_and_number_both_ends_included(case: Case) -> None:
@@ -207,17 +225,17 @@ def test_a_journal_tells_which_numbers_of_a_life_it_keeps(case: Case) -> None:
 def test_a_journal_that_was_lost_says_so_until_it_is_told_and_lives_are_counted_on(case: Case) -> None:
     journal = case.next_life(case.first_life())
     assert journal.lost == ""
-    journal.write([event(2, 1)], AtvMemory(speed_frac=0.5))
+    journal.write([event(2, 1)], {WHOLE: AtvMemory(speed_frac=0.5)})
     case.lose(journal)
     journal = case.next_life(journal)
-    assert (journal.incarnation, journal.memory, journal.kept(2)) == (3, None, (1, 0))
+    assert (journal.incarnation, journal.memory, journal.kept(2)) == (3, {}, (1, 0))
     assert journal.lost
     journal = case.next_life(journal)
     assert journal.incarnation == 4
     assert journal.lost, "the life before has told nobody"
-    journal.write([], AtvMemory())
+    journal.write([], {WHOLE: AtvMemory()})
     assert journal.lost
-    journal.write([event(4, 1)], None)
+    journal.write([event(4, 1)], {})
     assert journal.lost == case.next_life(journal).lost == ""
 
 

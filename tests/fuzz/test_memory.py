@@ -141,8 +141,10 @@ SITUATIONS: tuple[Callable[[], Played], ...] = (
 @pytest.mark.parametrize("situation", SITUATIONS, ids=lambda each: each.__name__)
 @pytest.mark.parametrize("kind", MESSAGE_TYPES, ids=lambda each: each.__name__)
 def test_an_agent_does_not_keep_all_that_it_hears(
-    kind: type[Message], situation: Callable[[], Played]
+    kind: type[Message], situation: Callable[[], Played], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    # Its own bound would take a hundred thousand orders.
+    monkeypatch.setattr("dray.protocol.order_book.ENDED_KEPT", 1000)
     actor = situation()
     agent = actor.agent
     assert agent is not None

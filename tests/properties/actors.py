@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from bodies import PlainBody
 
 from dray.body import Report
-from dray.memory import Memory
+from dray.memory import Note
 from dray.messages import Message
 from dray.protocol.events import (
     NEVER_S,
@@ -60,7 +60,7 @@ class Actor:
         self.leaving = False
         self.now_s = 0.0
         self.incarnation = 0
-        self.memory: Memory | None = None
+        self.memory: dict[str, Note] = {}
         self.busiest = 0
         self._steps = 0
         self._queue: deque[Event] = deque()
@@ -72,7 +72,7 @@ class Actor:
         self.leaving = False
         self.agent = self._create(self.incarnation)
         body = None if self.body is None else self.body.sense()
-        self._handle(Started(body, self.memory))
+        self._handle(Started(body, dict(self.memory)))
 
     def crash(self) -> None:
         """The life ends; the body goes on with what it was told to do."""
@@ -137,7 +137,10 @@ class Actor:
     def _carry_out(self, effect: Effect) -> None:
         self._watch(effect)
         if isinstance(effect, Commit):
-            self.memory = effect.memory
+            if effect.note is None:
+                self.memory.pop(effect.name, None)
+            else:
+                self.memory[effect.name] = effect.note
         elif isinstance(effect, Instruct) and self.body is not None:
             self._queue.extend(map(Reported, self.body.instruct(effect.instruction, self.now_s)))
         elif isinstance(effect, Leave):

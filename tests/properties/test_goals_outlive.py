@@ -15,11 +15,11 @@ from kit import (
     PLANT,
     StrategistRig,
     accepted,
-    committed,
     facts,
     goal_bid,
     instructed,
     mhb,
+    remember,
     sent,
 )
 
@@ -51,7 +51,7 @@ class GoalsOutlive(RuleBasedStateMachine):
         self.taken: dict[str, list[str]] = {machine: [] for machine in MACHINES}
         self.awards: dict[str, dict[str, Award]] = {machine: {} for machine in MACHINES}
         """By machine and goal: the award that it has heard last."""
-        self.memory: Memory | None = None
+        self.memory: Memory = {}
         self.fulfilled = 0
         self.beats = 0
         self.lives = 1
@@ -70,7 +70,7 @@ class GoalsOutlive(RuleBasedStateMachine):
         for machine in MACHINES:
             for award in sent(effects, Award, to=machine):
                 self.awards[machine][award.task] = award
-        self.memory = committed(effects) or self.memory
+        self.memory = remember(self.memory, effects)
         self.fulfilled += len(facts(effects, OrderFulfilled))
         self.rig.all.clear()
 

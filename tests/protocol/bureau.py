@@ -7,10 +7,10 @@ from kit import (
     StrategistRig,
     accepted,
     award_number,
-    committed,
     goal_bid,
     mhb,
     published,
+    remember,
     sent,
 )
 
@@ -105,7 +105,7 @@ def brief(goal: str, made: int = 5, delivered: int = 0, quantity: int = 24) -> G
 
 def reborn(rig: StrategistRig, incarnation: int = 2) -> StrategistRig:
     """The strategist is started again, with its gate as it is and what it had written down."""
-    again = StrategistRig(memory=committed(rig.all), incarnation=incarnation)
+    again = StrategistRig(memory=remember(rig.memory, rig.all), incarnation=incarnation)
     again.arrived, again.now_s = rig.arrived, rig.now_s
     again.start()
     return again

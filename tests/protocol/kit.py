@@ -129,10 +129,20 @@ def instructed(effects: list[Effect], kind: type[T]) -> list[T]:
     ]
 
 
-def committed(effects: list[Effect]) -> Memory | None:
-    """What was written down last; None when nothing was."""
-    memories = [effect.memory for effect in effects if isinstance(effect, Commit)]
-    return memories[-1] if memories else None
+def remember(memory: Memory, effects: list[Effect]) -> Memory:
+    """What a journal holds after these effects."""
+    notes = dict(memory)
+    for effect in effects:
+        if isinstance(effect, Commit) and effect.note is None:
+            notes.pop(effect.name, None)
+        elif isinstance(effect, Commit) and effect.note is not None:
+            notes[effect.name] = effect.note
+    return notes
+
+
+def committed(effects: list[Effect]) -> Memory:
+    """What was written down by these effects, and is not forgotten again; empty when nothing was."""
+    return remember({}, effects)
 
 
 def listening(effects: list[Effect]) -> set[str]:
@@ -262,7 +272,7 @@ class Rig:
         self.now_s = 0.0
         self.all: list[Effect] = []
         """Every effect from the beginning."""
-        self.memory: Memory | None = None
+        self.memory: Memory = {}
         """What an earlier life has committed."""
 
     def sense(self) -> BodyState | None:
@@ -456,7 +466,7 @@ class StrategistRig(Rig):
 
     def __init__(self, *, memory: Memory | None = None, **options: Any) -> None:
         super().__init__(Strategist(PLANT, **options))
-        self.memory = memory
+        self.memory = memory or {}
         self.arrived: dict[str, int] = {}
 
     def sense(self) -> GateState:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dray.body import BodyState
-from dray.memory import Memory, StrategistMemory
+from dray.memory import WHOLE, Memory, Note, StrategistMemory
 from dray.messages import OrderTaken
 from dray.messages.fact import MemoryLost
 from dray.protocol.core import Core
@@ -18,8 +18,9 @@ class Clerk(Core):
         self.diligent = diligent
         self.lives = 0
 
-    def _start(self, _body: BodyState | None, memory: Memory | None, _now_s: float) -> None:
-        self.lives = memory.goal_count if isinstance(memory, StrategistMemory) else 0
+    def _start(self, _body: BodyState | None, memory: Memory, _now_s: float) -> None:
+        note = memory.get(WHOLE)
+        self.lives = note.goal_count if isinstance(note, StrategistMemory) else 0
         self._out.append(Send("desk", OrderTaken(order="before")))
         if self.diligent:
             self._commit()
@@ -27,7 +28,7 @@ class Clerk(Core):
             self._commit()
         self._out.append(Send("desk", OrderTaken(order="after")))
 
-    def _memory(self) -> Memory:
+    def _memory(self) -> Note:
         return StrategistMemory(goal_count=self.lives)
 
 
@@ -53,7 +54,7 @@ def test_a_step_that_binds_nothing_writes_nothing() -> None:
 
 
 def test_a_life_goes_on_from_what_the_last_one_has_committed() -> None:
-    effects = Clerk().handle(Started(None, StrategistMemory(goal_count=7)), 0.0)
+    effects = Clerk().handle(Started(None, {WHOLE: StrategistMemory(goal_count=7)}), 0.0)
 
     assert effects[0] == Commit(StrategistMemory(goal_count=8))
 

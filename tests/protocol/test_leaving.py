@@ -17,6 +17,7 @@ from kit import (
     announcement,
     award,
     award_number,
+    committed,
     facts,
     goal_bid,
     instructed,
@@ -30,7 +31,7 @@ from office import Office, watched
 from seals import granted
 
 from dray.body import Drive, Pick, ProblemRaised
-from dray.memory import AtvMemory
+from dray.memory import WHOLE, AtvMemory
 from dray.messages import (
     Accepted,
     AtvHeartbeat,
@@ -56,7 +57,7 @@ from dray.messages import (
 )
 from dray.messages.fact import BidRefused, CarrierChanged, ContractEnded
 from dray.protocol.carriage import GIVE_UP_AFTER
-from dray.protocol.events import NEVER_S, Commit, Leave
+from dray.protocol.events import NEVER_S, Leave
 from dray.protocol.insisting import ASK_AGAIN_S
 from dray.protocol.leaving import CARRIER_LEAVES_WITHIN_S, COORDINATOR_LEAVES_WITHIN_S, LEAVES
 from dray.protocol.machine_watch import GOAL_SILENCE_S
@@ -171,8 +172,7 @@ def test_a_task_whose_load_is_not_on_board_is_given_back_and_it_waits_to_be_reli
     assert newest(rig).task is None
     [ended] = facts(rig.all, ContractEnded)
     assert (ended.task, ended.reason) == ("M8-1", LEAVES)
-    [memory] = [effect.memory for effect in rig.all[-8:] if isinstance(effect, Commit)]
-    assert memory == AtvMemory()
+    assert committed(rig.all[-8:]) == {WHOLE: AtvMemory()}
 
 
 def test_it_says_so_until_it_was_heard() -> None:

@@ -10,6 +10,7 @@ from kit import (
     accepted,
     award_number,
     bid,
+    committed,
     facts,
     instructed,
     listening,
@@ -38,7 +39,6 @@ from dray.messages import (
     Transport,
 )
 from dray.messages.fact import CarrierChanged, TaskClosed
-from dray.protocol.events import Commit
 from dray.protocol.suspicion import LATENESS_MAX_S
 from dray.protocol.transports import ADOPT_S
 
@@ -165,7 +165,7 @@ def test_goods_that_leave_with_somebody_else_are_made_anew() -> None:
 # --- another life --------------------------------------------------------------------------------
 
 
-def reborn(rig: MachineRig, memory: Memory | None, **stock: int) -> MachineRig:
+def reborn(rig: MachineRig, memory: Memory, **stock: int) -> MachineRig:
     again = MachineRig("M7", rig.stock | stock, incarnation=2)
     again.memory, again.now_s = memory, rig.now_s
     again.start()
@@ -173,7 +173,7 @@ def reborn(rig: MachineRig, memory: Memory | None, **stock: int) -> MachineRig:
 
 
 def notes(rig: MachineRig) -> Memory:
-    return [effect.memory for effect in rig.all if isinstance(effect, Commit)][-1]
+    return committed(rig.all)
 
 
 def names(rig: MachineRig, atv: str, task: str, *, epoch: int = 1, item: str = "housing") -> None:
@@ -193,7 +193,7 @@ def names(rig: MachineRig, atv: str, task: str, *, epoch: int = 1, item: str = "
 
 
 def test_a_machine_that_was_started_again_listens_to_all_vehicles_for_a_while() -> None:
-    again = reborn(supplied(), None)
+    again = reborn(supplied(), {})
     assert KEYS.all_atv_heartbeats in listening(again.all)
     again.run(again.now_s + ADOPT_S)
     assert KEYS.all_atv_heartbeats not in listening(again.all)
@@ -230,14 +230,14 @@ def test_a_task_that_no_vehicle_names_is_announced_anew() -> None:
 
 
 def test_a_machine_that_has_lost_its_notes_adopts_who_carries_material_for_it() -> None:
-    again = reborn(supplied(), None)
+    again = reborn(supplied(), {})
     names(again, "ATV2", "M7-1")
     assert carrier(again) == ("ATV2", 1)
     assert len(sent(again.hear("ATV2", Docked(task="M7-1", epoch=1, station="M7")), DockOpened)) == 1
 
 
 def test_what_is_no_material_of_this_machine_is_not_adopted() -> None:
-    again = reborn(supplied(), None)
+    again = reborn(supplied(), {})
     other = next(material for material in PLANT.materials if material not in PLANT.materials_of("M7"))
     names(again, "ATV2", "M7-1", item=other)
     assert again.heartbeats(MachineHeartbeat) == [] or again.heartbeats(MachineHeartbeat)[-1].tasks == ()

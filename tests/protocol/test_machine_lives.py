@@ -19,7 +19,7 @@ from m7 import (
 )
 
 from dray.body import CycleDone, StartCycle, WorkcellState
-from dray.memory import MachineMemory
+from dray.memory import WHOLE, MachineMemory
 from dray.messages import (
     Accepted,
     Confirmed,
@@ -112,9 +112,9 @@ def test_what_was_handed_over_is_written_down_before_the_vehicle_is_told() -> No
     [task] = [each.task for each in published(rig.all, TaskAnnounced) if each.work.goal]  # type: ignore[union-attr]
     effects = delivered(rig, task)
     assert isinstance(effects[0], Commit)
-    memory = committed(effects)
-    assert isinstance(memory, MachineMemory)
-    assert [(goal.made, goal.delivered) for goal in memory.goals] == [(24, 24)]
+    note = committed(effects)[WHOLE]
+    assert isinstance(note, MachineMemory)
+    assert [(goal.made, goal.delivered) for goal in note.goals] == [(24, 24)]
 
 
 def test_a_cycle_that_an_earlier_life_has_begun_makes_a_piece_for_the_next_goal() -> None:

@@ -7,7 +7,7 @@ from msgspec.structs import replace
 from seals import granted, seal
 
 from dray.body import Hold, LimitSpeed, Unhold
-from dray.memory import AtvMemory
+from dray.memory import WHOLE, AtvMemory
 from dray.messages import CommandAnswered, CommandKind, VehicleCommand, signed_words
 from dray.messages.command import STOP_MARGIN_M
 from dray.messages.fact import CommandObeyed, HelpPromised
@@ -285,6 +285,6 @@ def test_only_commands_that_could_be_obeyed_again_are_written_down() -> None:
     told(rig, granted("ATV1", STOP, valid_until_s=10.0))
     rig.now_s = 20.0
     told(rig, granted("ATV1", SLOW, valid_until_s=30.0))
-    memory = committed(rig.all)
-    assert isinstance(memory, AtvMemory)
-    assert [each.command for each in memory.answered] == [SLOW.command]
+    note = committed(rig.all)[WHOLE]
+    assert isinstance(note, AtvMemory)
+    assert [each.command for each in note.answered] == [SLOW.command]

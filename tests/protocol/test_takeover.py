@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import msgspec
 import pytest
-from kit import PLANT, VehicleRig, award, facts, instructed, rhb, sent, transport
+from kit import PLANT, VehicleRig, award, committed, facts, instructed, rhb, sent, transport
 from office import Office, contracted, watched
 from seals import granted
 
@@ -140,9 +140,9 @@ def test_what_is_carried_in_its_stead_is_written_down_before_it_is_said() -> Non
     kinds = [type(effect) for effect in effects if isinstance(effect, Commit) or sent([effect], TakenOver)]
     assert kinds[0] is Commit
     [commit] = [effect for effect in effects if isinstance(effect, Commit)]
-    assert isinstance(commit.memory, AtvMemory)
-    assert commit.memory.contract is not None
-    assert commit.memory.contract.epoch == 2
+    assert isinstance(commit.note, AtvMemory)
+    assert commit.note.contract is not None
+    assert commit.note.contract.epoch == 2
 
 
 @pytest.mark.parametrize("phase", [Phase.CARRYING, Phase.UNLOADING, Phase.HANDING_OVER])
@@ -510,10 +510,9 @@ def test_goods_that_the_gate_refuses_are_set_aside() -> None:
 
 def reborn(rig: VehicleRig) -> VehicleRig:
     """The same vehicle after a restart of its software."""
-    [*_, commit] = [effect for effect in rig.all if isinstance(effect, Commit)]
     again = VehicleRig(node=rig.node, battery_frac=rig.battery_frac)
     again.load, again.held, again.now_s = rig.load, rig.held, rig.now_s
-    again.handle(Started(again.sense(), commit.memory))
+    again.handle(Started(again.sense(), committed(rig.all)))
     return again
 
 

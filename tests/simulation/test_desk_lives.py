@@ -10,6 +10,7 @@ import pytest
 
 from dray.gateway.desk import STRATEGIST, Desk
 from dray.gateway.timescale import TimeScale
+from dray.memory import WHOLE
 from dray.messages import CancellationTaken, Event, Message, OrderTaken
 from dray.messages.fact import OrderDropped, OrderFulfilled
 from dray.plant import default_plant
@@ -176,5 +177,5 @@ def test_every_order_is_delivered_once_or_dropped(seed: int) -> None:
 
 def goals_held(factory: SimFactory) -> list[str]:
     """The orders that machines still work at, one by one."""
-    held = [factory.journals[machine].memory for machine in factory.workcells]
-    return [goal.work.order for memory in held for goal in getattr(memory, "goals", ())]
+    held = [factory.journals[machine].memory.get(WHOLE) for machine in factory.workcells]
+    return [goal.work.order for note in held for goal in getattr(note, "goals", ())]

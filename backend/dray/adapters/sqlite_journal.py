@@ -23,7 +23,7 @@ import msgspec
 from dray.adapters.lives import Lives
 from dray.adapters.quarantine import set_aside
 from dray.errors import UnavailableError
-from dray.memory import Memory
+from dray.memory import Changes, Memory, Note
 from dray.messages import Event
 
 BUSY_S = 5.0
@@ -44,8 +44,9 @@ CREATE TABLE IF NOT EXISTS life (
     lost TEXT NOT NULL,
     checksum INTEGER NOT NULL
 ) STRICT;
-CREATE TABLE IF NOT EXISTS memory (
-    only INTEGER PRIMARY KEY CHECK (only = 1),
+CREATE TABLE IF NOT EXISTS note (
+    place INTEGER PRIMARY KEY,
+    name TEXT NOT NULL UNIQUE,
     line BLOB NOT NULL,
     checksum INTEGER NOT NULL
 ) STRICT;
@@ -61,7 +62,7 @@ PRAGMA user_version = {LAYOUT};
 """
 
 _encode = msgspec.json.Encoder().encode
-_read_memory: msgspec.json.Decoder[Memory] = msgspec.json.Decoder(Memory)
+_read_note: msgspec.json.Decoder[Note] = msgspec.json.Decoder(Note)
 _read_event = msgspec.json.Decoder(Event)
 
 _log = logging.getLogger(__name__)
@@ -108,7 +109,6 @@ class SqliteJournal:
                 self._base = _open(file, lives.count)
             try:
                 self._begin_life(lives, lost)
-                self._memory = _memory_in(self._base)
             except BaseException:
                 self._base.close()
                 raise
@@ -149,11 +149,12 @@ class SqliteJournal:
         return self._lost
 
     @property
-    def memory(self) -> Memory | None:
+    def memory(self) -> Memory:
         """See `dray.ports.Journal`."""
-        return self._memory
+        with self._told():
+            return _memory_in(self._base)
 
-    def write(self, events: Sequence[Event], memory: Memory | None) -> None:
+    def write(self, events: Sequence[Event], changes: Changes) -> None:
         """See `dray.ports.Journal`."""
         began_s = time.perf_counter()
         rows = [_event_row(event) for event in events]
@@ -167,11 +168,8 @@ class SqliteJournal:
                     (self._events_kept,),
                 )
                 self._note_told()
-            if memory is not None:
-                line = _encode(memory)
-                self._base.execute("INSERT OR REPLACE INTO memory VALUES (1, ?, ?)", (line, _checksum(line)))
-        if memory is not None:
-            self._memory = memory
+            for name, note in changes.items():
+                self._write_note(name, note)
         self.writes += 1
         self.writing_s += time.perf_counter() - began_s
 
@@ -195,12 +193,22 @@ class SqliteJournal:
     def forget(self) -> None:
         """Forget the memory, and keep the history: what the agent was bound by is no more."""
         with self._told():
-            self._base.execute("DELETE FROM memory")
-        self._memory = None
+            self._base.execute("DELETE FROM note")
 
     def close(self) -> None:
         """Let go of the file. Twice is harmless."""
         self._base.close()
+
+    def _write_note(self, name: str, note: Note | None) -> None:
+        if note is None:
+            self._base.execute("DELETE FROM note WHERE name = ?", (name,))
+            return
+        line = _encode(note)
+        self._base.execute(
+            "INSERT INTO note (name, line, checksum) VALUES (?, ?, ?) "
+            "ON CONFLICT (name) DO UPDATE SET line = excluded.line, checksum = excluded.checksum",
+            (name, line, _checksum(name.encode() + line)),
+        )
 
     def _note_told(self) -> None:
         """The first events of a life tell of a loss before it: no later life need do so."""
@@ -286,7 +294,8 @@ def _read_through(base: sqlite3.Connection, lives: int | None) -> None:
         raise _Damaged(f"it is damaged: {found.splitlines()[-1]}")
     lived = base.execute("SELECT agent, incarnation, lost, checksum FROM life").fetchall()
     rows = [("life", f"{agent} {last} {lost}".encode(), told) for agent, last, lost, told in lived]
-    rows += (("memory", *row) for row in base.execute("SELECT line, checksum FROM memory"))
+    notes = base.execute("SELECT name, line, checksum FROM note")
+    rows += (("note", name.encode() + line, told) for name, line, told in notes)
     events = base.execute("SELECT incarnation, number, line, checksum FROM event")
     rows += (("event", b"%d %d %s" % (life, number, line), told) for life, number, line, told in events)
     for table, line, checksum in rows:
@@ -300,9 +309,9 @@ def _read_through(base: sqlite3.Connection, lives: int | None) -> None:
         raise _Damaged(f"its memory is of another version of Dray: {error}") from error
 
 
-def _memory_in(base: sqlite3.Connection) -> Memory | None:
-    row = base.execute("SELECT line FROM memory").fetchone()
-    return None if row is None else _read_memory.decode(row[0])
+def _memory_in(base: sqlite3.Connection) -> Memory:
+    notes = base.execute("SELECT name, line FROM note ORDER BY place")
+    return {name: _read_note.decode(line) for name, line in notes}
 
 
 def _event_row(event: Event) -> tuple[int, int, bytes, int]:

@@ -176,7 +176,7 @@ async def run_agent(
                 await put_down(bus.inner, plant.id, newcomer)
             body = RemoteBody(bus.inner, plant.id, name, journal.incarnation)
             await body.connect()
-            if body.is_new and journal.memory is not None:
+            if body.is_new and journal.memory:
                 remedy = "move away the journals of all agents whose bodies are on that floor"
                 raise UnavailableError(
                     f"the body that {file} is about", "is gone, for the floor has begun anew", remedy

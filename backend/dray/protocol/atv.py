@@ -35,7 +35,7 @@ from dray.body import (
     WayDone,
 )
 from dray.errors import ProtocolViolation
-from dray.memory import AtvMemory, Contract, Memory
+from dray.memory import WHOLE, AtvMemory, Contract, Memory, Note
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
@@ -167,17 +167,18 @@ class Atv(Core):
 
     # --- the beginning, and time passing ---
 
-    def _start(self, body: BodyState | None, memory: Memory | None, now_s: float) -> None:
+    def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
         self._sense(body, now_s)
         self._earshot.move(*self._driver.position_m)
         state = cast(VehicleState, body)
         self._driver.take_control(state, now_s)
         self._trouble.problem, self._link = state.problem, state.link
         self._obedience.stopped = state.held
-        if isinstance(memory, AtvMemory):
-            self._obedience.recall(memory)
-        if isinstance(memory, AtvMemory) and memory.contract is not None:
-            self._bind(memory.contract)
+        note = memory.get(WHOLE)
+        if isinstance(note, AtvMemory):
+            self._obedience.recall(note)
+        if isinstance(note, AtvMemory) and note.contract is not None:
+            self._bind(note.contract)
             self._go_on(lambda carriage: carriage.resume(state.load, now_s), now_s)
         self._bring_back(now_s)
         if self._carriage is None:
@@ -208,7 +209,7 @@ class Atv(Core):
         self._bind(contract)
         self._go_on(lambda carriage: carriage.resume(load, now_s), now_s)
 
-    def _memory(self) -> Memory:
+    def _memory(self) -> Note:
         carriage = self._carriage
         return AtvMemory(
             contract=carriage.memory() if carriage is not None else None,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, cast
 
 from dray.body import BodyState, Report
 from dray.errors import ProtocolViolation
-from dray.memory import Memory
+from dray.memory import Memory, Note
 from dray.messages import Message, Role
 from dray.messages.fact import MemoryLost
 from dray.protocol.events import (
@@ -85,11 +85,8 @@ class Core:
             self._start(started.body, started.memory, now_s)
         if self._departure.lasts:
             self._leave_if_free(now_s)
-        effects = self._out[:]
+        effects = [*self._commits(), *self._out]
         self._out.clear()
-        if self._unwritten:
-            self._unwritten = False
-            effects.insert(0, Commit(self._memory()))
         return effects
 
     def _commit(self) -> None:
@@ -99,11 +96,18 @@ class Core:
         """
         self._unwritten = True
 
-    def _memory(self) -> Memory:
-        """What the agent is bound by at this moment."""
+    def _commits(self) -> Sequence[Commit]:
+        """What is to be written down now that a step has ended."""
+        if not self._unwritten:
+            return ()
+        self._unwritten = False
+        return (Commit(self._memory()),)
+
+    def _memory(self) -> Note:
+        """What the agent is bound by at this moment, when that is one note."""
         raise NotImplementedError
 
-    def _start(self, body: BodyState | None, memory: Memory | None, now_s: float) -> None:
+    def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
         """The agent's life begins, and goes on from what its last one has committed."""
         raise NotImplementedError
 

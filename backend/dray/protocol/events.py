@@ -8,12 +8,13 @@ call, and being woken too early or for nothing is harmless.
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import Protocol
 
 import msgspec
 
 from dray.body import BodyState, Instruction, Report
-from dray.memory import Memory
+from dray.memory import WHOLE, Memory, Note
 from dray.messages import AnyFact, Message
 
 NEVER_S = float("inf")
@@ -34,10 +35,10 @@ class Started(Value, frozen=True):
     """The first event of an agent's life."""
 
     body: BodyState | None
-    memory: Memory | None = None
-    """What its last life has committed; None in the first one."""
+    memory: Memory = MappingProxyType({})
+    """What its last lives have committed; empty in the first one."""
     lost: str = ""
-    """Why there is none though it has lived before; empty when that is not so."""
+    """Why it is empty though it has lived before; empty when that is not so."""
 
 
 class Heard(Value, frozen=True):
@@ -111,13 +112,15 @@ class Record(Value, frozen=True):
 
 
 class Commit(Value, frozen=True):
-    """Write down what the agent is bound by, replacing what was written before.
+    """Write down a part of what the agent is bound by, replacing what was written of it before.
 
-    It is written together with the facts of the same step, wholly or not at all, before any effect of
-    the step is carried out: what was said is never forgotten by a restart.
+    It is written together with the other parts and the facts of the same step, wholly or not at all, before any
+    effect of the step is carried out: what was said is never forgotten by a restart.
     """
 
-    memory: Memory
+    note: Note | None
+    """None when there is nothing any more by that name."""
+    name: str = WHOLE
 
 
 class Ignore(Value, frozen=True):

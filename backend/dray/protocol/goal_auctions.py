@@ -175,7 +175,7 @@ class GoalAuctions(Coordinator):
         goal = self._book.goal(task.id)
         if goal is None:
             raise ProtocolViolation(f"{self._strategist}: {task.id} was put up and is in no order")
-        goal.machine, goal.waits = task.primary, False
+        self._book.contract(goal, task.primary)
         work = goal.work
         contracted = GoalContracted(
             goal=goal.id,

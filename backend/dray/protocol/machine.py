@@ -26,7 +26,7 @@ from dray.body import (
     WorkcellState,
 )
 from dray.errors import ProtocolViolation
-from dray.memory import MachineMemory, Memory
+from dray.memory import WHOLE, MachineMemory, Memory, Note
 from dray.messages import (
     Accepted,
     AtvHeartbeat,
@@ -190,18 +190,19 @@ class Machine(Core):
 
     # --- the beginning, and time passing ---
 
-    def _start(self, body: BodyState | None, memory: Memory | None, now_s: float) -> None:
+    def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
         if not isinstance(body, WorkcellState):
             raise ProtocolViolation(f"{self.id}: a machine needs a workcell, not {body!r}")
         self._supply.begin(body.stock, body.seq)
         self._problem = body.broken
         self._cycle.product = body.cycling
-        if isinstance(memory, MachineMemory):
-            self._recall(memory, now_s)
+        note = memory.get(WHOLE)
+        if isinstance(note, MachineMemory):
+            self._recall(note, now_s)
         self._goods.count()
         self._out.extend(Subscribe(self._keys.goals(product)) for product in self._products)
         if self.incarnation > 1:
-            self._adoption.begin(memory is None, now_s)
+            self._adoption.begin(note is None, now_s)
         self._pulse.at_once(now_s)
         self._pursue(now_s)
 
@@ -227,7 +228,7 @@ class Machine(Core):
         # Tasks without a carrier have a higher epoch now: no life may use one that an earlier one has used.
         self._commit()
 
-    def _memory(self) -> Memory:
+    def _memory(self) -> Note:
         return MachineMemory(
             goals=self._goals.memories(),
             tasks=tuple(task.memory() for task in self._tasks),

@@ -4,16 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
-from dray.memory import GoalBooked, OrderMemory, ReturnedOrder, StrategistMemory
+from dray.memory import (
+    WHOLE,
+    EndedOrder,
+    GoalBooked,
+    Memory,
+    Note,
+    OrderMemory,
+    ReturnedOrder,
+    StrategistMemory,
+)
 from dray.messages import OrderItem, OrderReleased, Production
 from dray.plant import Plant
-from dray.protocol.newest import Newest
+from dray.protocol.events import Commit
 
 DELIVERY_S = 300.0
 """How long before an order is due its goals should be made: carrying the last lot away."""
 
-ENDED_KEPT = 1024
-"""Ended orders whose repeated release is still recognised; as many that were taken back."""
+ORDERS_MAX = 50_000
+"""Orders in work, some 50 MB. More are not taken; whoever sends them repeats them."""
+
+ENDED_KEPT = 131_072
+"""Ended orders whose repeated release is still recognised, some 25 MB, and as many that were taken back.
+
+A gateway that does not know yet that an order has ended sends it again, and it must not be made twice. Every ten
+minutes a gateway asks for all orders that it believes open; and while none does, no orders come. So those that
+end between two times that it has asked for one are less than what was in work then and what came in ten minutes.
+"""
 
 
 class OpenGoal:
@@ -94,12 +111,14 @@ class OrderBook:
         self._life = life
         self._orders: dict[str, OrderInWork] = {}
         self._goals: dict[str, OpenGoal] = {}
-        self._ended: Newest[str, bool] = Newest(ENDED_KEPT)
-        """Orders that have ended, or were cancelled before they came, oldest first: whether all of it has arrived."""
-        self._returned: Newest[str, ReturnedOrder] = Newest(ENDED_KEPT)
+        self._ended: dict[str, EndedOrder] = {}
+        """Orders that have ended, or were cancelled before they came, oldest first."""
+        self._returned: dict[str, ReturnedOrder] = {}
         """Orders that were taken back and have not come again, oldest first."""
         self._count = 0
         """Goals that were ever named."""
+        self._unwritten: dict[str, None] = {}
+        """Names of the notes that are not written down as they are now: an order has one, whatever it is."""
 
     def __iter__(self) -> Iterator[OpenGoal]:
         """All open goals, those of the oldest order first."""
@@ -119,7 +138,12 @@ class OrderBook:
 
     def fulfilled(self, order: str) -> bool:
         """Whether an order has ended because all of it has arrived; False once that is forgotten."""
-        return self._ended.get(order, False)
+        return order in self._ended and self._ended[order].fulfilled
+
+    @property
+    def is_full(self) -> bool:
+        """Whether no more orders are taken."""
+        return len(self._orders) >= ORDERS_MAX
 
     def returned(self, order: str) -> ReturnedOrder | None:
         """How an order was taken back; None when it was not, or has come again since."""
@@ -147,11 +171,32 @@ class OrderBook:
         order = OrderInWork(message.order, message.items, message.due_s, message.release)
         self._orders[order.id] = order
         self._returned.pop(order.id, None)
+        self._unwritten[order.id] = None
         for index, item in enumerate(message.items):
             for quantity in self._split(item):
                 work = Production(product=item.product, quantity=quantity, order=order.id, item=index)
                 self._add(order, work, message.due_s - DELIVERY_S)
         return order
+
+    def contract(self, goal: OpenGoal, machine: str) -> None:
+        """A machine has taken a goal."""
+        goal.machine, goal.waits = machine, False
+        self._unwritten[goal.work.order] = None
+
+    def renew(self, goal: OpenGoal) -> None:
+        """What an earlier life has announced of a goal is not answered to any more."""
+        goal.epoch += 1
+        self._unwritten[goal.work.order] = None
+
+    def count(self, goal: OpenGoal, arrived: int) -> None:
+        """The gate has counted so many pieces of a goal."""
+        goal.arrived = arrived
+        self._unwritten[goal.work.order] = None
+
+    def revoke(self, order: OrderInWork, asker: str) -> None:
+        """Somebody has taken an order back, and waits for its end."""
+        order.revoked_by = asker
+        self._unwritten[order.id] = None
 
     def succeed(self, goal: OpenGoal) -> OpenGoal:
         """Replace a goal by one for what has not arrived of it."""
@@ -170,6 +215,7 @@ class OrderBook:
         """Forget a goal; returns its order."""
         order = self._orders[goal.work.order]
         del self._goals[goal.id], order.goals[goal.id]
+        self._unwritten[order.id] = None
         return order
 
     def withdraw(self, goal: OpenGoal) -> OrderInWork:
@@ -184,6 +230,8 @@ class OrderBook:
         outstanding = () if ended is None else tuple(ended.withdrawn)
         self._returned.pop(order, None)
         returned = self._returned[order] = ReturnedOrder(order, release, outstanding)
+        self._unwritten[order] = None
+        self._forget_oldest(self._returned)
         return returned
 
     def end(self, order: str, *, fulfilled: bool = False) -> OrderInWork | None:
@@ -196,8 +244,10 @@ class OrderBook:
         Returns:
             The order; None when it was not in work.
         """
-        self._ended[order] = fulfilled or self.fulfilled(order)
+        self._ended[order] = EndedOrder(fulfilled=fulfilled or self.fulfilled(order))
         self._returned.pop(order, None)
+        self._unwritten[order] = None
+        self._forget_oldest(self._ended)
         ended = self._orders.pop(order, None)
         if ended is not None:
             for goal in ended.goals:
@@ -206,47 +256,61 @@ class OrderBook:
 
     # --- from life to life ---
 
-    def memory(self) -> StrategistMemory:
-        """All of it, to be written down."""
-        orders = tuple(
-            OrderMemory(
-                order=order.id,
-                items=order.items,
-                due_s=order.due_s,
-                goals=tuple(goal.booked() for goal in order.goals.values()),
-                release=order.release,
-                revoked_by=order.revoked_by,
-                withdrawn=tuple(order.withdrawn),
-            )
-            for order in self._orders.values()
-        )
-        return StrategistMemory(
-            orders=orders,
-            ended=tuple(self._ended),
-            goal_count=self._count,
-            returned=tuple(self._returned.values()),
-            fulfilled=tuple(order for order, fulfilled in self._ended.items() if fulfilled),
+    def commits(self) -> list[Commit]:
+        """What has changed since this was asked for last, to be written down."""
+        commits = [Commit(self._note(name), name) for name in self._unwritten]
+        self._unwritten.clear()
+        return commits
+
+    def restore(self, memory: Memory) -> None:
+        """Take up what earlier lives have written down."""
+        for name, note in memory.items():
+            if isinstance(note, StrategistMemory):
+                self._count = note.goal_count
+            elif isinstance(note, EndedOrder):
+                self._ended[name] = note
+            elif isinstance(note, ReturnedOrder):
+                self._returned[name] = note
+            elif isinstance(note, OrderMemory):
+                self._restore_order(note)
+
+    def _restore_order(self, kept: OrderMemory) -> None:
+        order = self._orders[kept.order] = OrderInWork(kept.order, kept.items, kept.due_s, kept.release)
+        order.revoked_by = kept.revoked_by
+        order.withdrawn = list(kept.withdrawn) or order.withdrawn
+        for booked in kept.goals:
+            goal = OpenGoal(booked.goal, booked.work, booked.deadline_s)
+            goal.machine, goal.epoch, goal.arrived = booked.machine, booked.epoch, booked.arrived
+            self._goals[goal.id] = order.goals[goal.id] = goal
+
+    def _note(self, name: str) -> Note | None:
+        """What is to be written down of an order, or of none of them; None when it is forgotten."""
+        if name == WHOLE:
+            return StrategistMemory(goal_count=self._count)
+        order = self._orders.get(name)
+        if order is None:
+            return self._returned.get(name) or self._ended.get(name)
+        return OrderMemory(
+            order=order.id,
+            items=order.items,
+            due_s=order.due_s,
+            goals=tuple(goal.booked() for goal in order.goals.values()),
+            release=order.release,
+            revoked_by=order.revoked_by,
+            withdrawn=tuple(order.withdrawn),
         )
 
-    def restore(self, memory: StrategistMemory) -> None:
-        """Take up what an earlier life has written down."""
-        fulfilled = frozenset(memory.fulfilled)
-        self._ended.update({order: order in fulfilled for order in memory.ended})
-        self._count = memory.goal_count
-        self._returned.update({kept.order: kept for kept in memory.returned})
-        for kept in memory.orders:
-            order = self._orders[kept.order] = OrderInWork(kept.order, kept.items, kept.due_s, kept.release)
-            order.revoked_by = kept.revoked_by
-            order.withdrawn = list(kept.withdrawn) or order.withdrawn
-            for booked in kept.goals:
-                goal = OpenGoal(booked.goal, booked.work, booked.deadline_s)
-                goal.machine, goal.epoch, goal.arrived = booked.machine, booked.epoch, booked.arrived
-                self._goals[goal.id] = order.goals[goal.id] = goal
+    def _forget_oldest(self, history: dict[str, EndedOrder] | dict[str, ReturnedOrder]) -> None:
+        if len(history) > ENDED_KEPT:
+            oldest = next(iter(history))
+            del history[oldest]
+            self._unwritten[oldest] = None
 
     # --- how it is done ---
 
     def _add(self, order: OrderInWork, work: Production, deadline_s: float) -> OpenGoal:
         self._count += 1
+        self._unwritten[WHOLE] = self._unwritten[order.id] = None
         goal = OpenGoal(f"{order.id}{self._life}-{work.item + 1}.{self._count}", work, deadline_s)
         self._goals[goal.id] = order.goals[goal.id] = goal
         return goal

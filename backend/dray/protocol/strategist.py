@@ -27,7 +27,7 @@ from __future__ import annotations
 
 from dray.body import Admit, BodyState, GateState, GoodsArrived
 from dray.errors import ProtocolViolation
-from dray.memory import Memory, StrategistMemory
+from dray.memory import Memory
 from dray.messages import (
     Accepted,
     Bid,
@@ -53,7 +53,7 @@ from dray.messages.fact import (
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.core import Core
-from dray.protocol.events import Ignore, Instruct, Record, Send, Subscribe
+from dray.protocol.events import Commit, Ignore, Instruct, Record, Send, Subscribe
 from dray.protocol.goal_auctions import GoalAuctions
 from dray.protocol.leaving import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.machine_watch import GOAL_SILENCE_S, MachineWatch
@@ -93,7 +93,7 @@ class Strategist(Core):
             self._timers,
             self._out,
             self._departure,
-            self._on_taken,
+            self._follow,
             incarnation=incarnation,
         )
         self._on_message = {
@@ -110,21 +110,23 @@ class Strategist(Core):
 
     # --- from life to life ---
 
-    def _start(self, body: BodyState | None, memory: Memory | None, now_s: float) -> None:
+    def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
         if not isinstance(body, GateState):
             raise ProtocolViolation(f"{self.id}: a strategist needs a gate, not {body!r}")
         self._watch.begin(now_s)
         self._out.append(Subscribe(self._keys.all_machine_heartbeats))
-        if isinstance(memory, StrategistMemory):
-            self._recall(memory, body, now_s)
+        self._recall(memory, body, now_s)
 
-    def _recall(self, memory: StrategistMemory, gate: GateState, now_s: float) -> None:
+    def _recall(self, memory: Memory, gate: GateState, now_s: float) -> None:
         """Go on with what an earlier life was bound by, and with what has arrived since."""
         self._book.restore(memory)
+        if not memory:
+            # What the gate still lets in was given out by a life that is forgotten, and its orders come again.
+            self._out.extend(Instruct(Admit(goal=goal, quantity=0)) for goal in gate.arrived)
         for goal in list(self._book):
             if not goal.machine:
                 # An award may be under way that nobody remembers: an answer to it comes too late.
-                goal.epoch += 1
+                self._book.renew(goal)
                 continue
             self._follow(goal, now_s, admit=not self._book.order_of(goal).revoked_by)
             self._note_arrived(goal, gate.arrived.get(goal.id, 0))
@@ -134,10 +136,9 @@ class Strategist(Core):
             self._shut(order)
         for product in self._plant.products:
             self._auctions.ask_next(product, now_s)
-        self._commit()
 
-    def _memory(self) -> Memory:
-        return self._book.memory()
+    def _commits(self) -> list[Commit]:
+        return self._book.commits()
 
     def _is_held(self) -> bool:
         return self._auctions.awaits_answers
@@ -158,8 +159,10 @@ class Strategist(Core):
             self._out.append(Ignore("a release of an order that is in work"))
             return
         if not self._book.knows(message.order, message.release):
+            if self._book.is_full:
+                self._out.append(Ignore("an order that came while the strategist had as many as it takes"))
+                return
             order = self._book.take(message)
-            self._commit()
             self._out.append(Record(OrderAccepted(order=order.id, goals=tuple(order.goals))))
             for item in message.items:
                 self._auctions.ask_next(item.product, now_s)
@@ -170,7 +173,6 @@ class Strategist(Core):
     def _hear_cancelled(self, sender: str, message: OrderCancelled, now_s: float) -> None:
         """Drop an order, and say so as often as it is asked for, also of one that has not come yet."""
         order = self._book.end(message.order)
-        self._commit()
         if order is not None:
             self._drop(order, now_s)
         self._out.append(Send(sender, CancellationTaken(order=message.order)))
@@ -193,8 +195,7 @@ class Strategist(Core):
         elif message.release != order.release:
             self._out.append(Ignore("another release of an order was taken back"))
         elif not order.revoked_by:
-            order.revoked_by = sender
-            self._commit()
+            self._book.revoke(order, sender)
             self._shut(order)
             for item in order.items:
                 self._auctions.ask_next(item.product, now_s)
@@ -205,7 +206,6 @@ class Strategist(Core):
         returned = self._book.returned(message.order)
         if not self._book.knows(message.order, message.release):
             self._book.give_back(message.order, message.release)
-            self._commit()
         elif returned is not None and returned.release == message.release:
             outstanding = returned.outstanding
         self._out.append(Send(asker, RevocationTaken(message.order, message.release, outstanding)))
@@ -219,14 +219,12 @@ class Strategist(Core):
             else:
                 self._end(goal, "withdrawn")
                 self._book.withdraw(goal)
-        self._commit()
         self._end_if_done(order)
 
     def _take_out(self, goal: OpenGoal) -> None:
         """The gate is shut and has counted: a goal of an order that was taken back is over."""
         self._end(goal, "withdrawn")
         order = self._book.withdraw(goal)
-        self._commit()
         withdrawn = GoalWithdrawn(goal=goal.id, machine=goal.machine, arrived=goal.arrived)
         self._out.append(Record(withdrawn))
         self._end_if_done(order)
@@ -240,16 +238,11 @@ class Strategist(Core):
         else:
             self._book.end(order.id, fulfilled=True)
             self._out.append(Record(OrderFulfilled(order=order.id)))
-        self._commit()
         if order.revoked_by:
             taken = RevocationTaken(order.id, order.release, tuple(order.withdrawn))
             self._out.append(Send(order.revoked_by, taken))
 
     # --- goals that were given out ---
-
-    def _on_taken(self, goal: OpenGoal, now_s: float) -> None:
-        self._commit()
-        self._follow(goal, now_s)
 
     def _follow(self, goal: OpenGoal, now_s: float, *, admit: bool = True) -> None:
         goal.named_s = now_s
@@ -295,8 +288,7 @@ class Strategist(Core):
         news = arrived - goal.arrived
         if news <= 0:
             return
-        goal.arrived = arrived
-        self._commit()
+        self._book.count(goal, arrived)
         work = goal.work
         delivered = GoodsDelivered(
             goal=goal.id,
@@ -312,7 +304,6 @@ class Strategist(Core):
         self._out.append(Send(goal.machine, GoalClosed(goal=goal.id)))
         self._end(goal, "delivered")
         order = self._book.close(goal)
-        self._commit()
         self._end_if_done(order)
 
     def _end(self, goal: OpenGoal, outcome: Outcome) -> None:
@@ -349,7 +340,6 @@ class Strategist(Core):
         """The gate is shut and has counted: put up what has not arrived, under a name of its own."""
         self._end(goal, "withdrawn")
         successor = self._book.succeed(goal)
-        self._commit()
         lost = GoalLost(goal=goal.id, machine=goal.machine, arrived=goal.arrived, successor=successor.id)
         self._out.append(Record(lost))
         self._auctions.ask_next(goal.work.product, now_s)
