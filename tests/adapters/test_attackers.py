@@ -9,13 +9,27 @@ from typing import Any
 
 import pytest
 import zenoh
+from zenoh.handlers import Callback
 from zenoh_kit import Row
 
 from dray.adapters.certificates import Authority
-from dray.adapters.zenoh_bus import ZenohBus
+from dray.adapters.letters import Place
+from dray.adapters.zenoh_bus import UNSEALED, ZenohBus
 from dray.adapters.zenoh_links import Identity
+from dray.adapters.zenoh_stamp import Stamp, write_stamp
 from dray.adapters.zenoh_tokens import UNSIGNED
-from dray.messages import AtvHeartbeat, AtvStatus, Event, Message, Pose
+from dray.codec import decode, encode
+from dray.errors import WireError
+from dray.messages import (
+    Accepted,
+    AtvHeartbeat,
+    AtvStatus,
+    Event,
+    HandoverAccepted,
+    Message,
+    Pose,
+    Role,
+)
 from dray.messages.fact import GoodsDelivered
 from dray.messages.speakers import FOREIGN_FACT, FOREIGN_NAME, Kind
 
@@ -149,7 +163,7 @@ def test_nobody_is_there_whom_the_roll_call_has_by_a_forged_token(folder: Path) 
         tokens = declared(thief, f"p/alive/ATV1/1/{seal_of(thief, THIEF, 1)}")
         await row.settle()
         assert await bus.roll_call() == frozenset()
-        assert dict(bus.refused) == {UNSIGNED: 1}
+        assert set(bus.refused) == {UNSIGNED}
         assert tokens
 
 
@@ -185,3 +199,126 @@ def test_a_vehicle_does_not_take_another_ones_place_by_a_heartbeat_of_a_later_li
         await row.settle()
         assert panel.heard == [(THIEF, beat(THIEF, incarnation=1))]
         assert dict(bus.refused) == {FOREIGN_NAME: 1}
+
+
+# --- letters ---------------------------------------------------------------------------------------
+
+PRICE = Accepted("M1-1", 1, Role.PRIMARY, finish_s=4711.0)
+"""What a rival would like to know."""
+
+
+class Spy:
+    """Listens where it has no business; remembers what has come, as (payload, attachment)."""
+
+    def __init__(self, bus: ZenohBus, key: str) -> None:
+        self.taken: list[tuple[bytes, bytes]] = []
+        self._ear = bus.inner.declare_subscriber(key, Callback(self._take, indirect=False))
+
+    def _take(self, sample: zenoh.Sample) -> None:
+        stamp = sample.attachment
+        self.taken.append((sample.payload.to_bytes(), b"" if stamp is None else stamp.to_bytes()))
+
+
+def test_who_listens_on_another_agents_key_reads_nothing(folder: Path) -> None:
+    @among(folder, "ATV1", THIEF, "strategist")
+    async def test(row: Row) -> None:
+        bidder, thief, house = row.buses
+        vehicle, strategist = Agent(bidder, "ATV1"), Agent(house, "strategist")
+        spy = Spy(thief, "p/agent/@strategist")
+        await row.settle()
+        vehicle.session.send("strategist", PRICE)
+        await row.settle()
+        assert strategist.heard == [("ATV1", PRICE)]
+        ((payload, _),) = spy.taken
+        assert b"M1-1" not in payload
+        with pytest.raises(WireError):
+            decode(payload)
+
+
+def test_a_letter_that_is_played_again_to_somebody_else_is_not_read(folder: Path) -> None:
+    @among(folder, "ATV1", THIEF, "M1")
+    async def test(row: Row) -> None:
+        sender, thief, house = row.buses
+        vehicle, machine, robbed = Agent(sender, "ATV1"), Agent(house, "M1"), Agent(thief, THIEF)
+        spy = Spy(thief, "p/agent/@M1")
+        await row.settle()
+        vehicle.session.send("M1", PRICE)
+        await row.settle()
+        ((payload, stamp),) = spy.taken
+        for payload_, stamp_ in (
+            (payload, stamp),
+            (payload[:-1] + b"x", stamp),
+            (payload, b"\x93\x01\x01\xc4\x00"),
+        ):
+            thief.inner.put(f"p/agent/@{THIEF}", payload_, attachment=stamp_)
+        thief.inner.put("p/agent/@M1", payload[:-1] + bytes([payload[-1] ^ 1]), attachment=stamp)
+        await row.settle()
+        assert machine.heard == [("ATV1", PRICE)]
+        assert robbed.heard == []
+        assert dict(thief.refused) == {UNSEALED: 3}
+        assert dict(house.refused) == {UNSEALED: 1}
+
+
+def test_nobody_writes_in_the_name_of_another(folder: Path) -> None:
+    @among(folder, THIEF, "M1")
+    async def test(row: Row) -> None:
+        thief, house = row.buses
+        liar, machine = Agent(thief, THIEF), Agent(house, "M1")
+        await row.settle()
+        liar.session.agent = "ATV1"  # As a program that lies does.
+        liar.session.send("M1", PRICE)
+        # As one that lies inside of its letter.
+        assert thief.letters is not None
+        letter = thief.letters.write(THIEF, Place("M1", 1, 2), encode("ATV1", PRICE))
+        assert letter is not None
+        thief.inner.put("p/agent/@M1", letter[0], attachment=write_stamp(Stamp(1, 2, letter[1])))
+        # And one that writes for all to read.
+        thief.inner.put("p/agent/@M1", encode(THIEF, PRICE), attachment=write_stamp(Stamp(1, 3)))
+        await row.settle()
+        assert machine.heard == []
+        assert dict(house.refused) == {UNSEALED: 3}
+
+
+def test_a_letter_to_somebody_who_is_not_there_is_lost_and_counted(folder: Path) -> None:
+    @among(folder, "ATV1", "M1")
+    async def test(row: Row) -> None:
+        here, there = row.buses
+        vehicle = Agent(here, "ATV1")
+        await row.settle()
+        vehicle.session.send("M1", PRICE)
+        assert here.unaddressed == 1
+        machine = Agent(there, "M1")
+        await row.settle()
+        vehicle.session.send("M1", PRICE)
+        await row.settle()
+        assert machine.heard == [("ATV1", PRICE)]
+        assert (here.unaddressed, there.missed) == (1, 0)
+
+
+def test_letters_find_an_agent_that_has_a_new_certificate(folder: Path, tmp_path: Path) -> None:
+    async def main() -> None:
+        for name in ("authority.pem", "authority.key"):
+            (tmp_path / name).write_bytes((folder / name).read_bytes())
+        Authority.load(folder).issue(tmp_path, "p", {"M1": Kind.MACHINE})
+        identities = [Identity.in_folder(folder, agent) for agent in ("ATV1", "M1")]
+        row = Row(3, identities=[*identities, Identity.in_folder(tmp_path, "M1")])
+        try:
+            writer, before, now = row.buses
+            vehicle, _ = Agent(writer, "ATV1"), Agent(before, "M1", life=1)
+            await row.settle()
+            machine = Agent(now, "M1", life=2)
+            await row.settle()
+            # The token of the life before is played again: it says nothing new.
+            assert before.seals is not None
+            tokens = declared(before, before.tokens.key(before.tokens.of("M1", 1)))
+            await row.settle()
+            vehicle.session.send("M1", PRICE)
+            machine.session.send("ATV1", HandoverAccepted("M1-1", 1))
+            await row.settle()
+            assert machine.heard == [("ATV1", PRICE)]
+            assert vehicle.heard == [("M1", HandoverAccepted("M1-1", 1))]
+            assert tokens
+        finally:
+            row.close()
+
+    asyncio.run(main())

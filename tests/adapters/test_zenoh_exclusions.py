@@ -121,9 +121,9 @@ def test_a_word_of_the_gateways_that_is_played_again_on_another_key_shuts_nobody
             def take(sample: object) -> None:
                 taken.append((sample.payload.to_bytes(), sample.attachment.to_bytes()))  # type: ignore[attr-defined]
 
-            spy = here.row.buses[1].inner.declare_subscriber("p/agent/@ATV1", take)
+            spy = here.row.buses[1].inner.declare_subscriber("p/k", take)
             await here.row.settle()
-            here.gateway.session.send("ATV1", ShutOut(7, ("M1",)))
+            here.gateway.session.publish("p/k", ShutOut(7, ("M1",)))
             await here.row.settle()
             (words, stamp) = taken[0]
             here.row.buses[1].inner.put("p/shut-out", words, attachment=stamp)

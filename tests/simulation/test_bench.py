@@ -58,6 +58,8 @@ def test_the_adapter_is_measured_beside_bare_zenoh_between_two_processes(
         ("messages one way", "bare Zenoh and the codec"),
         ("round trips, TLS and signed", "bare Zenoh"),
         ("messages one way, TLS and signed", "bare Zenoh"),
+        ("round trips, TLS and encrypted for one reader", "bare Zenoh"),
+        ("messages one way, TLS and encrypted for one reader", "bare Zenoh"),
     ]
     assert all(row.figure > 0.0 and row.baseline > 0.0 for row in rows)
 

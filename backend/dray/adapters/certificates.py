@@ -224,7 +224,7 @@ def _usage(*, signs_certificates: bool) -> x509.KeyUsage:
         content_commitment=False,
         key_encipherment=False,
         data_encipherment=False,
-        key_agreement=False,
+        key_agreement=not signs_certificates,
         key_cert_sign=signs_certificates,
         crl_sign=signs_certificates,
         encipher_only=False,

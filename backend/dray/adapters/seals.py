@@ -14,19 +14,18 @@ from __future__ import annotations
 
 import base64
 import binascii
-import datetime as dt
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import msgspec
 from cryptography import x509
 from cryptography.exceptions import InvalidSignature
 from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
-from cryptography.x509.verification import PolicyBuilder, Store, VerificationError
+from cryptography.x509.verification import VerificationError
 
 from dray.adapters.certificates import agents_of, read_key
+from dray.adapters.register import Certified, Register
 from dray.adapters.revocations import FILE as REVOKED
 from dray.adapters.revocations import Revocations
 from dray.adapters.zenoh_links import Identity
@@ -35,9 +34,6 @@ from dray.messages.speakers import Kind
 
 FRESH_S = 30.0
 """How old a message may be: the slowest link of the paper takes 5 s, and clocks agree within 0.1 s."""
-
-KNOWN = 1000
-"""Certificates whose examination is remembered: three times the agents of a large plant."""
 
 _DAY = "%Y-%m-%d %H:%M"
 
@@ -55,16 +51,6 @@ class _Seal(msgspec.Struct, frozen=True, gc=False, array_like=True):
     signature: bytes
 
 
-@dataclass(frozen=True, slots=True)
-class _Examined:
-    """A certificate of our authority."""
-
-    serial: int
-    key: ec.EllipticCurvePublicKey
-    agents: dict[str, Kind]
-    until_s: float
-
-
 _write = msgspec.msgpack.Encoder().encode
 _read = msgspec.msgpack.Decoder(_Seal).decode
 _read_voucher = msgspec.msgpack.Decoder(_Voucher).decode
@@ -80,8 +66,11 @@ class Seals:
         clock_s: a clock that never goes back, for tests.
 
     Attributes:
+        plant: the plant's id.
         agents: for whom this process may speak.
-        until_s: until when its certificate is valid (unix time).
+        certificate: its own, in DER.
+        until_s: until when that is valid (unix time).
+        register: the certificates of others.
 
     Raises:
         SettingsError: the files hold no certificates or keys of ours, do not belong together, name no agent of this
@@ -96,11 +85,11 @@ class Seals:
         now_s: Callable[[], float] = time.time,
         clock_s: Callable[[], float] = time.monotonic,
     ) -> None:
-        self._plant, self._now_s = plant, now_s
+        self.plant, self.now_s = plant, now_s
         try:
             own = x509.load_pem_x509_certificate(identity.certificate.read_bytes())
             self._key = read_key(identity.key.read_bytes())
-            self._authorities = x509.load_pem_x509_certificates(identity.authority.read_bytes())
+            authorities = x509.load_pem_x509_certificates(identity.authority.read_bytes())
         except (OSError, ValueError) as error:
             raise SettingsError(str(identity.certificate), f"cannot be used: {error}") from None
         self.agents = agents_of(own, plant)
@@ -113,8 +102,11 @@ class Seals:
             raise SettingsError(
                 str(identity.key), f"is not the key of {identity.certificate}: copy both anew"
             )
+        revoked = identity.authority.with_name(REVOKED)
+        revocations = Revocations(revoked, authorities, own.serial_number, clock_s=clock_s)
+        self.register = Register(authorities, plant, now_s, revocations)
         try:
-            self._verify(own, dt.datetime.fromtimestamp(now_s(), dt.UTC))
+            self.register.verify(own, now_s())
         except VerificationError as fault:
             begins, ends = own.not_valid_before_utc, own.not_valid_after_utc
             raise SettingsError(
@@ -123,22 +115,22 @@ class Seals:
                 f"be signed by {identity.authority}: see that the clock is right, or make a new one with "
                 "`dray certs issue`",
             ) from None
-        revoked = identity.authority.with_name(REVOKED)
-        self._revocations = Revocations(revoked, self._authorities, own.serial_number, clock_s=clock_s)
-        if own.serial_number in self._revocations:
+        if own.serial_number in revocations:
             raise SettingsError(
                 str(identity.certificate),
                 f"was called back ({revoked}); make a new one with `dray certs issue`",
             )
         self.until_s = own.not_valid_after_utc.timestamp()
-        self._certificate = own.public_bytes(serialization.Encoding.DER)
-        self._known: dict[bytes, _Examined] = {}
+        self.certificate = own.public_bytes(serialization.Encoding.DER)
+        for agent in self.agents:
+            # Until it is met elsewhere.
+            self.register.meet(agent, 0, self.certificate)
 
     def seal(self, key: str, life: int, number: int, data: bytes) -> bytes:
         """Seal what is said on `key` now."""
-        at_s = self._now_s()
+        at_s = self.now_s()
         signature = self._key.sign(_signed(key, life, number, at_s, data), _ECDSA)
-        return _write(_Seal(self._certificate, at_s, signature))
+        return _write(_Seal(self.certificate, at_s, signature))
 
     def examine(self, seal: bytes, sender: str, key: str, life: int, number: int, data: bytes) -> Kind:
         """What kind of agent has really said this.
@@ -150,20 +142,37 @@ class Seals:
             read = _read(seal)
         except (msgspec.MsgspecError, ValueError) as fault:
             raise SealError(f"no seal: {fault}", data) from fault
-        examined, kind = self._of(read.certificate, sender, data)
-        age_s = self._now_s() - read.at_s
-        if abs(age_s) > FRESH_S:
-            raise SealError(f"said {age_s:.0f} s ago", data)
-        _verify(examined, read.signature, _signed(key, life, number, read.at_s, data))
+        certified, kind = self.register.certified(read.certificate, sender, data)
+        self.check_age(read.at_s, data)
+        _verify(certified, read.signature, _signed(key, life, number, read.at_s, data))
+        self.register.meet(sender, life, read.certificate)
         return kind
+
+    def check_age(self, at_s: float, data: bytes) -> None:
+        """See that what was said at this moment (unix time) is neither too old nor of the future.
+
+        Raises:
+            SealError: it is.
+        """
+        age_s = self.now_s() - at_s
+        # Said so that it holds for no number, too.
+        if not abs(age_s) <= FRESH_S:
+            raise SealError(f"said {age_s:.0f} s ago", data)
+
+    def agree_with(self, other: Certified) -> bytes:
+        """The secret that follows from our key and that of another certificate, and from the two alone.
+
+        The same keys sign: nothing that is signed is ever taken for a secret, nor the other way round.
+        """
+        return self._key.exchange(ec.ECDH(), other.key)
 
     def vouch(self, key: str) -> str:
         """A chunk that, at the end of `key`, says who has declared it."""
         signature = self._key.sign(_vouched(key), _ECDSA)
-        return base64.urlsafe_b64encode(_write(_Voucher(self._certificate, signature))).decode()
+        return base64.urlsafe_b64encode(_write(_Voucher(self.certificate, signature))).decode()
 
-    def examine_voucher(self, chunk: str, agent: str, key: str) -> None:
-        """See that it was `agent` who has vouched for this key.
+    def examine_voucher(self, chunk: str, agent: str, key: str) -> bytes:
+        """The certificate of `agent`, who has vouched for this key.
 
         Raises:
             SealError: nobody whom we know has, or not for this.
@@ -173,65 +182,14 @@ class Seals:
             read = _read_voucher(base64.b64decode(data, altchars=b"-_", validate=True))
         except (msgspec.MsgspecError, binascii.Error, ValueError) as fault:
             raise SealError(f"no voucher: {fault}", data) from fault
-        examined, _ = self._of(read.certificate, agent, data)
-        _verify(examined, read.signature, _vouched(key))
-
-    def _of(self, certificate: bytes, agent: str, data: bytes) -> tuple[_Examined, Kind]:
-        """A certificate that is good for `agent` now, and what the agent is.
-
-        Raises:
-            SealError: it is not.
-        """
-        examined = self._examine(certificate, data)
-        kind = examined.agents.get(agent)
-        if kind is None:
-            raise SealError(f"its certificate does not name {agent}", data)
-        if self._now_s() > examined.until_s:
-            raise SealError("its certificate has expired", data)
-        return examined, kind
-
-    def _examine(self, certificate: bytes, data: bytes) -> _Examined:
-        """What a certificate says.
-
-        Raises:
-            SealError: it is none of our authority's, or was called back.
-        """
-        examined = self._known.get(certificate) or self._read_certificate(certificate, data)
-        if examined.serial in self._revocations:
-            raise SealError("its certificate was called back", data)
-        return examined
-
-    def _read_certificate(self, certificate: bytes, data: bytes) -> _Examined:
-        try:
-            loaded = x509.load_der_x509_certificate(certificate)
-            self._verify(loaded, dt.datetime.now(dt.UTC))
-        except (ValueError, VerificationError) as fault:
-            raise SealError(f"its certificate: {fault}", data) from fault
-        key = loaded.public_key()
-        if not isinstance(key, ec.EllipticCurvePublicKey):
-            raise SealError("its certificate is for no key on an elliptic curve", data)
-        examined = _Examined(
-            loaded.serial_number, key, agents_of(loaded, self._plant), loaded.not_valid_after_utc.timestamp()
-        )
-        if len(self._known) >= KNOWN:
-            self._known.clear()
-        self._known[certificate] = examined
-        return examined
-
-    def _verify(self, certificate: x509.Certificate, at: dt.datetime) -> None:
-        """See that an authority that we trust has signed it, and that it is valid at that moment.
-
-        Raises:
-            VerificationError: it has not, or is not.
-        """
-        PolicyBuilder().store(Store(self._authorities)).time(at).build_client_verifier().verify(
-            certificate, []
-        )
+        certified, _ = self.register.certified(read.certificate, agent, data)
+        _verify(certified, read.signature, _vouched(key))
+        return read.certificate
 
 
-def _verify(examined: _Examined, signature: bytes, signed: bytes) -> None:
+def _verify(certified: Certified, signature: bytes, signed: bytes) -> None:
     try:
-        examined.key.verify(signature, signed, _ECDSA)
+        certified.key.verify(signature, signed, _ECDSA)
     except InvalidSignature:
         raise SealError("its signature does not fit", signed) from None
 

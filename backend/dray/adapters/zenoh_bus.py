@@ -3,7 +3,8 @@
 One process has one Zenoh session, and any number of agents on it: one for a vehicle, some for a gateway.
 
     publish  {key}                           whoever listens on a pattern that matches
-    send     {plant}/agent/@{to}             one agent: a chunk with an @ is matched by no wildcard
+    send     {plant}/agent/@{to}             one agent: a chunk with an @ is matched by no wildcard; with
+                                            certificates nobody else can read it (`letters`)
     join     {plant}/alive/{agent}/{life}/…  a liveliness token: who is there, in which life (`zenoh_tokens`)
 
 Two threads meet here. Agents call on their loop, and a call goes straight into Zenoh's queues, which never
@@ -29,6 +30,7 @@ import zenoh
 from zenoh.handlers import Callback
 
 from dray.adapters.crossing import Crossing
+from dray.adapters.letters import Letters, Place
 from dray.adapters.seals import Seals
 from dray.adapters.zenoh_stamp import Stamp, Tally, read_stamp, write_stamp
 from dray.adapters.zenoh_tokens import NO_LIFE, Tokens
@@ -106,7 +108,7 @@ class ZenohSession:
 
     def send(self, to: str, message: Message) -> None:
         """Say it to one agent alone."""
-        self._say(self._bus.keys.addressed(to), message)
+        self._say(self._bus.keys.addressed(to), message, to)
 
     def subscribe(self, key: str) -> None:
         """Hear what is published on `key` from now on."""
@@ -138,14 +140,23 @@ class ZenohSession:
 
     # --- on the agent's loop ---------------------------------------------------------------------
 
-    def _say(self, key: str, message: Message) -> None:
-        if self._left or self.agent in self._bus.shut_out:
-            self._bus.unsaid += 1
+    def _say(self, key: str, message: Message, to: str = "") -> None:
+        bus = self._bus
+        if self._left or self.agent in bus.shut_out:
+            bus.unsaid += 1
             return
-        self._said[key] += 1
-        number, data, seals = self._said[key], encode(self.agent, message, self.context), self._bus.seals
-        seal = b"" if seals is None else seals.seal(key, self.life, number, data)
-        self._bus.inner.put(key, data, attachment=write_stamp(Stamp(self.life, number, seal)))
+        number, data = self._said[key] + 1, encode(self.agent, message, self.context)
+        seal = b""
+        if bus.letters is not None and to:
+            letter = bus.letters.write(self.agent, Place(to, self.life, number), data)
+            if letter is None:
+                bus.unaddressed += 1
+                return
+            data, seal = letter
+        elif bus.seals is not None:
+            seal = bus.seals.seal(key, self.life, number, data)
+        self._said[key] = number
+        bus.inner.put(key, data, attachment=write_stamp(Stamp(self.life, number, seal)))
 
     def _arrive(self, sender: str, message: Message, context: str) -> None:
         if not self._left:
@@ -211,12 +222,14 @@ class ZenohBus:
     Attributes:
         keys: the plant's.
         seals: by which agents are known; None on a bus without certificates.
+        letters: to one agent alone; None on a bus without certificates.
         tokens: of those who are there.
         inner: Zenoh's session.
         lock: held where Zenoh's threads count.
         arrivals: what has come in and waits for its agent; counts what it drops.
         delivered: messages that reached an agent.
         unsaid: messages of agents that had left, or are shut out and know it.
+        unaddressed: letters to agents that are not there, or whose certificate is not known yet.
         missed: messages that were lost on the way, by the numbers of those that came after them.
         refused: what came in and reached nobody, by reason; reasons are few and fixed.
         shut_out: agents that nobody in this process hears any more; replaced as a whole.
@@ -228,14 +241,22 @@ class ZenohBus:
         self.replaced = replaced
         self.delivered = 0
         self.unsaid = 0
+        self.unaddressed = 0
         self.refused: Counter[str] = Counter()
         self.shut_out: frozenset[str] = frozenset()
         self._sessions: dict[str, ZenohSession] = {}
         self.missed = 0
         self.lock = threading.Lock()
         self.seals = None if links.identity is None else Seals(links.identity, plant)
+        self.letters = None if self.seals is None else Letters(self.seals)
         self.tokens = Tokens(self.keys.alive, self.seals, self.refuse)
         self.inner = links.open()
+        if self.seals is not None:
+            # Whom a letter can be written to: everybody's token brings a certificate.
+            meet = _on_zenohs_thread(self._meet)
+            self._present = self.inner.liveliness().declare_subscriber(
+                self.tokens.everybody, meet, history=True
+            )
 
     def join(
         self, agent: str, receive: Receive, life: int = NO_LIFE, arrivals: Crossing | None = None
@@ -297,9 +318,7 @@ class ZenohBus:
         try:
             attachment = sample.attachment
             stamp = read_stamp(b"" if attachment is None else attachment.to_bytes())
-            data = sample.payload.to_bytes()
-            sender, message, context = decode_with_context(data)
-            kind = self.kind_of(sender, key, stamp, data)
+            kind, sender, message, context = self._open(key, stamp, sample.payload.to_bytes())
         except NewerVersion:
             reason = NEWER
         except SealError:
@@ -313,15 +332,32 @@ class ZenohBus:
         self.refuse(reason)
         return None
 
-    def kind_of(self, sender: str, key: str, stamp: Stamp, data: bytes) -> Kind | None:
-        """What `sender` is, who has really said this; None on a bus without certificates. On any thread.
+    def _open(self, key: str, stamp: Stamp, data: bytes) -> tuple[Kind | None, str, Message, str]:
+        """What its sender is, who has really said it, the message, and its context.
 
         Raises:
-            SealError: somebody else has said it, or nobody.
+            WireError: it cannot be read, or somebody else has said it, or nobody.
         """
-        if self.seals is None:
-            return None
-        return self.seals.examine(stamp.seal, sender, key, stamp.life, stamp.number, data)
+        reader = self.keys.addressee(key)
+        if self.seals is None or self.letters is None:
+            return None, *decode_with_context(data)
+        if not reader:
+            sender, message, context = decode_with_context(data)
+            kind = self.seals.examine(stamp.seal, sender, key, stamp.life, stamp.number, data)
+            return kind, sender, message, context
+        writer, kind, words = self.letters.read(stamp.seal, Place(reader, stamp.life, stamp.number), data)
+        sender, message, context = decode_with_context(words)
+        if sender != writer:
+            raise SealError(f"{writer} has written it", data)
+        return kind, sender, message, context
+
+    def _meet(self, sample: zenoh.Sample) -> None:
+        """Somebody is there, or was; our own agents see to their tokens. On Zenoh's threads."""
+        key = str(sample.key_expr)
+        if self.seals is None or sample.kind != zenoh.SampleKind.PUT:
+            return
+        if key.rsplit("/", 3)[1] not in self._sessions and (token := self.tokens.read(key)):
+            self.seals.register.meet(token.agent, token.life, token.certificate)
 
     def refuse(self, reason: str) -> None:
         """Count what came in and reaches nobody; on any thread."""

@@ -10,6 +10,7 @@ somebody else says nothing new: the latest life counts.
 
 from __future__ import annotations
 
+import contextlib
 import re
 import secrets
 from collections.abc import Callable
@@ -32,11 +33,19 @@ _NONCE_BYTES = 8
 
 @dataclass(frozen=True, slots=True)
 class Token:
-    """One life of an agent that is there, or was."""
+    """One life of an agent that is there, or was.
+
+    Attributes:
+        agent: whose.
+        life: see `dray.ports.Bus.join`.
+        seal: says that it was the agent who has said so; without certificates something that no other token has.
+        certificate: the agent's, in DER; empty without certificates.
+    """
 
     agent: str
     life: int
     seal: str
+    certificate: bytes = b""
 
     def replaces(self, other: Token) -> bool:
         """Whether this is a later life of the same agent.
@@ -78,21 +87,21 @@ class Tokens:
     def read(self, key: str) -> Token | None:
         """What a key on `everybody` says; None, and refused, when it says nothing."""
         agent, life, seal = key.rsplit("/", 3)[1:]
-        token = Token(agent, int(life), seal) if _LIFE.fullmatch(life) else None
-        if token is None or not self._is_signed(token):
-            self._refuse(UNSIGNED)
-            return None
-        return token
+        if _LIFE.fullmatch(life):
+            with contextlib.suppress(SealError):
+                return Token(agent, int(life), seal, self._certificate(agent, int(life), seal))
+        self._refuse(UNSIGNED)
+        return None
 
-    def _is_signed(self, token: Token) -> bool:
-        """Whether its agent has said it; on a bus without certificates everybody is believed."""
+    def _certificate(self, agent: str, life: int, seal: str) -> bytes:
+        """The certificate of the agent, who has said that this life is there; on a plain bus everybody is believed.
+
+        Raises:
+            SealError: it has not.
+        """
         if self._seals is None:
-            return True
-        try:
-            self._seals.examine_voucher(token.seal, token.agent, self._words(token.agent, token.life))
-        except SealError:
-            return False
-        return True
+            return b""
+        return self._seals.examine_voucher(seal, agent, self._words(agent, life))
 
     def _words(self, agent: str, life: int) -> str:
         return f"{self._under}/{agent}/{life}"

@@ -26,6 +26,7 @@ class Keys:
     """
 
     __slots__ = (
+        "_addressed",
         "alive",
         "all_atv_heartbeats",
         "all_events",
@@ -43,6 +44,7 @@ class Keys:
         self.all_events = f"{plant}/event/*"
         self.shut_out = f"{plant}/shut-out"
         self.alive = f"{plant}/alive"
+        self._addressed = f"{plant}/agent/@"
 
     def atv_heartbeat(self, atv: str) -> str:
         return f"{self.plant}/hb/atv/{atv}"
@@ -60,7 +62,12 @@ class Keys:
         return f"{self.plant}/berth/{berth}"
 
     def addressed(self, agent: str) -> str:
-        return f"{self.plant}/agent/@{agent}"
+        return f"{self._addressed}{agent}"
+
+    def addressee(self, key: str) -> str:
+        """The one agent that what is said on `key` is for; empty when it is for whoever listens."""
+        prefix = self._addressed
+        return key[len(prefix) :] if key.startswith(prefix) else ""
 
     def events(self, agent: str) -> str:
         return f"{self.plant}/event/{agent}"

@@ -15,7 +15,11 @@ What the agents of a Dray plant say to one another, on Zenoh. Generated from the
 
 A message is UTF-8 JSON. Beside it, as Zenoh's attachment, stands its stamp: a MessagePack array of the sender's
 life (its incarnation; 0 of a program that keeps no journal), the number of the message in that life on that key, from
-1, and its seal (bytes; empty on a bus without certificates)."""
+1, and its seal (bytes; empty on a bus without certificates).
+
+With certificates a seal is a MessagePack array: the sender's certificate (DER), unix time, and an ECDSA signature over
+the key, the life, the number, the time and the message. What is said on `addressed` is encrypted instead
+(AES-256-GCM); its seal holds the certificate, the sender, the time and the nonce. See docs/operating.md."""
 
 _PARAMETERS = {
     "plant": "The plant's id.",

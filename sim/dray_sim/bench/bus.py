@@ -13,6 +13,8 @@ from collections.abc import Callable
 from itertools import count
 from random import Random
 
+from msgspec.structs import replace
+
 from dray.codec import decode, encode
 from dray.messages import AtvHeartbeat, AtvStatus, Brief, Message, Phase, Pose, Role
 from dray.messages.keys import Keys
@@ -112,10 +114,11 @@ def _deliveries(span_s: float, *, trace: Trace | None = None, codec: bool = Fals
             network.join(f"M{number}", hear).subscribe(KEYS.all_heartbeats)
 
         def beat(number: int) -> None:
-            sessions[number].publish(KEYS.atv_heartbeat(f"ATV-{number}"), HEARTBEAT)
+            sessions[number].publish(KEYS.atv_heartbeat(f"ATV-{number}"), heartbeats[number])
             plant_clock.call_at(plant_clock.now_s() + PERIOD_S, beat, number)
 
         sessions = [network.join(f"ATV-{number}", hear) for number in range(VEHICLES)]
+        heartbeats = [replace(HEARTBEAT, atv=session.agent) for session in sessions]
         for number in range(VEHICLES):
             plant_clock.call_at(number * PERIOD_S / VEHICLES, beat, number)
         await asyncio.sleep(span_s)
@@ -148,12 +151,13 @@ class _Beating:
         self.id = f"ATV-{number}"
         self.wake_at_s = number * PERIOD_S / VEHICLES
         self._key = KEYS.atv_heartbeat(self.id)
+        self._said = replace(HEARTBEAT, atv=self.id)
 
     def handle(self, event: Event, now_s: float) -> list[Effect]:
         if not isinstance(event, Woke):
             return []
         self.wake_at_s = now_s + PERIOD_S
-        return [Publish(self._key, HEARTBEAT)]
+        return [Publish(self._key, self._said)]
 
 
 def _worker_events(span_s: float) -> int:

@@ -2,8 +2,8 @@
 
 All do the same: an asyncio program on each side says a heartbeat to the other one, and hears it on its
 loop. Bare Zenoh carries bytes that were written beforehand and that nobody reads. The second baseline
-writes and reads them too, with our codec. The adapter also numbers, judges and counts, and with certificates
-it signs and examines.
+writes and reads them too, with our codec. The adapter also numbers, judges and counts. With certificates what is
+published is signed and examined, and what is said to one agent alone is encrypted and opened.
 
 The fair baseline is the second: any program that talks over Zenoh has to turn messages into bytes and bytes
 into messages that it may believe, so what is left is what the adapter itself costs. The aim stands beside both.
@@ -22,6 +22,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 import zenoh
+from msgspec.structs import replace
 from zenoh.handlers import Callback
 
 from dray.adapters.certificates import Authority
@@ -30,6 +31,7 @@ from dray.adapters.zenoh_links import Identity, Links
 from dray.cli.fleet.addresses import free_addresses
 from dray.codec import decode, encode
 from dray.errors import UnavailableError
+from dray.messages import AtvHeartbeat
 from dray.messages.speakers import Kind
 from dray.ports import Session
 from dray_sim.bench.bus import HEARTBEAT
@@ -109,12 +111,25 @@ class Adapted(Line):
     def __init__(self, bus: ZenohBus) -> None:
         self._bus = bus
         self._session: Session
+        self._said: AtvHeartbeat
 
     def listen(self, name: str, hear: Hear) -> None:
         self._session = self._bus.join(name, lambda _sender, _message: hear())
+        self._said = replace(HEARTBEAT, atv=name)
 
     def say(self, to: str) -> None:
-        self._session.send(to, HEARTBEAT)
+        self._session.send(to, self._said)
+
+
+class Published(Adapted):
+    """The adapter, and everybody may listen."""
+
+    def listen(self, name: str, hear: Hear) -> None:
+        super().listen(f"{name}-all", hear)
+        self._session.subscribe(f"{PLANT}/{name}")
+
+    def say(self, to: str) -> None:
+        self._session.publish(f"{PLANT}/{to}", self._said)
 
 
 class Caller:
@@ -167,12 +182,12 @@ class End:
     sealed: Links
 
     async def open(self) -> list[Line]:
-        """Bare Zenoh, the same with reading, the adapter, and that with certificates; on the running loop.
+        """Bare Zenoh, the same with reading, the adapter, and that with certificates for all and for one reader.
 
-        They are closed with the process: a benchmark's is over soon.
+        On the running loop. They are closed with the process: a benchmark's is over soon.
         """
         plain, sealed = ZenohBus(self.plain, PLANT), ZenohBus(self.sealed, PLANT)
-        return [Bare(plain.inner), Read(plain.inner), Adapted(plain), Adapted(sealed)]
+        return [Bare(plain.inner), Read(plain.inner), Adapted(plain), Published(sealed), Adapted(sealed)]
 
 
 def measure(quick: bool) -> list[Row]:
@@ -185,7 +200,7 @@ def measure(quick: bool) -> list[Row]:
     with tempfile.TemporaryDirectory() as folder, asyncio.Runner() as runner:
         this, other = _ends(Path(folder))
         with _running(other):
-            bare, read, adapted, sealed = runner.run(_callers(this))
+            bare, read, adapted, signed, sealed = runner.run(_callers(this))
 
             def compare(name: str, caller: Caller, baseline: Caller, against: str, *, aim: bool) -> list[Row]:
                 trips, messages = ROUND_TRIPS // share, MESSAGES // share
@@ -203,7 +218,8 @@ def measure(quick: bool) -> list[Row]:
             return [
                 *compare("", adapted, bare, "bare Zenoh", aim=True),
                 *compare("", adapted, read, "bare Zenoh and the codec", aim=True),
-                *compare(", TLS and signed", sealed, bare, "bare Zenoh", aim=False),
+                *compare(", TLS and signed", signed, bare, "bare Zenoh", aim=False),
+                *compare(", TLS and encrypted for one reader", sealed, bare, "bare Zenoh", aim=False),
             ]
 
 
@@ -225,7 +241,8 @@ def _ends(folder: Path) -> tuple[End, End]:
     """The ends of the lines, with certificates in `folder`; the first calls, the second listens."""
     authority = Authority.make(PLANT)
     authority.write(folder)
-    authority.issue(folder, PLANT, dict.fromkeys((HERE, RECEIPT, ECHO, SINK), Kind.ATV))
+    names = (HERE, RECEIPT, ECHO, SINK)
+    authority.issue(folder, PLANT, dict.fromkeys([*names, *(f"{name}-all" for name in names)], Kind.ATV))
     identity = Identity.in_folder(folder, HERE)
     plain, sealed = ((address,) for address in free_addresses(2))
     return (

@@ -29,6 +29,7 @@ class BusMeter(Collector):
             **dict(bus.refused),
             "on the way": bus.missed,
             "said after leaving": bus.unsaid,
+            "nobody there to read it": bus.unaddressed,
             "an older heartbeat": bus.arrivals.dropped_heartbeats,
             "a full queue": bus.arrivals.dropped_messages,
         }
