@@ -40,6 +40,7 @@ from dray.messages import (
     Role,
 )
 from dray.messages.fact import (
+    AwardAnswered,
     CarrierChanged,
     ContractEnded,
     ContractTaken,
@@ -71,7 +72,7 @@ from dray_sim.bench.losses.figures import rows
 from dray_sim.bench.losses.fleet import Fleet, running
 from dray_sim.bench.losses.history import History
 from dray_sim.bench.losses.judgement import ENDED, Aftermath, judge
-from dray_sim.bench.losses.victims import DATABASE, LASTING, Kind, Rota, Victim, machine, vehicle
+from dray_sim.bench.losses.victims import DATABASE, LASTING, Kind, Rota, Victim, crew, machine, vehicle
 from dray_sim.bench.losses.watch import gathered
 from dray_sim.bench.losses.works import Works
 from dray_sim.bench.postgres import PostgresServer
@@ -206,6 +207,31 @@ def test_a_vehicle_that_was_primary_of_two_tasks_is_found_over_its_lives() -> No
     told.by("ATV3", taken("M8-1"))
     told.by("ATV3", taken("M9-1"), life=2)
     assert found(aftermath(told)) == {"vehicles with two tasks"}
+
+
+def test_a_carrier_that_is_released_from_a_contract_that_it_had_is_found() -> None:
+    accepted = AwardAnswered(task="M8-2", epoch=1, role=Role.PRIMARY, bidder="ATV2", answer="accepted")
+    released = ContractEnded(task="M8-2", epoch=1, role=Role.PRIMARY, reason="released")
+    told = whole()
+    told.by("M8", opened("M8-2"), accepted)
+    told.by("ATV2", taken("M8-2"), released)
+    told.by("M8", closed("M8-2"))
+    assert found(aftermath(told)) == {"contracts lost for nothing"}
+
+
+@pytest.mark.parametrize("answer", ["silent", "accepted"])
+def test_a_carrier_is_released_for_a_reason_when_it_was_silent_or_replaced(answer: str) -> None:
+    answered = AwardAnswered(task="M8-2", epoch=1, role=Role.PRIMARY, bidder="ATV2", answer=answer)
+    replaced = CarrierChanged(task="M8-2", epoch=2, replaced="ATV2", carrier="", reason="silent")
+    told = whole()
+    told.by("M8", opened("M8-2"), answered, *([replaced] if answer == "accepted" else []))
+    told.by(
+        "ATV2",
+        taken("M8-2"),
+        ContractEnded(task="M8-2", epoch=1, role=Role.PRIMARY, reason="released"),
+    )
+    told.by("M8", closed("M8-2"))
+    assert found(aftermath(told)) == set()
 
 
 def test_an_accepted_order_that_is_not_delivered_is_found() -> None:
@@ -370,6 +396,19 @@ def test_a_victim_is_what_it_says_of_itself() -> None:
     assert machine(heartbeat()) == Victim("M8", Kind.MACHINE)
 
 
+def test_a_machine_is_killed_with_all_that_carry_for_it() -> None:
+    carrier, other = (
+        brief(Role.PRIMARY, Phase.CARRYING),
+        msgspec.structs.replace(brief(Role.PRIMARY), coordinator="M9"),
+    )
+    vehicles = [beat(task=carrier), msgspec.structs.replace(beat(task=other), atv="ATV3"), beat()]
+    killed = crew(heartbeat(), vehicles)
+    assert killed is not None
+    assert (killed.name, killed.kind) == ("M8", Kind.CREW_MACHINE)
+    assert killed.crew == (Victim("ATV2", Kind.CREW_VEHICLE, ("M8-1",)),)
+    assert crew(heartbeat(), vehicles[1:]) is None
+
+
 def test_every_kind_has_its_turns_before_chance_does() -> None:
     living = [Victim(kind.value, kind) for kind in Kind]
     rota = Rota(Random(1), dict.fromkeys(Kind, 2))
@@ -403,6 +442,7 @@ def test_who_has_work_may_also_stay_away_one_of_a_kind_at_a_time() -> None:
     assert {victim.kind for victim in around({}, set())} == {
         Kind.LOADED,
         Kind.MACHINE,
+        Kind.CREW_MACHINE,
         *(Kind.STRATEGIST, Kind.HISTORIAN, Kind.GATEWAY, Kind.DATABASE),
         *LASTING,
     }

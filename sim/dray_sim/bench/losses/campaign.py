@@ -32,6 +32,7 @@ from dray_sim.bench.losses.victims import (
     Kind,
     Rota,
     Victim,
+    crew,
     machine,
     vehicle,
 )
@@ -234,6 +235,7 @@ class _Field:
     def _turns(self) -> dict[Kind, int]:
         campaign = self._campaign
         turns = dict.fromkeys(Kind, campaign.each) | dict.fromkeys(LASTING, campaign.lasting)
+        del turns[Kind.CREW_VEHICLE]  # It goes when its machine does.
         if self._breaker is None:
             del turns[Kind.DATABASE]
         return turns
@@ -244,22 +246,26 @@ class _Field:
             self.outages.append(await self._breaker.kill())
             return True
         if victim.kind in LASTING:
-            killed = await self._fleet.take_away(victim.name, self._campaign.lasting_s)
+            killed = [victim] if await self._fleet.take_away(victim.name, self._campaign.lasting_s) else []
         else:
-            killed = self._fleet.kill(victim.name)
-        if killed:
-            self._killed.append((victim, time.time()))
-        return killed
+            killed = [each for each in (victim, *victim.crew) if self._fleet.kill(each.name)]
+        self._killed += ((each, time.time()) for each in killed)
+        return bool(killed)
 
     def _living(self) -> Iterator[Victim]:
         """Those whose last life is on the bus; who has work may also be one that stays away, one of a kind at a time."""
         heard = self._watch.heard
-        said = (*map(vehicle, heard.atvs.values()), *map(machine, heard.machines.values()))
+        crews = (crew(each, heard.atvs.values()) for each in heard.machines.values())
+        said = (
+            *map(vehicle, heard.atvs.values()),
+            *map(machine, heard.machines.values()),
+            *filter(None, crews),
+        )
         offices = (Victim(name, kind) for name, kind in OFFICES.items())
         away = self._away()
         gone, kinds = {victim.name for victim in away}, {victim.kind for victim in away}
         for victim in (*said, *offices):
-            if victim.name not in gone:
+            if gone.isdisjoint({victim.name, *(each.name for each in victim.crew)}):
                 yield victim
                 lasting = STAYS_AWAY.get(victim.kind)
                 if victim.work and lasting is not None and lasting not in kinds:

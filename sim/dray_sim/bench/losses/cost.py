@@ -113,6 +113,8 @@ _LOOKS: Mapping[Kind, Callable[[str, Sequence[Event]], Fate | None]] = {
     Kind.FETCHING: _carried,
     Kind.LOADED: _carried,
     Kind.WATCHING: _watched,
+    Kind.CREW_VEHICLE: _carried,
+    Kind.CREW_MACHINE: _made,
     Kind.VEHICLE_AWAY: _carried,
     Kind.MACHINE: _made,
     Kind.MACHINE_AWAY: _made,

@@ -10,8 +10,15 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from dray.messages import Event, MachineHeartbeat, Message, OrderItem, OrderReleased
-from dray.messages.fact import ContractTaken, TaskClosed, TaskOpened
+from dray.messages import Event, MachineHeartbeat, Message, OrderItem, OrderReleased, Role, Transport
+from dray.messages.fact import (
+    AwardAnswered,
+    CarrierChanged,
+    ContractEnded,
+    ContractTaken,
+    TaskClosed,
+    TaskOpened,
+)
 from dray.store.orders import Order
 from dray.store.progress import OrderStatus
 from dray_sim.bench.losses.history import History
@@ -91,6 +98,7 @@ def judge(after: Aftermath) -> list[Finding]:
         Finding(
             "vehicles with two tasks", facts[ContractTaken], "contracts", _broken(OnePrimaryEach(), said)
         ),
+        Finding("contracts lost for nothing", facts[ContractTaken], "contracts", tuple(_for_nothing(events))),
         Finding(
             "pieces too many or too few",
             pieces,
@@ -131,6 +139,32 @@ def _broken(check: Ear, said: Iterable[_Utterance]) -> tuple[str, ...]:
         except InvariantBroken as broken:
             found.append(str(broken))
     return tuple(found)
+
+
+def _for_nothing(events: Sequence[Event]) -> Iterable[str]:
+    """Transports of which a carrier was released that its coordinator had contracted and not replaced since.
+
+    Whoever was silent when it was asked, or took over from somebody who lives, is released for a reason.
+    """
+    accepted: set[tuple[str, int, str]] = set()
+    replaced: set[tuple[str, str]] = set()
+    transports: set[str] = set()
+    for event in events:
+        match event.fact:
+            case TaskOpened(task=task, work=Transport()):
+                transports.add(task)
+            case AwardAnswered(role=Role.PRIMARY, answer="accepted") as answer:
+                accepted.add((answer.task, answer.epoch, answer.bidder))
+            case CarrierChanged(task=task, replaced=carrier):
+                replaced.add((task, carrier))
+    for event in events:
+        match event.fact:
+            case ContractEnded(role=Role.PRIMARY, reason="released", task=task, epoch=epoch) if (
+                task in transports
+                and (task, epoch, event.agent) in accepted
+                and (task, event.agent) not in replaced
+            ):
+                yield f"{event.agent} was released from {task} (epoch {epoch}), which it had"
 
 
 def _not_as_ordered(after: Aftermath) -> Iterable[str]:

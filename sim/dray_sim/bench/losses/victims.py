@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from random import Random
 
@@ -27,6 +27,8 @@ class Kind(StrEnum):
     DATABASE = "database"
     HISTORIAN = "historian"
     GATEWAY = "gateway"
+    CREW_MACHINE = "machine with its vehicles"
+    CREW_VEHICLE = "vehicle with its machine"
     VEHICLE_AWAY = "vehicle that stays away"
     MACHINE_AWAY = "machine that stays away"
 
@@ -50,11 +52,13 @@ class Victim:
         name: its agent's.
         kind: what it does at this moment, by its own word.
         work: the task that it carries, the tasks that it watches, or the goals that it makes.
+        crew: who is killed at the same moment: both sides of a contract lose what they hold of it in their heads.
     """
 
     name: str
     kind: Kind
     work: tuple[str, ...] = ()
+    crew: tuple[Victim, ...] = ()
 
 
 DATABASE = Victim("database", Kind.DATABASE)
@@ -83,6 +87,18 @@ def vehicle(heartbeat: AtvHeartbeat) -> Victim:
 def machine(heartbeat: MachineHeartbeat) -> Victim:
     """A machine, by its last word."""
     return Victim(heartbeat.machine, Kind.MACHINE, tuple(brief.goal for brief in heartbeat.goals))
+
+
+def crew(heartbeat: MachineHeartbeat, vehicles: Iterable[AtvHeartbeat]) -> Victim | None:
+    """A machine with all that carry for it, by their last words; None when nobody does."""
+    members = tuple(
+        Victim(each.atv, Kind.CREW_VEHICLE, (each.task.task,))
+        for each in vehicles
+        if each.task is not None and each.task.coordinator == heartbeat.machine
+    )
+    if not members:
+        return None
+    return replace(machine(heartbeat), kind=Kind.CREW_MACHINE, crew=members)
 
 
 class Rota:
