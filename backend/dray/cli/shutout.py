@@ -76,7 +76,7 @@ def readmit(
         if known is None:
             raise SettingsError("AGENT", f"{agent!r} is not shut out; `dray shut-out` lists who is")
         await work.exclusions.end(agent, time.time())
-        await note(work, "agent.readmit", agent, was=known.reason)
+        await note(work, "agent.readmit", agent, shut_out_for=known.reason)
 
     transact(db, decide)
     typer.echo(f"{agent} is readmitted; {SEEN}")

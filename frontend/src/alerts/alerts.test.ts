@@ -44,6 +44,13 @@ describe("an alert says", () => {
     expect(said({ kind: "atv_promised", until_at_s: 90, by: "Shift 2" })).toBe("Shift 2 is on the way, expected within 0 s");
   });
 
+  test("who has shut an agent out, and why", () => {
+    const out = { by: "Maria", problem: "does not move" };
+    expect(said({ ...out, kind: "atv_shut_out" })).toBe("Shut out by Maria: does not move");
+    expect(said({ ...out, kind: "machine_shut_out" })).toBe("Shut out by Maria: does not move");
+    expect(chosenOf(alert({ ...out, kind: "machine_shut_out", agent: "M8" }))).toEqual({ kind: "machine", id: "M8" });
+  });
+
   test("what it asks for", () => {
     expect(asksText(alert({}))).toBe("Have it repaired");
   });

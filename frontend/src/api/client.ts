@@ -197,6 +197,15 @@ export async function acknowledgeAlert(id: string): Promise<void> {
   await request("POST", `/api/alerts/${encodeURIComponent(id)}/acknowledge`);
 }
 
+/** Lets nobody hear an agent any more, until it is readmitted. */
+export async function shutOut(agent: string, reason: string): Promise<void> {
+  await request("POST", `/api/agents/${encodeURIComponent(agent)}/shut-out`, { reason });
+}
+
+export async function readmit(agent: string): Promise<void> {
+  await request("POST", `/api/agents/${encodeURIComponent(agent)}/readmit`);
+}
+
 /** A fault for the simulated factory, as data; `kind` says which fields it has. */
 export type NewFault = Readonly<Record<string, string | number>> & { readonly kind: string };
 

@@ -7,12 +7,14 @@ export function Tag({ tone = "normal", children }: { tone?: Tone; children: Comp
   return <span class={`tag tag-${tone}`}>{children}</span>;
 }
 
+const BAD: ReadonlySet<string> = new Set(["error", "lost", "shut_out"]);
+
 export function toneOfMachine(status: string): Tone {
-  if (status === "error" || status === "lost") return "alarm";
+  if (BAD.has(status)) return "alarm";
   return status === "starved" || status === "blocked" ? "warn" : "normal";
 }
 
 export function toneOfAtv(status: string): Tone {
-  if (status === "error" || status === "lost") return "alarm";
+  if (BAD.has(status)) return "alarm";
   return status === "stopped" ? "warn" : "normal";
 }

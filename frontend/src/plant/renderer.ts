@@ -303,10 +303,11 @@ export class PlantRenderer {
     const named = brush.detail.vehicleLabels && layers.labels;
     const labels = URGENT_LAST.toReversed().flatMap((look) =>
       groups[look].flatMap((vehicle) => {
-        const { id, seen_at_s: seenAtS } = vehicle.view;
+        const { id, seen_at_s: seenAtS, shut_out: out } = vehicle.view;
         const chosen = id === atv;
         if (!named && !chosen) return [];
-        const label = look === "lost" ? t("map.silent", { id, age: format.age(nowS - seenAtS) }) : id;
+        const silent = out ? t("map.shutOut", { id }) : t("map.silent", { id, age: format.age(nowS - seenAtS) });
+        const label = look === "lost" ? silent : id;
         return [{ vehicle, look, chosen, label }];
       }),
     );

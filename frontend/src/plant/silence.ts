@@ -16,11 +16,13 @@ interface Seen {
   readonly seen_at_s: number;
   /** Of a vehicle: what it carries out. */
   readonly task?: unknown;
+  /** Nobody hears it any more, by a manager's word. */
+  readonly shut_out?: unknown;
 }
 
-/** @param speed factory seconds per real second */
+/** Whoever is shut out is silent at once. @param speed factory seconds per real second */
 export function isLost(view: Seen, nowS: number, speed: number): boolean {
-  return nowS - view.seen_at_s > boundS(view, speed);
+  return Boolean(view.shut_out) || nowS - view.seen_at_s > boundS(view, speed);
 }
 
 /** The silence of this one that counts as failure, in real seconds. */

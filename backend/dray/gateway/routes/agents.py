@@ -83,7 +83,7 @@ async def shut_out(
 async def readmit(gateway: Gateway, note: Noted, agent: AgentId) -> Json:
     """Hear an agent again. A vehicle stays stopped until somebody acknowledges and resumes it."""
     ended = await gateway.exclusions.readmit(agent)
-    note.detail["was"] = ended.reason
+    note.detail["shut_out_for"] = ended.reason
     return Json(ended)
 
 

@@ -9,6 +9,8 @@ import { selection } from "../../selection/selection";
 import { nowS, world } from "../../stream/stream";
 import { failureText } from "../../text/failure";
 import { format, t, word } from "../../text/manager";
+import { ShutOutMenu } from "../agents/ShutOutMenu";
+import { ShutOutNote } from "../agents/ShutOutNote";
 import { UpdateFact } from "../agents/UpdateFact";
 import { names, plant } from "../state";
 import { doingText } from "./doing";
@@ -46,7 +48,8 @@ function AtvCard({ atv }: { atv: AtvView }) {
       aside={<Status atv={atv} lost={lost} />}
       class={`atv ${lost ? "silent" : ""}`}
     >
-      {atv.problem && (
+      {atv.shut_out && <ShutOutNote agent={atv.id} kind="atv" out={atv.shut_out} />}
+      {atv.problem && !atv.shut_out && (
         <div class="problem">
           {failureText(atv.problem)}
           {atv.help && <HelpWanted atv={atv.id} help={atv.help} speed={speed} />}
@@ -79,6 +82,7 @@ function AtvCard({ atv }: { atv: AtvView }) {
         />
         <span class="num">{format.percent(atv.battery_frac)}</span>
       </div>
+      {!atv.shut_out && <ShutOutMenu key={atv.id} agent={atv.id} kind="atv" />}
     </Card>
   );
 }
@@ -87,7 +91,7 @@ function Status({ atv, lost }: { atv: AtvView; lost: boolean }) {
   return (
     <>
       <TrialMenu agent={atv.id} kinds={ATV_TRIALS} />
-      {lost ? <Tag tone="alarm">{t("atv.lost")}</Tag> : <Tag tone={toneOfAtv(atv.status)}>{word("atv", atv.status)}</Tag>}
+      {lost ? <Tag tone="alarm">{t(atv.shut_out ? "atv.shut_out" : "atv.lost")}</Tag> : <Tag tone={toneOfAtv(atv.status)}>{word("atv", atv.status)}</Tag>}
     </>
   );
 }

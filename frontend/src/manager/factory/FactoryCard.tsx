@@ -3,11 +3,11 @@ import { Card } from "../../parts/Card";
 import { nowS, world } from "../../stream/stream";
 import { format, t } from "../../text/manager";
 import { Sparkline } from "./Sparkline";
-import { LOST, statusCounts } from "./status";
+import { LOST, SHUT_OUT, statusCounts } from "./status";
 import { StatusRow } from "./StatusRow";
 
-const ATV_ORDER = ["working", "idle", "charging", "stopped", "error", LOST];
-const MACHINE_ORDER = ["producing", "idle", "starved", "blocked", "error", LOST];
+const ATV_ORDER = ["working", "idle", "charging", "stopped", "error", LOST, SHUT_OUT];
+const MACHINE_ORDER = ["producing", "idle", "starved", "blocked", "error", LOST, SHUT_OUT];
 
 /** The factory as a whole: does it deliver, do machines wait, how long do transports take. */
 export function FactoryCard() {

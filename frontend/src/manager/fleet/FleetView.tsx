@@ -55,9 +55,9 @@ function Row({ atv }: { atv: AtvView }) {
         <ShowLink chosen={{ kind: "atv", id: atv.id }} label={t("fleet.show", { id: atv.id })} />
       </th>
       <td>
-        <Tag tone={lost ? "alarm" : toneOfAtv(atv.status)}>{lost ? t("atv.lost") : word("atv", atv.status)}</Tag>{" "}
-        <span class="muted">{atv.problem !== "" ? failureText(atv.problem) : atv.task ? doingText(atv) : ""}</span>
-        {atv.help && <small class="line">{helpText(atv.help, nowS.value, speed)}</small>}
+        <Tag tone={lost ? "alarm" : toneOfAtv(atv.status)}>{atv.shut_out ? t("atv.shut_out") : lost ? t("atv.lost") : word("atv", atv.status)}</Tag>{" "}
+        <span class="muted">{atv.shut_out ? t("shutOut.by", { by: atv.shut_out.by, reason: atv.shut_out.reason }) : atv.problem !== "" ? failureText(atv.problem) : atv.task ? doingText(atv) : ""}</span>
+        {atv.help && !atv.shut_out && <small class="line">{helpText(atv.help, nowS.value, speed)}</small>}
       </td>
       <td>{atv.task ? atv.task.task : ""}</td>
       <td>{atv.load && `${format.count(atv.load_quantity)} ${names.value(atv.load)}`}</td>

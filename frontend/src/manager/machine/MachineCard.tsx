@@ -8,6 +8,8 @@ import { isLost } from "../../plant/silence";
 import { nowS, world } from "../../stream/stream";
 import { failureText } from "../../text/failure";
 import { format, n, t, word } from "../../text/manager";
+import { ShutOutMenu } from "../agents/ShutOutMenu";
+import { ShutOutNote } from "../agents/ShutOutNote";
 import { UpdateFact } from "../agents/UpdateFact";
 import { names } from "../state";
 import { TrialFacts } from "../trials/TrialFacts";
@@ -29,12 +31,13 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
       aside={
         <>
           <TrialMenu agent={spec.id} kinds={MACHINE_TRIALS} />
-          {lost ? <Tag tone="alarm">{t("machine.lost")}</Tag> : status && <Tag tone={toneOfMachine(status)}>{word("machine", status)}</Tag>}
+          {lost ? <Tag tone="alarm">{t(machine.shut_out ? "machine.shut_out" : "machine.lost")}</Tag> : status && <Tag tone={toneOfMachine(status)}>{word("machine", status)}</Tag>}
         </>
       }
       class={`machine ${lost ? "silent" : ""}`}
     >
-      {machine?.problem && <p class="problem">{failureText(machine.problem)}</p>}
+      {machine?.shut_out && <ShutOutNote agent={spec.id} kind="machine" out={machine.shut_out} />}
+      {machine?.problem && !machine.shut_out && <p class="problem">{failureText(machine.problem)}</p>}
       <Facts>
         <TrialFacts agent={spec.id} />
         {machine && <UpdateFact agent={machine} />}
@@ -49,6 +52,7 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
       <Stock title={t("machine.buffers")} buffers={machine?.buffers ?? []} />
       <Stock title={t("machine.goods")} buffers={machine?.goods ?? []} />
       <Transports tasks={byDeadline(machine).slice(1)} />
+      {machine && !machine.shut_out && <ShutOutMenu key={spec.id} agent={spec.id} kind="machine" />}
     </Card>
   );
 }

@@ -40,6 +40,7 @@ export const de: Catalogue<typeof en> = {
   "machine.heartbeat": "Herzschlag",
   "machine.ago": "vor {age}",
   "machine.never": "nie gehört",
+  "machine.shut_out": "ausgeschlossen",
   "machine.lost": "stumm",
   "machine.trouble": "Störung",
   "machine.buffers": "Puffer",
@@ -96,6 +97,7 @@ export const de: Catalogue<typeof en> = {
   "atv.mesh": "Funk über {via}",
   "atv.battery": "Batterie",
   "atv.type": "Typ",
+  "atv.shut_out": "ausgeschlossen",
   "atv.lost": "stumm",
   "atv.silentFor": "stumm seit {age}",
   "atv.heardBy": "vor {age} · {link}",
@@ -215,6 +217,7 @@ export const de: Catalogue<typeof en> = {
   "map.kind.place": "Ort",
   "map.metres": "{n} m",
   "map.past": "Stand vor {age}",
+  "map.shutOut": "{id} · ausgeschlossen",
   "map.silent": "{id} · {age}",
 
   "table.sortBy": "Nach {column} ordnen",

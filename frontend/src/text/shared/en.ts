@@ -37,6 +37,7 @@ export const en = {
   "machine.heartbeat": "Heartbeat",
   "machine.ago": "{age} ago",
   "machine.never": "never heard",
+  "machine.shut_out": "shut out",
   "machine.lost": "silent",
   "machine.trouble": "Trouble",
   "machine.buffers": "Buffers",
@@ -93,6 +94,7 @@ export const en = {
   "atv.mesh": "mesh via {via}",
   "atv.battery": "Battery",
   "atv.type": "Type",
+  "atv.shut_out": "shut out",
   "atv.lost": "silent",
   "atv.silentFor": "silent for {age}",
   "atv.heardBy": "{age} ago · {link}",
@@ -212,6 +214,7 @@ export const en = {
   "map.kind.place": "place",
   "map.metres": "{n} m",
   "map.past": "as of {age} ago",
+  "map.shutOut": "{id} · shut out",
   "map.silent": "{id} · {age}",
 
   "table.sortBy": "Sort by {column}",

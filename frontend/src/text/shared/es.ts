@@ -40,6 +40,7 @@ export const es: Catalogue<typeof en> = {
   "machine.heartbeat": "Latido",
   "machine.ago": "hace {age}",
   "machine.never": "nunca oído",
+  "machine.shut_out": "excluido",
   "machine.lost": "en silencio",
   "machine.trouble": "Avería",
   "machine.buffers": "Existencias",
@@ -96,6 +97,7 @@ export const es: Catalogue<typeof en> = {
   "atv.mesh": "radio por {via}",
   "atv.battery": "Batería",
   "atv.type": "Tipo",
+  "atv.shut_out": "excluido",
   "atv.lost": "en silencio",
   "atv.silentFor": "en silencio desde hace {age}",
   "atv.heardBy": "hace {age} · {link}",
@@ -215,6 +217,7 @@ export const es: Catalogue<typeof en> = {
   "map.kind.place": "lugar",
   "map.metres": "{n} m",
   "map.past": "de hace {age}",
+  "map.shutOut": "{id} · excluido",
   "map.silent": "{id} · {age}",
 
   "table.sortBy": "Ordenar por {column}",
