@@ -179,13 +179,14 @@ async def test_orders_are_found_by_what_people_know_of_them(house: House) -> Non
 
 
 async def test_who_follows_changes_by_their_newest_time_misses_none(house: House) -> None:
-    order, other = await house.place(), await house.place()
+    order = await house.place()
     house.wall.now_s += 60
+    other = await house.place()
     await house.client.post(f"/api/orders/{other['id']}/cancel")
     since = (await house.get(f"/api/orders/{other['id']}"))["updated_at"]
     house.wall.now_s += 60
     contracted = GoalContracted("G1", order["id"], 0, PRODUCT, 5, "M1", 9.0)
-    await house.say(events("strategist", OrderAccepted(order=order["id"]), contracted))
+    await house.say(events("strategist", OrderAccepted(order=order["id"], goals=("G1",)), contracted))
     await house.say(events("M1", PieceMade(goal="G1", product=PRODUCT, made=1)))
     changed = (await house.get("/api/orders", updated_since=since))["items"]
     assert [each["id"] for each in changed] == [other["id"], order["id"]]
