@@ -34,6 +34,7 @@ from dray.gateway.access.sessions import LIFE_S
 from dray.messages import Pose
 from dray.store import Store
 from dray.store.audit import Audit
+from dray.store.database import Database
 from dray.store.sessions import Sessions
 
 pytestmark = pytest.mark.anyio
@@ -381,14 +382,38 @@ async def test_a_line_is_on_disk_before_its_answer_leaves(
         await written.wait()
         return await add(audit, row)
 
+    order = await house.place()
     monkeypatch.setattr(Audit, "add", slowly)
-    asking = asyncio.create_task(house.client.post("/api/orders", json=draft()))
+    asking = asyncio.create_task(house.client.post(f"/api/orders/{order['id']}/cancel"))
     await begun.wait()
-    assert await house.orders_kept() == 1
     assert not asking.done()
     written.set()
-    assert (await asking).status_code == 201
-    assert len(await house.audit(action="order.place")) == 1
+    assert (await asking).status_code == 200
+    assert len(await house.audit(action="order.cancel")) == 1
+
+
+async def test_an_order_and_its_line_are_on_disk_together_before_the_answer_leaves(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun, go_on = asyncio.Event(), asyncio.Event()
+    do = Database.do
+
+    async def slowly(database: Database, work: Any) -> Any:
+        begun.set()
+        await go_on.wait()
+        return await do(database, work)
+
+    monkeypatch.setattr(Database, "do", slowly)
+    asking = asyncio.create_task(house.client.post("/api/orders", json=draft()))
+    await begun.wait()
+    assert not asking.done()
+    assert (await house.orders_kept(), await house.audit(action="order.place")) == (0, [])
+    go_on.set()
+    placed = await asking
+    assert placed.status_code == 201
+    lines = await house.audit(action="order.place")
+    assert [(line.result, line.target) for line in lines] == [("done", placed.json()["id"])]
+    assert await house.orders_kept() == 1
 
 
 async def test_a_stop_waits_for_no_disk_and_its_line_is_written_when_there_is_one(

@@ -74,11 +74,11 @@ async def test_a_key_at_work_is_refused_until_its_request_is_answered(
     begun, go_on = asyncio.Event(), asyncio.Event()
     place_once = intake.place_once
 
-    async def slowly(gateway: Parts, draft: Any, key: str, render: Any) -> Any:
+    async def slowly(gateway: Parts, draft: Any, key: str, *rest: Any) -> Any:
         async with alone(gateway.keys_at_work, key):
             begun.set()
             await go_on.wait()
-        return await place_once(gateway, draft, key, render)
+        return await place_once(gateway, draft, key, *rest)
 
     with monkeypatch.context() as patch:
         patch.setattr(intake, "place_once", slowly)

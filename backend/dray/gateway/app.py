@@ -29,13 +29,14 @@ from dray.gateway.exclusiondesk import ExclusionDesk
 from dray.gateway.faultdesk import FaultDesk
 from dray.gateway.health import Health
 from dray.gateway.hosts import Hosts, KnownHost
+from dray.gateway.idempotency import KEYS_KEPT_S
 from dray.gateway.ledger import Ledger
 from dray.gateway.lookout import Lookout
 from dray.gateway.metrics import Metrics, Stopwatch
 from dray.gateway.metrics.history import History
 from dray.gateway.metrics.state import State
 from dray.gateway.panels import PREFIX, STATIC, BuiltFiles, Panels
-from dray.gateway.parts import Parts
+from dray.gateway.parts import Intake, Parts
 from dray.gateway.peer import Peer
 from dray.gateway.presence import Presence
 from dray.gateway.projection import Projection
@@ -54,6 +55,7 @@ from dray.plant.model import PlantFile
 from dray.ports import Bus
 from dray.settings import Settings
 from dray.store import Historian, Store
+from dray.store.placing import Placing
 
 
 def create_app(
@@ -148,6 +150,7 @@ def create_app(
             faults=faults,
             side_work=SideWork(),
             keys_at_work=set(),
+            intake=Intake(Placing(store.database, keys_kept_s=KEYS_KEPT_S, lines_kept=settings.audit_kept)),
         )
         lookout = Lookout(store, projection, desk)
         await _recall(parts, plant, lookout, time)

@@ -1,17 +1,20 @@
 """The intake: takes an order, once, however often it is sent.
 
-The order and its idempotency key are written in one transaction, and the answer follows the commit:
-an order that was answered is on disk, and one that was not can be sent again under its key.
+The order, its idempotency key and its line of the audit log are written in one transaction, which requests that come
+together share (`dray.store.placing`). The answer follows the commit: an order that was answered is on disk, and one
+that was not can be sent again under its key.
 """
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from http import HTTPStatus
 
+from dray.gateway.access.trail import Note
 from dray.gateway.drafts import OrderDraft, WorkDraft, nonsense
-from dray.gateway.idempotency import KEYS_KEPT_S, alone, refuse_other_body
+from dray.gateway.idempotency import alone, refuse_other_body
 from dray.gateway.orderids import new_order_id, new_token
 from dray.gateway.parts import Parts
 from dray.gateway.preview import OrderPreview, Situation, Wanted, preview
@@ -19,10 +22,9 @@ from dray.gateway.problems import Problem, unusable
 from dray.gateway.tracking.eta import History
 from dray.gateway.tracking.facts import SILENCE_S
 from dray.store.keys import KeptAnswer
-from dray.store.links import Link
 from dray.store.orders import Item, Order
+from dray.store.placing import Placement, Wish
 from dray.store.progress import OrderStatus
-from dray.store.work import Work
 
 MAX_OPEN_ORDERS = 10_000
 """Orders that have not ended: months of work. They are kept in memory and sent to every new panel."""
@@ -53,7 +55,7 @@ async def look_ahead(gateway: Parts, draft: WorkDraft) -> OrderPreview:
 
 
 async def place(gateway: Parts, draft: OrderDraft) -> Order:
-    """Take an order.
+    """Take an order that nobody asks for twice.
 
     Args:
         gateway: where to.
@@ -62,22 +64,26 @@ async def place(gateway: Parts, draft: OrderDraft) -> Order:
     Raises:
         Problem: what the order names does not exist or is past, or too many are open.
     """
-    async with gateway.store.write() as work:
-        [order] = await _written(gateway, work, [draft])
-    _announce(gateway, order)
-    return order
+    wish = Wish(prepare=lambda: _prepared(gateway, [draft], lambda _orders: b""))
+    orders, _ = await _placed(gateway, wish, 1)
+    return orders[0]
 
 
 async def place_once(
-    gateway: Parts, draft: OrderDraft, key: str, render: Callable[[Order], bytes]
+    gateway: Parts,
+    draft: OrderDraft,
+    key: str | None,
+    render: Callable[[Order], bytes],
+    note: Note | None = None,
 ) -> tuple[KeptAnswer, bool]:
     """Take an order, or find what was answered when it was sent before.
 
     Args:
         gateway: where to.
         draft: a body that has the right shape.
-        key: the Idempotency-Key.
+        key: the Idempotency-Key; None for none.
         render: writes the answer.
+        note: of the request, whose line of the audit log is written together with the order.
 
     Returns:
         The answer, and whether it is that of an earlier request.
@@ -85,48 +91,67 @@ async def place_once(
     Raises:
         Problem: as `place`; or the key was used for another body, or is at work.
     """
-    return await place_all_once(gateway, [draft], key, lambda orders: render(orders[0]))
+    return await place_all_once(gateway, [draft], key, lambda orders: render(orders[0]), note)
 
 
 async def place_all_once(
-    gateway: Parts, drafts: Sequence[OrderDraft], key: str, render: Callable[[Sequence[Order]], bytes]
+    gateway: Parts,
+    drafts: Sequence[OrderDraft],
+    key: str | None,
+    render: Callable[[Sequence[Order]], bytes],
+    note: Note | None = None,
 ) -> tuple[KeptAnswer, bool]:
     """Take some orders, all or none, as `place_once` takes one.
 
     Args:
         gateway: where to.
         drafts: at least one.
-        key: the Idempotency-Key.
+        key: the Idempotency-Key; None for none.
         render: writes the answer.
+        note: of the request.
     """
     fingerprint = hashlib.sha256("\n".join(draft.model_dump_json() for draft in drafts).encode()).hexdigest()
-    async with alone(gateway.keys_at_work, key), gateway.store.write() as work:
-        kept = await work.keys.get(key)
-        if kept is not None:
-            refuse_other_body(kept, fingerprint)
-            return kept, True
-        orders = await _written(gateway, work, drafts)
-        first = orders[0]
-        answer = KeptAnswer(key, fingerprint, first.id, render(orders).decode(), first.created_at_s)
-        await work.keys.forget_before(first.created_at_s - KEYS_KEPT_S)
-        await work.keys.add(answer)
+    wish = Wish(
+        key=key or "",
+        fingerprint=fingerprint,
+        prepare=lambda: _prepared(gateway, drafts, render),
+        line=None if note is None else note.line,
+    )
+    async with alone(gateway.keys_at_work, key) if key else nullcontext():
+        orders, kept = await _placed(gateway, wish, len(drafts))
+    refuse_other_body(kept, fingerprint)
+    if note is not None:
+        note.target, note.written = kept.order_id, True
+    return kept, not orders
+
+
+async def _placed(gateway: Parts, wish: Wish, count: int) -> tuple[Sequence[Order], KeptAnswer]:
+    """Have so many orders written, and let panels and the strategist know."""
+    gateway.intake.coming += count
+    try:
+        orders, kept = await gateway.intake.placing.place(wish)
+        for order in orders:
+            gateway.projection.orders.put(order)
+    finally:
+        gateway.intake.coming -= count
     for order in orders:
-        _announce(gateway, order)
-    return answer, False
+        if order.status is OrderStatus.RELEASED:
+            gateway.desk.release(order)
+    return orders, kept
 
 
-def _announce(gateway: Parts, order: Order) -> None:
-    """The order is on disk: let panels and the strategist know."""
-    gateway.projection.orders.put(order)
-    if order.status is OrderStatus.RELEASED:
-        gateway.desk.release(order)
+def _prepared(
+    gateway: Parts, drafts: Sequence[OrderDraft], render: Callable[[Sequence[Order]], bytes]
+) -> Placement:
+    """The orders of some drafts, as of now.
 
-
-async def _written(gateway: Parts, work: Work, drafts: Sequence[OrderDraft]) -> list[Order]:
+    Raises:
+        Problem: as `place`.
+    """
     now_s = gateway.wall_s()
     for draft in drafts:
         _refuse_nonsense(gateway, draft, now_s)
-    if gateway.projection.orders.open + len(drafts) > MAX_OPEN_ORDERS:
+    if gateway.projection.orders.open + gateway.intake.coming > MAX_OPEN_ORDERS:
         raise Problem(
             HTTPStatus.SERVICE_UNAVAILABLE,
             "too-many-orders",
@@ -136,10 +161,7 @@ async def _written(gateway: Parts, work: Work, drafts: Sequence[OrderDraft]) -> 
         )
     # A millisecond apart: their ids differ by that, and they are listed in this order.
     orders = [_order(draft, now_s + index / 1000) for index, draft in enumerate(drafts)]
-    for order in orders:
-        await work.orders.add(order)
-        await work.links.add(order.token, Link(order.id, order.created_at_s))
-    return orders
+    return Placement(orders, render(orders).decode())
 
 
 def _order(draft: OrderDraft, now_s: float) -> Order:

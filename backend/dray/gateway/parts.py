@@ -29,6 +29,20 @@ from dray.plant import Plant
 from dray.plant.model import PlantFile
 from dray.settings import Settings
 from dray.store import Historian, Store
+from dray.store.placing import Placing
+
+
+@dataclass
+class Intake:
+    """What the intake of orders works with.
+
+    Attributes:
+        placing: writes them.
+        coming: how many are being written at this moment.
+    """
+
+    placing: Placing
+    coming: int = 0
 
 
 @dataclass(frozen=True)
@@ -59,6 +73,7 @@ class Parts:
     side_work: SideWork
     keys_at_work: set[str]
     """Idempotency keys of requests that are being answered at this moment."""
+    intake: Intake
 
     @property
     def plant(self) -> PlantFile:

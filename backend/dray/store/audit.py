@@ -52,10 +52,7 @@ class Audit:
 
     async def add(self, row: AuditRow) -> int:
         """Add a line; returns its position."""
-        fields = msgspec.structs.asdict(row)
-        del fields["position"]
-        fields["detail"] = msgspec.json.encode(row.detail).decode()
-        done = await self._connection.execute(insert(audit).returning(audit.c.position), [fields])
+        done = await self._connection.execute(insert(audit).returning(audit.c.position), [row_of_line(row)])
         position: int = done.scalar_one()
         return position
 
@@ -78,6 +75,13 @@ class Audit:
         """Forget all but the newest `keep` lines."""
         newest = select(func.max(audit.c.position)).scalar_subquery()
         await self._connection.execute(delete(audit).where(audit.c.position <= newest - keep))
+
+
+def row_of_line(line: AuditRow) -> dict[str, object]:
+    """A new line, as the table has it."""
+    fields = msgspec.structs.asdict(line)
+    del fields["position"]
+    return fields | {"detail": msgspec.json.encode(line.detail).decode()}
 
 
 def _conditions(wanted: AuditFilter) -> list[ColumnElement[bool]]:

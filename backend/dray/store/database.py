@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import asyncio
 import sqlite3
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager
+from typing import TypeVar
 
-from sqlalchemy import QueuePool, text
+from sqlalchemy import Connection, QueuePool, text
 from sqlalchemy.exc import ArgumentError, DBAPIError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine
@@ -21,6 +22,8 @@ from dray.errors import UnavailableError
 from dray.store.dialect import Dialect
 from dray.store.postgresql import Postgresql
 from dray.store.sqlite import Sqlite
+
+T = TypeVar("T")
 
 _FAULTS = (DBAPIError, PoolTimeout, OSError, sqlite3.Error)
 """What drivers raise, beside our own bugs."""
@@ -104,8 +107,25 @@ class Database:
                 await self._dialect.take_turn(connection)
                 yield connection
 
+    async def do(self, work: Callable[[Connection], T]) -> T:
+        """Do something in a transaction of its own, in as few steps as this database allows.
+
+        Args:
+            work: called with the connection, perhaps in another thread.
+
+        Returns:
+            What it has returned; by then it is on disk.
+
+        Raises:
+            UnavailableError: as `write`.
+        """
+        with self._told():
+            async with self._writing:
+                return await self._dialect.do(self._writer, work)
+
     async def close(self) -> None:
         """Close all connections; harmless when done twice."""
+        await self._dialect.close()
         await self.engine.dispose()
 
     @contextmanager

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, Protocol
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol, TypeVar
 
-from sqlalchemy import Insert, Table
+from sqlalchemy import Connection, Insert, Table
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine
+
+T = TypeVar("T")
 
 BUSY_TIMEOUT_MS = 5_000
 """How long to wait for another process's write: an upgrade or a backup takes seconds, no more."""
@@ -42,6 +44,14 @@ class Dialect(Protocol):
         So no query has to reckon with a second writer, and rows are numbered in the order in which they
         become visible.
         """
+        ...
+
+    async def do(self, writer: AsyncEngine, work: Callable[[Connection], T]) -> T:
+        """One writing transaction, turn and all; `work` may be called in another thread."""
+        ...
+
+    async def close(self) -> None:
+        """Give up what was opened beside the engine; harmless when done twice."""
         ...
 
     def is_away(self, error: Exception) -> bool:

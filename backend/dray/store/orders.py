@@ -96,17 +96,14 @@ class Orders:
 
     async def add(self, order: Order) -> None:
         """Keep a new order."""
-        row = msgspec.structs.asdict(order)
-        row.pop("items")
-        row["updated_at_s"] = max(order.updated_at_s, order.created_at_s)
-        await self._connection.execute(insert(orders), [row])
-        await self._connection.execute(
-            insert(order_items),
-            [
-                {"order_id": order.id, "item": index, **msgspec.structs.asdict(item)}
-                for index, item in enumerate(order.items)
-            ],
-        )
+        await self.add_all([order])
+
+    async def add_all(self, new: Sequence[Order]) -> None:
+        """Keep new orders."""
+        if not new:
+            return
+        await self._connection.execute(insert(orders), rows_of_orders(new))
+        await self._connection.execute(insert(order_items), rows_of_items(new))
 
     async def get(self, order_id: str) -> Order | None:
         """One order, or None."""
@@ -313,6 +310,25 @@ class Orders:
             ):
                 lines[line.order_id].append(Item(line.product, line.quantity, line.made, line.delivered))
         return [_order(row, lines[row.id]) for row in rows]
+
+
+def rows_of_orders(new: Sequence[Order]) -> list[dict[str, object]]:
+    """New orders, as their table has them."""
+    rows = []
+    for order in new:
+        row = msgspec.structs.asdict(order)
+        del row["items"]
+        rows.append(row | {"updated_at_s": max(order.updated_at_s, order.created_at_s)})
+    return rows
+
+
+def rows_of_items(new: Sequence[Order]) -> list[dict[str, object]]:
+    """Their items, as their table has them."""
+    return [
+        {"order_id": order.id, "item": index, **msgspec.structs.asdict(item)}
+        for order in new
+        for index, item in enumerate(order.items)
+    ]
 
 
 def _order(row: Row[tuple[object, ...]], items: list[Item]) -> Order:

@@ -6,16 +6,18 @@ transactions a second, so the queue is short, and queries are the same on both d
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeVar
 
-from sqlalchemy import text
+from sqlalchemy import Connection, text
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine, create_async_engine
 
 from dray.store import dialect
+
+T = TypeVar("T")
 
 WRITERS = 0x44726179
 """The advisory lock of all writers; "Dray" in ASCII. Such locks are known in one database only."""
@@ -67,6 +69,14 @@ class Postgresql:
     async def take_turn(self, connection: AsyncConnection) -> None:
         """Held until the transaction ends, however it ends."""
         await connection.execute(text("SELECT pg_advisory_xact_lock(:writers)"), {"writers": WRITERS})
+
+    async def do(self, writer: AsyncEngine, work: Callable[[Connection], T]) -> T:
+        async with writer.begin() as connection:
+            await self.take_turn(connection)
+            return await connection.run_sync(work)
+
+    async def close(self) -> None:
+        """Nothing was opened beside the engine."""
 
     def is_away(self, error: Exception) -> bool:
         """A server that is not there, is stopped or started, or has no room."""

@@ -8,17 +8,20 @@ from __future__ import annotations
 
 import asyncio
 import sqlite3
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, suppress
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeVar
 
-from sqlalchemy import Connection, event
+from sqlalchemy import URL, Connection, Engine, create_engine, event
 from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError
 from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine, create_async_engine
 
 from dray.store import dialect
+
+T = TypeVar("T")
 
 _IMMEDIATE = "dray_immediate"
 
@@ -29,11 +32,33 @@ class Sqlite:
     reading: Mapping[str, Any] = MappingProxyType({})
     writing: Mapping[str, Any] = MappingProxyType({_IMMEDIATE: True})
 
+    def __init__(self) -> None:
+        self._direct: Engine | None = None
+        """The same file, for a thread that does a whole transaction: aiosqlite goes over to its own and back some
+        twenty times for one."""
+        self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="sqlite")
+
     def engine(self, url: str) -> AsyncEngine:
         engine = create_async_engine(url)
-        event.listen(engine.sync_engine, "connect", _prepare)
-        event.listen(engine.sync_engine, "begin", _begin)
+        _listen(engine.sync_engine)
         return engine
+
+    async def do(self, writer: AsyncEngine, work: Callable[[Connection], T]) -> T:
+        return await asyncio.get_running_loop().run_in_executor(self._thread, self._do, writer.url, work)
+
+    def _do(self, url: URL, work: Callable[[Connection], T]) -> T:
+        if self._direct is None:
+            engine = create_engine(url.set(drivername="sqlite"), connect_args={"check_same_thread": False})
+            _listen(engine)
+            self._direct = engine.execution_options(**self.writing)
+        with self._direct.begin() as connection:
+            return work(connection)
+
+    async def close(self) -> None:
+        await asyncio.get_running_loop().run_in_executor(None, self._thread.shutdown)
+        if self._direct is not None:
+            self._direct.dispose()
+            self._direct = None
 
     async def knock(self, engine: AsyncEngine) -> None:
         """A failed attempt of aiosqlite would leave a thread that may answer to a closed loop."""
@@ -84,6 +109,11 @@ def _is_damage(error: BaseException) -> bool:
     """Whether SQLite says that the file's bytes are wrong."""
     code: int = getattr(error, "sqlite_errorcode", 0)
     return code & 0xFF in (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
+
+
+def _listen(engine: Engine) -> None:
+    event.listen(engine, "connect", _prepare)
+    event.listen(engine, "begin", _begin)
 
 
 def _prepare(connection: Any, _record: Any) -> None:

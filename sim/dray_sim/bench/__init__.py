@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
-from dray_sim.bench import bus, fleet, links, losses, paint, plantmap, projection, sim, zenoh
+from dray_sim.bench import bus, fleet, links, losses, orders, paint, plantmap, projection, sim, zenoh
 from dray_sim.bench.row import Row, rates
 
 __all__ = ["BENCHES", "LONG", "Bench", "Row", "as_json", "rates"]
@@ -31,6 +31,7 @@ BENCHES: dict[str, Bench] = {
     "zenoh": zenoh.measure,
     "fleet": fleet.measure,
     "links": links.measure,
+    "orders": orders.measure,
     "losses": losses.measure,
 }
 """Name -> benchmark, in the order in which they run."""

@@ -8,14 +8,16 @@ from __future__ import annotations
 
 import logging
 from http import HTTPStatus
+from typing import Any
 
 from starlette.requests import HTTPConnection
 from starlette.types import Message, Receive, Scope, Send
 
 from dray.errors import UnavailableError
-from dray.gateway.access.trail import Line, Note, Result, result_of
+from dray.gateway.access.trail import Line, Note, Result, Trail, result_of
 from dray.gateway.parts import parts_of
 from dray.gateway.problems import Problem
+from dray.store.audit import AuditRow
 
 _log = logging.getLogger(__name__)
 
@@ -34,6 +36,7 @@ class Recorder:
     def __init__(self, scope: Scope, receive: Receive, send: Send, action: str, note: Note) -> None:
         self._scope, self._receive, self._send = scope, receive, send
         self._action, self._note = action, note
+        note.line = self._done
         self._lost = False
         """The line could not be written, and the one who asked was told so."""
 
@@ -70,21 +73,35 @@ class Recorder:
 
     async def _write(self, result: Result, status: int) -> None:
         note = self._note
-        if note.elsewhere or (note.who is None and note.result is None):
+        if (
+            note.elsewhere
+            or (note.who is None and note.result is None)
+            or (note.written and result == "done")
+        ):
             return
-        line = Line(
-            who=note.who,
+        detail = note.detail if status < HTTPStatus.BAD_REQUEST else note.detail | {"status": status}
+        line = self._line(note.target, result, detail)
+        if note.waits:
+            await self._trail.write(line)
+        else:
+            self._trail.write_later(line)
+
+    def _done(self, target: str) -> AuditRow:
+        return self._trail.row(self._line(target, "done", self._note.detail))
+
+    def _line(self, target: str, result: Result, detail: dict[str, Any]) -> Line:
+        return Line(
+            who=self._note.who,
             address=address_of(self._scope),
             action=self._action,
-            target=note.target,
+            target=target,
             result=result,
-            detail=note.detail if status < HTTPStatus.BAD_REQUEST else note.detail | {"status": status},
+            detail=detail,
         )
-        trail = parts_of(HTTPConnection(self._scope)).access.trail
-        if note.waits:
-            await trail.write(line)
-        else:
-            trail.write_later(line)
+
+    @property
+    def _trail(self) -> Trail:
+        return parts_of(HTTPConnection(self._scope)).access.trail
 
     def _tell_the_log(self, error: UnavailableError) -> None:
         who = "nobody" if self._note.who is None else self._note.who.id

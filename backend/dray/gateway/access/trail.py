@@ -55,6 +55,11 @@ class Note:
     """Whether the answer waits until the line is on disk; that of a stop does not."""
     elsewhere: bool = False
     """Whether somebody else writes the line."""
+    line: Callable[[str], AuditRow] | None = None
+    """Makes the line of what is done, given its target, for who writes it in the transaction of what it tells of;
+    left by the recorder."""
+    written: bool = False
+    """Whether that has been done: then only something else than `done` is still to be told."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,11 +108,11 @@ class Trail:
 
     async def write(self, line: Line) -> None:
         """Add a line; it is on disk when this returns."""
-        await self._write([self._row(line)])
+        await self._write([self.row(line)])
 
     def write_later(self, line: Line) -> None:
         """Add a line as soon as the database takes it."""
-        row = self._row(line)
+        row = self.row(line)
         _log.info("%s %s: %s, by %s, %s", row.action, row.target, row.result, row.who, row.detail)
         if len(self._later) >= LATER:
             _log.error("not in the audit log, for which %d lines wait already: %r", LATER, row)
@@ -143,7 +148,8 @@ class Trail:
                     self._later.popleft()
             self._more.clear()
 
-    def _row(self, line: Line) -> AuditRow:
+    def row(self, line: Line) -> AuditRow:
+        """A line as it is kept, for who writes it together with what it tells of."""
         return AuditRow(
             at_s=self._wall_s() if line.at_s is None else line.at_s,
             who="" if line.who is None else line.who.id,

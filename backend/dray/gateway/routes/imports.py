@@ -105,8 +105,7 @@ async def import_orders(
     # Without a key of its own every request is another one. An order and a file of that order alone are
     # answered differently, so a key stands for another thing here.
     own = own_key(caller, f"import {key or new_token()}")
-    kept, _replayed = await intake.place_all_once(gateway, drafts, own, render)
-    note.target = kept.order_id
+    kept, _replayed = await intake.place_all_once(gateway, drafts, own, render, note)
     return Json(kept.answer.encode())
 
 

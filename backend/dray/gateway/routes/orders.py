@@ -155,14 +155,13 @@ async def place_order(
 ) -> Json:
     """Place an order."""
     base = public_url(gateway.settings, request)
-    if key is None:
-        placed = await intake.place(gateway, draft)
-        note.target = placed.id
-        return _created(placed.id, msgspec.json.encode(order_answer(placed, base)))
     kept, replayed = await intake.place_once(
-        gateway, draft, own_key(caller, key), lambda order: msgspec.json.encode(order_answer(order, base))
+        gateway,
+        draft,
+        None if key is None else own_key(caller, key),
+        lambda order: msgspec.json.encode(order_answer(order, base)),
+        note,
     )
-    note.target = kept.order_id
     return _created(kept.order_id, kept.answer.encode(), {"Idempotency-Replayed": "true"} if replayed else {})
 
 

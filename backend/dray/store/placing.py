@@ -1,0 +1,164 @@
+"""Placing: orders, their links, the keys they came under and their lines of the audit log, in one transaction.
+
+An answered order is on disk with all that belongs to it, whenever the process dies. Requests that come together are
+written by as few statements as one alone, and share its commit (`dray.store.together`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import msgspec
+from sqlalchemy import Connection, delete, func, insert, select
+
+from dray.errors import DrayError
+from dray.store.audit import AuditRow, row_of_line
+from dray.store.database import Database
+from dray.store.digest import digest
+from dray.store.keys import KeptAnswer
+from dray.store.links import Link
+from dray.store.orders import Order, rows_of_items, rows_of_orders
+from dray.store.tables import audit, idempotency_keys, order_items, orders, tracking_links
+from dray.store.together import Together
+
+PRUNED_EVERY = 1_000
+"""Lines of the audit log between two looks at how many there are."""
+
+FORGOTTEN_EVERY_S = 600.0
+"""Wall seconds between two looks for keys that are too old: they are kept for days."""
+
+
+class Placement(msgspec.Struct, frozen=True):
+    """What a request places."""
+
+    orders: Sequence[Order]
+    """At least one."""
+    answer: str
+    """What is answered."""
+
+
+class Wish(msgspec.Struct, frozen=True, kw_only=True):
+    """A request to place orders."""
+
+    key: str = ""
+    """The Idempotency-Key; empty for none."""
+    fingerprint: str = ""
+    """A digest of what is asked."""
+    prepare: Callable[[], Placement]
+    """Makes the orders, or refuses them by a `DrayError`. It is called inside the transaction, and not for a key that is
+    known, so that times follow one another as commits do; in another thread, and perhaps again."""
+    line: Callable[[str], AuditRow] | None = None
+    """The line of the audit log, given what it is about."""
+
+
+class Placed(msgspec.Struct, frozen=True):
+    """What became of a wish."""
+
+    orders: Sequence[Order] = ()
+    """Empty when an earlier request under its key has placed them."""
+    kept: KeptAnswer | None = None
+    refused: DrayError | None = None
+    """Set when neither: nothing was written."""
+
+
+class Placing:
+    """Places orders.
+
+    Args:
+        database: where they are kept.
+        keys_kept_s: how long keys are known.
+        lines_kept: of the audit log.
+    """
+
+    def __init__(self, database: Database, *, keys_kept_s: float, lines_kept: int) -> None:
+        self._together: Together[Wish, Placed] = Together(database, self._write)
+        self._keys_kept_s, self._lines_kept = keys_kept_s, lines_kept
+        self._unpruned, self._forgotten_at_s = 0, 0.0
+
+    async def place(self, wish: Wish) -> tuple[Sequence[Order], KeptAnswer]:
+        """Place orders once; they are on disk when this returns.
+
+        Returns:
+            The orders, none when an earlier request under its key has placed them; and what is answered.
+
+        Raises:
+            DrayError: as the wish refuses them.
+            UnavailableError: the database cannot be written at present.
+        """
+        placed = await self._together.do(wish)
+        if placed.kept is None:
+            assert placed.refused is not None  # noqa: S101 - one of the two is
+            raise placed.refused
+        return placed.orders, placed.kept
+
+    def _write(self, connection: Connection, wishes: Sequence[Wish]) -> Sequence[Placed]:
+        known = _known(connection, wishes)
+        done = [_placed(wish, known.get(wish.key)) for wish in wishes]
+        new = [order for placed in done for order in placed.orders]
+        answers = [placed.kept for placed in done if placed.orders and placed.kept and placed.kept.key]
+        lines = [
+            row_of_line(wish.line(placed.kept.order_id))
+            for wish, placed in zip(wishes, done, strict=True)
+            if wish.line and placed.kept and placed.kept.fingerprint == wish.fingerprint
+        ]
+        _insert(connection, new, answers, lines)
+        self._prune(connection, len(lines))
+        if answers:
+            self._forget(connection, answers[0].at_s)
+        return done
+
+    def _prune(self, connection: Connection, lines: int) -> None:
+        self._unpruned += lines
+        if self._unpruned >= PRUNED_EVERY:
+            self._unpruned = 0
+            newest = select(func.max(audit.c.position)).scalar_subquery()
+            connection.execute(delete(audit).where(audit.c.position <= newest - self._lines_kept))
+
+    def _forget(self, connection: Connection, now_s: float) -> None:
+        if abs(now_s - self._forgotten_at_s) >= FORGOTTEN_EVERY_S:
+            self._forgotten_at_s = now_s
+            too_old = idempotency_keys.c.at_s < now_s - self._keys_kept_s
+            connection.execute(delete(idempotency_keys).where(too_old))
+
+
+def _known(connection: Connection, wishes: Sequence[Wish]) -> dict[str, KeptAnswer]:
+    """What was answered under these keys."""
+    keys = [wish.key for wish in wishes if wish.key]
+    if not keys:
+        return {}
+    rows = connection.execute(select(idempotency_keys).where(idempotency_keys.c.key.in_(keys)))
+    return {row.key: KeptAnswer(**row._mapping) for row in rows}  # noqa: SLF001 - SQLAlchemy's public name
+
+
+def _placed(wish: Wish, known: KeptAnswer | None) -> Placed:
+    if known is not None:
+        return Placed(kept=known)
+    try:
+        placement = wish.prepare()
+    except DrayError as error:
+        return Placed(refused=error)
+    first = placement.orders[0]
+    kept = KeptAnswer(wish.key, wish.fingerprint, first.id, placement.answer, first.created_at_s)
+    return Placed(placement.orders, kept)
+
+
+def _insert(
+    connection: Connection,
+    new: Sequence[Order],
+    answers: Sequence[KeptAnswer],
+    lines: Sequence[dict[str, object]],
+) -> None:
+    links = [
+        {"token_hash": digest(order.token), **msgspec.structs.asdict(Link(order.id, order.created_at_s))}
+        for order in new
+    ]
+    keys = [msgspec.structs.asdict(answer) for answer in answers]
+    for table, rows in (
+        (orders, rows_of_orders(new)),
+        (order_items, rows_of_items(new)),
+        (tracking_links, links),
+        (idempotency_keys, keys),
+        (audit, lines),
+    ):
+        if rows:
+            connection.execute(insert(table), rows)

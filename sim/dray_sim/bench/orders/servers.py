@@ -1,0 +1,96 @@
+"""Servers of the benchmark, each in a process of its own: the gateway, and the bare insert.
+
+python -m dray_sim.bench.orders.servers bare|ours URL PORT TOKEN
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from socket import create_connection
+
+from dray.cli.fleet.addresses import free_addresses
+from dray.gateway.access.tokens import new_token
+from dray.plant import default_plant
+from dray.store import open_store
+from dray.store.orders import Item, Order
+from dray.store.progress import OrderStatus
+
+STARTS_S = 60.0
+"""Longest wait for a server: with 10,000 open orders and a slow machine."""
+
+PRODUCT = default_plant().file.products[0].id
+
+
+@dataclass(frozen=True, slots=True)
+class Served:
+    """A server that answers."""
+
+    host: str
+    port: int
+    token: str
+
+
+@contextmanager
+def serving(kind: str, url: str) -> Iterator[Served]:
+    """One server.
+
+    Args:
+        kind: `bare` or `ours`.
+        url: of its database.
+    """
+    host, _, port = free_addresses(1)[0].rpartition(":")
+    served = Served(host or "127.0.0.1", int(port), new_token())
+    command = [sys.executable, "-m", __package__, kind, url, port, served.token]
+    process = subprocess.Popen(command, env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)})  # noqa: S603 - our own
+    try:
+        _wait_for(served, process)
+        yield served
+    finally:
+        process.terminate()
+        process.wait(STARTS_S)
+
+
+def _wait_for(served: Served, process: subprocess.Popen[bytes]) -> None:
+    until_s = time.monotonic() + STARTS_S
+    while True:
+        try:
+            with closing(create_connection((served.host, served.port), 1.0)):
+                return
+        except OSError:
+            if process.poll() is not None or time.monotonic() > until_s:
+                raise RuntimeError("a server of the benchmark does not start") from None
+            time.sleep(0.05)
+
+
+async def fill(url: str, count: int) -> None:
+    """Let a database of ours have so many open orders that the strategist has taken."""
+    store = await open_store(url)
+    try:
+        async with store.write() as work:
+            await work.products.replace(default_plant().file.products)
+            now_s = time.time()
+            await work.orders.add_all(
+                [_open_order(number, now_s - count + number) for number in range(count)]
+            )
+    finally:
+        await store.close()
+
+
+def _open_order(number: int, at_s: float) -> Order:
+    return Order(
+        id=f"O-{number}",
+        status=OrderStatus.RELEASED,
+        customer="Hall 3",
+        token=f"token-{number}",
+        items=(Item(PRODUCT, 5),),
+        created_at_s=at_s,
+        released_at_s=at_s,
+        releases=1,
+        updated_at_s=at_s,
+    )
