@@ -32,7 +32,7 @@ class _Strategists:
     def __init__(self) -> None:
         self._receive: Callable[[str, Message], None] | None = None
 
-    def join(self, agent: str, receive: Receive) -> _Strategists:
+    def join(self, agent: str, receive: Receive, life: int = 1) -> _Strategists:
         self._receive = receive
         return self
 
