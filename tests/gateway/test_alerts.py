@@ -141,6 +141,16 @@ def test_help_that_was_promised_asks_for_less(projection: Projection) -> None:
     assert (answered.kind, answered.level, answered.by) == ("atv_promised", "warning", "Shift 2")
 
 
+def test_a_vehicle_that_a_person_has_stopped_asks_for_no_help_though_its_task_waits(
+    projection: Projection,
+) -> None:
+    help_ = HelpWanted(until_s=182.0)
+    stopped = atv_heartbeat("ATV1", 1, status=AtvStatus.STOPPED, problem="load", help=help_)
+    projection.fold(stopped)
+    alert = the_alert(projection)
+    assert (alert.kind, alert.level, alert.problem) == ("atv_stopped", "warning", "load")
+
+
 def transport(projection: Projection) -> None:
     """M1 has announced T1, and ATV1 carries it."""
     work = Transport(item="steel", quantity=8, sources=("S1",), destination="M1", ability="tote", goal="G1")

@@ -8,6 +8,7 @@ import pytest
 from gateway_kit import NOW_S, PLANT, House, events, machine_heartbeat
 
 from dray.gateway.projection import Projection
+from dray.gateway.projection.bids import MAX_BIDS
 from dray.gateway.projection.why import why_of
 from dray.gateway.projection.why_text import ANSWERS, REFUSALS
 from dray.gateway.timescale import TimeScale
@@ -231,6 +232,12 @@ def test_a_second_round_tells_that_it_took_one_and_how_far_it_reached(tell: Tell
 def test_a_bid_for_the_watch_is_none_for_the_carriage(tell: Teller) -> None:
     tell(bid("ATV2", 54.8), answered("ATV2"), bid("ATV3", 20.0, role=Role.SECONDARY))
     assert (tell.why().kind, tell.why().bidders) == ("only", 1)
+
+
+def test_bids_for_the_watch_push_none_for_the_carriage_off_the_record(tell: Teller) -> None:
+    tell(bid("ATV1", 55.9), bid("ATV2", 54.8), answered("ATV2"))
+    tell(*(bid(f"ATV{n}", 20.0, role=Role.SECONDARY) for n in range(3, 3 + 2 * MAX_BIDS)))
+    assert (tell.why().kind, tell.why().bidders, tell.why().other) == ("cheapest", 2, "ATV1")
 
 
 def test_goals_are_explained_in_the_words_of_machines(projection: Projection) -> None:

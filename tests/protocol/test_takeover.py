@@ -216,6 +216,17 @@ def test_a_vehicle_with_a_problem_says_how_long_its_task_can_wait() -> None:
     assert newest(rig).status is AtvStatus.WORKING
 
 
+def test_a_vehicle_that_a_person_has_stopped_lets_its_task_wait_and_asks_for_nobody_by_that() -> None:
+    rig = carrying()
+    rig.hear("operator", granted("ATV1", VehicleCommand(command="C1", kind=CommandKind.STOP)))
+    heartbeat = newest(rig)
+    assert (heartbeat.status, heartbeat.help) == (AtvStatus.STOPPED, HelpWanted(until_s=PATIENCE_MAX_S))
+    assert facts(rig.all, HelpAsked) == []
+    rig.report(ProblemRaised(reason="way blocked"))
+    [asked] = facts(rig.all, HelpAsked)
+    assert (asked.reason, asked.until_s) == ("way blocked", PATIENCE_MAX_S)
+
+
 def test_a_task_that_is_late_already_waits_a_little_all_the_same() -> None:
     rig = VehicleRig()
     rig.start()

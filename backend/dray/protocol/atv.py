@@ -579,7 +579,8 @@ class Atv(Core):
         self._commit()
         if done:
             if command.kind is CommandKind.STOP:
-                self._ask_for_help("stopped by an operator", now_s)
+                if self._carriage is not None:
+                    self._trouble.wait(self._carriage.slack_s, now_s)
                 self._watches.resign("stopped by an operator")
             elif command.kind is CommandKind.RESUME:
                 self._end_trouble(now_s)

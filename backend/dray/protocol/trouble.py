@@ -34,9 +34,21 @@ class Trouble:
         """In words; empty for none."""
         self.help: HelpWanted | None = None
         """Set while its task waits for a person."""
+        self._asked = False
+
+    def wait(self, slack_s: float, now_s: float) -> HelpWanted:
+        """Let the task wait for a person, once per trouble. Whoever was stopped by one asks for nobody by that.
+
+        Args:
+            slack_s: how much later than expected the task may be done.
+            now_s: the present time.
+        """
+        if self.help is None:
+            self.help = HelpWanted(until_s=now_s + min(max(slack_s, PATIENCE_MIN_S), PATIENCE_MAX_S))
+        return self.help
 
     def ask(self, reason: str, task: str, slack_s: float, now_s: float) -> None:
-        """Let the task wait for a person, once per trouble.
+        """Let the task wait for a person, and ask for one, once per trouble.
 
         Args:
             reason: what is wrong, in words.
@@ -44,11 +56,10 @@ class Trouble:
             slack_s: how much later than expected the task may be done.
             now_s: the present time.
         """
-        if self.help is not None:
-            return
-        patience_s = min(max(slack_s, PATIENCE_MIN_S), PATIENCE_MAX_S)
-        self.help = HelpWanted(until_s=now_s + patience_s)
-        self._out.append(Record(HelpAsked(task=task, reason=reason, until_s=self.help.until_s)))
+        waits = self.wait(slack_s, now_s)
+        if not self._asked:
+            self._asked = True
+            self._out.append(Record(HelpAsked(task=task, reason=reason, until_s=waits.until_s)))
 
     def promise(self, by: str, wait_s: float | None, now_s: float) -> str:
         """Somebody is on the way.
@@ -66,4 +77,4 @@ class Trouble:
 
     def over(self) -> None:
         """Nothing waits any more: the trouble is gone, or the task is."""
-        self.help = None
+        self.help, self._asked = None, False

@@ -5,15 +5,19 @@ What tells of an epoch that is over changes nothing, and False is returned.
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 from dray.gateway.projection.atvs import plain
 from dray.gateway.views import BidView, RefusalView, TaskView
 from dray.messages import Cost, Event, Role, TransportCost
 from dray.messages.fact import AwardGiven, BidReceived, BidRefused
 from dray.store.progress import ToWall
 
+S = TypeVar("S", BidView, RefusalView)
+
 MAX_BIDS = 64
-"""Bids kept per task, newest last, and as many refusals: a person reads no more, and a task that waits
-for days would gather them without end."""
+"""Bids kept per task and role, newest last, and as many refusals: a person reads no more, and a task that waits
+for days would gather them without end. Those for the watch, which come later, push out none for the contract."""
 
 
 def add_bid(task: TaskView, fact: BidReceived, to_wall_s: ToWall) -> bool:
@@ -32,7 +36,7 @@ def add_bid(task: TaskView, fact: BidReceived, to_wall_s: ToWall) -> bool:
     )
     same = (fact.bidder, bid.role, fact.epoch, fact.round)
     others = [o for o in task.bids if (o.bidder, o.role, o.epoch, o.round) != same]
-    task.bids = (*others[1 - MAX_BIDS :], bid)
+    task.bids = (*_newest(others, bid.role), bid)
     return True
 
 
@@ -50,8 +54,14 @@ def add_refusal(task: TaskView, event: Event, fact: BidRefused) -> bool:
     )
     same = (refusal.agent, refusal.role, refusal.epoch, refusal.round)
     others = [o for o in task.refusals if (o.agent, o.role, o.epoch, o.round) != same]
-    task.refusals = (*others[1 - MAX_BIDS :], refusal)
+    task.refusals = (*_newest(others, refusal.role), refusal)
     return True
+
+
+def _newest(said: list[S], role: str) -> list[S]:
+    """All but the oldest of this role, where there is no room for one more."""
+    of_role = [place for place, each in enumerate(said) if each.role == role]
+    return said if len(of_role) < MAX_BIDS else said[: of_role[0]] + said[of_role[0] + 1 :]
 
 
 def note_award(task: TaskView, _event: Event, fact: AwardGiven) -> bool:

@@ -87,8 +87,8 @@ def of_atvs(heartbeats: Iterable[AtvHeartbeat], now: Moment) -> Iterator[Trouble
         agent, help_ = heard.atv, heard.help
         if now.plant_s - heard.at_s > silent_s[heard.task is not None]:
             yield Trouble(kind="atv_lost", agent=agent, seen_at_s=now.to_wall_s(heard.at_s))
-        elif help_ is not None:
-            # Who is on the way has answered: there is less to ask for.
+        elif help_ is not None and (help_.promised_by or heard.status is not AtvStatus.STOPPED):
+            # Who is on the way has answered: there is less to ask for. Who was stopped by a person asks for nobody.
             yield Trouble(
                 kind="atv_promised" if help_.promised_by else "atv_help",
                 agent=agent,
@@ -99,7 +99,7 @@ def of_atvs(heartbeats: Iterable[AtvHeartbeat], now: Moment) -> Iterator[Trouble
         elif heard.status is AtvStatus.ERROR:
             yield Trouble(kind="atv_error", agent=agent, problem=heard.problem)
         elif heard.status is AtvStatus.STOPPED:
-            yield Trouble(kind="atv_stopped", agent=agent)
+            yield Trouble(kind="atv_stopped", agent=agent, problem=heard.problem)
         elif heard.battery_frac < BATTERY_FRAC and heard.status is not AtvStatus.CHARGING:
             yield Trouble(kind="atv_battery", agent=agent, battery_frac=round(heard.battery_frac, 2))
 

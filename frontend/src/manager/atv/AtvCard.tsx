@@ -59,7 +59,7 @@ function AtvCard({ atv }: { atv: AtvView }) {
         <TrialFacts agent={atv.id} />
         <UpdateFact agent={atv} />
         <Fact name={t("atv.status")}>{doingText(atv)}</Fact>
-        <TaskFacts atv={atv} task={task ?? undefined} />
+        <TaskFacts atv={atv} task={task ?? undefined} lost={lost} />
         <WatchFacts atv={atv} task={task ?? undefined} />
         <Fact name={t("atv.load")}>
           {atv.load === ""
@@ -96,7 +96,7 @@ function Status({ atv, lost }: { atv: AtvView; lost: boolean }) {
   );
 }
 
-function TaskFacts({ atv, task }: { atv: AtvView; task: TaskView | undefined }) {
+function TaskFacts({ atv, lost, task }: { atv: AtvView; task: TaskView | undefined; lost: boolean }) {
   const brief = atv.task;
   if (!brief) return <Fact name={t("atv.task")}>{t("atv.noTask")}</Fact>;
   const quantity = format.count(brief.quantity);
@@ -108,7 +108,7 @@ function TaskFacts({ atv, task }: { atv: AtvView; task: TaskView | undefined }) 
       <Fact name={t("atv.for")}>
         <Link kind="machine" id={brief.coordinator} /> · {t("atv.loadOf", { quantity, item: names.value(brief.item) })}
       </Fact>
-      <PromiseFact dueAtS={brief.due_at_s} promisedAtS={task?.promised_at_s ?? null} />
+      <PromiseFact dueAtS={brief.due_at_s} lost={lost} promisedAtS={task?.promised_at_s ?? null} />
     </>
   );
 }

@@ -5,9 +5,17 @@ import { format, t } from "../../text/manager";
 /** What is not worth a word, in factory seconds. */
 const PUNCTUAL_S = 2;
 
+interface Props {
+  dueAtS: number | null;
+  promisedAtS: number | null;
+  /** Nothing is heard of it: what it expected is no word on when it comes. */
+  lost: boolean;
+}
+
 /** When it expects to hand over, against what it promised in its bid. */
-export function Promise({ dueAtS, promisedAtS }: { dueAtS: number | null; promisedAtS: number | null }) {
+export function Promise({ dueAtS, lost, promisedAtS }: Props) {
   if (dueAtS === null) return null;
+  if (lost) return <Fact name={t("atv.arrives")}>{t("atv.arrivesSilent")}</Fact>;
   const speed = world.value?.factory.speed ?? 1;
   const lateS = promisedAtS === null ? null : (dueAtS - promisedAtS) * speed;
   return (

@@ -12,6 +12,7 @@ import { BidLine } from "./BidLine";
 import { Carriers } from "./Carriers";
 import { RefusalLine } from "./RefusalLine";
 import { taskTimes } from "./times";
+import { WatchBids } from "./WatchBids";
 import { whyText } from "./why-text";
 
 const follow = signal<"chosen" | "newest">("chosen");
@@ -83,9 +84,9 @@ function Aside({ task }: { task: TaskView | null }) {
 }
 
 function Bids({ task }: { task: TaskView }) {
-  const { mostS, parts, refusals, rows } = auctionOf(task);
+  const { mostS, parts, refusals, rows, watch } = auctionOf(task);
   const why = whyText(task);
-  const room = rowsBeside(why) - Number(task.carriers.length > 1) - Number(task.trouble !== "");
+  const room = rowsBeside(why) - Number(task.carriers.length > 1) - Number(task.trouble !== "") - Number(watch.length > 0);
   const bids = rows.slice(0, Math.max(2, room - Math.min(1, refusals.length)));
   const refused = refusals.slice(0, Math.max(0, room - bids.length));
   const moreBids = rows.length - bids.length;
@@ -100,6 +101,7 @@ function Bids({ task }: { task: TaskView }) {
           <RefusalLine key={refusal.agent} refusal={refusal} />
         ))}
       </ul>
+      {watch.length > 0 && <WatchBids rows={watch} />}
       {task.carriers.length > 1 && <Carriers carriers={task.carriers} />}
       <p class="why">
         {why}

@@ -1,5 +1,6 @@
 import { Link } from "../../parts/Link";
 import { format, t, word } from "../../text/manager";
+import type { BidView } from "../../api/types";
 import type { BidRow } from "./auction";
 
 interface Props {
@@ -35,10 +36,12 @@ export function BidLine({ row, parts, mostS }: Props) {
 }
 
 function noteOf({ bid, standing }: BidRow): string {
-  if (standing) return t(`auction.role.${standing}`);
-  const forWatch = bid.role === "secondary";
-  if (bid.answer === "" || bid.answer === "accepted") return forWatch ? t("auction.forWatch") : "";
-  if (bid.answer === "asked") return t("auction.answer.asked");
-  if (bid.answer === "silent") return t("auction.answer.silent");
-  return t(forWatch ? "auction.answer.noWatch" : "auction.answer.declined", { reason: word("reason", bid.answer) });
+  return standing ? t(`auction.role.${standing}`) : answerText(bid);
+}
+
+/** What the bidder said when it was asked; empty where it was not. */
+export function answerText({ answer }: BidView): string {
+  if (answer === "" || answer === "accepted") return "";
+  if (answer === "asked" || answer === "silent") return t(`auction.answer.${answer}`);
+  return t("auction.answer.declined", { reason: word("reason", answer) });
 }

@@ -33,20 +33,30 @@ describe("an auction", () => {
     ]);
   });
 
+  test("shows no price for the watch beside those for the contract: nobody else bid for that", () => {
+    const bids = [bid("ATV2", 54.8, 0), bid("ATV3", 20, 0, { role: "secondary" }), bid("ATV1", 10, 0, { role: "secondary" })];
+    const { rows, watch } = auctionOf(task({ primary: "ATV2", secondary: "ATV1", bids }));
+    expect(rows.map((row) => row.bid.bidder)).toEqual(["ATV2"]);
+    expect(watch.map((row) => [row.bid.bidder, row.standing])).toEqual([["ATV1", "secondary"], ["ATV3", null]]);
+  });
+
+  test("counts a refusal to watch as none of the contract", () => {
+    const refusals = [refusal("A", "busy"), refusal("B", "busy", { role: "secondary" }), refusal("C", "battery")];
+    expect(auctionOf(task({ bids: [bid("D", 1)], refusals })).refusals.map(({ agent }) => agent)).toEqual(["A", "C"]);
+    const anew = auctionOf(task({ epoch: 2, bids: [bid("D", 1, 1, { epoch: 2 })], refusals }));
+    expect(anew.refusals).toEqual([]);
+  });
+
   test("counts a bidder once, with its latest bid for the carriage", () => {
     const bids = [bid("A", 50), bid("A", 30, 40, { round: 2 }), bid("A", 1, 1, { role: "secondary" })];
     expect(auctionOf(task({ bids })).rows.map((row) => row.bid.total_s)).toEqual([70]);
   });
 
-  test("puts who only bid for the watch behind who bid for the carriage", () => {
-    const bids = [bid("W", 1, 1, { role: "secondary" }), bid("A", 30), bid("S", 2, 2, { role: "secondary" })];
-    const { rows } = auctionOf(task({ secondary: "S", bids }));
-    expect(rows.map((row) => row.bid.bidder)).toEqual(["S", "A", "W"]);
-  });
 
   test("leaves out what was bid before the task was announced anew", () => {
     const bids = [bid("A", 1), bid("B", 30, 40, { epoch: 2 }), bid("C", 1, 1, { role: "secondary" })];
-    expect(auctionOf(task({ epoch: 2, bids })).rows.map((row) => row.bid.bidder)).toEqual(["B", "C"]);
+    expect(auctionOf(task({ epoch: 2, bids })).rows.map((row) => row.bid.bidder)).toEqual(["B"]);
+    expect(auctionOf(task({ epoch: 2, bids })).watch).toEqual([]);
   });
 
   test("forgets the refusal of who bid in a later round", () => {

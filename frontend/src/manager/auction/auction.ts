@@ -9,8 +9,11 @@ export interface BidRow {
 }
 
 export interface Auction {
-  /** The carrier first, then by price; bids for the watch alone come last. */
+  /** What was bid for the contract: the carrier first, then by price. The sentence about it speaks of these. */
   readonly rows: readonly BidRow[];
+  /** What was bid later for the watch over it, by price: another auction, in which nobody competed for the contract. */
+  readonly watch: readonly BidRow[];
+  /** Of the contract. */
   readonly refusals: readonly RefusalView[];
   /** The dearest bid: what a full bar stands for. */
   readonly mostS: number;
@@ -23,47 +26,48 @@ const SHOWN_S = 0.5;
 const PART_ORDER = ["empty_way", "loaded_way", "energy", "suitability", "queue", "material", "making"];
 
 export function auctionOf(task: TaskView): Auction {
-  const rows = latestBids(task.bids).map((bid) => ({ bid, standing: standingOf(task, bid.bidder) }));
-  rows.sort((a, b) => rank(a) - rank(b) || a.bid.total_s - b.bid.total_s);
+  const rowsOf = (bids: readonly BidView[]): BidRow[] =>
+    bids
+      .map((bid) => ({ bid, standing: standingOf(task, bid.bidder) }))
+      .sort((a, b) => Number(b.standing === "primary") - Number(a.standing === "primary") || a.bid.total_s - b.bid.total_s);
+  const rows = rowsOf(latestBids(task.bids));
   const bidders = new Set(rows.map(({ bid }) => bid.bidder));
+  const epoch = epochOf([...task.bids, ...task.refusals]);
+  const newest = Math.max(epoch, ...task.bids.map((bid) => bid.epoch));
   return {
     rows,
+    // Whoever bid for both is among the rows, with its price for the contract.
+    watch: rowsOf(latestOf(task.bids, "secondary", newest)).filter(({ bid }) => !bidders.has(bid.bidder)),
     // Who refused a first round and bid in a wider one is a bidder now.
-    refusals: latestRefusals(task.refusals).filter(({ agent }) => !bidders.has(agent)),
+    refusals: latestRefusals(task.refusals, epoch).filter(({ agent }) => !bidders.has(agent)),
     mostS: Math.max(1, ...rows.map(({ bid }) => bid.total_s)),
     parts: partsOf(rows),
   };
 }
 
-/**
- * A bid for the carriage counts before a bid for the watch; a later one before an earlier one. What was
- * bid for the carriage before the task was announced anew counts no more.
- */
+/** The last bid of everybody for the contract. What was bid before the task was announced anew counts no more. */
 export function latestBids(bids: readonly BidView[]): BidView[] {
-  const epoch = Math.max(0, ...bids.filter(({ role }) => role === "primary").map((bid) => bid.epoch));
-  const byBidder = new Map<string, BidView>();
-  for (const bid of bids) {
-    if (bid.role === "primary" && bid.epoch < epoch) continue;
-    const known = byBidder.get(bid.bidder);
-    if (known?.role === "primary" && bid.role === "secondary") continue;
-    byBidder.set(bid.bidder, bid);
-  }
-  return [...byBidder.values()];
+  return latestOf(bids, "primary", epochOf(bids));
 }
 
-function latestRefusals(refusals: readonly RefusalView[]): RefusalView[] {
-  return [...new Map(refusals.map((refusal) => [refusal.agent, refusal])).values()];
+/** The newest epoch in which the contract was put up for auction. */
+function epochOf(said: readonly Pick<BidView, "role" | "epoch">[]): number {
+  return Math.max(0, ...said.filter(({ role }) => role === "primary").map(({ epoch }) => epoch));
+}
+
+function latestOf(bids: readonly BidView[], role: BidView["role"], epoch: number): BidView[] {
+  const meant = bids.filter((bid) => bid.role === role && bid.epoch === epoch);
+  return [...new Map(meant.map((bid) => [bid.bidder, bid])).values()];
+}
+
+function latestRefusals(refusals: readonly RefusalView[], epoch: number): RefusalView[] {
+  const meant = refusals.filter((refusal) => refusal.role === "primary" && refusal.epoch === epoch);
+  return [...new Map(meant.map((refusal) => [refusal.agent, refusal])).values()];
 }
 
 function standingOf(task: TaskView, agent: string): BidRow["standing"] {
   if (agent === task.primary) return "primary";
   return agent === task.secondary ? "secondary" : null;
-}
-
-/** Who only bid for the watch did not compete for the carriage. */
-function rank({ bid, standing }: BidRow): number {
-  if (standing === "primary") return 0;
-  return standing === "secondary" || bid.role === "primary" ? 1 : 2;
 }
 
 function partsOf(rows: readonly BidRow[]): string[] {

@@ -3,13 +3,14 @@ import { cancelOrder, releaseOrder, revokeOrder } from "../../api/client";
 import type { OrderView } from "../../api/types";
 import { t } from "../../text/manager";
 import { problemText } from "../problem-text";
+import { Sure } from "../Sure";
 import { canBeTakenBack, isClosed } from "./progress";
 
-/** What can be done about an order; what cannot be undone is asked for twice. */
+/** What can be done about an order. */
 const DEEDS = {
-  release: { run: releaseOrder, label: "orders.release", failed: "orders.releaseFailed" },
-  revoke: { run: revokeOrder, label: "orders.revoke", failed: "orders.revokeFailed", sure: "orders.revokeSure" },
-  cancel: { run: cancelOrder, label: "orders.cancel", failed: "orders.cancelFailed", sure: "orders.cancelSure" },
+  release: { run: releaseOrder, failed: "orders.releaseFailed" },
+  revoke: { run: revokeOrder, failed: "orders.revokeFailed" },
+  cancel: { run: cancelOrder, failed: "orders.cancelFailed" },
 } as const;
 type Deed = keyof typeof DEEDS;
 
@@ -31,7 +32,7 @@ export function OrderActions({ order, all = false }: { order: OrderView; all?: b
       busy.value = false;
     }
   };
-  const button = (label: (typeof DEEDS)[Deed]["label"] | "orders.keep", onClick: () => void) => (
+  const button = (label: "orders.release" | "orders.revoke" | "orders.cancel", onClick: () => void) => (
     <button type="button" class="button small" disabled={busy.value} onClick={onClick}>
       {t(label)}
     </button>
@@ -46,11 +47,14 @@ export function OrderActions({ order, all = false }: { order: OrderView; all?: b
           {all && button("orders.cancel", () => (asking.value = "cancel"))}
         </>
       ) : (
-        <>
-          <span>{t(DEEDS[sure].sure)}</span>
-          {button(DEEDS[sure].label, () => void run(sure))}
-          {button("orders.keep", () => (asking.value = null))}
-        </>
+        <Sure
+          asked={t(`orders.${sure}Sure`)}
+          no={t(`orders.${sure}Not`)}
+          yes={t(`orders.${sure}Do`)}
+          busy={busy.value}
+          onNo={() => (asking.value = null)}
+          onYes={() => void run(sure)}
+        />
       )}
       {failed.value !== "" && (
         <span class="complaint" role="alert">

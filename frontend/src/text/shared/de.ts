@@ -77,6 +77,7 @@ export const de: Catalogue<typeof en> = {
   "atv.for": "Für",
   "atv.forWhom": "{coordinator}: {quantity} {item}",
   "atv.arrives": "Übergabe",
+  "atv.arrivesSilent": "nicht bekannt, solange es stumm ist",
   "atv.promised": "zugesagt {at}",
   "atv.onTime": "wie zugesagt",
   "atv.late": "{by} später als zugesagt",

@@ -74,6 +74,7 @@ export const en = {
   "atv.for": "For",
   "atv.forWhom": "{coordinator}: {quantity} {item}",
   "atv.arrives": "Hands over",
+  "atv.arrivesSilent": "not known while it is silent",
   "atv.promised": "promised {at}",
   "atv.onTime": "as promised",
   "atv.late": "{by} later than promised",

@@ -77,6 +77,7 @@ export const es: Catalogue<typeof en> = {
   "atv.for": "Para",
   "atv.forWhom": "{coordinator}: {quantity} {item}",
   "atv.arrives": "Entrega",
+  "atv.arrivesSilent": "no se sabe mientras esté mudo",
   "atv.promised": "prometido {at}",
   "atv.onTime": "como prometió",
   "atv.late": "{by} más tarde de lo prometido",

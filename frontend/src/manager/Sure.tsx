@@ -1,0 +1,34 @@
+import { useEffect, useRef } from "preact/hooks";
+
+interface Props {
+  asked: string;
+  /** What stays as it is, and what is done: each says so by itself, whoever reads nothing else. */
+  no: string;
+  yes: string;
+  busy: boolean;
+  onNo: () => void;
+  onYes: () => void;
+}
+
+/** Asks twice for what cannot be undone. The safe answer comes first and has the focus. */
+export function Sure({ asked, busy, no, onNo, onYes, yes }: Props) {
+  const safe = useRef<HTMLButtonElement>(null);
+  useEffect(() => {
+    safe.current?.focus();
+  }, []);
+  /** The second click of a double one was meant for what stood here before. */
+  const meant = (act: () => void) => (event: MouseEvent) => {
+    if (event.detail <= 1) act();
+  };
+  return (
+    <span class="sure" role="group" aria-label={asked}>
+      <span>{asked}</span>
+      <button ref={safe} type="button" class="button small" disabled={busy} onClick={meant(onNo)}>
+        {no}
+      </button>
+      <button type="button" class="button small grave" disabled={busy} onClick={meant(onYes)}>
+        {yes}
+      </button>
+    </span>
+  );
+}
