@@ -239,6 +239,9 @@ class Settings(BaseSettings):
     bus_lease_s: Annotated[float, Field(ge=0.2, le=60)] = 2.0
     """A link that is silent for so long is gone round: sooner than a silent vehicle is suspected (3.5 s)."""
 
+    bus_apart: bool = False
+    """Wired processes never reach one another over vehicles: take nothing of theirs from a link with a vehicle."""
+
     bus_radio: Networks = ()
     """Networks of the vehicles' own radio, as 10.8.0.0/16, several with commas: a vehicle whose links are all
     on these is without WLAN. Without any, every link is taken for WLAN."""

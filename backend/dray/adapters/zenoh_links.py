@@ -15,6 +15,7 @@ from typing import Any
 
 import zenoh
 
+from dray.adapters.zenoh_access import Apart
 from dray.errors import SettingsError, UnavailableError
 
 RETRY_MS = {"period_init_ms": 500, "period_max_ms": 4000, "period_increase_factor": 2}
@@ -76,6 +77,7 @@ class Links:
         identity: who we are; None only with `plain`.
         plain: TCP without encryption or authentication: whoever reaches the port may say anything.
         lease_s: a link on which nothing has come for so long is closed, and gone round.
+        apart: what comes in over no link with a vehicle; only with an identity, and in a wired process.
     """
 
     listen: tuple[str, ...] = ()
@@ -84,6 +86,7 @@ class Links:
     identity: Identity | None = None
     plain: bool = False
     lease_s: float = 2.0
+    apart: Apart | None = None
 
     def open(self) -> zenoh.Session:
         """Open the links; takes some 10 ms, and does not wait for peers.
@@ -143,6 +146,8 @@ class Links:
             for side in ("listen", "connect"):
                 settings[f"transport/link/tls/{side}_certificate"] = str(self.identity.certificate)
                 settings[f"transport/link/tls/{side}_private_key"] = str(self.identity.key)
+            if self.apart is not None:
+                settings["access_control"] = self.apart.config()
         config = zenoh.Config()
         for path, value in settings.items():
             config.insert_json5(path, json.dumps(value))

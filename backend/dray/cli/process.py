@@ -15,6 +15,7 @@ from prometheus_client.registry import Collector
 from dray.adapters.metrics_port import metrics_port, new_registry
 from dray.adapters.sqlite_journal import SqliteJournal
 from dray.adapters.system_clock import SystemClock
+from dray.adapters.zenoh_access import Apart
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_claim import Claim
 from dray.adapters.zenoh_exclusions import Exclusions
@@ -34,7 +35,9 @@ from dray.gateway.timescale import TimeScale
 from dray.messages.keys import Keys
 from dray.plant import Plant, default_plant, load_plant
 from dray.protocol.events import Agent
+from dray.protocol.strategist import STRATEGIST
 from dray.settings import Settings
+from dray.store.historian import AGENT as HISTORIAN
 from dray.worker import Worker
 from dray_sim.floor import NEARLY_EMPTY_FRAC, Floor
 from dray_sim.remote import FloorServer, Newcomer, RemoteBody, put_down
@@ -91,7 +94,7 @@ class Surroundings:
             SettingsError: no certificates, and plain links were not asked for.
             UnavailableError: an address cannot be listened on.
         """
-        bus = ZenohBus(links_of(self.settings, name), self.plant.id, replaced)
+        bus = ZenohBus(links_of(self.settings, self.plant, name), self.plant.id, replaced)
         exclusions = Exclusions(bus, self.settings.journal_folder / f"{name}.shut-out")
         try:
             yield bus
@@ -123,13 +126,16 @@ class Surroundings:
             yield
 
 
-def links_of(settings: Settings, name: str) -> Links:
+def links_of(settings: Settings, plant: Plant, name: str) -> Links:
     """The links that the settings ask for, with the certificate of this name.
 
     Raises:
         SettingsError: its files are not there.
     """
     folder = settings.bus_certificates
+    wired = (*plant.machines, STRATEGIST, HISTORIAN, settings.gateway_name)
+    # A vehicle may be linked over another one, and everybody's words come to it that way.
+    apart = settings.bus_apart and name in wired
     return Links(
         listen=settings.bus_listen,
         peers=settings.bus_peers,
@@ -137,6 +143,7 @@ def links_of(settings: Settings, name: str) -> Links:
         identity=None if folder is None else Identity.in_folder(folder, name),
         plain=settings.bus_plain,
         lease_s=settings.bus_lease_s,
+        apart=Apart(plant.id, tuple(plant.fleet), wired) if apart else None,
     )
 
 
