@@ -87,6 +87,24 @@ def test_a_certificate_that_is_issued_afterwards_is_good(folder: Path) -> None:
     assert hears(seals(folder, "gateway"), seals(folder, "ATV1"), "ATV1")
 
 
+def test_a_thief_who_claims_the_latest_life_keeps_nobody_from_writing_to_the_renewed_agent(
+    folder: Path,
+) -> None:
+    clock, huge = Clock(), 10**15
+    thief = seals(folder, "ATV1")
+    writer = Seals(Identity.in_folder(folder, "gateway"), "p", clock_s=clock)
+    writer.examine(thief.seal("p/k", huge, 1, b"said"), "ATV1", "p/k", huge, 1, b"said")
+    revoke(folder, "ATV1")
+    Authority.load(folder).issue(folder, "p", {"ATV1": Kind.ATV})
+    clock.now_s += LOOK_EVERY_S
+    assert writer.register.known("ATV1") is None, "nothing is written that the thief could read"
+    renewed = seals(folder, "ATV1")
+    writer.examine(renewed.seal("p/k", 8, 1, b"said"), "ATV1", "p/k", 8, 1, b"said")
+    known = writer.register.known("ATV1")
+    assert known is not None
+    assert known.certificate == renewed.certificate
+
+
 def test_older_certificates_of_the_agent_are_called_back_too_though_their_files_are_gone(
     folder: Path,
 ) -> None:

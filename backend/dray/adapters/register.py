@@ -88,8 +88,11 @@ class Register:
     def meet(self, agent: str, life: int, certificate: bytes) -> None:
         """Note that this life of an agent has proved to have this certificate, which is good for it."""
         life_before, before = self._agents.get(agent, (life, b""))
-        # What an earlier life has said may be said again by others.
-        if life < life_before or certificate == before:
+        if certificate == before:
+            return
+        # What an earlier life has said may be said again by others. But a thief's life, however late, ends with
+        # the certificate: else nobody could write to the agent whose certificate was renewed.
+        if life < life_before and self.known(agent) is not None:
             return
         if len(self._agents) >= KNOWN and agent not in self._agents:
             del self._agents[next(iter(self._agents))]
