@@ -97,6 +97,17 @@ def test_whoever_is_being_answered_keeps_the_place() -> None:
     assert not any(line.ended for line in kept)
 
 
+def test_a_body_that_does_not_come_makes_room_after_those_who_have_not_asked() -> None:
+    house = Gatehouse(each=3)
+    slow, _ = house.come(cycle=Cycle(more_body=True))
+    silent, _ = house.come()
+    answered, _ = house.come(cycle=Cycle(more_body=False))
+    house.come(cycle=Cycle(more_body=False))
+    assert (silent.ended, slow.ended, answered.ended) == (True, False, False)
+    house.come(cycle=Cycle(more_body=False))
+    assert (slow.ended, answered.ended) == (True, False)
+
+
 def test_a_network_is_one_address_and_a_proxy_is_none() -> None:
     house = Gatehouse(each=2, exempt=("127.0.0.1",))
     first, _ = house.come("2001:db8::1")

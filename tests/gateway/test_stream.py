@@ -13,7 +13,7 @@ import pytest
 from gateway_kit import BEARER, NOW_S, PLANT, House, Wall, atv_heartbeat, draft, gateway, machine_heartbeat
 
 from dray.gateway.access.gate import COOKIE
-from dray.gateway.access.principal import ADMIN, Role
+from dray.gateway.access.principal import ADMIN, Principal, Role, Scope
 from dray.gateway.frames import Delta, Snapshot
 from dray.gateway.projection import Projection
 from dray.gateway.routes.stream import INCOMING_MESSAGES, POLICY, TRY_LATER
@@ -401,6 +401,43 @@ async def test_a_browser_sees_vehicles_and_orders_as_they_come(still: House) -> 
         assert (delta["type"], delta["number"]) == ("delta", snapshot["number"] + 1)
         assert [atv["id"] for atv in delta["atvs"]] == ["ATV2"]
         assert [seen["id"] for seen in delta["orders"]] == [order["id"]]
+
+
+async def test_whoever_may_not_read_orders_sees_the_factory_and_nothing_of_its_orders(still: House) -> None:
+    still.bus.say(atv_heartbeat("ATV1"))
+    order = await still.place(customer="Muster GmbH", reference="4711", due_at="2030-05-01T12:00:00Z")
+    hub, projection = still.parts.hub, still.parts.projection
+    key = Principal(kind="key", id="k", name="Display", scopes=frozenset({Scope.FACTORY_READ}))
+    client, whole = hub.join(key), hub.join(ADMIN)
+    assert client is not None
+    assert whole is not None
+    frames = [await client.next_frame()]
+    assert [each["id"] for each in json.loads(await whole.next_frame())["orders"]] == [order["id"]]
+    late = await still.place(customer="Muster GmbH", reference="4712", due_at="2030-04-01T12:00:00Z")
+    still.bus.say(atv_heartbeat("ATV2"))
+    projection.look(NOW_S + 1e8)
+    hub.tick()
+    told = json.loads(await whole.next_frame())
+    assert late["id"] in {each["id"] for each in told["orders"]}
+    assert "order_late" in {each["kind"] for each in told["alerts"]}
+    frames.append(await client.next_frame())
+    assert "ATV2" in {each["id"] for each in json.loads(frames[1])["atvs"]}
+    for words in ("Muster", "4711", "4712", order["id"], late["id"], "order_late"):
+        assert words not in "".join(frames)
+
+
+async def test_one_caller_has_so_many_streams_and_leaves_places_to_others(still: House) -> None:
+    projection = still.parts.projection
+    hub = Hub(projection, wall_s=still.wall, rate_hz=10.0, queue_frames=QUEUE, clients=200, each=2)
+    first, second = hub.join(ADMIN), hub.join(ADMIN)
+    assert first is not None
+    assert second is not None
+    assert hub.join(ADMIN) is None
+    assert hub.join(Principal(kind="key", id="admin", name="Display", scopes=frozenset())) is not None
+    for _ in range(2):
+        hub.leave(first)
+    assert hub.join(ADMIN) is not None
+    assert hub.join(ADMIN) is None
 
 
 async def test_no_frame_holds_the_secret_of_a_customers_page(still: House) -> None:

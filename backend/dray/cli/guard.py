@@ -1,7 +1,7 @@
 """The guard of a listener: how many may be connected, and how long they may keep us waiting.
 
 A connection costs a file descriptor and memory before anybody has said who is there. So there are bounds: in all,
-and for each address. Who waits at a bound takes the place of whoever has been connected longest without asking for
+and for each address. Who comes to a bound takes the place of whoever has been connected longest without having asked for
 anything, so a crowd that only holds connections keeps nobody out. A request that does not arrive, or an answer that
 nobody reads, ends its connection.
 """
@@ -31,8 +31,8 @@ STALL_S = 30.0
 """An answer of which nobody has taken anything for so long is given up; a stream pings every 20 s."""
 
 SPARE_FILES = 384
-"""File descriptors that the listener leaves to others: 128 connections that were accepted in one go beyond the bound,
-160 for stops, the database's, the bus's, and those of files that are served."""
+"""File descriptors that the listener leaves to others: 160 for stops, the database's, the bus's, those of files that
+are served, and some connections that are accepted and not sent away yet."""
 
 
 class Phase(Enum):
@@ -164,12 +164,13 @@ class Guard:
             self._end(visit)
 
     def _make_room(self, visits: Iterable[Visit]) -> bool:
-        """End the oldest of these connections that waits for somebody to say something."""
-        idle = next((visit for visit in visits if visit.phase is Phase.HEAD), None)
-        if idle is None:
-            return False
-        self._turn_away(idle)
-        return True
+        """End the oldest of these connections that keep us waiting, one that has asked for nothing before others."""
+        for phase in (Phase.HEAD, Phase.BODY):
+            waiting = next((visit for visit in visits if visit.phase is phase), None)
+            if waiting is not None:
+                self._turn_away(waiting)
+                return True
+        return False
 
     def _turn_away(self, visit: Visit) -> None:
         self.turned_away += 1

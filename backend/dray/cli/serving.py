@@ -16,8 +16,13 @@ from dray.cli.guard import Guard, guarded, room_for
 from dray.errors import UnavailableError
 from dray.settings import Settings
 
-BACKLOG = 128
-"""Connections that may wait to be accepted: more than a plant has browsers."""
+BACKLOG = 1024
+"""Connections that may wait to be accepted. Whoever finds the queue full tries again after a second, and a crowd must
+not let a Stop wait for that."""
+
+ACCEPTED_AT_ONCE = 8
+"""Of these, in one turn of the loop: few against what an address may have (`Guard`), so that nobody is sent away to
+make room for those behind before anything was read of it."""
 
 INCOMING_BYTES = 4096
 """Longest message that a panel may send on the stream: it has nothing to say."""
@@ -140,8 +145,8 @@ class Server(uvicorn.Server):
             http=http,
             ws=socket if streams else "none",
             h11_max_incomplete_event_size=head_bytes,
-            # So many connections are accepted in one go, before the guard sees any of them.
-            backlog=BACKLOG,
+            # To asyncio: how many are accepted in one go, before the guard sees any of them.
+            backlog=ACCEPTED_AT_ONCE,
             log_level=settings.log_level,
             # Ours: see `dray.cli.service`.
             log_config=None,
@@ -168,6 +173,8 @@ class Server(uvicorn.Server):
         """Start to answer."""
         try:
             await super().startup(sockets)
+            for each in sockets or ():
+                each.listen(BACKLOG)  # It took the number above for the length of the queue as well.
         except SystemExit:
             # uvicorn would end the process with a code of its own.
             if self.failure is None:

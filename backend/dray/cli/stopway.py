@@ -34,7 +34,7 @@ SWITCH_S = 0.001
 """How long one thread holds the interpreter while others wait; 5 ms by default. A stop changes hands some ten times,
 and the gateway and a simulated factory are at work beside it."""
 
-CONNECTIONS, CONNECTIONS_EACH = 160, 32
+CONNECTIONS, CONNECTIONS_EACH = 160, 64
 """In all, and of one address: tablets have one each, and keep it for as long as they ask again."""
 
 HEAD_BYTES = 8 * 1024

@@ -7,13 +7,14 @@ from typing import Annotated
 from fastapi import Depends
 
 from dray.gateway.access.caller import Caller
+from dray.gateway.access.principal import Scope
 from dray.gateway.parts import Gateway
 from dray.gateway.projection.sight import Sight, sight
 
 
 def seen(gateway: Gateway, caller: Caller) -> Sight:
     """What the caller sees at this moment."""
-    return sight(gateway.projection, caller.areas)
+    return sight(gateway.projection, caller.areas, orders=caller.may(Scope.ORDERS_READ))
 
 
 Seen = Annotated[Sight, Depends(seen)]

@@ -1,6 +1,6 @@
 """The stream: a snapshot and then numbered deltas, to any number of browsers.
 
-Those who see the same share a room: the whole plant is one, and each set of areas. A frame is made at most
+Those who see the same share a room: the whole plant is one, the plant without its orders, and each set of areas. A frame is made at most
 `rate_hz` times a second and encoded once per room, however many clients are in it. Each client has a
 bounded queue. When it is full the client is too slow for differences: its queue is emptied, and it gets a
 fresh snapshot when it can take one. So memory is bounded, the newest state wins, and nobody waits for
@@ -13,14 +13,15 @@ import asyncio
 from collections import Counter, deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from enum import Enum
 
 import msgspec
 
-from dray.gateway.access.principal import Principal
+from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.frames import Delta
 from dray.gateway.projection import Projection
-from dray.gateway.projection.scenes import AreaScene, Scene, WholeScene
-from dray.gateway.projection.sight import AreaSight
+from dray.gateway.projection.scenes import AreaScene, FactoryScene, Scene, WholeScene
+from dray.gateway.projection.sight import AreaSight, FactorySight
 from dray.gateway.views import AudienceView, FactoryView
 
 QUIET_S = 1.0
@@ -33,6 +34,18 @@ NOBODYS = '"audience":null}'
 """How a snapshot ends that is encoded for all in a room; for each of them its own audience is put there."""
 
 _encoder = msgspec.json.Encoder()
+
+
+class Whole(Enum):
+    """What is seen by whoever is limited to no areas."""
+
+    PLANT = "plant"
+    FACTORY = "factory"
+    """All of it but its orders."""
+
+
+Seen = frozenset[str] | Whole
+"""What those in a room see: some areas, or the whole."""
 
 
 class Client:
@@ -167,8 +180,8 @@ class Hub:
         self._most, self._each = clients, each
         self._of: Counter[str] = Counter()
         """How many clients each caller has."""
-        self._rooms: dict[frozenset[str] | None, Room] = {}
-        """By the areas that are seen; None for the whole plant. Only those with somebody in them."""
+        self._rooms: dict[Seen, Room] = {}
+        """By what is seen in them. Only those with somebody in them."""
         self._made = Made()
         self._figured_s = -1.0
         self._factory: FactoryView | None = None
@@ -179,9 +192,10 @@ class Hub:
         if self.joined >= self._most or self._of[owner] >= self._each:
             return None
         self._of[owner] += 1
-        room = self._rooms.get(who.areas)
+        seen = seen_by(who)
+        room = self._rooms.get(seen)
         if room is None:
-            room = self._rooms[who.areas] = Room(self._scene(who.areas), self._wall_s, self._made)
+            room = self._rooms[seen] = Room(self._scene(seen), self._wall_s, self._made)
         client = Client(room, owner, audience_of(who), self._queue_frames)
         room.clients.add(client)
         return client
@@ -209,7 +223,7 @@ class Hub:
         self._of[client.owner] -= 1
         if not self._of[client.owner]:
             del self._of[client.owner]
-        self._rooms = {areas: room for areas, room in self._rooms.items() if room.clients}
+        self._rooms = {seen: room for seen, room in self._rooms.items() if room.clients}
 
     def tick(self) -> None:
         """Make a frame, if there is something to tell or it has been quiet for too long."""
@@ -233,22 +247,33 @@ class Hub:
             await asyncio.sleep(self._pause_s)
             self.tick()
 
-    def _scene(self, areas: frozenset[str] | None) -> Scene:
-        if areas is None:
+    def _scene(self, seen: Seen) -> Scene:
+        if isinstance(seen, frozenset):
+            return AreaScene(self._projection, AreaSight(self._projection, seen))
+        if seen is Whole.PLANT:
             return WholeScene(self._projection)
-        return AreaScene(self._projection, AreaSight(self._projection, areas))
+        return FactoryScene(self._projection, FactorySight(self._projection.site))
 
     def _new_figures(self, now_s: float) -> FactoryView | None:
         """The factory's figures, when it is time for them, somebody sees them and they have changed."""
-        whole = self._rooms.get(None)
-        if whole is None or 0 <= now_s - self._figured_s < FACTORY_S:
+        whole = [room for seen, room in self._rooms.items() if isinstance(seen, Whole)]
+        if not whole or 0 <= now_s - self._figured_s < FACTORY_S:
             return None
         self._figured_s = now_s
         factory = self._projection.factory(now_s)
-        if factory == self._factory and not whole.owes_figures:
+        if factory == self._factory and not any(room.owes_figures for room in whole):
             return None
-        self._factory, whole.owes_figures = factory, False
+        self._factory = factory
+        for room in whole:
+            room.owes_figures = False
         return factory
+
+
+def seen_by(who: Principal) -> Seen:
+    """What somebody sees."""
+    if who.areas is not None:
+        return who.areas
+    return Whole.PLANT if who.may(Scope.ORDERS_READ) else Whole.FACTORY
 
 
 def audience_of(who: Principal) -> AudienceView:

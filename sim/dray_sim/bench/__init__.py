@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
-from dray_sim.bench import bus, fleet, links, losses, orders, paint, plantmap, projection, sim, zenoh
+from dray_sim.bench import bus, fleet, links, losses, orders, paint, plantmap, projection, sim, stop, zenoh
 from dray_sim.bench.row import Row, rates
 
 __all__ = ["BENCHES", "LONG", "Bench", "Row", "as_json", "rates"]
@@ -33,11 +33,12 @@ BENCHES: dict[str, Bench] = {
     "links": links.measure,
     "orders": orders.measure,
     "losses": losses.measure,
+    "stop": stop.measure,
 }
 """Name -> benchmark, in the order in which they run."""
 
-LONG = frozenset({"losses"})
-"""Those that take a quarter of an hour or more: they run only when they are asked for by name."""
+LONG = frozenset({"losses", "stop"})
+"""Those that take some minutes or more, or all of the computer: they run only when they are asked for by name."""
 
 
 def as_json(rows: list[Row]) -> str:

@@ -10,9 +10,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Protocol
 
+from msgspec.structs import replace
+
 from dray.gateway.frames import Delta, Snapshot
 from dray.gateway.projection.projection import Projection
-from dray.gateway.projection.sight import AreaSight
+from dray.gateway.projection.sight import AreaSight, FactorySight
 from dray.gateway.views import FactoryView
 
 Show = Callable[[Any], Any]
@@ -48,6 +50,44 @@ class WholeScene:
     def delta(self, told: Delta) -> Delta:
         """See `Scene.delta`."""
         return told
+
+
+OF_ORDERS = ("order:", "alert:order_", "news:waits-")
+"""How the names of what is about orders begin, where something is told as gone."""
+
+
+class FactoryScene:
+    """The whole plant without its orders.
+
+    Args:
+        projection: of the plant.
+        sight: what is seen of it.
+    """
+
+    def __init__(self, projection: Projection, sight: FactorySight) -> None:
+        self._projection, self._sight = projection, sight
+
+    def snapshot(self, number: int, wall_s: float) -> Snapshot:
+        """See `Scene.snapshot`."""
+        whole = self._projection.snapshot(number, wall_s)
+        return replace(whole, orders=(), **self._of(whole))
+
+    def delta(self, told: Delta) -> Delta:
+        """See `Scene.delta`."""
+        gone = tuple(name for name in told.gone if not name.startswith(OF_ORDERS))
+        return replace(told, orders=(), gone=gone, **self._of(told))
+
+    def _of(self, frame: Snapshot | Delta) -> dict[str, tuple[Any, ...]]:
+        sight = self._sight
+        shows: dict[str, tuple[Show, tuple[Any, ...]]] = {
+            "tasks": (sight.task, frame.tasks),
+            "news": (sight.news, frame.news),
+            "alerts": (sight.alert, frame.alerts),
+        }
+        return {
+            kind: tuple(seen for view in views if (seen := show(view)) is not None)
+            for kind, (show, views) in shows.items()
+        }
 
 
 class AreaScene:

@@ -70,9 +70,32 @@ class WholeSight:
         """What is wrong."""
         return view
 
+    def news(self, view: NewsView) -> NewsView | None:
+        """What has happened."""
+        return view
+
     def words(self, text: str) -> str:
         """Words for people."""
         return text
+
+
+class FactorySight(WholeSight):
+    """What is seen of the whole plant by whoever may not read orders: how the factory does, and not for whom.
+
+    An order's own name stays where goals and transports carry it in theirs: it tells nothing by itself.
+    """
+
+    def task(self, view: TaskView) -> TaskView | None:
+        """A task, without the order that it is for."""
+        return replace(view, order="") if view.order else view
+
+    def news(self, view: NewsView) -> NewsView | None:
+        """News, unless it is of an order."""
+        return None if view.order else view
+
+    def alert(self, view: AlertView) -> AlertView | None:
+        """What is wrong, unless it is with an order."""
+        return None if view.order else view
 
 
 class AreaSight:
@@ -257,9 +280,17 @@ class AreaSight:
         return self._who(name) + word[len(name) :] if name in self._projection.atvs else word
 
 
-Sight = WholeSight | AreaSight
+Sight = WholeSight | FactorySight | AreaSight
 
 
-def sight(projection: Projection, areas: frozenset[str] | None) -> Sight:
-    """What is seen in these areas; None for the whole plant."""
-    return WholeSight(projection.site) if areas is None else AreaSight(projection, areas)
+def sight(projection: Projection, areas: frozenset[str] | None, *, orders: bool = True) -> Sight:
+    """What somebody sees.
+
+    Args:
+        projection: the whole plant.
+        areas: in which areas; None for the whole plant.
+        orders: whether orders may be read; in areas they are not seen anyhow.
+    """
+    if areas is not None:
+        return AreaSight(projection, areas)
+    return WholeSight(projection.site) if orders else FactorySight(projection.site)

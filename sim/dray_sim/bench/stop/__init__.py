@@ -1,0 +1,130 @@
+"""How long a Stop takes while everything else is under attack: from its request to the vehicle's word.
+
+One `dray up` runs in a process of its own, with a factory at work. A tablet sends Stops on the way that is for them
+alone, each on a new connection, as after a reload; and some at the gateway's own address, for comparison. Attacks run
+in further processes, one kind at a time, from 127.0.0.1 like everything here. All are bounded in number and in time.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
+from dataclasses import dataclass
+from math import ceil
+
+from dray_sim.bench.row import Row
+from dray_sim.bench.stop.attacks import ATTACKS, under_attack
+from dray_sim.bench.stop.house import House, Tablet, open_house
+
+TARGET_MS = 300.0
+"""What the 99th percentile may be: a person takes longer than that to let go of the button."""
+
+PACE_S = 0.05
+"""From one Stop to the next one: a person who stops all vehicles of an area, one after the other, takes longer."""
+
+SAMPLES, QUICK_SAMPLES = 100, 20
+"""Stops per attack."""
+
+COMPARED_EVERY = 5
+"""One Stop of so many is sent to the gateway's own address as well."""
+
+RAMP_S = 2.0
+"""Wall seconds for which an attack is under way before the first Stop."""
+
+BEGIN_S = 20.0
+"""Longest wait for an attacker to begin."""
+
+PATIENCE_S = 5.0
+"""A Stop that is not answered by then counts as having taken so long."""
+
+
+@dataclass(frozen=True, slots=True)
+class Latencies:
+    """What some Stops took.
+
+    Attributes:
+        took_s: wall seconds of each, in ascending order.
+        unanswered: how many had no answer, or no vehicle's word.
+    """
+
+    took_s: Sequence[float]
+    unanswered: int
+
+    def at_ms(self, share: float) -> float:
+        """The latency that this share of them did not exceed, in milliseconds."""
+        return 1e3 * self.took_s[ceil(share * len(self.took_s)) - 1]
+
+    def words(self) -> str:
+        """For a table."""
+        lost = f", {self.unanswered} of {len(self.took_s)} unanswered" if self.unanswered else ""
+        return f"p50 {self.at_ms(0.5):.0f}, p99 {self.at_ms(0.99):.0f}, max {self.at_ms(1):.0f} ms{lost}"
+
+
+def measure(quick: bool) -> list[Row]:
+    """Latency of a Stop under each attack, beside that of the idle plant."""
+    return list(_rows(QUICK_SAMPLES if quick else SAMPLES))
+
+
+def _rows(samples: int) -> Iterator[Row]:
+    with ExitStack() as stack:
+        house = stack.enter_context(open_house())
+        compared = stack.enter_context(ThreadPoolExecutor(4))
+        idle, own = _stops(house, samples, compared)
+        yield _row("nothing else", idle, own, idle)
+        for name, attack in ATTACKS.items():
+            with under_attack(attack, house.target) as tries:
+                _wait_for(tries)
+                beside, own = _stops(house, samples, compared)
+                made = f"; {tries():,} connections by the attackers"
+            yield _row(name, beside, own, idle, made)
+        with house.database_away() as how:
+            time.sleep(RAMP_S)
+            beside, own = _stops(house, samples, compared)
+        yield _row(f"the database away ({how})", beside, own, idle)
+
+
+def _wait_for(tries: Callable[[], int]) -> None:
+    """Until the attack is under way."""
+    until_s = time.monotonic() + BEGIN_S
+    while not tries() and time.monotonic() < until_s:
+        time.sleep(PACE_S)
+    time.sleep(RAMP_S)
+
+
+def _row(name: str, beside: Latencies, own: Latencies, idle: Latencies, more: str = "") -> Row:
+    return Row(
+        f"a stop, p99, under: {name}",
+        beside.at_ms(0.99),
+        "ms",
+        idle.at_ms(0.99),
+        "the idle plant",
+        target=TARGET_MS,
+        note=f"{beside.words()}; at the gateway's own address {own.words()}{more}",
+        less=True,
+    )
+
+
+def _stops(house: House, samples: int, compared: ThreadPoolExecutor) -> tuple[Latencies, Latencies]:
+    """Send Stops at the pace of a hasty person, on their own way, and some of them at the gateway's address."""
+    tablet, took_s, others = house.tablet, [], []
+    for number in range(samples):
+        begun_s = time.monotonic()
+        atv = house.vehicles[number % len(house.vehicles)]
+        if number % COMPARED_EVERY == 0:
+            others.append(compared.submit(_timed, tablet, house.target.port, atv))
+        took_s.append(_timed(tablet, house.target.stop_port, atv))
+        time.sleep(max(0.0, PACE_S - (time.monotonic() - begun_s)))
+    return _latencies(took_s), _latencies([each.result() for each in others])
+
+
+def _timed(tablet: Tablet, port: int, atv: str) -> tuple[float, bool]:
+    begun_s = time.perf_counter()
+    answered = tablet.stop(port, atv, PATIENCE_S)
+    return time.perf_counter() - begun_s, answered
+
+
+def _latencies(timed: Sequence[tuple[float, bool]]) -> Latencies:
+    took_s = sorted(took_s if answered else max(took_s, PATIENCE_S) for took_s, answered in timed)
+    return Latencies(took_s, sum(not answered for _, answered in timed))

@@ -1,0 +1,308 @@
+"""Attacks on a gateway, each with a bound on its connections and on its time. On 127.0.0.1 alone.
+
+An attacker has a process of its own, so that what it costs is not charged to the tablet. Those that need an account
+have the administrator's: nobody else could do more.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import multiprocessing
+import os
+from collections.abc import Awaitable, Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from multiprocessing.sharedctypes import Synchronized
+from typing import TypeVar
+
+T = TypeVar("T")
+
+HOST = "127.0.0.1"
+
+LONGEST_S = 60.0
+"""An attack ends by itself after this, whatever becomes of whoever began it."""
+
+HALF_OPEN = 1_100
+"""Connections that say nothing: more than file descriptors in a process, by most systems' default."""
+
+DRIPPING = 300
+"""Connections that say little, and slowly."""
+
+WORKERS = 8
+"""Connections that ask as fast as they are answered."""
+
+STREAMS = 250
+"""More than there are places."""
+
+AGAIN_S = 0.2
+"""An attacker whose connection was ended comes back after this."""
+
+HOLD_S = 20.0
+"""An attacker who reads nothing notices nothing: it begins anew after this."""
+
+ENDING_S = 10.0
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """What is attacked.
+
+    Attributes:
+        port: the gateway's.
+        stop_port: that of the way for stops.
+        token: the administrator's.
+        cookie: of a manager's session.
+    """
+
+    port: int
+    stop_port: int
+    token: str
+    cookie: str
+
+    def head(self, method: str, path: str, length: int, kind: str = "application/json") -> bytes:
+        """The head of a request by the administrator."""
+        return (
+            f"{method} {path} HTTP/1.1\r\nHost: {HOST}:{self.port}\r\nAuthorization: Bearer {self.token}\r\n"
+            f"Content-Type: {kind}\r\nContent-Length: {length}\r\n\r\n"
+        ).encode()
+
+
+_tries: Synchronized[int] | None = None
+"""How many connections this process has opened."""
+
+Attack = Callable[[Target], Awaitable[None]]
+
+
+async def half_open(target: Target) -> None:
+    """Connections that say nothing."""
+    await _each(HALF_OPEN, lambda _: _hold(target.port))
+
+
+async def half_open_stops(target: Target) -> None:
+    """The same, on the way for stops itself."""
+    await _each(HALF_OPEN, lambda _: _hold(target.stop_port))
+
+
+async def slow_heads(target: Target) -> None:
+    """Heads that arrive byte by byte."""
+    await _each(DRIPPING, lambda _: _drip(target.port, b"GET / HTTP/1.1\r\nX-Slow: ", b"x"))
+
+
+async def slow_bodies(target: Target) -> None:
+    """Bodies that arrive byte by byte."""
+    head = target.head("POST", "/api/orders", 60_000)
+    await _each(DRIPPING, lambda _: _drip(target.port, head, b" "))
+
+
+async def hostile_files(target: Target) -> None:
+    """Files of orders that were made to be slow to read."""
+    wide = ",".join(["product"] * 8_000)
+    columns = "customer,reference,product,quantity,due_at,release\n"
+    files = [
+        wide,
+        ",".join(["product"] * 100_000),
+        columns + "c,r,p,1,,\n" * 60_000,
+        columns + "c,,gear-unit-g1,many,soon,perhaps\n" * 1_000,
+        columns + "\n" * 900_000,
+        columns + '"' * 900_000,
+        "a" * 900_000,
+        columns + "c,,gear-unit-g1,1,," + "," * 900_000,
+    ]
+    bodies = [json.dumps({"csv": file, "dry_run": True}).encode() for file in files]
+    await _each(
+        WORKERS,
+        lambda worker: _ask_all(
+            target, [("POST", "/api/orders/import", body) for body in _turned(bodies, worker)]
+        ),
+    )
+
+
+async def big_bodies(target: Target) -> None:
+    """Large and deep JSON to everything that takes a body."""
+    deep, wide = b"[" * 60_000, json.dumps({"items": [{"product": "x", "quantity": 1}] * 1_500}).encode()
+    huge = json.dumps({"customer": "x" * 1_000_000}).encode()
+    paths = (
+        "/api/orders",
+        "/api/orders/import",
+        "/api/orders/preview",
+        "/api/atvs/ATV1/commands",
+        "/api/faults",
+        "/login",
+    )
+    asked = [("POST", path, body) for path in paths for body in (deep, wide, huge)]
+    await _each(WORKERS, lambda worker: _ask_all(target, _turned(asked, worker)))
+
+
+async def stream_flood(target: Target) -> None:
+    """Streams that are opened and never read."""
+    head = (
+        f"GET /api/stream HTTP/1.1\r\nHost: {HOST}:{target.port}\r\nAuthorization: Bearer {target.token}\r\n"
+        "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+        "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
+    ).encode()
+    await _each(STREAMS, lambda _: _hold(target.port, head))
+
+
+async def login_flood(target: Target) -> None:
+    """Guesses at the login."""
+
+    def guess(worker: int) -> Awaitable[None]:
+        body = f"name=guess-{worker}&secret={os.urandom(8).hex()}".encode()
+        return _ask_all(target, [("POST", "/login", body)], "application/x-www-form-urlencoded")
+
+    await _each(4 * WORKERS, guess)
+
+
+async def tracking_flood(target: Target) -> None:
+    """Customers' pages, with links that nobody has given them."""
+    paths = [("GET", path + "x" * 32, b"") for path in ("/api/track/", "/track/")]
+    await _each(2 * WORKERS, lambda _: _ask_all(target, paths))
+
+
+async def lists_flood(target: Target) -> None:
+    """The longest lists, and the tables of everything."""
+    paths = (
+        "/api/events?limit=500",
+        "/api/tasks?limit=500",
+        "/api/orders?limit=500",
+        "/api/orders?format=csv",
+        "/api/audit?format=csv",
+        "/api/kpis/history?step=60",
+        "/api/openapi.json",
+    )
+    await _each(
+        WORKERS, lambda worker: _ask_all(target, [("GET", path, b"") for path in _turned(paths, worker)])
+    )
+
+
+async def strange_stops(target: Target) -> None:
+    """Stops of strangers, on the way for stops itself."""
+    body = b'{"kind": "stop"}'
+    stranger = Target(target.stop_port, target.stop_port, "dray_guess", "")
+    await _each(WORKERS, lambda _: _ask_all(stranger, [("POST", "/api/atvs/ATV1/commands", body)]))
+
+
+async def all_at_once(target: Target) -> None:
+    """Some of everything."""
+    await asyncio.gather(
+        half_open(target),
+        hostile_files(target),
+        big_bodies(target),
+        login_flood(target),
+        tracking_flood(target),
+    )
+
+
+ATTACKS: dict[str, Attack] = {
+    f"{HALF_OPEN:,} half-open connections": half_open,
+    "slow heads": slow_heads,
+    "slow bodies": slow_bodies,
+    "hostile CSV files": hostile_files,
+    "big JSON bodies to every route": big_bodies,
+    "a flood of streams": stream_flood,
+    "a flood of logins": login_flood,
+    "a flood of tracking pages": tracking_flood,
+    "a flood of long lists": lists_flood,
+    f"{HALF_OPEN:,} half-open connections on its own way": half_open_stops,
+    "strangers' stops on its own way": strange_stops,
+    "five of these at once": all_at_once,
+}
+
+
+@contextmanager
+def under_attack(attack: Attack, target: Target) -> Iterator[Callable[[], int]]:
+    """Attack as long as the context lasts, and not for longer than `LONGEST_S`.
+
+    Returns:
+        Tells how many connections the attackers have opened, once they have begun.
+    """
+    spawned = multiprocessing.get_context("spawn")
+    tries = spawned.Value("Q", 0)
+    process = spawned.Process(target=_attack, args=(attack, target, tries), daemon=True)
+    process.start()
+    try:
+        yield lambda: int(tries.value)
+    finally:
+        process.terminate()
+        process.join(ENDING_S)
+        if process.is_alive():
+            process.kill()
+            process.join()
+
+
+def _attack(attack: Attack, target: Target, tries: Synchronized[int]) -> None:
+    global _tries  # noqa: PLW0603 - this process is for the attack alone
+    _tries = tries
+
+    async def bounded() -> None:
+        with suppress(TimeoutError):
+            async with asyncio.timeout(LONGEST_S):
+                await attack(target)
+
+    asyncio.run(bounded())
+
+
+async def _connect(port: int, limit: int = 65_536) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+    connected = await asyncio.open_connection(HOST, port, limit=limit)
+    if _tries is not None:
+        _tries.value += 1
+    return connected
+
+
+async def _each(count: int, work: Callable[[int], Awaitable[None]]) -> None:
+    """So many at once, each again and again."""
+
+    async def go_on(number: int) -> None:
+        while True:
+            with suppress(OSError, EOFError):
+                await work(number)
+            await asyncio.sleep(AGAIN_S)
+
+    await asyncio.gather(*(go_on(number) for number in range(count)))
+
+
+async def _hold(port: int, said: bytes = b"") -> None:
+    """Say something, if anything, and hold the connection for a while; of an answer next to nothing is read."""
+    reader, writer = await _connect(port, limit=1024)
+    try:
+        writer.write(said)
+        if said:
+            await asyncio.sleep(HOLD_S)
+        else:
+            await reader.read(1)
+    finally:
+        writer.close()
+
+
+async def _drip(port: int, begun: bytes, drop: bytes) -> None:
+    """Begin to say something, and go on with a byte a second."""
+    _, writer = await _connect(port)
+    try:
+        writer.write(begun)
+        while not writer.transport.is_closing():
+            writer.write(drop)
+            await writer.drain()
+            await asyncio.sleep(1.0)
+    finally:
+        writer.close()
+
+
+async def _ask_all(
+    target: Target, asked: list[tuple[str, str, bytes]], kind: str = "application/json"
+) -> None:
+    """Ask these, one after the other, on a connection each."""
+    for method, path, body in asked:
+        reader, writer = await _connect(target.port)
+        try:
+            head = target.head(method, path, len(body), kind)
+            writer.write(head.replace(b"\r\n\r\n", b"\r\nConnection: close\r\n\r\n") + body)
+            while await reader.read(65_536):
+                pass
+        finally:
+            writer.close()
+
+
+def _turned(things: Sequence[T], by: int) -> list[T]:
+    """The same, beginning with another one."""
+    return [*things[by % len(things) :], *things[: by % len(things)]]
