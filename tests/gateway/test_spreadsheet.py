@@ -28,8 +28,24 @@ async def rows(house: House, path: str, **params: Any) -> list[dict[str, str]]:
     "text", ["=1+1", "+49 30 1", "-2+3", "@SUM(A1)", "\t=1", "\r=1", "=cmd|' /C calc'!A0"]
 )
 def test_a_cell_that_a_program_would_take_for_a_formula_is_made_text(text: str) -> None:
-    [cells] = csv.reader(io.StringIO(line([text])))
-    assert cells == [f"'{text}"]
+    [[cell]] = csv.reader(io.StringIO(line([text]), newline=""))
+    assert cell.startswith("'")
+    assert cell.replace("'", "") == text.replace("'", "")
+
+
+SIGNS = "=+-@＝＋－＠"  # noqa: RUF001
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t"])
+@pytest.mark.parametrize("before", ["", "a;", "a\t", "a\n", "a; ", "a\r\n", ' "', 'a;"'])
+@pytest.mark.parametrize("sign", SIGNS)
+def test_no_program_finds_a_formula_wherever_it_parts_cells(delimiter: str, before: str, sign: str) -> None:
+    written = line(["O-1", f"{before}{sign}cmd|' /C calc'!A0", "x"])
+    # Strict programs and those that know nothing of quotes.
+    for quoting in (csv.QUOTE_MINIMAL, csv.QUOTE_NONE):
+        for cells in csv.reader(io.StringIO(written, newline=""), delimiter=delimiter, quoting=quoting):
+            for cell in cells:
+                assert not cell.strip(' "').startswith(tuple(SIGNS)), written
 
 
 @pytest.mark.parametrize(("cell", "written"), [("-3.5", "-3.5"), (-3.5, "-3.5"), ("a=b", "a=b"), (None, "")])

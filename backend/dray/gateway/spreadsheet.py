@@ -2,7 +2,8 @@
 
 A program that opens the file takes text that begins with `=`, `+`, `-` or `@` for a formula, whoever has
 written it; such text gets an apostrophe in front, which these programs take for "this is text" (OWASP, CSV
-injection).
+injection). In some countries they part cells at semicolons, or at tabs, and do not see then what is in quotes
+for us: so a sign that follows one of these inside of a cell gets an apostrophe, too.
 """
 
 from __future__ import annotations
@@ -19,8 +20,17 @@ from fastapi.responses import StreamingResponse
 
 from dray.gateway.answers import iso
 
-FORMULA = ("=", "+", "-", "@", "\t", "\r")
-"""What a formula begins with; a tab or a carriage return is skipped over by some programs."""
+_FORMULA = re.compile(
+    r"""
+    (^ | [;\t\r\n])              # where a cell begins, for whatever program
+    (?=
+        [\s"\u200b\ufeff]*       # what some skip
+        [=+\-@＝＋－＠﹢﹣﹦﹫−]    # what a formula begins with, in the widths in which it may be written
+        | [\t\r]                  # skipped by some, at the beginning of the whole
+    )
+    """,  # noqa: RUF001 - that they look alike is why they are here
+    re.VERBOSE,
+)
 
 _NUMBER = re.compile(r"-?\d+(\.\d+)?")
 
@@ -89,6 +99,6 @@ def _readable(name: str, value: object) -> object:
 
 
 def _harmless(cell: object) -> object:
-    if isinstance(cell, str) and cell.startswith(FORMULA) and not _NUMBER.fullmatch(cell):
-        return f"'{cell}"
+    if isinstance(cell, str) and not _NUMBER.fullmatch(cell):
+        return _FORMULA.sub(r"\1'", cell)
     return cell

@@ -7,7 +7,7 @@ from itertools import groupby
 from typing import Any
 
 import msgspec
-from sqlalchemy import ColumnElement, delete, func, or_, select
+from sqlalchemy import ColumnElement, delete, func, select, union
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dray.messages import Event, Production, Transport
@@ -160,14 +160,24 @@ def _conditions(wanted: EventFilter) -> list[ColumnElement[bool]]:
 
 
 def _about_order(order: str) -> ColumnElement[bool]:
-    """An event names the order itself, or one of its goals, or a task that one of these opened."""
+    """An event names the order itself, or one of its goals, or a task that one of these opened.
+
+    Each of these is looked up by an index of its own, and they are put together then: a condition with OR is one
+    that a database may rather ask of all events.
+    """
     its_goals = select(goals.c.id).where(goals.c.order_id == order)
     opened = events.alias("opened")
-    its_tasks = select(opened.c.task).where(
-        opened.c.kind == TaskOpened.__name__,
-        or_(opened.c.order_id == order, opened.c.goal.in_(its_goals)),
+    tasks_opened = select(opened.c.task).where(opened.c.kind == TaskOpened.__name__)
+    its_tasks = union(
+        tasks_opened.where(opened.c.order_id == order), tasks_opened.where(opened.c.goal.in_(its_goals))
     )
-    return or_(events.c.order_id == order, events.c.goal.in_(its_goals), events.c.task.in_(its_tasks))
+    named = events.alias("named")
+    positions = union(
+        select(named.c.position).where(named.c.order_id == order),
+        select(named.c.position).where(named.c.goal.in_(its_goals)),
+        select(named.c.position).where(named.c.task.in_(its_tasks)),
+    )
+    return events.c.position.in_(positions)
 
 
 def _row(event: Event, to_wall_s: ToWall) -> dict[str, Any]:

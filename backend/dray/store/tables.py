@@ -141,9 +141,11 @@ events = Table(
     UniqueConstraint("agent", "incarnation", "number"),
     Index(None, "kind", "position"),
     Index(None, "agent", "position"),
-    Index(None, "task"),
-    Index(None, "goal"),
-    Index(None, "order_id"),
+    # Whoever asks about one thing mostly asks for one kind: by both, no database is tempted to read all of a kind.
+    Index(None, "task", "kind", "at_s"),
+    Index(None, "goal", "kind", "at_s"),
+    Index(None, "order_id", "kind", "at_s"),
+    Index(None, "kind", "plant_s"),
     # Numbers of pruned rows must never be given again: readers go on after the last one they saw.
     sqlite_autoincrement=True,
     comment="Agents' numbered histories; fact is the JSON of what happened.",
