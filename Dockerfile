@@ -1,15 +1,17 @@
 # Dray in a container: the wheel is built in one stage and installed in another, from the locks alone.
-# The Python is the one for which the locks were resolved.
-FROM python:3.11-slim AS build
+# The Python is the one for which the locks were resolved; pin it by digest with --build-arg, or PYTHON_IMAGE in .env.
+ARG PYTHON_IMAGE=python:3.11-slim
+FROM ${PYTHON_IMAGE} AS build
 WORKDIR /src
 COPY requirements-dev.txt ./
 RUN pip install --no-cache-dir --require-hashes -r requirements-dev.txt
 COPY . .
 RUN python -m build --wheel --no-isolation --outdir /dist
 
-FROM python:3.11-slim
+FROM ${PYTHON_IMAGE}
 # A number that does not change: whoever mounts a folder gives it to this user.
-RUN useradd --system --uid 10001 --create-home --home-dir /var/lib/dray dray
+RUN useradd --system --uid 10001 --create-home --home-dir /var/lib/dray dray \
+    && install --directory --owner dray --mode 700 /var/lib/dray/journals
 COPY requirements.txt /tmp/
 RUN pip install --no-cache-dir --require-hashes -r /tmp/requirements.txt
 COPY --from=build /dist/ /tmp/dist/

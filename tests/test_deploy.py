@@ -5,6 +5,7 @@ from __future__ import annotations
 import configparser
 import json
 import re
+from ipaddress import ip_address, ip_network
 from pathlib import Path
 from typing import Any
 
@@ -43,13 +44,19 @@ def stages() -> list[list[str]]:
     for line in lines:
         if line.startswith("FROM "):
             found.append([])
+        elif not found:
+            continue  # an argument of the stages' images
         found[-1].append(" ".join(line.split()))
     return found
 
 
 def test_the_image_is_built_in_one_stage_and_runs_in_another_as_nobody_special() -> None:
     build, final = stages()
-    assert all(re.match(r"FROM [a-z]+:\d", stage[0]) for stage in (build, final)), "a version, never latest"
+    assert all(stage[0].startswith("FROM ${PYTHON_IMAGE}") for stage in (build, final))
+    default = re.search(r"^ARG PYTHON_IMAGE=(.*)$", (ROOT / "Dockerfile").read_text(), re.MULTILINE)
+    assert default is not None
+    assert re.fullmatch(r"[a-z]+:\d[\w.-]*", default[1]), "a version, never latest"
+    assert any("install --directory --owner dray" in line and "journals" in line for line in final)
     assert any(line.startswith("COPY --from=build ") for line in final)
     # What is needed to build and to test does not get into what runs.
     assert not [line for line in final if "requirements-dev" in line]
@@ -105,6 +112,7 @@ def test_services_are_reached_from_this_machine_only(
     assert compose["networks"]["bus"] == {"internal": True}
     published = [port for service in services.values() for port in service.get("ports", ())]
     assert len(published) >= 3
+    assert "ports" not in services["gateway"], "people reach it by TLS"
     for port in published:
         assert re.fullmatch(r"127\.0\.0\.1:\d+:\d+", port)
     assert "ports" not in services["database"]
@@ -123,10 +131,57 @@ def test_services_come_back_and_say_how_they_are(services: dict[str, dict[str, A
             assert services[other]["healthcheck"]["test"][0] == "CMD"
 
 
+def test_a_container_can_write_what_it_must_keep_and_nothing_else(
+    services: dict[str, dict[str, Any]],
+) -> None:
+    for name, service in services.items():
+        assert "no-new-privileges:true" in service["security_opt"], name
+        # Compose refuses a secret from a variable in a container that cannot be written.
+        secret = bool(service.get("secrets"))
+        assert service.get("read_only", False) is not secret, name
+        if name != "database":  # which gives its rights away by itself
+            assert service["cap_drop"] == ["ALL"], name
+        if "build" in service:
+            assert "/var/lib/dray/journals" in service["volumes"], name
+
+
+def test_images_are_pinned_by_digest_or_can_be(services: dict[str, dict[str, Any]]) -> None:
+    for name, service in services.items():
+        if "build" not in service:
+            pinned = re.fullmatch(r"[\w./-]+:[\w.-]+@sha256:[0-9a-f]{64}", service["image"])
+            setting = re.fullmatch(r"\$\{\w+_IMAGE:-[\w./-]+:[\w.-]+\}", service["image"])
+            assert pinned or setting, name
+        else:
+            assert service["build"]["args"] == {"PYTHON_IMAGE": "${PYTHON_IMAGE:-python:3.11-slim}"}
+
+
+def test_the_front_ends_tls_and_the_gateway_believes_it_alone(
+    compose: dict[str, Any], services: dict[str, dict[str, Any]]
+) -> None:
+    front, gateway = services["front"], services["gateway"]
+    address = front["networks"]["front"]["ipv4_address"]
+    assert gateway["environment"]["DRAY_TRUSTED_PROXIES"] == address
+    (pool,) = compose["networks"]["front"]["ipam"]["config"]
+    assert ip_address(address) in ip_network(pool["subnet"])
+    # Nobody else could say to come from that address.
+    assert {name for name, each in services.items() if "front" in each["networks"]} == {"front", "gateway"}
+    text = (ROOT / "deploy/caddy/Caddyfile").read_text()
+    assert "reverse_proxy gateway:8000" in text
+    assert set(re.findall(r"\{\$(\w+)", text)) == set(front["environment"])
+    (_, port), published = front["healthcheck"]["test"][-1].rstrip("/").rsplit(":", 1), front["ports"]
+    assert f"http://127.0.0.1:{port}" in text
+    assert not [each for each in published if each.endswith(f":{port}")]
+
+
 def test_volumes_and_secrets_are_declared_and_used(
     compose: dict[str, Any], services: dict[str, dict[str, Any]]
 ) -> None:
-    mounts = [mount.split(":") for service in services.values() for mount in service.get("volumes", ())]
+    mounts = [
+        mount.split(":")
+        for service in services.values()
+        for mount in service.get("volumes", ())
+        if not mount.startswith("/")  # the container's own
+    ]
     named = {source for source, *_ in mounts if not source.startswith(".")}
     assert named == set(compose["volumes"])
     for source, _, *options in (mount for mount in mounts if mount[0].startswith(".")):
