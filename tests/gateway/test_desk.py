@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from gateway_kit import NOW_S, OTHER_PRODUCT, PRODUCT, FakeBus, events, gateway
 
-from dray.gateway.desk import NO_DUE_S, PAUSE_S, STRATEGIST, Desk, Reminders
+from dray.gateway.desk import NO_DUE_S, PAUSE_S, SAID_A_TURN, STRATEGIST, TURN_S, Desk, Reminders
 from dray.gateway.timescale import TimeScale
 from dray.messages import CancellationTaken, Message, OrderCancelled, OrderReleased, OrderTaken
 from dray.messages.fact import GoalContracted, GoodsDelivered, OrderAccepted
@@ -242,6 +242,33 @@ def test_nothing_is_left_in_memory_when_all_is_answered() -> None:
     assert "O-1" not in reminders
     assert reminders.next_s() is None
     assert reminders.due(1e9) == []
+
+
+def test_ten_thousand_orders_are_said_as_fast_as_an_inbox_takes_them_and_none_is_left_out() -> None:
+    async def scene(stage: Stage) -> None:
+        stage.desk.ask(order(f"O-{number}") for number in range(10_000))
+        await asyncio.sleep(60.0)
+
+    stage = play(scene)
+    for second in range(60):
+        assert sum(second <= at_s < second + 1.0 for at_s in stage.times_s) <= SAID_A_TURN
+    firsts = [message.order for _, message in stage.said if isinstance(message, OrderReleased)]
+    assert len(set(firsts)) == 10_000
+    assert len(stage.said) <= 60 * SAID_A_TURN
+
+
+def test_what_is_answered_makes_room_and_a_single_order_is_said_at_once() -> None:
+    async def scene(stage: Stage) -> None:
+        stage.desk.ask(order(f"O-{number}") for number in range(SAID_A_TURN))
+        assert len(stage.said) == SAID_A_TURN
+        for _, message in list(stage.said):
+            assert isinstance(message, OrderReleased)
+            stage.desk.answered(OrderTaken(message.order, message.release))
+        await asyncio.sleep(TURN_S)
+        stage.desk.release(order("O-new"))
+        assert stage.last.order == "O-new"
+
+    assert len(play(scene).said) == SAID_A_TURN + 1
 
 
 # --- over a restart ------------------------------------------------------------------------------

@@ -87,6 +87,19 @@ def test_of_several_sources_the_cheapest_is_offered() -> None:
     assert best.cost.total_s == alone_s[best.source]
 
 
+def test_of_several_sources_one_is_offered_that_can_be_kept_though_another_is_cheaper() -> None:
+    # From here a heavy vehicle gets from S7 to M11 sooner than from S5, and uses more energy.
+    work, here = transport(sources=("S5", "S7"), destination="M11"), "s7-lane"
+    cheapest = quote("heavy", work=work, node=here)
+    sooner = quote("heavy", work=transport(sources=("S7",), destination="M11"), node=here)
+    assert cheapest.source == "S5"
+    assert sooner.finish_s < cheapest.finish_s
+    between_s = (sooner.finish_s + cheapest.finish_s) / 2
+    assert quote("heavy", work=work, node=here, deadline_s=between_s) == sooner
+    late = refusal("heavy", work=work, node=here, deadline_s=sooner.finish_s - 1.0)
+    assert late.reason is Refusal.DEADLINE
+
+
 def test_a_vehicle_that_could_do_rarer_work_is_held_back() -> None:
     assert quote("light").cost.suitability_s == 0.0
     assert quote("heavy").cost.suitability_s == SPARE_ABILITY_S

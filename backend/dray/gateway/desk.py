@@ -34,6 +34,11 @@ PAUSE_S = (0.5, 15.0)
 """Wall seconds before the first repetition, and between later ones at most; it doubles. The strategist
 may be away for hours, and should have its orders soon after it is back."""
 
+SAID_A_TURN = 400
+TURN_S = 1.0
+"""So much is said in a second at most. The inbox of a strategist that is busy for ten seconds holds 4,096 messages, and
+all the orders of a large plant may be due for a repetition at once."""
+
 NO_DUE_S = 8 * 3600.0
 """Factory seconds within which an order without a due time is wanted: a shift."""
 
@@ -57,23 +62,34 @@ class Reminder:
 
     def __init__(self, message: Message, now_s: float) -> None:
         self.message = message
-        self.due_s, self.pause_s = now_s + PAUSE_S[0], 2 * PAUSE_S[0]
+        self.due_s, self.pause_s = now_s, PAUSE_S[0]
+
+    def say(self, now_s: float) -> Message:
+        """It is said now; the next time is set."""
+        self.due_s = now_s + self.pause_s
+        self.pause_s = min(2 * self.pause_s, PAUSE_S[1])
+        return self.message
 
 
 class Reminders:
-    """What is to be said again, and when. Pure; bounded by the open orders and those just cancelled.
+    """What is to be said, again and again, and when. Pure; bounded by the open orders and those just cancelled.
+
+    No more than SAID_A_TURN is said in TURN_S; what finds no place is said in one of the next turns, the oldest first.
 
     All times are on a clock of the caller's choice that never goes back.
     """
 
     def __init__(self) -> None:
         self._reminders: dict[str, Reminder] = {}
+        self._turn_s = float("-inf")
+        self._said = 0
+        """In the turn that has begun at `_turn_s`."""
 
     def __contains__(self, order: str) -> bool:
         return order in self._reminders
 
     def add(self, order: str, message: Message, now_s: float) -> None:
-        """It was said now: say it again until it is answered; replaces an older one."""
+        """Say it from now on until it is answered; replaces an older one."""
         self._reminders[order] = Reminder(message, now_s)
 
     def get(self, order: str) -> Message | None:
@@ -103,15 +119,24 @@ class Reminders:
 
     def due(self, now_s: float) -> list[Message]:
         """What is to be said at this moment; the next time is set."""
-        due = [reminder for reminder in self._reminders.values() if reminder.due_s <= now_s]
-        for reminder in due:
-            reminder.due_s = now_s + reminder.pause_s
-            reminder.pause_s = min(2 * reminder.pause_s, PAUSE_S[1])
-        return [reminder.message for reminder in due]
+        if now_s >= self._turn_s + TURN_S:
+            self._turn_s, self._said = now_s, 0
+        elif self._said >= SAID_A_TURN:
+            return []
+        due = sorted(
+            (reminder for reminder in self._reminders.values() if reminder.due_s <= now_s),
+            key=lambda reminder: reminder.due_s,
+        )
+        said = [reminder.say(now_s) for reminder in due[: SAID_A_TURN - self._said]]
+        self._said += len(said)
+        return said
 
     def next_s(self) -> float | None:
-        """When something is to be said again; None for never."""
-        return min((reminder.due_s for reminder in self._reminders.values()), default=None)
+        """When something is to be said; None for never."""
+        next_s = min((reminder.due_s for reminder in self._reminders.values()), default=None)
+        if next_s is None or self._said < SAID_A_TURN:
+            return next_s
+        return max(next_s, self._turn_s + TURN_S)
 
 
 class Desk:
@@ -204,13 +229,17 @@ class Desk:
             with suppress(TimeoutError):
                 async with asyncio.timeout_at(next_s):
                     await self._news.wait()
-            for message in self._reminders.due(clock.time()):
-                self._send(STRATEGIST, message)
+            self._say_due(clock.time())
 
     def _say(self, order: str, message: Message) -> None:
-        self._reminders.add(order, message, asyncio.get_running_loop().time())
-        self._send(STRATEGIST, message)
+        now_s = asyncio.get_running_loop().time()
+        self._reminders.add(order, message, now_s)
+        self._say_due(now_s)
         self._news.set()
+
+    def _say_due(self, now_s: float) -> None:
+        for message in self._reminders.due(now_s):
+            self._send(STRATEGIST, message)
 
 
 def _kind(order: Order) -> type[OrderReleased | OrderRevoked | OrderCancelled] | None:

@@ -441,8 +441,8 @@ class Machine(Core):
 
     # --- goals ---
 
-    def _coordinator_of(self, task: str, role: Role) -> str:
-        goal = self._goals.get(task) if role is Role.PRIMARY else None
+    def _coordinator_of(self, task: str, _role: Role) -> str:
+        goal = self._goals.get(task)
         return "" if goal is None else goal.strategist
 
     def _unfit(self) -> str:

@@ -88,7 +88,7 @@ class Pricer:
             deadline_s: when it should be done.
 
         Returns:
-            The cheapest offer over all sources, or why there is none.
+            The cheapest offer that can be kept, over all sources; or why there is none, of the cheapest of all.
         """
         kind = self._type
         if work.ability not in kind.abilities:
@@ -98,8 +98,7 @@ class Pricer:
             return Unable(Refusal.NO_WAY, "a place that is not in this plant")
         there = docks[work.destination]
         spare_s = SPARE_ABILITY_S * (len(kind.abilities) - 1)
-        best: Quote | None = None
-        after_frac = 0.0
+        offers: list[tuple[Quote, float]] = []
         for source in work.sources:
             try:
                 empty = self._routes.way(node, docks[source])
@@ -120,17 +119,19 @@ class Pricer:
                 energy_s=used_wh * ENERGY_S_PER_WH + low_battery_s(left_frac),
                 suitability_s=spare_s,
             )
-            if best is None or cost.total_s < best.cost.total_s:
-                best = Quote(source=source, cost=cost, finish_s=now_s + took_s)
-                after_frac = left_frac
-        if best is None:
+            offers.append((Quote(source=source, cost=cost, finish_s=now_s + took_s), left_frac))
+        if not offers:
             return Unable(Refusal.NO_WAY, "no way leads there")
         needed_frac = RESERVE_FRAC + self._charger_wh(there) / kind.battery_wh
-        if after_frac < needed_frac:
-            return Unable(Refusal.BATTERY, f"{after_frac:.0%} would be left, {needed_frac:.0%} are needed")
-        if best.finish_s > deadline_s:
-            return Unable(Refusal.DEADLINE, f"{best.finish_s - deadline_s:.0f} s too late")
-        return best
+        # Of sources that cost the same the first one that the task names.
+        offers.sort(key=lambda offer: offer[0].cost.total_s)
+        for quote, left_frac in offers:
+            if left_frac >= needed_frac and quote.finish_s <= deadline_s:
+                return quote
+        quote, left_frac = offers[0]
+        if left_frac < needed_frac:
+            return Unable(Refusal.BATTERY, f"{left_frac:.0%} would be left, {needed_frac:.0%} are needed")
+        return Unable(Refusal.DEADLINE, f"{quote.finish_s - deadline_s:.0f} s too late")
 
     def _charger_wh(self, node: str) -> float:
         """Energy to the nearest charger (Wh)."""

@@ -196,8 +196,10 @@ class Transports(Coordinator):
             return
         task = self._present(answer)
         if task is not None and answer.role is Role.SECONDARY:
+            before = task.secondary
             self._secondaries.hear_accepted(task, sender, answer, now_s)
-            self._commit()
+            if task.secondary != before:
+                self._commit()
         else:
             super().hear_accepted(sender, answer, now_s)
 
