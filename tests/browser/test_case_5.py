@@ -92,7 +92,7 @@ def test_a_load_shifts_and_an_operator_stops_puts_right_acknowledges_and_resumes
     expect(card).to_contain_text("is on the way")
     expect(overview).to_contain_text("is on the way", timeout=HEARD_MS)
 
-    card.get_by_role("button", name="Stop vehicle").tap()
+    operator.locator(f"#stop-{atv}").tap()
     expect(card.locator(".command")).to_contain_text("confirmed by the vehicle")
     acknowledge, resume = (card.get_by_role("button", name=name) for name in ("Fault is gone", "Resume"))
     expect(acknowledge).to_be_disabled()
@@ -103,6 +103,7 @@ def test_a_load_shifts_and_an_operator_stops_puts_right_acknowledges_and_resumes
     card.get_by_role("button", name="At most 50").tap()
     acknowledge.tap()
     expect(resume).to_be_enabled()
+    resume.scroll_into_view_if_needed()
     box = resume.bounding_box()
     assert box is not None
     operator.mouse.move(box["x"] + 20, box["y"] + 20)
