@@ -6,6 +6,7 @@ import json
 from typing import Any
 
 import httpx
+import jsonschema_rs
 import pytest
 from areas_kit import (
     AREAS,
@@ -394,6 +395,9 @@ async def test_the_plant_file_ends_at_the_border(url: str, area: str) -> None:
     async with gateway(url) as house:
         client = await operator_of(house, area)
         file = (await client.get("/api/plant")).json()
+        document = (await house.client.get("/api/openapi.json")).json()
+    shape = {"$ref": "#/components/schemas/PlantFile", "components": document["components"]}
+    jsonschema_rs.validator_for(shape).validate(file)
     assert [each["id"] for each in file["areas"]] == [area]
     machines = [m for m in FLOOR.machines if area in FLOOR.areas_at(*FLOOR.position_of(m))]
     assert [each["id"] for each in file["machines"]] == machines
