@@ -167,6 +167,11 @@ def test_the_front_ends_tls_and_the_gateway_believes_it_alone(
     assert {name for name, each in services.items() if "front" in each["networks"]} == {"front", "gateway"}
     text = (ROOT / "deploy/caddy/Caddyfile").read_text()
     assert "reverse_proxy gateway:8000" in text
+    environment = gateway["environment"]
+    assert f"reverse_proxy gateway:{environment['DRAY_STOP_PORT']}" in text
+    stops = environment["DRAY_STOP_URL"].rpartition(":")[2]
+    assert f"https://{{$PANEL_NAME}}:{stops} {{" in text
+    assert f"127.0.0.1:{stops}:{stops}" in front["ports"]
     assert set(re.findall(r"\{\$(\w+)", text)) == set(front["environment"])
     (_, port), published = front["healthcheck"]["test"][-1].rstrip("/").rsplit(":", 1), front["ports"]
     assert f"http://127.0.0.1:{port}" in text
