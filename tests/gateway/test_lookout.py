@@ -265,10 +265,10 @@ async def test_a_running_gateway_looks_by_itself_also_after_its_database_was_awa
     monkeypatch.setattr(lookout, "LOOK_EVERY_S", 0.0)
     marks, calls, seen = Orders.marks, count(), asyncio.Event()
 
-    async def fail_first(orders: Orders) -> dict[str, Mark]:
+    async def fail_first(orders: Orders, since_s: float | None = None) -> dict[str, Mark]:
         if next(calls) == 0:
             raise ConnectionRefusedError
-        return await marks(orders)
+        return await marks(orders, since_s)
 
     def note(self: ShownOrders, order: Order, goals: Iterable[Goal] = ()) -> None:
         put(self, order, goals)
@@ -284,3 +284,30 @@ async def test_a_running_gateway_looks_by_itself_also_after_its_database_was_awa
                 seen.clear()
                 await seen.wait()
     assert [record.levelno for record in caplog.records if record.name == lookout.__name__] == [logging.INFO]
+
+
+async def test_a_look_reads_what_has_changed_lately_and_not_all_that_is_open(
+    url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with two_gateways(url) as (first, second):
+        for _ in range(5):
+            await first.place()
+            first.wall.now_s += 60
+        look = lookout.Lookout(second.store, second.parts.projection, second.parts.desk)
+        await look.begin()
+        marks, read = Orders.marks, []
+
+        async def noted(orders: Orders, since_s: float | None = None) -> dict[str, Mark]:
+            found = await marks(orders, since_s)
+            read.append(len(found))
+            return found
+
+        monkeypatch.setattr(Orders, "marks", noted)
+        await look.look()
+        newest = await first.place()
+        await look.look()
+        monkeypatch.setattr(lookout, "WHOLE_EVERY", 1)
+        await look.look()
+    assert read[:2] == [1, 2]
+    assert read[2] == 6
+    assert newest["id"] in shown(second)

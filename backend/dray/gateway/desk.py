@@ -12,6 +12,8 @@ import asyncio
 import logging
 from collections.abc import Callable, Collection, Iterable
 from contextlib import suppress
+from heapq import heappop, heappush
+from itertools import count
 
 from dray.gateway.timescale import TimeScale
 from dray.messages import (
@@ -81,6 +83,9 @@ class Reminders:
 
     def __init__(self) -> None:
         self._reminders: dict[str, Reminder] = {}
+        self._queue: list[tuple[float, int, str, Reminder]] = []
+        """A heap by when they are due; one that was answered meanwhile leaves it when its time has come."""
+        self._numbers = count()
         self._turn_s = float("-inf")
         self._said = 0
         """In the turn that has begun at `_turn_s`."""
@@ -91,6 +96,7 @@ class Reminders:
     def add(self, order: str, message: Message, now_s: float) -> None:
         """Say it from now on until it is answered; replaces an older one."""
         self._reminders[order] = Reminder(message, now_s)
+        self._put(order, self._reminders[order])
 
     def get(self, order: str) -> Message | None:
         """What is said again about an order; None for nothing."""
@@ -121,22 +127,29 @@ class Reminders:
         """What is to be said at this moment; the next time is set."""
         if now_s >= self._turn_s + TURN_S:
             self._turn_s, self._said = now_s, 0
-        elif self._said >= SAID_A_TURN:
-            return []
-        due = sorted(
-            (reminder for reminder in self._reminders.values() if reminder.due_s <= now_s),
-            key=lambda reminder: reminder.due_s,
-        )
-        said = [reminder.say(now_s) for reminder in due[: SAID_A_TURN - self._said]]
-        self._said += len(said)
+        said = []
+        while self._said < SAID_A_TURN and (first_s := self.first_s()) is not None and first_s <= now_s:
+            _, _, order, reminder = heappop(self._queue)
+            said.append(reminder.say(now_s))
+            self._put(order, reminder)
+            self._said += 1
         return said
 
     def next_s(self) -> float | None:
         """When something is to be said; None for never."""
-        next_s = min((reminder.due_s for reminder in self._reminders.values()), default=None)
+        next_s = self.first_s()
         if next_s is None or self._said < SAID_A_TURN:
             return next_s
         return max(next_s, self._turn_s + TURN_S)
+
+    def first_s(self) -> float | None:
+        """When the first of them is due, however many were said in this turn; None for none."""
+        while self._queue and self._reminders.get(self._queue[0][2]) is not self._queue[0][3]:
+            heappop(self._queue)
+        return self._queue[0][0] if self._queue else None
+
+    def _put(self, order: str, reminder: Reminder) -> None:
+        heappush(self._queue, (reminder.due_s, next(self._numbers), order, reminder))
 
 
 class Desk:

@@ -22,7 +22,14 @@ from dray.store.progress import ENDED, UNENDED
 
 LOOK_EVERY_S = 2.0
 """Wall seconds between two looks: about as long as it takes to call over to somebody at another panel. Each
-costs two queries, the larger of which reads a few values per order that has not ended."""
+reads a few values per order that has changed lately."""
+
+OVERLAP_S = 5.0
+"""Wall seconds before the newest change that was seen, from which on a look reads: clocks of several gateways differ by
+less, and what was stamped before may have been committed after it."""
+
+WHOLE_EVERY = 300
+"""Looks between two that read all orders that have not ended: ten minutes. Clocks may differ by more."""
 
 _log = logging.getLogger(__name__)
 
@@ -40,6 +47,7 @@ class Lookout:
         self._store, self._projection, self._desk = store, projection, desk
         self._marks: dict[str, Mark] = {}
         """Of the orders that had not ended at the last look."""
+        self._looks, self._newest_s = 0, 0.0
 
     async def begin(self) -> None:
         """Learn all orders that have not ended, and the last that have.
@@ -52,6 +60,7 @@ class Lookout:
             orders = unended + await work.orders.page(OrderFilter(statuses=ENDED), None, ENDED_KEPT)
             goals = await work.goals.of_orders(order.id for order in orders)
             totals = await work.orders.totals()
+            self._newest_s = await work.orders.newest_change_s()
         self._marks = {order.id: order.mark for order in unended}
         # Oldest first, so that the oldest ended one leaves first.
         self._projection.orders.begin([(order, goals[order.id]) for order in reversed(orders)], totals)
@@ -62,12 +71,28 @@ class Lookout:
         Raises:
             UnavailableError: the database cannot be read.
         """
+        self._looks += 1
+        whole = self._looks % WHOLE_EVERY == 0
         async with self._store.read() as work:
-            marks = await work.orders.marks()
+            newest_s = await work.orders.newest_change_s()
+            marks = await work.orders.marks(None if whole else min(newest_s, self._newest_s) - OVERLAP_S)
             acknowledged = await work.acknowledgements.all()
+        self._newest_s = newest_s
         self._projection.alerts.hear(acknowledged)
-        changed = {order for order, mark in marks.items() if self._marks.get(order) != mark}
-        await self._learn(changed | self._marks.keys() - marks.keys())
+        changed = {order for order, mark in marks.items() if self._is_news(order, mark)}
+        await self._learn(changed | self._marks.keys() - marks.keys() if whole else changed)
+
+    def _is_news(self, order: str, mark: Mark) -> bool:
+        known = self._marks.get(order)
+        if known is not None:
+            return known != mark
+        if mark[0] in ENDED:
+            return False
+        shown = self._projection.orders.get(order)
+        if shown is None or shown.mark != mark:
+            return True
+        self._marks[order] = mark  # It was placed here.
+        return False
 
     async def run(self) -> None:
         """Look from time to time, until cancelled."""

@@ -121,11 +121,16 @@ class Orders:
         found = await self._select(orders.c.status.in_(OPEN))
         return sorted(found, key=lambda order: (order.created_at_s, order.id))
 
-    async def marks(self) -> dict[str, Mark]:
-        """The marks of all orders that have not ended."""
+    async def marks(self, since_s: float | None = None) -> dict[str, Mark]:
+        """The marks of all orders that have not ended; or of those that have changed since then, ended or not."""
         columns = (orders.c.id, orders.c.status, orders.c.releases, orders.c.revoked_at_s)
-        rows = await self._connection.execute(select(*columns).where(orders.c.status.in_(UNENDED)))
+        wanted = orders.c.status.in_(UNENDED) if since_s is None else orders.c.updated_at_s >= since_s
+        rows = await self._connection.execute(select(*columns).where(wanted))
         return {row.id: (OrderStatus(row.status), row.releases, row.revoked_at_s) for row in rows}
+
+    async def newest_change_s(self) -> float:
+        """When an order has changed last; 0 without orders."""
+        return await self._connection.scalar(select(func.max(orders.c.updated_at_s))) or 0.0
 
     async def cancelled(self, since_s: float) -> list[str]:
         """Ids of orders that the factory had, and that were cancelled since then, the oldest first."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
+from heapq import heappop, heappush
 
 from dray.gateway.projection.changes import Changes
 from dray.gateway.views import OrderItemView, OrderView
@@ -48,6 +49,10 @@ class Orders:
         """Per order that waits, the goals that nobody can make now, and why."""
         self._strange: dict[str, list[str]] = {}
         """Per open order, products that this plant does not make: it had another plant file before."""
+        self._due: list[tuple[float, str]] = []
+        """A heap of those that have not come to their due time."""
+        self._late: set[str] = set()
+        """Those that have, and had not ended when it was looked at."""
         self._ended: dict[str, None] = {}
         """Ended orders, oldest first."""
         self.delivered, self.on_time = 0, 0
@@ -127,9 +132,15 @@ class Orders:
         """Ids of those that wait for a product that this plant does not make."""
         return self._strange.keys()
 
-    def under_way(self) -> Iterator[OrderView]:
-        """Those that have not ended."""
-        return (self._view(order) for order in self._orders.values() if order.id not in self._ended)
+    def in_trouble(self, wall_s: float) -> Iterator[OrderView]:
+        """Those that have not ended and wait for something, cannot be made here, or are past their due time."""
+        while self._due and self._due[0][0] < wall_s:
+            self._late.add(heappop(self._due)[1])
+        self._late = {order for order in self._late if order in self._orders and order not in self._ended}
+        return (
+            self._view(self._orders[order])
+            for order in self._strange.keys() | self._waits.keys() | self._late
+        )
 
     def views(self) -> tuple[OrderView, ...]:
         """The open ones, and the last that ended."""
@@ -207,6 +218,8 @@ class Orders:
             self.on_time += 1
 
     def _keep(self, order: Order) -> None:
+        if order.id not in self._orders and order.due_at_s is not None and order.status not in ENDED:
+            heappush(self._due, (order.due_at_s, order.id))
         self._orders[order.id] = order
         self.changes.mark(order.id)
         self._strange.pop(order.id, None)

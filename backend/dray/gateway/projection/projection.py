@@ -130,7 +130,7 @@ class Projection:
             *troubles.of_machines(machines, now),
             *of_atvs,
             *troubles.of_transports(self.tasks.under_way(), of_atvs),
-            *troubles.of_orders(self.orders.under_way(), self.orders.impossible(), now),
+            *troubles.of_orders(self.orders.in_trouble(wall_s), self.orders.impossible(), now),
         )
         return self.alerts.look(wrong, wall_s)
 

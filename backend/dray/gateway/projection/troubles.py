@@ -126,7 +126,7 @@ def of_orders(orders: Iterable[OrderView], impossible: Container[str], now: Mome
     """What is wrong with orders.
 
     Args:
-        orders: those that have not ended.
+        orders: those that may be in trouble, none of which has ended.
         impossible: ids of those that this plant cannot make.
         now: when it is looked at.
     """
