@@ -220,6 +220,24 @@ def test_a_withdrawn_goal_is_made_no_further_and_its_pieces_serve_the_next_one()
     assert outgoing(rig.all) == [("G2", 5)]
 
 
+def test_a_machine_tells_how_many_pieces_no_goal_wants_until_the_next_one_takes_them() -> None:
+    def spare() -> int:
+        rig.run(rig.now_s + 10.0)
+        [goods] = rig.heartbeats(MachineHeartbeat)[-1].goods
+        return goods.spare
+
+    rig = m7(goal=24)
+    rig.cycles(3)
+    assert spare() == 0
+    rig.hear("STRATEGIST", WITHDRAWN)
+    rig.cycle()  # The piece that was begun.
+    assert spare() == 4
+    rig.take_goal("G2", production(quantity=5))
+    assert spare() == 0
+    rig.cycle()
+    assert outgoing(rig.all) == [("G2", 5)]
+
+
 def test_goods_of_a_withdrawn_goal_that_nobody_has_come_for_stay_for_the_next_one() -> None:
     rig = m7(goal=2)
     rig.cycles(2)

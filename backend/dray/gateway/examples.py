@@ -14,6 +14,7 @@ from dray.gateway.routes.agents import EXAMPLE as EXCLUSION
 from dray.gateway.routes.alerts import EXAMPLE as ALERT
 from dray.gateway.routes.events import EventAnswer
 from dray.gateway.routes.imports import ImportAnswer, ImportedOrder
+from dray.gateway.routes.inventory import InventoryLine, MaterialAnswer, StorageAnswer, StoredMaterial
 from dray.gateway.routes.orders import EXAMPLE as ORDER
 from dray.gateway.routes.products import ProductAnswer
 from dray.gateway.tracking.answer import TrackAnswer, TrackEta, TrackStage
@@ -76,6 +77,11 @@ _STRUCTS = (
         created_at=ORDER.created_at,
         due_at=ORDER.due_at,
         delivered_at=None,
+    ),
+    InventoryLine(item="P1", place="M1", kind="goods", quantity=3, capacity=8, spare=1, seen_at_s=NOW_S),
+    StorageAnswer(id="S1", name="North", node="n4", stocks=(StoredMaterial("shaft", 200),)),
+    MaterialAnswer(
+        id="shaft", name="Shaft", lot=20, storages=("S1",), at_machines=8, on_board=20, on_order=20
     ),
     ProductAnswer(id="P1", name="Gear unit", lot=4, bill={"shaft": 2, "steel": 1}),
     MachineView(

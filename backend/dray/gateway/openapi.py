@@ -20,6 +20,7 @@ from dray.gateway.routes.atvs import CommandAnswer
 from dray.gateway.routes.events import EventAnswer
 from dray.gateway.routes.faults import FaultsAnswer
 from dray.gateway.routes.imports import ImportAnswer
+from dray.gateway.routes.inventory import InventoryLine, MaterialAnswer, StorageAnswer
 from dray.gateway.routes.me import MeAnswer
 from dray.gateway.routes.orders import OrderAnswer
 from dray.gateway.routes.products import ProductAnswer
@@ -42,7 +43,9 @@ SHAPES = (
     FaultView,
     ImportAnswer,
     KpiHistory,
+    InventoryLine,
     MachineView,
+    MaterialAnswer,
     MeAnswer,
     OrderAnswer,
     OrderPreview,
@@ -50,6 +53,7 @@ SHAPES = (
     ProblemDetails,
     ProductAnswer,
     PromiseLedger,
+    StorageAnswer,
     TaskView,
     TrackAnswer,
     TrafficAnswer,

@@ -176,6 +176,8 @@ class BufferLevel(Part, frozen=True):
     """The level at which the machine asks for more; 0 for finished goods."""
     on_order: Count = 0
     """Pieces announced and not yet handed over."""
+    spare: Count = 0
+    """Finished pieces that belong to no goal, as of a cancelled order: the next goal of the product takes them."""
 
 
 class TaskBrief(Part, frozen=True):

@@ -61,7 +61,12 @@ class Goods:
     def levels(self) -> tuple[BufferLevel, ...]:
         """What lies there of every product, for the heartbeat."""
         return tuple(
-            BufferLevel(item=product, level=self._supply.level(product), capacity=self._capacity)
+            BufferLevel(
+                item=product,
+                level=self._supply.level(product),
+                capacity=self._capacity,
+                spare=self._goals.spare(product),
+            )
             for product in self._products
         )
 

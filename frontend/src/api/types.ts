@@ -182,6 +182,7 @@ export interface BufferView {
   level: number;
   on_order: number;
   reorder_point: number;
+  spare: number;
 }
 /**
  * Who carried a task from when on, or that it was put up for auction again.

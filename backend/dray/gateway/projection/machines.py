@@ -164,4 +164,5 @@ def _buffer(level: BufferLevel) -> BufferView:
         capacity=level.capacity,
         reorder_point=level.reorder_point,
         on_order=level.on_order,
+        spare=level.spare,
     )

@@ -17,6 +17,8 @@ class BufferView(View, kw_only=True):
     capacity: int
     reorder_point: int = 0
     on_order: int = 0
+    spare: int = 0
+    """Finished pieces that no order wants any more: the next goal of the product takes them."""
 
 
 class GoalView(View, kw_only=True):

@@ -1,0 +1,155 @@
+"""Inventory: what there is and where, as agents have told; storages and materials, as the plant file has them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Literal
+
+import msgspec
+from fastapi import APIRouter, Query
+
+from dray.gateway.answers import PAGE, Cursor, Json, Limit, list_of, page
+from dray.gateway.parts import Gateway, Parts
+from dray.gateway.projection.sight import Sight
+from dray.gateway.seen import Seen
+from dray.plant.model import Storage
+
+router = APIRouter(tags=["factory"])
+
+
+class InventoryLine(msgspec.Struct, frozen=True, kw_only=True):
+    """Pieces of one item at one place, as its agent has told last."""
+
+    item: str
+    """The id of a material or a product."""
+    place: str
+    """The id of a machine or a vehicle."""
+    kind: Literal["buffer", "goods", "on_board"]
+    """Material in front of a machine, what it has finished, or what a vehicle carries."""
+    quantity: int
+    capacity: int | None = None
+    """Pieces that fit there; null for a vehicle."""
+    on_order: int = 0
+    """Pieces that are on their way there."""
+    spare: int = 0
+    """Finished pieces that no order wants any more: the next goal of that product at this machine takes them."""
+    seen_at_s: float
+    """Wall clock: when the agent said so."""
+
+
+class StoredMaterial(msgspec.Struct, frozen=True):
+    """A material that a storage holds."""
+
+    material: str
+    capacity: int
+    """Pieces; storages do not tell how full they are."""
+
+
+class StorageAnswer(msgspec.Struct, frozen=True, kw_only=True):
+    """An interim storage."""
+
+    id: str
+    name: str
+    node: str
+    """Where vehicles dock."""
+    stocks: tuple[StoredMaterial, ...]
+
+
+class MaterialAnswer(msgspec.Struct, frozen=True, kw_only=True):
+    """A material, and how much of it the agents tell of."""
+
+    id: str
+    name: str
+    lot: int
+    """Pieces in one container."""
+    storages: tuple[str, ...]
+    """Ids of those that hold it."""
+    at_machines: int
+    on_board: int
+    on_order: int
+
+
+@router.get(
+    "/inventory", responses={200: list_of(InventoryLine, "Pieces, by item and place")}, response_class=Json
+)
+async def list_inventory(
+    gateway: Gateway,
+    seen: Seen,
+    item: Annotated[str, Query(max_length=128, description="The id of a material or product")] = "",
+    place: Annotated[str, Query(max_length=128, description="The id of a machine or vehicle")] = "",
+    cursor: Cursor = None,
+    limit: Limit = PAGE,
+) -> Json:
+    """What there is at machines and on board of vehicles; of it all, what lies in the caller's areas."""
+    lines = [
+        line
+        for line in _lines(gateway, seen)
+        if (item or line.item) == line.item and (place or line.place) == line.place
+    ]
+    return page(sorted(lines, key=_place), _place, cursor, limit)
+
+
+@router.get("/storages", responses={200: list_of(StorageAnswer, "Storages, by id")}, response_class=Json)
+async def list_storages(seen: Seen, cursor: Cursor = None, limit: Limit = PAGE) -> Json:
+    """Interim storages and what they hold when they are full; of them all, those in the caller's areas."""
+    storages = sorted((_storage(each) for each in seen.plant().storages), key=lambda each: each.id)
+    return page(storages, lambda each: each.id, cursor, limit)
+
+
+@router.get("/materials", responses={200: list_of(MaterialAnswer, "Materials, by id")}, response_class=Json)
+async def list_materials(gateway: Gateway, seen: Seen, cursor: Cursor = None, limit: Limit = PAGE) -> Json:
+    """What machines consume, and how much of it there is in the caller's areas."""
+    plant, lines = seen.plant(), tuple(_lines(gateway, seen))
+    materials = [
+        MaterialAnswer(
+            id=each.id,
+            name=each.name,
+            lot=each.lot,
+            storages=tuple(
+                storage.id
+                for storage in plant.storages
+                if any(stock.material == each.id for stock in storage.stocks)
+            ),
+            at_machines=sum(line.quantity for line in lines if (line.item, line.kind) == (each.id, "buffer")),
+            on_board=sum(line.quantity for line in lines if (line.item, line.kind) == (each.id, "on_board")),
+            on_order=sum(line.on_order for line in lines if line.item == each.id),
+        )
+        for each in sorted(plant.materials, key=lambda each: each.id)
+    ]
+    return page(materials, lambda each: each.id, cursor, limit)
+
+
+def _lines(gateway: Parts, seen: Sight) -> Iterator[InventoryLine]:
+    for machine in gateway.projection.machines.views():
+        if seen.machine(machine) is None:
+            continue
+        for kind, levels in (("buffer", machine.buffers), ("goods", machine.goods)):
+            for level in levels:
+                yield InventoryLine(
+                    item=level.item,
+                    place=machine.id,
+                    kind="buffer" if kind == "buffer" else "goods",
+                    quantity=level.level,
+                    capacity=level.capacity,
+                    on_order=level.on_order,
+                    spare=level.spare,
+                    seen_at_s=machine.seen_at_s,
+                )
+    for atv in gateway.projection.atvs.views():
+        if atv.load and seen.atv(atv) is not None:
+            yield InventoryLine(
+                item=atv.load,
+                place=atv.id,
+                kind="on_board",
+                quantity=atv.load_quantity,
+                seen_at_s=atv.seen_at_s,
+            )
+
+
+def _place(line: InventoryLine) -> str:
+    return f"{line.item} {line.place} {line.kind}"
+
+
+def _storage(storage: Storage) -> StorageAnswer:
+    stocks = tuple(StoredMaterial(stock.material, stock.capacity) for stock in storage.stocks)
+    return StorageAnswer(id=storage.id, name=storage.name, node=storage.node, stocks=stocks)
