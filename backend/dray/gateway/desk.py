@@ -128,7 +128,7 @@ class Reminders:
         if now_s >= self._turn_s + TURN_S:
             self._turn_s, self._said = now_s, 0
         said = []
-        while self._said < SAID_A_TURN and (first_s := self.first_s()) is not None and first_s <= now_s:
+        while self._said < SAID_A_TURN and (first_s := self._first_s()) is not None and first_s <= now_s:
             _, _, order, reminder = heappop(self._queue)
             said.append(reminder.say(now_s))
             self._put(order, reminder)
@@ -137,12 +137,12 @@ class Reminders:
 
     def next_s(self) -> float | None:
         """When something is to be said; None for never."""
-        next_s = self.first_s()
+        next_s = self._first_s()
         if next_s is None or self._said < SAID_A_TURN:
             return next_s
         return max(next_s, self._turn_s + TURN_S)
 
-    def first_s(self) -> float | None:
+    def _first_s(self) -> float | None:
         """When the first of them is due, however many were said in this turn; None for none."""
         while self._queue and self._reminders.get(self._queue[0][2]) is not self._queue[0][3]:
             heappop(self._queue)
