@@ -42,6 +42,8 @@ class SpeaksOn:
     def __init__(self, factory: SimFactory) -> None:
         self._factory = factory
         self._heard_s: dict[str, float] = {}
+        self._lives: dict[str, int] = {}
+        """Whoever was away for less than it takes to look again has begun another life."""
         self._look_s = 0.0
 
     def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
@@ -55,12 +57,14 @@ class SpeaksOn:
             self._look(at_s)
 
     def _look(self, at_s: float) -> None:
-        factory = self._factory
+        factory, journals = self._factory, self._factory.journals
         for agent in (*factory.workcells, *factory.vehicles):
             if agent not in self._heard_s:
                 continue  # The factory may not run yet.
-            if not factory.running(agent):
+            life = journals[agent].incarnation
+            if not factory.running(agent) or life != self._lives.get(agent, life):
                 self._heard_s[agent] = at_s
+            self._lives[agent] = life
             silent_s = at_s - self._heard_s[agent]
             if silent_s > IDLE_INTERVAL_S + LATE_S:
                 raise InvariantBroken(6, at_s, f"{agent} runs and has said nothing for {silent_s:.1f} s")

@@ -12,10 +12,23 @@ from collections.abc import Callable
 import pytest
 
 from dray.body import OpenDock
-from dray.messages import CommandKind, Docked, DockOpened, Grant, Handover, Transport, VehicleCommand
+from dray.messages import (
+    Accepted,
+    Brief,
+    CommandKind,
+    Docked,
+    DockOpened,
+    Grant,
+    Handover,
+    Role,
+    Transport,
+    VehicleCommand,
+    Work,
+)
 from dray.protocol.atv import Atv
 from dray.protocol.auction import Auction
 from dray.protocol.authority import Authority
+from dray.protocol.coordinator import Coordinator
 from dray.protocol.docking import Dock
 from dray.protocol.events import Instruct, Send
 from dray.protocol.obedience import Obedience
@@ -138,6 +151,32 @@ def that_leaves_with_a_load(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Atv, "_is_held", is_held)
 
 
+def that_asks_an_auction_for_standing_contracts(patch: pytest.MonkeyPatch) -> None:
+    """A coordinator takes a carrier that starts again for the answer to an auction."""
+
+    def hear_accepted(self: Coordinator, sender: str, answer: Accepted, now_s: float) -> None:
+        task = self._present(answer)
+        if task is None:
+            self._release(sender, answer, "the task has ended")
+        elif answer.role is Role.PRIMARY:
+            task.auction.hear_accepted(sender, answer)
+            if task.auction.winner == sender and not task.primary:
+                self._contract(task, sender, answer, now_s)
+
+    patch.setattr(Coordinator, "hear_accepted", hear_accepted)
+
+
+def that_gives_epochs_of_which_it_has_no_notes(patch: pytest.MonkeyPatch) -> None:
+    """A machine without notes goes on with a task that it knows from its carrier alone, as with any other."""
+
+    def adopt(self: Transports, atv: str, brief: Brief, work: Work, now_s: float) -> None:
+        auction = self._auction(brief.task, brief.epoch, work, now_s)
+        task = self._open[brief.task] = OpenTask(brief.task, work, auction, now_s)
+        self._adopt(task, atv, brief.epoch, now_s, now_s)
+
+    patch.setattr(Transports, "adopt_unknown", adopt)
+
+
 MUTANTS = [
     pytest.param(without_the_fence, "links", 0, "invariant 2", id="no-fence"),
     pytest.param(with_handovers_that_count_twice, "answers", 0, "ended twice", id="handover-twice"),
@@ -146,6 +185,10 @@ MUTANTS = [
     pytest.param(that_gives_orders_back_with_an_open_gate, "revisions", 0, "invariant 4", id="open-gate"),
     pytest.param(that_passes_tasks_on_within_an_epoch, "updates", 0, "invariant 2", id="no-higher-epoch"),
     pytest.param(that_leaves_with_a_load, "updates", 0, "invariant 6", id="leaves-with-a-load"),
+    pytest.param(
+        that_asks_an_auction_for_standing_contracts, "restarts", 0, "invariant 6", id="contracts-at-restarts"
+    ),
+    pytest.param(that_gives_epochs_of_which_it_has_no_notes, "all", 2, "invariant 2", id="epochs-unknown"),
     pytest.param(that_obeys_everywhere, "hands", 0, "invariant 9", id="no-areas"),
     pytest.param(that_believes_every_signature, "hands", 0, "invariant 9", id="no-signature"),
 ]
