@@ -20,7 +20,7 @@ RUN pip install --no-cache-dir --no-deps /tmp/dist/*.whl && rm -rf /tmp/dist /tm
 USER dray
 WORKDIR /var/lib/dray
 ENV DRAY_DATABASE_URL=sqlite:////var/lib/dray/dray.db
-EXPOSE 8000
+EXPOSE 8000 8001
 HEALTHCHECK --interval=10s --timeout=3s --start-period=20s \
     CMD ["python", "-c", "import urllib.request as u; u.urlopen('http://127.0.0.1:8000/readyz', timeout=2)"]
 # Inside the container every address; which of the host's may reach it is said where it is published.

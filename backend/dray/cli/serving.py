@@ -137,7 +137,7 @@ class Server(uvicorn.Server):
         self.guard = guard or Guard(
             most=room_for(settings.connections),
             each=settings.connections_each,
-            exempt=(each.strip() for each in settings.trusted_proxies.split(",")),
+            exempt=proxies(settings),
         )
         http, socket = guarded(self.guard)
         config = uvicorn.Config(
@@ -196,6 +196,11 @@ class Server(uvicorn.Server):
     def capture_signals(self) -> Generator[None]:
         """Leave signals to `stopped_by_signals`: uvicorn would end the process by the signal."""
         yield
+
+
+def proxies(settings: Settings) -> list[str]:
+    """The addresses of trusted proxies: each speaks for many."""
+    return [each.strip() for each in settings.trusted_proxies.split(",") if each.strip()]
 
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)

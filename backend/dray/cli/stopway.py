@@ -17,7 +17,7 @@ from dray.adapters.signing import SigningKey
 from dray.adapters.system_clock import SystemClock
 from dray.cli.guard import Guard
 from dray.cli.logs import quieten
-from dray.cli.serving import Server, listen
+from dray.cli.serving import Server, listen, proxies
 from dray.errors import UnavailableError
 from dray.gateway.hosts import Hosts
 from dray.gateway.parts import Parts
@@ -143,7 +143,7 @@ class _Thread:
                 public_url=settings.public_url,
                 wall_s=wall.now_s,
             )
-            guard = Guard(most=CONNECTIONS, each=CONNECTIONS_EACH)
+            guard = Guard(most=CONNECTIONS, each=CONNECTIONS_EACH, exempt=proxies(settings))
             loop = asyncio.get_running_loop()
             server = Server(
                 door,

@@ -74,7 +74,7 @@ class StopDoor:
         wall_s: Callable[[], float],
     ) -> None:
         self._desk, self._remembered, self._hosts, self._wall_s = desk, remembered, hosts, wall_s
-        self._port, self._public = origin_port, urlsplit(public_url).netloc
+        self._port, self._public = origin_port, _with_port(public_url) if public_url else None
         self._strangers = Limit(wall_s, tries=STRANGERS_TRIES, rate_hz=STRANGERS_HZ)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -129,9 +129,8 @@ class StopDoor:
         if origin is None:
             return headers.get("sec-fetch-site", "none") in {"none", "same-origin"}
         netloc, host = authority_in(origin), headers.get("host", "")
-        if netloc and netloc in {host, self._public}:
-            return True
-        return _with_port(origin) == (host_in(host), self._port)
+        asked = _with_port(origin)
+        return (netloc != "" and netloc == host) or asked in {self._public, (host_in(host), self._port)}
 
     def _for_browsers(self, headers: Headers) -> dict[str, str]:
         told = {"Cache-Control": "no-store", "Vary": "Origin", "X-Content-Type-Options": "nosniff"}
