@@ -57,6 +57,7 @@ function needText(atv: AtvView, need: Need): string {
 }
 
 function lostText(atv: AtvView): string {
+  if (atv.shut_out) return t("card.shutOut", { by: atv.shut_out.by, reason: atv.shut_out.reason });
   return t("card.lost", { age: format.age(moment.value.nowS - atv.seen_at_s) });
 }
 

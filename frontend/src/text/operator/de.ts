@@ -44,6 +44,7 @@ export const de: Catalogue<typeof en> = {
   "card.there": "da um {at}",
   "card.noTask": "kein Auftrag",
   "card.loaded": "{quantity} {item} geladen",
+  "card.shutOut": "Ausgeschlossen von {by}: {reason}. Niemand hört es; nur Stopp wird noch versucht.",
   "card.lost": "Zuletzt vor {age} gehört. Es kann weitergefahren sein. Nur Stopp wird noch versucht.",
 
   "phase.approaching": "holt",

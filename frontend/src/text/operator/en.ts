@@ -42,6 +42,7 @@ export const en = {
   "card.there": "there {at}",
   "card.noTask": "no task",
   "card.loaded": "{quantity} {item} on board",
+  "card.shutOut": "Shut out by {by}: {reason}. Nobody hears it; only Stop is tried still.",
   "card.lost": "Last heard {age} ago. It may have driven on. Only Stop is tried still.",
 
   "phase.approaching": "fetching",

@@ -44,6 +44,7 @@ export const es: Catalogue<typeof en> = {
   "card.there": "llega a las {at}",
   "card.noTask": "sin tarea",
   "card.loaded": "{quantity} {item} a bordo",
+  "card.shutOut": "Excluido por {by}: {reason}. Nadie lo escucha; solo se intenta Parar.",
   "card.lost": "Oído por última vez hace {age}. Puede haber seguido. Solo se intenta Parar.",
 
   "phase.approaching": "recogiendo",
