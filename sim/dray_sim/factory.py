@@ -253,11 +253,12 @@ class SimFactory:
             body.power_on()
             self.restart(agent)
 
-    def add_vehicle(self, spec: VehicleSpec) -> SimVehicle:
+    def add_vehicle(self, spec: VehicleSpec, make: MakeAgent | None = None) -> SimVehicle:
         """Let a vehicle join; in a factory that runs, at once.
 
         Args:
             spec: its id, its type in the plant, and where it stands.
+            make: its agent, where that is not the honest one.
 
         Raises:
             ValueError: there is an agent of this id.
@@ -265,7 +266,7 @@ class SimFactory:
         if spec.id in self._posts:
             raise ValueError(f"{spec.id} is there already; give the new vehicle another id")
         vehicle = self.floor.add_vehicle(spec)
-        self._man(spec)
+        self._man(spec, make)
         self._start(spec.id)
         return vehicle
 
@@ -286,11 +287,11 @@ class SimFactory:
 
     # --- how it is done --------------------------------------------------------------------------
 
-    def _man(self, spec: VehicleSpec) -> None:
+    def _man(self, spec: VehicleSpec, make: MakeAgent | None = None) -> None:
         """Give a vehicle that is on the floor its modem and its agent."""
         vehicle = self.vehicles[spec.id]
         self.bus.equip(spec.id, lambda: vehicle.sense().pose, vehicle.notice_link)
-        self._employ(spec.id, Kind.ATV, self._atv(spec), vehicle)
+        self._employ(spec.id, Kind.ATV, make or self._atv(spec), vehicle)
 
     def _powered(self, agent: str) -> SimVehicle | SimWorkcell:
         return self.vehicles[agent] if agent in self.vehicles else self.workcells[agent]

@@ -11,7 +11,7 @@ from typing import Literal
 
 from hypothesis import given
 from hypothesis import strategies as st
-from kit import accepted, bid, declined, facts, transport
+from kit import Credulous, accepted, bid, declined, facts, transport
 
 from dray.messages import Award, Release, Role
 from dray.messages.fact import AwardGiven
@@ -71,14 +71,16 @@ class Hall:
         left_over = tuple((bidder, bid(cost_s)) for bidder, cost_s in candidates or [])
         terms = Terms(task="T1", epoch=1, role=Role.PRIMARY, work=transport(), deadline_s=300.0)
         place = Place(x_m=30.0, y_m=20.0, reach_m=72.0)
-        self.auction = Auction("M8", terms, place, lambda _radius_m: ("k",), rules, self.out, left_over)
+        self.auction = Auction(
+            "M8", terms, place, lambda _radius_m: ("k",), rules, self.out, Credulous(), left_over
+        )
         self.auction.open(0.0)
         self.check()
 
     def step(self, kind: str, bidder: str, amount: float) -> None:
         auction = self.auction
         if kind == "bid":
-            auction.hear_bid(bidder, bid(amount), self.now_s)
+            auction.hear_bid(bidder, bid(amount, round=auction.round), self.now_s)
         elif kind == "wait":
             self.wait()
         elif kind == "early":

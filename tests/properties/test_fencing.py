@@ -15,7 +15,7 @@ from actors import Actor
 from bodies import PlainVehicle, PlainWorkcell
 from hypothesis import settings
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
-from kit import PLANT, accepted, award, bid, declined, production, rhb
+from kit import PLANT, accepted, award, believing, bid, declined, production, rhb
 
 from dray.body import CloseDock, OpenDock
 from dray.messages import (
@@ -67,7 +67,9 @@ class Coordinating(RuleBasedStateMachine):
         self.awards: dict[tuple[str, str, Role], Award] = {}
         self.seq = 0
         self.actor = Actor(
-            lambda life: Machine("M7", PLANT, incarnation=life), PlainWorkcell("M7", PLANT), self.see
+            lambda life: believing(Machine("M7", PLANT, incarnation=life)),
+            PlainWorkcell("M7", PLANT),
+            self.see,
         )
         self.actor.start(0.0)
         goal = Award(task="G1", epoch=1, role=Role.PRIMARY, work=production(), deadline_s=3600.0)

@@ -10,7 +10,7 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from kit import accepted, bid, declined, facts, rhb, transport
+from kit import Credulous, accepted, bid, declined, facts, rhb, transport
 
 from dray.messages import AtvHeartbeat, AtvStatus, Bid, HelpWanted, Role
 from dray.messages.fact import AwardGiven
@@ -47,8 +47,8 @@ OFFERS = st.lists(
 
 
 def next_to_ask(offers: list[tuple[str, Bid]], asked: list[str]) -> str:
-    """The twin: of everybody's last bid, the best one of those who were not asked yet."""
-    last = {bidder: offer for bidder, offer in offers if bidder not in asked}
+    """The twin: of everybody's first bid in the round, the best one of those who were not asked yet."""
+    last = {bidder: offer for bidder, offer in reversed(offers) if bidder not in asked}
     order = sorted(last, key=lambda each: (last[each].cost.total_s, last[each].finish_s, each))
     return order[0] if order else ""
 
@@ -60,7 +60,7 @@ def test_the_ranking_is_the_naive_one_and_so_are_those_who_are_left(
     out: list[Effect] = []
     terms = Terms(task="T1", epoch=1, role=Role.PRIMARY, work=transport(), deadline_s=300.0)
     place = Place(x_m=0.0, y_m=0.0, reach_m=10.0)
-    auction = Auction("M8", terms, place, lambda _radius_m: ("k",), AuctionRules(), out)
+    auction = Auction("M8", terms, place, lambda _radius_m: ("k",), AuctionRules(), out, Credulous())
     auction.open(0.0)
     told = [(bidder, bid(cost_s, finish_s=finish_s)) for bidder, cost_s, finish_s in offers]
     for bidder, offer in told:

@@ -43,6 +43,7 @@ from dray.messages import (
     Confirmed,
     Declined,
     GoalBrief,
+    Handover,
     MachineHeartbeat,
     MachineStatus,
     Message,
@@ -54,9 +55,11 @@ from dray.messages import (
     TaskAnnounced,
     Transport,
     TransportCost,
+    Work,
 )
 from dray.messages.keys import Keys
 from dray.plant import default_plant
+from dray.protocol.assessing import Assessor
 from dray.protocol.atv import Atv
 from dray.protocol.events import (
     NEVER_S,
@@ -79,6 +82,7 @@ from dray.protocol.events import (
     Woke,
 )
 from dray.protocol.machine import Machine
+from dray.protocol.progress import Progress
 from dray.protocol.strategist import Strategist
 
 PLANT = default_plant()
@@ -87,7 +91,41 @@ KEYS = Keys(PLANT.id)
 WAKES_PER_INSTANT = 100
 """More than any agent has alarms: one that wants to be woken more often without time passing spins."""
 
+SOME_TIME_S = 1e6
+"""When a paper vehicle says to be done: later than any test lasts, so that it is no bid for the impossible."""
+
 T = TypeVar("T")
+
+
+class Credulous(Assessor):
+    """Believes every bid, and gives every carrier all the time: for tests in which prices are plain numbers."""
+
+    def __init__(self) -> None:
+        super().__init__(PLANT, [])
+
+    def objection(self, bidder: str, work: Work, bid: Bid, now_s: float) -> str:
+        """Nothing is said against it."""
+        return ""
+
+    def progress(self, promised_s: float, now_s: float) -> Progress:
+        """None is asked for."""
+        return Progress(SOME_TIME_S, SOME_TIME_S, now_s)
+
+
+def believing(machine: Machine) -> Machine:
+    """Let a machine believe its bidders and its carriers: a load is down when its carrier says so."""
+    tasks, hear = machine._tasks, machine._on_message[Handover]
+    tasks._auctions._assessor = tasks._failover._assessor = Credulous()
+
+    def hear_handover(sender: str, message: Handover, now_s: float) -> None:
+        task = tasks.get(message.task)
+        if task is not None:
+            task.witnessed = False
+        hear(sender, message, now_s)
+
+    machine._on_message = {**machine._on_message, Handover: hear_handover}
+    return machine
+
 
 # --- reading effects -----------------------------------------------------------------------------
 
@@ -208,18 +246,18 @@ def bid(
     epoch: int = 1,
     role: Role = Role.PRIMARY,
     round: int = 1,  # noqa: A002
-    finish_s: float = 100.0,
+    finish_s: float = SOME_TIME_S,
     source: str = "S3",
 ) -> Bid:
-    """A bid for a transport at a price."""
-    cost = TransportCost(empty_way_s=cost_s, loaded_way_s=0.0, energy_s=0.0, suitability_s=0.0)
+    """A bid for a transport at a price, all of it for the loaded way."""
+    cost = TransportCost(empty_way_s=0.0, loaded_way_s=cost_s, energy_s=0.0, suitability_s=0.0)
     return Bid(task=task, epoch=epoch, role=role, round=round, cost=cost, finish_s=finish_s, source=source)
 
 
 def goal_bid(goal: str, cost_s: float, *, epoch: int = 1) -> Bid:
     """A machine's bid for a goal at a price."""
     cost = ProductionCost(queue_s=0.0, material_s=0.0, making_s=cost_s)
-    return Bid(task=goal, epoch=epoch, role=Role.PRIMARY, round=1, cost=cost, finish_s=cost_s)
+    return Bid(task=goal, epoch=epoch, role=Role.PRIMARY, round=1, cost=cost, finish_s=SOME_TIME_S)
 
 
 def accepted(task: str = "T1", *, epoch: int = 1, role: Role = Role.PRIMARY, number: int = 1) -> Accepted:
@@ -390,10 +428,22 @@ class VehicleRig(Rig):
 
 
 class MachineRig(Rig):
-    """A machine with its workcell: cycles take material at once and end when the test says so."""
+    """A machine with its workcell: cycles take material at once and end when the test says so.
 
-    def __init__(self, machine: str = "M7", stock: dict[str, int] | None = None, **options: Any) -> None:
-        super().__init__(Machine(machine, PLANT, **options))
+    It believes its bidders and its carriers, unless it is told to doubt them: prices are plain numbers then,
+    and a load is down when its carrier says so.
+    """
+
+    def __init__(
+        self,
+        machine: str = "M7",
+        stock: dict[str, int] | None = None,
+        *,
+        doubts: bool = False,
+        **options: Any,
+    ) -> None:
+        agent = Machine(machine, PLANT, **options)
+        super().__init__(agent if doubts else believing(agent))
         self.stock = dict.fromkeys(PLANT.materials_of(machine), 0) | dict(stock or {})
         self.broken = ""
         self.seq = 0

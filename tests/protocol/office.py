@@ -7,6 +7,7 @@ from typing import cast
 import msgspec
 from kit import (
     KEYS,
+    Credulous,
     accepted,
     award_number,
     bid,
@@ -49,9 +50,11 @@ class Office:
             AuctionRules(),
             self.timers,
             Following(KEYS.atv_heartbeat, self.out),
+            Credulous(),
             self.out,
             contracted=lambda task, _now_s: self.contracted.append(task.id),
             lost=lambda _task, _now_s: None,
+            is_missing=lambda _task: False,
             left=lambda _atv: None,
             unloaded=lambda _task, _now_s: None,
             commit=lambda: None,

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import msgspec
 import pytest
-from kit import accepted, award_number, bid, declined, deeds, facts, published, sent, transport
+from kit import Credulous, accepted, award_number, bid, declined, deeds, facts, published, sent, transport
 
 from dray.messages import Award, Bid, Refusal, Release, Role, TaskAnnounced
 from dray.messages.fact import AwardAnswered, AwardGiven, BidReceived, RoundFailed, TaskOpened
@@ -43,7 +43,7 @@ class Hall:
             primary="ATV9" if role is Role.SECONDARY else "",
         )
         place = Place(x_m=30.0, y_m=15.0, reach_m=reach_m)
-        self.auction = Auction("M8", terms, place, self._audience, rules, self.out, candidates)
+        self.auction = Auction("M8", terms, place, self._audience, rules, self.out, Credulous(), candidates)
         self.auction.open(0.0)
 
     def _audience(self, radius_m: float) -> tuple[str, ...]:
@@ -52,7 +52,7 @@ class Hall:
 
     def bids(self, **costs_s: float) -> None:
         for bidder, cost_s in costs_s.items():
-            self.auction.hear_bid(bidder, bid(cost_s), self.now_s)
+            self.auction.hear_bid(bidder, bid(cost_s, round=self.auction.round), self.now_s)
 
     def accepts(self, bidder: str) -> None:
         """It answers the newest award that it was sent."""
@@ -151,12 +151,24 @@ def test_of_two_equal_bids_the_smaller_id_is_asked_whoever_spoke_first() -> None
         assert hall.asked == ["ATV1"]
 
 
-def test_a_second_bid_replaces_the_first_of_the_same_bidder() -> None:
+def test_a_bid_of_a_later_round_replaces_the_first_of_the_same_bidder() -> None:
+    hall = Hall()
+    hall.bids(ATV1=50.0)
+    hall.wait()
+    hall.declines("ATV1")
+    hall.wait()
+    hall.bids(ATV1=70.0, ATV2=60.0)
+    hall.wait()
+    assert hall.asked == ["ATV1", "ATV2"]
+
+
+def test_of_two_bids_in_one_round_the_first_counts_and_the_history_has_one() -> None:
     hall = Hall()
     hall.bids(ATV1=50.0, ATV2=60.0)
     hall.bids(ATV1=70.0)
     hall.wait()
-    assert hall.asked == ["ATV2"]
+    assert hall.asked == ["ATV1"]
+    assert [fact.bidder for fact in facts(hall.out, BidReceived)] == ["ATV1", "ATV2"]
 
 
 def test_a_bid_that_arrives_twice_is_asked_once() -> None:
@@ -243,7 +255,9 @@ def test_awards_are_numbered_and_an_answer_to_an_earlier_one_does_not_count() ->
     hall.bids(ATV1=55.9)
     hall.wait()
     hall.wait()
+    hall.wait()
     hall.bids(ATV1=55.9)
+    hall.wait()
     assert [award.number for award in sent(hall.out, Award, to="ATV1")] == [1, 2]
     said = len(deeds(hall.out))
     hall.auction.hear_accepted("ATV1", accepted(number=1))
@@ -259,7 +273,9 @@ def test_a_late_acceptance_of_one_who_has_declined_since_is_not_a_contract() -> 
     hall.bids(ATV1=55.9)
     hall.wait()
     hall.wait()
+    hall.wait()
     hall.bids(ATV1=55.9)
+    hall.wait()
     hall.auction.hear_accepted("ATV1", accepted(number=1))
     hall.declines("ATV1")
     assert hall.auction.winner == ""

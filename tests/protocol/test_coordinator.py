@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from kit import accepted, bid, declined, deeds, listening, published, sent, transport
+from kit import Credulous, accepted, bid, declined, deeds, listening, published, sent, transport
 from office import Office, contracted, watched
 
 from dray.messages import Award, Role, TaskAnnounced, Withdrawn
@@ -150,6 +150,7 @@ def test_where_contractors_are_not_watched_no_secondary_is_sought_and_nobody_is_
         timers,
         out,
         lambda task, _now_s: contracted.append(task.id),
+        Credulous(),
     )
     desk.open("T1", transport(), 300.0, 0.0)
     desk.hear_bid("ATV2", bid(54.8), 0.5)

@@ -44,6 +44,8 @@ class BidReceived(Fact, frozen=True):
     total_s: Seconds
     finish_s: Seconds
     source: IdOrNone = ""
+    surcharge_s: Seconds = 0.0
+    """What its coordinator adds before it ranks, for what it has seen of the bidder (`ContractorRated`)."""
 
 
 class AwardGiven(Fact, frozen=True):
@@ -119,6 +121,20 @@ class CarrierChanged(Fact, frozen=True):
     reason: Text
     silent_s: Seconds = 0.0
     """How long nothing had been heard of the one that was replaced."""
+
+
+class ContractorRated(Fact, frozen=True):
+    """What a coordinator has learned of a contractor, from its own contracts with it."""
+
+    contractor: Id
+    task: Id
+    """What it was learned from."""
+    reason: Text
+    """`kept`, how late it was, or why it was dropped."""
+    surcharge_s: Seconds
+    """Added to its bids from now on; half of it is forgotten in half an hour."""
+    on_probation: bool
+    """It is given short tasks only."""
 
 
 # --- said by a contractor ------------------------------------------------------------------------
@@ -352,6 +368,7 @@ AnyFact = (
     | TaskClosed
     | PrimarySuspected
     | CarrierChanged
+    | ContractorRated
     | TookOver
     | LinkChanged
     | HelpAsked

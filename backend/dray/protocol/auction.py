@@ -3,7 +3,8 @@
 The rules
 ---------
 1. A round begins with an announcement and collects bids until its window closes.
-2. Then the cheapest bidder is asked, point to point. It accepts, or declines with a reason, or is
+2. A bid that cannot be true counts for nothing, and what the coordinator has seen of its bidder is added to
+   it (`assessing`). Then the cheapest bidder is asked, point to point. It accepts, or declines with a reason, or is
    silent for `answer_s`; a silent one is released, so that no vehicle stays bound by an award that
    its coordinator gave up on. Then the next cheapest is asked.
 3. When nobody is left the radius grows and the next round begins; at full radius rounds go on, with
@@ -30,6 +31,7 @@ import msgspec
 
 from dray.messages import Accepted, Award, Bid, Declined, Release, Role, TaskAnnounced, Work
 from dray.messages.fact import AwardAnswered, AwardGiven, BidReceived, RoundFailed, TaskOpened
+from dray.protocol.assessing import Assessor
 from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.events import NEVER_S, Effect, Ignore, Publish, Record, Send
 
@@ -83,6 +85,7 @@ class Auction:
         audience: the bus keys that reach everybody within a radius (m).
         rules: patience and reach.
         out: where effects go, in order.
+        assessor: what is asked of a bid beside its price.
         candidates: bids to ask before announcing anything, cheapest first.
         numbers: of its awards; by default from 1 on.
     """
@@ -95,6 +98,7 @@ class Auction:
         audience: Callable[[float], tuple[str, ...]],
         rules: AuctionRules,
         out: list[Effect],
+        assessor: Assessor,
         candidates: tuple[tuple[str, Bid], ...] = (),
         numbers: Iterator[int] | None = None,
     ) -> None:
@@ -114,7 +118,10 @@ class Auction:
         self._audience = audience
         self._rules = rules
         self._out = out
+        self._assessor = assessor
         self._bids: dict[str, Bid] = {}
+        self._noted: dict[str, tuple[int, float]] = {}
+        """By bidder, the last round in which a bid of it was noted, and what was added to it (s)."""
         self._queue: list[tuple[str, Bid]] = list(candidates)
         self._span_s = 0.0
         self._asked = ""
@@ -153,12 +160,13 @@ class Auction:
         self.stage, self.wake_at_s = Stage.RESTING, at_s
 
     def hear_bid(self, bidder: str, bid: Bid, now_s: float) -> None:
-        """Note a bid. A second one of the same bidder replaces its first."""
-        if self.stage is Stage.DECIDED or bidder == self._asked:
-            self._out.append(Ignore("a bid after the award"))
+        """Note a bid, if it can be true. One of a later round replaces the same bidder's first."""
+        if objection := self._objection(bidder, bid, now_s):
+            self._out.append(Ignore(objection))
             return
         terms = self.terms
-        self._bids[bidder] = bid
+        surcharge_s = self._assessor.surcharge_s(bidder, now_s)
+        self._bids[bidder], self._noted[bidder] = bid, (bid.round, surcharge_s)
         self._out.append(
             Record(
                 BidReceived(
@@ -171,6 +179,7 @@ class Auction:
                     total_s=bid.cost.total_s,
                     finish_s=bid.finish_s,
                     source=bid.source,
+                    surcharge_s=surcharge_s,
                 )
             )
         )
@@ -192,7 +201,7 @@ class Auction:
         self._note_answer("accepted")
         self.winner, self._asked = bidder, ""
         self.stage, self.wake_at_s = Stage.DECIDED, NEVER_S
-        self.left_over = tuple(sorted((*self._queue, *self._bids.items()), key=_rank_of))
+        self.left_over = tuple(sorted((*self._queue, *self._bids.items()), key=self._rank_of))
 
     def hear_declined(self, bidder: str, answer: Declined, now_s: float) -> None:
         """Ask the next one, if this bidder is the one that was asked."""
@@ -223,6 +232,16 @@ class Auction:
             self._ask_next(now_s)
         elif self.stage is Stage.RESTING:
             self._announce(now_s)
+
+    def _objection(self, bidder: str, bid: Bid, now_s: float) -> str:
+        """Why a bid counts for nothing; empty when it counts."""
+        if self.stage is Stage.DECIDED or bidder == self._asked:
+            return "a bid after the award"
+        if bid.round > self.round:
+            return "a bid in a round that has not begun"
+        if bid.round <= self._noted.get(bidder, (-1, 0.0))[0]:
+            return "a second bid in one round"  # Nobody fills the history with bids.
+        return self._assessor.objection(bidder, self.terms.work, bid, now_s)
 
     def _announce(self, now_s: float) -> None:
         self.round += 1
@@ -271,7 +290,7 @@ class Auction:
             self.terms = msgspec.structs.replace(self.terms, deadline_s=deadline_s)
 
     def _close_window(self, now_s: float) -> None:
-        self._queue = sorted(self._bids.items(), key=_rank_of)
+        self._queue = sorted(self._bids.items(), key=self._rank_of)
         self._bids = {}
         self._rank = 0
         self.stage = Stage.ASKING
@@ -335,7 +354,7 @@ class Auction:
         release = Release(task=terms.task, epoch=terms.epoch, role=terms.role, reason=reason, number=number)
         self._out.append(Send(bidder, release))
 
-
-def _rank_of(bid: tuple[str, Bid]) -> tuple[float, float, str]:
-    """Cheapest first; then who is done earlier; then the smaller id, so that the order is total."""
-    return (bid[1].cost.total_s, bid[1].finish_s, bid[0])
+    def _rank_of(self, bid: tuple[str, Bid]) -> tuple[float, float, str]:
+        """Cheapest first; then who is done earlier; then the smaller id, so that the order is total."""
+        _, surcharge_s = self._noted.get(bid[0], (0, 0.0))
+        return (bid[1].cost.total_s + surcharge_s, bid[1].finish_s, bid[0])

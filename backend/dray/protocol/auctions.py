@@ -6,6 +6,7 @@ from collections.abc import Callable
 from itertools import count
 
 from dray.messages import Bid, Work
+from dray.protocol.assessing import Assessor
 from dray.protocol.auction import Auction, Place, Terms
 from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.events import NEVER_S, Effect
@@ -27,6 +28,7 @@ class Auctions:
         out: where effects go.
         hearing: how heartbeats arrive at the coordinator; None where it follows nobody.
         incarnation: how often the coordinator was started.
+        assessor: what is asked of bids beside their price.
     """
 
     def __init__(
@@ -38,6 +40,7 @@ class Auctions:
         out: list[Effect],
         hearing: Hearing | None,
         incarnation: int,
+        assessor: Assessor,
     ) -> None:
         self._coordinator = coordinator
         self._place = place
@@ -46,6 +49,7 @@ class Auctions:
         self._out = out
         self._hearing = hearing
         self._numbers = count((incarnation - 1) * AWARDS_PER_LIFE + 1)
+        self._assessor = assessor
 
     def prepare(
         self, terms: Terms, rules: AuctionRules, candidates: tuple[tuple[str, Bid], ...] = ()
@@ -61,7 +65,15 @@ class Auctions:
             return self._audience(terms.work, radius_m)
 
         return Auction(
-            self._coordinator, terms, self._place, audience, rules, self._out, candidates, self._numbers
+            self._coordinator,
+            terms,
+            self._place,
+            audience,
+            rules,
+            self._out,
+            self._assessor,
+            candidates,
+            self._numbers,
         )
 
     def arm(self, kind: str, auction: Auction) -> None:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 
 from dray.messages import Accepted, Bid, Declined, Release, Role, TakenOver, Withdrawn, Work
 from dray.messages.fact import TaskClosed
+from dray.protocol.assessing import Assessor
 from dray.protocol.auction import Auction, Place, Terms
 from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.auctions import Auctions
@@ -38,6 +39,7 @@ class Coordinator:
         timers: the agent's alarms; this class uses names ``(PRIMARY_AUCTION, task)``.
         out: where effects go.
         contracted: called when a task has got its contractor.
+        assessor: what it asks of bids beside their price.
         hearing: how heartbeats arrive at the agent; None where it follows nobody.
         incarnation: how often the agent was started.
 
@@ -54,6 +56,7 @@ class Coordinator:
         timers: Timers,
         out: list[Effect],
         contracted: Callable[[OpenTask, float], None],
+        assessor: Assessor,
         hearing: Hearing | None = None,
         *,
         incarnation: int = 1,
@@ -64,7 +67,8 @@ class Coordinator:
         self._contracted = contracted
         self._open: dict[str, OpenTask] = {}
         self._closed: Newest[str, ClosedTask] = Newest(CLOSED_KEPT)
-        self._auctions = Auctions(agent, place, audience, timers, out, hearing, incarnation)
+        self._assessor = assessor
+        self._auctions = Auctions(agent, place, audience, timers, out, hearing, incarnation, assessor)
         self.alarms: dict[str, Callable[[str, float], None]] = {PRIMARY_AUCTION: self._wake_auction}
 
     def __iter__(self) -> Iterator[OpenTask]:
@@ -181,8 +185,12 @@ class Coordinator:
 
     def _contract(self, task: OpenTask, contractor: str, answer: Accepted, now_s: float) -> None:
         auction = task.auction
-        task.primary, task.promised_s = contractor, answer.finish_s
-        task.source = auction.winning_bid.source if auction.winning_bid is not None else ""
+        bid = auction.winning_bid
+        # What was bid long ago, to watch, tells nothing of ways from where the contractor is now.
+        fresh = bid if auction.round else None
+        task.primary = contractor
+        task.promised_s = self._assessor.believed_s(fresh, answer.finish_s, now_s)
+        task.source = bid.source if bid is not None else ""
         self._timers.clear((PRIMARY_AUCTION, task.id))
         self._bound(task, auction.left_over, now_s)
         self._contracted(task, now_s)

@@ -19,7 +19,7 @@ from dray.messages import (
     Message,
     Transport,
 )
-from dray.protocol.events import NEVER_S, Effect, Instruct, Send
+from dray.protocol.events import NEVER_S, Effect, Ignore, Instruct, Send
 from dray.protocol.supply import Supply
 from dray.protocol.tasks import OpenTask
 from dray.protocol.transports import Transports
@@ -74,6 +74,10 @@ class Dock:
         """
         task = self._tasks.get(message.task)
         if task is not None and message.epoch == task.epoch and sender == task.primary:
+            if task.witnessed and not (task.loaded if task.is_of_goods else task.unloaded):
+                # Its own body tells the coordinator of every load, and the carrier asks again.
+                self._out.append(Ignore("a handover of a load that was not seen"))
+                return None
             self._accept(sender, message)
             self._tasks.close(task, "delivered")
             return task

@@ -8,7 +8,9 @@ believes to be it.
        |  ^                                 |  |
        |  +------- heard again -------------+  +-- nobody takes over --> announced anew, epoch + 1
        +-- failed without a secondary, restarted without it --> announced anew, epoch + 1
-       +-- given back --> the secondary is asked, epoch + 1; else announced anew
+       +-- given back, no progress --> the secondary is asked, epoch + 1; else announced anew
+
+A carrier that lives and does not come nearer has failed too (`progress`), but its secondary does not see that: it is asked.
 
 Goods that have left their machine exist only once: nobody else can carry them, so their task waits for
 its carrier, and is given up after ASTRAY_S. A load that was seen in the buffer is delivered, whether or
@@ -17,11 +19,12 @@ not its carrier lives to say so.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Protocol, cast
 
 from dray.messages import AtvHeartbeat, TakenOver
 from dray.messages.fact import PrimarySuspected
+from dray.protocol.assessing import Assessor
 from dray.protocol.events import NEVER_S, Effect, Record
 from dray.protocol.secondaries import Secondaries
 from dray.protocol.supervision import GOODS_ABOARD, UNNAMED_S, Following, Vigil
@@ -72,6 +75,8 @@ class Failover:
         timers: its alarms; this class uses names ``(PRIMARY_VIGIL, task)``.
         out: where effects go.
         remedies: the coordinator.
+        assessor: what it expects of its carriers, and has learned of them.
+        is_missing: whether the load of a task lies at the coordinator no more, by its own senses.
 
     Attributes:
         alarms: what to call when an alarm of this class has come, with (task, now_s).
@@ -85,6 +90,8 @@ class Failover:
         timers: Timers,
         out: list[Effect],
         remedies: Remedies,
+        assessor: Assessor,
+        is_missing: Callable[[OpenTask], bool],
     ) -> None:
         self._tasks = tasks
         self._secondaries = secondaries
@@ -92,6 +99,8 @@ class Failover:
         self._timers = timers
         self._out = out
         self._remedies = remedies
+        self._assessor = assessor
+        self._is_missing = is_missing
         self.alarms = {PRIMARY_VIGIL: self._check}
 
     def follow(self, task: OpenTask, interval_s: float, now_s: float) -> None:
@@ -100,12 +109,15 @@ class Failover:
         self._following.begin(task.primary)
         task.vigil = Vigil(task.primary, interval_s, now_s, self._following.hearing)
         self._timers.set((PRIMARY_VIGIL, task.id), task.vigil.fails_at_s)
+        # Of a contract of an earlier life nobody knows how far it should be.
+        promised_s = task.promised_s if task.witnessed else self._assessor.latest_s(now_s)
+        task.progress = self._assessor.progress(promised_s, now_s)
 
     def leave(self, task: OpenTask) -> None:
         """A task has ended, or its primary is one no more."""
         if task.vigil is not None:
             self._following.end(task.vigil.subject)
-            task.vigil = None
+            task.vigil = task.progress = None
         self._timers.clear((PRIMARY_VIGIL, task.id))
         task.grace, task.trouble = False, ""
 
@@ -125,8 +137,9 @@ class Failover:
         brief = heartbeat.task
         if brief is not None and brief.task == task.id and brief.epoch == task.epoch:
             task.unnamed_s = NEVER_S
-            if task.is_of_goods and brief.phase in GOODS_ABOARD:
-                self.note_loaded(task)  # Also when they left while this coordinator was away.
+            if task.is_of_goods and brief.phase in GOODS_ABOARD and self._may_have_left(task):
+                self.note_loaded(task)
+            self._look_at_progress(task, heartbeat, now_s)
         elif task.unnamed_s == NEVER_S:
             task.unnamed_s = now_s
         elif now_s - task.unnamed_s > UNNAMED_S:
@@ -151,7 +164,9 @@ class Failover:
         """The primary carries a task no more, and nobody has taken it over."""
         if task.unloaded:
             self._remedies.conclude(task, now_s)
-        elif not task.loaded:
+            return
+        self.blame(task, reason, now_s)
+        if not task.loaded:
             self._remedies.reopen(task, reason, now_s)
         else:
             self._wait_for_goods(task, reason, now_s)
@@ -161,7 +176,14 @@ class Failover:
         if task.unloaded or task.loaded:
             self.replace(task, reason, now_s)
         else:
+            self._assessor.reliability.note_given_back(task.primary, task.id, reason, now_s)
             self._remedies.pass_on(task, reason, now_s)
+
+    def blame(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """The primary has dropped its contract; that is noted once."""
+        if task.progress is not None and not task.progress.blamed:
+            task.progress.blamed = True
+            self._assessor.reliability.note_dropped(task.primary, task.id, reason, now_s)
 
     def silent_s(self, task: OpenTask, now_s: float) -> float:
         """How long nothing has been heard of the primary."""
@@ -184,6 +206,28 @@ class Failover:
             self._timers.set((PRIMARY_VIGIL, task.id), now_s + GRACE_S + task.vigil.delay_s)
         else:
             self.replace(task, failure, now_s)
+
+    def _may_have_left(self, task: OpenTask) -> bool:
+        """Whether goods may be on board, as their carrier says: this coordinator was away, or misses them."""
+        return not task.witnessed or self._is_missing(task)
+
+    def _look_at_progress(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
+        progress, brief = task.progress, heartbeat.task
+        if progress is None or brief is None:
+            return
+        failure = progress.hear(heartbeat, brief.phase, task.held_s < NEVER_S, now_s)
+        if not failure:
+            return
+        if task.unloaded:
+            self._remedies.conclude(task, now_s)
+            return
+        self.blame(task, failure, now_s)
+        if not task.loaded:
+            self._remedies.pass_on(task, failure, now_s)
+        elif now_s >= progress.failed_s + ASTRAY_S:
+            self._remedies.give_up(task, now_s)
+        else:
+            task.trouble = f"{task.primary} {failure}, with the load on board"
 
     def _note_suspicion(self, task: OpenTask, now_s: float) -> None:
         if task.grace or task.trouble:

@@ -13,6 +13,7 @@ from dray.errors import ProtocolViolation
 from dray.messages import Accepted, Confirmed, GoalBrief, GoalClosed, Production, Withdrawn, Work
 from dray.messages.fact import GoalContracted, GoalWaits, TaskClosed
 from dray.messages.keys import Keys
+from dray.protocol.assessing import Assessor
 from dray.protocol.auction import Place
 from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.coordinator import Coordinator
@@ -48,6 +49,7 @@ class GoalAuctions(Coordinator):
         watch: which machines can work.
         timers: the strategist's alarms; this class uses names ``(TAKERS, product)`` beside those of its base.
         out: where effects go.
+        assessor: what it asks of bids beside their price.
         departure: of the strategist: one that was asked to leave puts nothing up.
         taken: called when a machine has taken a goal.
         incarnation: how often the strategist was started.
@@ -61,6 +63,7 @@ class GoalAuctions(Coordinator):
         watch: MachineWatch,
         timers: Timers,
         out: list[Effect],
+        assessor: Assessor,
         departure: Departure,
         taken: Callable[[OpenGoal, float], None],
         *,
@@ -74,6 +77,7 @@ class GoalAuctions(Coordinator):
             timers,
             out,
             self._on_contracted,
+            assessor,
             incarnation=incarnation,
         )
         self._strategist = strategist

@@ -55,6 +55,7 @@ from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.plant.model import MachineSpec
 from dray.protocol.adoption import ADOPT, Adoption
+from dray.protocol.assessing import Assessor
 from dray.protocol.auction import Place
 from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.core import Core
@@ -133,9 +134,11 @@ class Machine(Core):
             rules or AuctionRules(),
             self._timers,
             Following(self._keys.atv_heartbeat, self._out),
+            Assessor(plant, self._out),
             self._out,
             contracted=self._on_carrier_changed,
             lost=self._on_task_lost,
+            is_missing=self._is_missing,
             left=self._on_left,
             unloaded=self._settle,
             commit=self._commit,
@@ -384,6 +387,9 @@ class Machine(Core):
 
     def _on_left(self, atv: str) -> None:
         self._dock.shut(atv)
+
+    def _is_missing(self, task: OpenTask) -> bool:
+        return self._goods.lack(task)
 
     def _on_task_lost(self, task: OpenTask, now_s: float) -> None:
         """A task was withdrawn; what is needed in its place is made, or ordered, anew."""

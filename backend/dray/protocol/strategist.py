@@ -52,6 +52,7 @@ from dray.messages.fact import (
 )
 from dray.messages.keys import Keys
 from dray.plant import Plant
+from dray.protocol.assessing import Assessor
 from dray.protocol.core import Core
 from dray.protocol.events import Commit, Ignore, Instruct, Record, Send, Subscribe
 from dray.protocol.goal_auctions import GoalAuctions
@@ -92,6 +93,7 @@ class Strategist(Core):
             self._watch,
             self._timers,
             self._out,
+            Assessor(plant, self._out),
             self._departure,
             self._follow,
             incarnation=incarnation,

@@ -8,6 +8,7 @@ from dray.memory import TaskMemory
 from dray.messages import Bid, Phase, TaskBrief, Transport, Work
 from dray.protocol.auction import Auction
 from dray.protocol.events import NEVER_S
+from dray.protocol.progress import Progress
 from dray.protocol.supervision import Vigil
 
 Outcome = Literal["delivered", "withdrawn"]
@@ -30,6 +31,7 @@ class OpenTask:
         "loaded",
         "opened_s",
         "primary",
+        "progress",
         "promised_s",
         "secondary",
         "source",
@@ -41,6 +43,7 @@ class OpenTask:
         "watch",
         "watch_bid",
         "watch_number",
+        "witnessed",
         "work",
     )
 
@@ -63,6 +66,8 @@ class OpenTask:
         """When the primary has promised to be done."""
         self.vigil: Vigil | None = None
         """The watch over the primary."""
+        self.progress: Progress | None = None
+        """How the primary comes on."""
         self.guard: Vigil | None = None
         """The watch over the secondary."""
         self.opened_s = opened_s
@@ -75,6 +80,8 @@ class OpenTask:
         """Goods that have left this machine: nobody else can fetch them again."""
         self.unloaded = False
         """The coordinator has seen the load put down in its own buffer; the handover is still to come."""
+        self.witnessed = True
+        """This life of the coordinator has seen all of it: what a carrier says of the load is compared with that."""
         self.held_s = NEVER_S
         """Since when its carrier stands at this machine's dock and finds no room, or nothing to fetch."""
         self.trouble = ""

@@ -29,6 +29,7 @@ from dray.messages import (
     Work,
 )
 from dray.messages.fact import CarrierChanged
+from dray.protocol.assessing import Assessor
 from dray.protocol.auction import Place
 from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.coordinator import PRIMARY_AUCTION, Coordinator
@@ -37,7 +38,7 @@ from dray.protocol.failover import Failover
 from dray.protocol.secondaries import Secondaries
 from dray.protocol.supervision import Following
 from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
-from dray.protocol.tasks import OpenTask
+from dray.protocol.tasks import OpenTask, Outcome
 from dray.protocol.timers import Timers
 
 ADOPT_S = 10.0
@@ -54,9 +55,11 @@ class Transports(Coordinator):
         rules: the auction's patience and reach.
         timers: the machine's alarms; this class and what it consists of use names ``(kind, task)``.
         following: which heartbeats the machine hears.
+        assessor: what it asks of bids beside their price, and what it has learned of its carriers.
         out: where effects go.
         contracted: called when a task has got its primary, another one, or is without one again.
         lost: called when a task is given up with the vehicle that has carried it.
+        is_missing: whether the load of a task lies at the machine no more, by its own senses.
         left: called with a vehicle that does not carry a task any more.
         unloaded: called when a task has ended because its load is down, though nobody has said so.
         commit: called when the next life must know of something else.
@@ -71,10 +74,12 @@ class Transports(Coordinator):
         rules: AuctionRules,
         timers: Timers,
         following: Following,
+        assessor: Assessor,
         out: list[Effect],
         *,
         contracted: Callable[[OpenTask, float], None],
         lost: Callable[[OpenTask, float], None],
+        is_missing: Callable[[OpenTask], bool],
         left: Callable[[str], None],
         unloaded: Callable[[OpenTask, float], None],
         commit: Callable[[], None],
@@ -88,6 +93,7 @@ class Transports(Coordinator):
             timers,
             out,
             contracted,
+            assessor,
             following.hearing,
             incarnation=incarnation,
         )
@@ -96,7 +102,9 @@ class Transports(Coordinator):
         self._left = left
         self._unloaded = unloaded
         self._secondaries = Secondaries(self._open, self._auctions, following, timers, out)
-        self._failover = Failover(self._open, self._secondaries, following, timers, out, self)
+        self._failover = Failover(
+            self._open, self._secondaries, following, timers, out, self, assessor, is_missing
+        )
         self.alarms |= self._secondaries.alarms | self._failover.alarms
 
     def superseded(self, task_id: str, epoch: int) -> Superseded:
@@ -138,6 +146,13 @@ class Transports(Coordinator):
         self.close(task, "delivered")
         self._unloaded(task, now_s)
 
+    def close(self, task: OpenTask, outcome: Outcome) -> None:
+        """End a task; who has delivered it has kept its word, or was late."""
+        if outcome == "delivered" and task.progress is not None:
+            now_s, late_s = task.progress.heard_s, task.progress.late_s
+            self._assessor.reliability.note_kept(task.primary, task.id, late_s, now_s)
+        super().close(task, outcome)
+
     def note_loaded(self, task: OpenTask) -> None:
         """Goods have left with their carrier."""
         self._failover.note_loaded(task)
@@ -155,7 +170,7 @@ class Transports(Coordinator):
         deadline_s = _prolonged_s(memory.deadline_s, memory.opened_s, now_s)
         auction = self._auction(memory.task, epoch, memory.work, deadline_s)
         task = self._open[memory.task] = OpenTask(memory.task, memory.work, auction, memory.opened_s)
-        task.due_s = memory.deadline_s
+        task.due_s, task.witnessed = memory.deadline_s, False
         if memory.primary:
             auction.cancel()
             task.loaded, task.adopted = memory.loaded, memory.adopted
@@ -176,14 +191,16 @@ class Transports(Coordinator):
         deadline_s = brief.due_s if brief.due_s is not None else now_s
         auction = self._auction(brief.task, brief.epoch, work, deadline_s)
         task = self._open[brief.task] = OpenTask(brief.task, work, auction, now_s)
-        task.adopted = True
+        task.adopted, task.witnessed = True, False
         self._adopt(task, atv, brief.epoch, deadline_s, now_s)
 
     # --- what is heard ---
 
     def hear_bid(self, sender: str, bid: Bid, now_s: float) -> None:
         task = self._present(bid)
-        if task is not None and bid.role is Role.SECONDARY:
+        if any(other.primary == sender for other in self):
+            self._out.append(Ignore("a bid by one that carries for this machine"))
+        elif task is not None and bid.role is Role.SECONDARY:
             self._secondaries.hear_bid(task, sender, bid, now_s)
         else:
             super().hear_bid(sender, bid, now_s)
@@ -304,11 +321,13 @@ class Transports(Coordinator):
         now_s: float,
     ) -> None:
         """A vehicle carries a task, though no auction of this life has found it."""
-        task.primary, task.source, task.promised_s = atv, source, promised_s
+        task.primary, task.source = atv, source
+        task.promised_s = self._assessor.believed_s(None, promised_s, now_s) if task.witnessed else promised_s
         self._bound(task, (), now_s)
 
     def _change_carrier(self, task: OpenTask, atv: str, message: TakenOver, now_s: float) -> None:
         failure = task.vigil.failure(now_s) if task.vigil is not None else ""
+        self._failover.blame(task, failure or message.reason, now_s)
         if task.secondary == atv:
             self._secondaries.end(task)
         replaced, silent_s = self._supersede(task, message.epoch, "another one has taken over", now_s)

@@ -18,6 +18,11 @@ PASSED_OVER_ROUNDS = 4
 ON_TRIAL = "on trial, and this is not short"
 
 
+def is_barred(*, short: bool, round_number: int) -> bool:
+    """Whether a task is not for one that is given short ones only; what nobody has taken is for everybody."""
+    return not short and round_number <= PASSED_OVER_ROUNDS
+
+
 class Trial:
     """The trial of one agent.
 
@@ -42,7 +47,7 @@ class Trial:
             short: whether it is a short one, as far as the agent can tell.
             round_number: of its announcement.
         """
-        return self.lasts and not short and round_number <= PASSED_OVER_ROUNDS
+        return self.lasts and is_barred(short=short, round_number=round_number)
 
     def note_done(self) -> None:
         """A transport came to its good end."""

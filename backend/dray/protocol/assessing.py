@@ -1,0 +1,57 @@
+"""How a coordinator assesses bids: what cannot be is refused, and who has broken promises must be cheaper for it.
+
+One place for what an auction asks of a bid beside its price: `plausibility` knows the plant, `reliability` the past.
+"""
+
+from __future__ import annotations
+
+from dray.messages import Bid, Work
+from dray.plant import Plant
+from dray.protocol.bidding import SHORT_S
+from dray.protocol.events import Effect
+from dray.protocol.plausibility import Plausibility
+from dray.protocol.progress import STALL_S, Progress
+from dray.protocol.reliability import Reliability
+from dray.protocol.trial import is_barred
+
+ON_PROBATION = "a bid for a long task by one on probation"
+
+
+class Assessor:
+    """Assesses the bids of one coordinator.
+
+    Args:
+        plant: where the ways are.
+        out: where effects go.
+
+    Attributes:
+        reliability: what was learned of every contractor.
+    """
+
+    def __init__(self, plant: Plant, out: list[Effect]) -> None:
+        self._plausibility = Plausibility(plant)
+        self.reliability = Reliability(out)
+
+    def objection(self, bidder: str, work: Work, bid: Bid, now_s: float) -> str:
+        """Why a bid does not count; empty when it does. The reasons are few and fixed."""
+        reason = self._plausibility.objection(work, bid, now_s)
+        if not reason and self.reliability.on_probation(bidder, now_s):
+            short = bid.finish_s - now_s <= SHORT_S
+            reason = ON_PROBATION if is_barred(short=short, round_number=bid.round) else ""
+        return reason
+
+    def surcharge_s(self, bidder: str, now_s: float) -> float:
+        """What is added to a bid before it is ranked."""
+        return self.reliability.surcharge_s(bidder, now_s)
+
+    def believed_s(self, bid: Bid | None, promised_s: float, now_s: float) -> float:
+        """Until when a contractor is believed to be done (see `Plausibility.believed_s`)."""
+        return self._plausibility.believed_s(bid, promised_s, now_s)
+
+    def latest_s(self, now_s: float) -> float:
+        """When a transport that is under way is done at the latest."""
+        return now_s + self._plausibility.longest_s
+
+    def progress(self, promised_s: float, now_s: float) -> Progress:
+        """The progress that is expected of a carrier that is believed to be done at `promised_s`."""
+        return Progress(promised_s, STALL_S + self._plausibility.handling_max_s, now_s)

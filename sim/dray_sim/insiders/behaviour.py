@@ -1,0 +1,136 @@
+"""How an insider lies: data, so that another lie is another line."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+SILENT_S = 10.0
+"""Just longer than anybody waits for a vehicle at work: the sooner it is back, the more it takes."""
+
+
+class Price(Enum):
+    """What it bids."""
+
+    NOTHING = "nothing"
+    """Zero, and to be done at once."""
+    ABSURD = "absurd"
+    """As far below zero as a message can say."""
+    LEAST = "least"
+    """As little as a vehicle could need that stands at the source already: nobody can tell that it lies."""
+
+
+class Answer(Enum):
+    """What it says to an award."""
+
+    ACCEPT = "accept"
+    DECLINE = "decline"
+    RESIGN = "resign"
+    """It accepts, and gives the contract back at once."""
+    NONE = "none"
+
+
+@dataclass(frozen=True, slots=True)
+class Behaviour:
+    """What one insider does. One that `drives` is an honest vehicle but for what is said here; the others never move.
+
+    Attributes:
+        name: in reports.
+        shows: in one line.
+        drives: it has the software of a vehicle, and a body.
+        price: what it bids; None for not at all.
+        answers: what it says to an award.
+        silent_s: so long it says nothing after every task that it has got.
+        boasts: it says of every task at once that it has the load on board.
+        pretends: it tells of ways and phases as if it worked at each of its tasks.
+        hands_over: it says that loads are down which it never had.
+        claims_all: it claims every charger and parking place, as if it stood there.
+        names_others: it names tasks that others carry as its own.
+        flood_hz: so many messages it sends a second, to all coordinators in turn.
+        betrays_every: of so many tasks that it has taken it betrays one: it says that all is well, and stands.
+        keeps_loads: it fetches what it betrays first, and never puts it down.
+        speed_frac: it drives at this part of the speed that it bids with.
+    """
+
+    name: str
+    shows: str
+    drives: bool = False
+    price: Price | None = None
+    answers: Answer = Answer.ACCEPT
+    silent_s: float = 0.0
+    boasts: bool = False
+    pretends: bool = False
+    hands_over: bool = False
+    claims_all: bool = False
+    names_others: bool = False
+    flood_hz: float = 0.0
+    betrays_every: int = 0
+    keeps_loads: bool = False
+    speed_frac: float = 1.0
+
+
+_ALL = (
+    Behaviour(
+        "bids-nothing", "bids 0, accepts everything, names its tasks, never moves", price=Price.NOTHING
+    ),
+    Behaviour("bids-absurdly", "the same with bids of -1e11 s", price=Price.ABSURD),
+    Behaviour("bids-the-least", "the same with the least bids that can be true", price=Price.LEAST),
+    Behaviour(
+        "pretends",
+        "the same, and tells of ways and phases as if it drove",
+        price=Price.LEAST,
+        pretends=True,
+    ),
+    Behaviour(
+        "falls-silent",
+        "bids 0, accepts, and falls silent, again and again",
+        price=Price.NOTHING,
+        silent_s=SILENT_S,
+    ),
+    Behaviour(
+        "falls-silent-loaded",
+        "the same with the least bids that can be true, and says before that it has the load on board",
+        price=Price.LEAST,
+        silent_s=SILENT_S,
+        boasts=True,
+    ),
+    Behaviour("declines", "bids, and declines every award", price=Price.LEAST, answers=Answer.DECLINE),
+    Behaviour("never-answers", "bids, and answers no award", price=Price.LEAST, answers=Answer.NONE),
+    Behaviour("resigns", "accepts, and gives back at once", price=Price.LEAST, answers=Answer.RESIGN),
+    Behaviour(
+        "hands-over-nothing",
+        "says that loads are down which it never had",
+        price=Price.LEAST,
+        pretends=True,
+        hands_over=True,
+    ),
+    Behaviour("claims-berths", "claims every charger and parking place", claims_all=True),
+    Behaviour("names-others-tasks", "names as its own what others carry", names_others=True),
+    Behaviour("floods", "sends 20 messages a second to the coordinators", price=Price.LEAST, flood_hz=20.0),
+    Behaviour(
+        "always-late",
+        "drives at a fifth of the speed that it bids with",
+        drives=True,
+        price=Price.LEAST,
+        speed_frac=0.2,
+    ),
+    Behaviour(
+        "betrays",
+        "does three tasks well, and stands in the fourth",
+        drives=True,
+        price=Price.LEAST,
+        betrays_every=4,
+    ),
+    Behaviour(
+        "keeps-loads",
+        "does three tasks well, and never puts the fourth load down",
+        drives=True,
+        price=Price.LEAST,
+        betrays_every=4,
+        keeps_loads=True,
+    ),
+)
+
+BEHAVIOURS: Mapping[str, Behaviour] = {behaviour.name: behaviour for behaviour in _ALL}
+"""By name, in the order of the table."""

@@ -1,0 +1,58 @@
+"""How an insider comes into a factory: beside the fleet, under a name of its own."""
+
+from __future__ import annotations
+
+from dray.messages.speakers import Kind
+from dray.plant.model import VehicleSpec
+from dray.ports import Bus
+from dray.protocol.atv import Atv
+from dray.worker import Worker
+from dray_sim.factory import SimFactory
+from dray_sim.insiders.behaviour import Behaviour
+from dray_sim.insiders.liar import Liar
+from dray_sim.insiders.turncoat import Turncoat
+from dray_sim.journal import HeldJournal
+
+INSIDER = "ATV9"
+"""The ninth of nine: the default plant has eight."""
+
+
+def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) -> Worker:
+    """Let an insider join.
+
+    Args:
+        factory: one that runs.
+        behaviour: how it lies.
+        bus: where it joins; by default the simulated network. One that drives joins where all vehicles do.
+
+    Returns:
+        Its worker. That of one that drives runs already; whoever calls runs the other (`Worker.run`).
+    """
+    plant = factory.plant
+    factory.bus.kinds[INSIDER] = Kind.ATV
+    if not behaviour.drives:
+        return Worker(
+            Liar(INSIDER, plant, behaviour),
+            bus=bus or factory.bus,
+            clock=factory.clock,
+            keys=factory.keys,
+            body=None,
+            journal=HeldJournal(incarnation=1),
+        )
+    kind = list(plant.vehicle_types)[-1]
+    spec = VehicleSpec(INSIDER, kind, next(iter(plant.nodes)), 1.0)
+
+    def make(life: int, software: str, trial: int) -> Turncoat:
+        atv = Atv(
+            INSIDER,
+            plant,
+            vehicle_type=kind,
+            incarnation=life,
+            software=software,
+            trial=trial,
+            trusts=factory.trusts,
+        )
+        return Turncoat(atv, behaviour)
+
+    factory.add_vehicle(spec, make)
+    return factory.workers[INSIDER]

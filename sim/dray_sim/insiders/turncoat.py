@@ -1,0 +1,81 @@
+"""A vehicle that works well, until it does not: the software of a vehicle, and somebody between it and its body."""
+
+from __future__ import annotations
+
+from msgspec.structs import replace
+
+from dray.body import Drive, Drop, Instruction, LimitSpeed
+from dray.messages import AtvHeartbeat, Bid, Phase, Role, TransportCost
+from dray.messages.fact import ContractEnded, ContractTaken
+from dray.protocol.atv import Atv
+from dray.protocol.events import Effect, Event, Instruct, Publish, Record, Send, Started
+from dray_sim.insiders.behaviour import Behaviour
+
+
+class Turncoat:
+    """An insider that drives (see `dray.protocol.events.Agent`).
+
+    Args:
+        atv: the vehicle as it should be.
+        behaviour: what it does otherwise.
+    """
+
+    def __init__(self, atv: Atv, behaviour: Behaviour) -> None:
+        self._atv = atv
+        self._behaviour = behaviour
+        self._taken = 0
+        """Transports so far."""
+        self._betrays = False
+        """It will not finish the one that it has."""
+        self.id, self.incarnation = atv.id, atv.incarnation
+
+    @property
+    def wake_at_s(self) -> float:
+        return self._atv.wake_at_s
+
+    def handle(self, event: Event, now_s: float) -> list[Effect]:
+        """Take one step, as the honest one would, and do another thing."""
+        effects = self._atv.handle(event, now_s)
+        if isinstance(event, Started) and self._behaviour.speed_frac < 1.0:
+            effects.append(Instruct(LimitSpeed(self._behaviour.speed_frac)))
+        return [each for effect in effects for each in self._twist(effect)]
+
+    def _twist(self, effect: Effect) -> list[Effect]:
+        if isinstance(effect, Record):
+            self._note(effect)
+        elif isinstance(effect, Send) and isinstance(effect.message, Bid):
+            return [replace(effect, message=self._bid_low(effect.message))]
+        elif self._betrays and isinstance(effect, Instruct):
+            return [] if isinstance(effect.instruction, self._withheld) else [effect]
+        elif self._betrays and isinstance(effect, Publish) and isinstance(effect.message, AtvHeartbeat):
+            return [replace(effect, message=self._look_well(effect.message))]
+        return [effect]
+
+    def _note(self, record: Record) -> None:
+        fact = record.fact
+        if isinstance(fact, ContractTaken) and fact.role is Role.PRIMARY:
+            self._taken += 1
+            every = self._behaviour.betrays_every
+            self._betrays = bool(every) and self._taken % every == 0
+        elif isinstance(fact, ContractEnded) and fact.role is Role.PRIMARY:
+            self._betrays = False
+
+    @property
+    def _withheld(self) -> type[Instruction]:
+        """What its body is not told while it betrays a task."""
+        return Drop if self._behaviour.keeps_loads else Drive
+
+    def _bid_low(self, bid: Bid) -> Bid:
+        """Bid as if it stood at the source already, with a full battery, and were good for nothing else."""
+        cost = bid.cost
+        if self._behaviour.price is None or not isinstance(cost, TransportCost):
+            return bid
+        return replace(bid, cost=replace(cost, empty_way_s=0.0, energy_s=0.0, suitability_s=0.0))
+
+    @staticmethod
+    def _look_well(heartbeat: AtvHeartbeat) -> AtvHeartbeat:
+        """Never say more of the phase than that it comes."""
+        brief = heartbeat.task
+        if brief is None or brief.phase is not Phase.UNLOADING:
+            return heartbeat
+        return replace(heartbeat, task=replace(brief, phase=Phase.CARRYING))

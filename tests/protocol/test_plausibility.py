@@ -1,0 +1,79 @@
+"""What cannot be is refused, whoever says it, and what can be is not."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from kit import PLANT, bid, goal_bid, production, transport
+from msgspec.structs import replace
+
+from dray.messages import Bid, Transport
+from dray.protocol.plausibility import (
+    BEFORE_NOW,
+    NEGATIVE,
+    NOT_A_NUMBER,
+    OTHER_SOURCE,
+    OTHER_WORK,
+    TOO_CHEAP,
+    TOO_SOON,
+    UNDER_WAY_S,
+    Plausibility,
+)
+from dray.protocol.pricing import Pricer, Quote
+
+CHECK = Plausibility(PLANT)
+NOW_S = 1000.0
+
+
+def objection(offer: Bid, work: Transport | None = None) -> str:
+    return CHECK.objection(work or transport(), offer, NOW_S)
+
+
+def with_cost(**parts_s: float) -> Bid:
+    honest = bid(200.0)
+    return replace(honest, cost=replace(honest.cost, **parts_s))
+
+
+def test_every_price_of_every_honest_vehicle_is_believed() -> None:
+    for kind in PLANT.vehicle_types:
+        pricer = Pricer(PLANT, kind)
+        for node in PLANT.nodes:
+            quote = pricer.quote(
+                transport(), node=node, node_at_s=NOW_S, battery_frac=1.0, now_s=NOW_S, deadline_s=math.inf
+            )
+            assert isinstance(quote, Quote)
+            offer = replace(bid(0.0), cost=quote.cost, finish_s=quote.finish_s, source=quote.source)
+            assert CHECK.objection(transport(), offer, NOW_S + UNDER_WAY_S) == ""
+            assert CHECK.believed_s(offer, quote.finish_s, NOW_S) == quote.finish_s
+
+
+@pytest.mark.parametrize(
+    ("offer", "reason"),
+    [
+        (bid(0.0), TOO_CHEAP),
+        (with_cost(loaded_way_s=-1e11), NEGATIVE),
+        (with_cost(energy_s=-1.0), NEGATIVE),
+        (with_cost(suitability_s=math.nan), NOT_A_NUMBER),
+        (with_cost(empty_way_s=math.inf), NOT_A_NUMBER),
+        (bid(200.0, finish_s=math.nan), NOT_A_NUMBER),
+        (bid(200.0, finish_s=NOW_S), TOO_SOON),
+        (bid(200.0, finish_s=0.0), BEFORE_NOW),
+        (bid(200.0, source="S1"), OTHER_SOURCE),
+        (goal_bid("T1", 200.0), OTHER_WORK),
+    ],
+)
+def test_what_cannot_be_is_refused(offer: Bid, reason: str) -> None:
+    assert objection(offer) == reason
+
+
+def test_a_machine_cannot_be_paid_for_a_goal() -> None:
+    offer = goal_bid("G1", -1.0)
+    assert CHECK.objection(production(), replace(offer, finish_s=NOW_S), NOW_S) == NEGATIVE
+    assert CHECK.objection(production(), replace(goal_bid("G1", 90.0), finish_s=NOW_S), NOW_S) == ""
+
+
+def test_a_promise_beyond_the_longest_way_buys_no_time() -> None:
+    assert CHECK.believed_s(None, 1e11, NOW_S) == NOW_S + CHECK.longest_s
+    assert CHECK.believed_s(bid(50.0), 1e11, NOW_S) < NOW_S + CHECK.longest_s
+    assert CHECK.believed_s(None, 0.0, NOW_S) == NOW_S

@@ -1,0 +1,103 @@
+"""What a coordinator learns of its contractors: soon learned, told, and forgiven."""
+
+from __future__ import annotations
+
+from kit import facts
+
+from dray.messages.fact import ContractorRated
+from dray.protocol.events import Effect
+from dray.protocol.progress import STALLED
+from dray.protocol.reliability import (
+    DOUBT_MAX,
+    DROPPED_S,
+    HALF_LIFE_S,
+    KNOWN_MAX,
+    Reliability,
+)
+from dray.protocol.supervision import IN_ERROR, SILENT
+
+
+class School:
+    def __init__(self) -> None:
+        self.out: list[Effect] = []
+        self.reliability = Reliability(self.out)
+
+    def drops(self, times: int = 1, reason: str = SILENT, now_s: float = 0.0) -> None:
+        for _ in range(times):
+            self.reliability.note_dropped("ATV9", "T1", reason, now_s)
+
+    def surcharge_s(self, now_s: float = 0.0) -> float:
+        return self.reliability.surcharge_s("ATV9", now_s)
+
+    def on_probation(self, now_s: float = 0.0) -> bool:
+        return self.reliability.on_probation("ATV9", now_s)
+
+
+def test_nothing_is_held_against_a_stranger_and_one_that_keeps_its_word_leaves_no_trace() -> None:
+    school = School()
+    school.reliability.note_kept("ATV1", "T1", 0.0, 0.0)
+    assert school.surcharge_s() == 0.0
+    assert school.out == []
+
+
+def test_a_dropped_contract_costs_what_it_cost_and_is_told() -> None:
+    school = School()
+    school.drops()
+    assert school.surcharge_s() == DROPPED_S
+    [rated] = facts(school.out, ContractorRated)
+    assert (rated.contractor, rated.reason, rated.surcharge_s) == ("ATV9", SILENT, DROPPED_S)
+
+
+def test_half_of_it_is_forgiven_in_half_an_hour() -> None:
+    school = School()
+    school.drops()
+    assert school.surcharge_s(HALF_LIFE_S) == DROPPED_S / 2.0
+
+
+def test_lies_weigh_more_than_misfortune_that_was_told() -> None:
+    told, silent, stalled = School(), School(), School()
+    told.drops(reason=IN_ERROR)
+    silent.drops(reason=SILENT)
+    stalled.drops(reason=STALLED)
+    assert told.surcharge_s() < silent.surcharge_s() < stalled.surcharge_s()
+
+
+def test_a_late_one_is_dearer_by_as_much_as_it_is_late_and_by_no_more_than_a_dropped_one() -> None:
+    school = School()
+    school.reliability.note_kept("ATV9", "T1", 60.0, 0.0)
+    assert 0.0 < school.surcharge_s() < DROPPED_S
+    school.reliability.note_kept("ATV8", "T1", 1e9, 0.0)
+    assert school.reliability.surcharge_s("ATV8", 0.0) == DROPPED_S
+
+
+def test_who_drops_contract_after_contract_is_on_probation_until_short_ones_were_kept() -> None:
+    school = School()
+    school.drops(3)
+    assert school.on_probation()
+    for _ in range(4):
+        school.reliability.note_kept("ATV9", "T2", 0.0, 0.0)
+    assert not school.on_probation()
+    assert not facts(school.out, ContractorRated)[-1].on_probation
+
+
+def test_probation_ends_with_time_too() -> None:
+    school = School()
+    school.drops(100)
+    assert school.surcharge_s() == DOUBT_MAX * DROPPED_S
+    assert school.on_probation(2 * HALF_LIFE_S)
+    assert not school.on_probation(4 * HALF_LIFE_S)
+
+
+def test_a_breakdown_now_and_then_is_no_probation() -> None:
+    school = School()
+    for hour in range(24):
+        school.drops(now_s=hour * 1800.0)
+        school.reliability.note_kept("ATV9", "T2", 0.0, hour * 1800.0 + 600.0)
+        assert not school.on_probation(hour * 1800.0)
+
+
+def test_no_more_contractors_are_remembered_than_there_is_room_for() -> None:
+    school = School()
+    for number in range(KNOWN_MAX + 100):
+        school.reliability.note_dropped(f"X{number}", "T1", SILENT, 0.0)
+    assert len(school.reliability._ratings) == KNOWN_MAX
