@@ -20,7 +20,6 @@ from dray_sim.scenarios import (
     experiment_power_off,
     experiment_wlan,
     fault_cost,
-    insider,
     latency_sweep,
     loss_sweep,
     peak_season,
@@ -44,7 +43,6 @@ _ALL: tuple[Playable, ...] = (
     soak.SOAK,
     takeover.TAKEOVER,
     fault_cost.FAULT_COST,
-    insider.INSIDER,
 )
 
 SCENARIOS: Mapping[str, Playable] = {scenario.name: scenario for scenario in _ALL}
