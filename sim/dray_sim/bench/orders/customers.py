@@ -58,7 +58,7 @@ class Customers:
 
     async def _order(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         writer.write(
-            b"POST /api/orders HTTP/1.1\r\nHost: bench\r\nContent-Type: application/json\r\n"
+            b"POST /api/orders HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Type: application/json\r\n"
             + f"Authorization: Bearer {self._served.token}\r\n".encode()
             + f"Idempotency-Key: {uuid4()}\r\n".encode()
             + f"Content-Length: {len(BODY)}\r\n\r\n".encode()
