@@ -10,7 +10,7 @@ from kit import Credulous, accepted, award_number, bid, declined, deeds, facts, 
 
 from dray.messages import Award, Bid, Refusal, Release, Role, TaskAnnounced
 from dray.messages.fact import AwardAnswered, AwardGiven, BidReceived, RoundFailed, TaskOpened
-from dray.protocol.auction import Auction, Place, Stage, Terms
+from dray.protocol.auction import BIDS_KEPT, Auction, Place, Stage, Terms
 from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.events import NEVER_S, Effect, Publish
 
@@ -532,3 +532,12 @@ def test_the_epoch_is_in_everything_that_is_said() -> None:
     ]
     assert {type(message) for message in said} == {TaskAnnounced, Award, Release}
     assert {msgspec.structs.asdict(message)["epoch"] for message in said} == {7}
+
+
+def test_bids_under_ever_new_names_are_not_kept_without_bound() -> None:
+    hall = Hall()
+    for number in range(2 * BIDS_KEPT):
+        hall.auction.hear_bid(f"X{number}", bid(50.0), hall.now_s)
+    hall.wait()
+    hall.accepts(f"X{BIDS_KEPT}")
+    assert len(hall.auction.left_over) < BIDS_KEPT

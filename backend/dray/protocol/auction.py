@@ -34,12 +34,16 @@ from dray.messages.fact import AwardAnswered, AwardGiven, BidReceived, RoundFail
 from dray.protocol.assessing import Assessor
 from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.events import NEVER_S, Effect, Ignore, Publish, Record, Send
+from dray.protocol.newest import Newest
 
 SPAN_MIN_S = 60.0
 """What is late already is given as much time as a quick transport takes, round after round more."""
 
 SPAN_MAX_S = 7 * 86_400.0
 """What has weeks is not refused for its deadline. One that is years away must not move beyond what can be said."""
+
+BIDS_KEPT = 1024
+"""In one round: more than any fleet has vehicles. Beyond that somebody bids under names that nobody has."""
 
 SPANS_MAX = 10
 """After so many rounds it is not the deadline that keeps bidders away."""
@@ -119,8 +123,8 @@ class Auction:
         self._rules = rules
         self._out = out
         self._assessor = assessor
-        self._bids: dict[str, Bid] = {}
-        self._noted: dict[str, tuple[int, float]] = {}
+        self._bids: Newest[str, Bid] = Newest(BIDS_KEPT)
+        self._noted: Newest[str, tuple[int, float]] = Newest(BIDS_KEPT)
         """By bidder, the last round in which a bid of it was noted, and what was added to it (s)."""
         self._queue: list[tuple[str, Bid]] = list(candidates)
         self._span_s = 0.0
@@ -291,7 +295,7 @@ class Auction:
 
     def _close_window(self, now_s: float) -> None:
         self._queue = sorted(self._bids.items(), key=self._rank_of)
-        self._bids = {}
+        self._bids = Newest(BIDS_KEPT)
         self._rank = 0
         self.stage = Stage.ASKING
         self._ask_next(now_s)

@@ -31,6 +31,9 @@ CONFIRM = "confirm"
 QUOTES_KEPT = 64
 """Bids for goals whose award may still come: more than a strategist has open at a time."""
 
+GOALS_MAX = 4096
+"""Goals of one machine at a time: weeks of work. Beyond that somebody gives out what no order asks for."""
+
 QUOTE_TOLERANCE_S = 60.0
 """How much later than it bid a machine may end and still take an award."""
 
@@ -180,6 +183,8 @@ class GoalBidder:
         """A goal that was taken since the bid may have made its promise empty."""
         if unfit:
             return Refusal.NOT_FIT
+        if len(self._goals) >= GOALS_MAX:
+            return Refusal.BUSY
         cost = self._goals.quote(work, self._supply.stock, self._supply.longest_lead_s(work.product))
         finish_s = now_s + cost.total_s
         promised_s = self._quoted_s[goal] = self._quoted_s.get(goal, finish_s)
