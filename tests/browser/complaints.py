@@ -44,7 +44,7 @@ class Complaints(list[str]):
             self.append(f"console {message.type}: {message.text}")
 
     def _asked(self, request: Request) -> None:
-        if not request.is_navigation_request():
+        if not request.is_navigation_request() and not _is_stop(request):
             self._only_its_server(request.frame.url, request.url)
 
     def _streamed(self, page: Page, socket: WebSocket) -> None:
@@ -58,3 +58,10 @@ class Complaints(list[str]):
         # A page that leaves lets go of what it was asking.
         if request.failure != "net::ERR_ABORTED":
             self.append(f"request failed: {request.method} {request.url}: {request.failure}")
+
+
+def _is_stop(request: Request) -> bool:
+    """Whether it is a stop, which goes another way as well: to another port of the same host, and nothing else does."""
+    asked, page = urlsplit(request.url), urlsplit(request.frame.url)
+    path = asked.path.startswith("/api/atvs/") and asked.path.endswith("/commands")
+    return path and asked.hostname == page.hostname and '"kind":"stop"' in (request.post_data or "")
