@@ -8,6 +8,7 @@ from random import Random
 from typing import Any
 
 import pytest
+from msgspec.structs import replace
 
 from dray import messages
 from dray import worker as worker_module
@@ -505,21 +506,23 @@ def test_an_agent_without_a_body_cannot_instruct_one() -> None:
 class FullStage(Stage):
     """A stage on which agents are flooded."""
 
-    async def flood(self, worker: Worker, *flood: messages.Message) -> None:
+    async def flood(self, worker: Worker, *flood: messages.Message | tuple[str, messages.Message]) -> None:
         # Straight into the inbox, as a bus does that delivers more than the worker gets turns for.
-        for message in flood:
-            worker._hear("S", message)
+        for each in flood:
+            sender, message = each if isinstance(each, tuple) else ("S", each)
+            worker._hear(sender, message)
         await asyncio.sleep(0.01)
 
 
 @pytest.fixture
 def small_inbox(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Room for 8, the last 2 not for heartbeats."""
+    """Room for 8, and for 6 of one sender; crowded from 2 on."""
     monkeypatch.setattr(worker_module, "INBOX", 8)
-    monkeypatch.setattr(worker_module, "HEARTBEAT_ROOM", 6)
+    monkeypatch.setattr(worker_module, "CROWDED", 2)
+    monkeypatch.setattr(worker_module, "SENDER_ROOM", 6)
 
 
-def flooded(*flood: messages.Message) -> tuple[Worker, Scripted]:
+def flooded(*flood: messages.Message | tuple[str, messages.Message]) -> tuple[Worker, Scripted]:
     agent = Scripted("A1")
     workers: list[Worker] = []
 
@@ -534,18 +537,29 @@ def flooded(*flood: messages.Message) -> tuple[Worker, Scripted]:
 
 
 @pytest.mark.usefixtures("small_inbox")
-def test_a_filling_inbox_drops_heartbeats_first() -> None:
-    worker, agent = flooded(*[HEARTBEAT] * 10, say(1), say(2))
-    assert agent.heard() == ["1", "2"]
-    assert worker.handled == 1 + 6 + 2
-    assert (worker.dropped_heartbeats, worker.dropped_messages) == (4, 0)
+def test_in_a_crowded_inbox_only_the_newest_heartbeat_of_a_sender_waits() -> None:
+    beats = [replace(HEARTBEAT, seq=seq) for seq in (1, 2, 3, 5, 4)]
+    worker, agent = flooded(*beats, say(1), say(2))
+    heard = [event.message for _, event in agent.events if isinstance(event, Heard)]
+    assert heard == [beats[0], beats[1], beats[3], say(1), say(2)]
+    assert (worker.dropped_heartbeats, worker.dropped_messages) == (2, 0)
 
 
 @pytest.mark.usefixtures("small_inbox")
-def test_a_full_inbox_drops_the_oldest_message() -> None:
-    worker, agent = flooded(*[say(number) for number in range(11)])
-    assert agent.heard() == [str(number) for number in range(3, 11)]
-    assert (worker.dropped_heartbeats, worker.dropped_messages) == (0, 3)
+def test_one_sender_fills_no_inbox_and_pushes_out_nothing_of_others() -> None:
+    flood = [("LIAR", say(number)) for number in range(100)]
+    worker, agent = flooded(("A", say("first")), *flood, ("B", say("last")), ("C", HEARTBEAT))
+    assert agent.heard() == ["first", *(str(number) for number in range(6)), "last"]
+    assert worker.dropped_messages == 94
+
+
+@pytest.mark.usefixtures("small_inbox")
+def test_a_full_inbox_drops_the_oldest_message_of_whoever_has_most_there() -> None:
+    worker, agent = flooded(
+        ("A", say("a")), *[("S", say(number)) for number in range(7)], ("B", say("b1")), ("B", say("b2"))
+    )
+    assert agent.heard() == ["a", *(str(number) for number in range(1, 6)), "b1", "b2"]
+    assert (worker.dropped_heartbeats, worker.dropped_messages) == (0, 2)
 
 
 @pytest.mark.usefixtures("small_inbox")

@@ -42,7 +42,7 @@ from dray.protocol.events import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from dray.body import BodyState, Instruction, Report
     from dray.memory import Note
@@ -53,13 +53,42 @@ INBOX = 4096
 """Events that wait for an agent. Ten seconds of a plant of 300 agents that all talk to this one; an agent
 that is further behind has lost touch anyway, and its peers repeat what matters."""
 
-HEARTBEAT_ROOM = INBOX * 3 // 4
-"""From this filling on heartbeats are dropped: the next one says the same. The last quarter is for
-what is said once."""
+CROWDED = INBOX // 8
+"""From this filling on it is counted whose messages wait: below, nobody is in anybody's way. Of every sender only
+the newest heartbeat waits from then on: it says all that the older ones have said."""
+
+SENDER_ROOM = INBOX // 4
+"""Messages of one sender that wait in a crowded inbox. What is beyond that is the sender's own loss: nobody fills
+an inbox alone, and nobody pushes out what others have said."""
 
 ANSWER_EVENTS = 200
 """Events in one answer to `EventsAsked`, so that no answer crowds out what is going on; whoever lacks
 more asks again."""
+
+
+class _Newest:
+    """A heartbeat that waits; a newer one of the same sender takes its place."""
+
+    __slots__ = ("heard",)
+
+    def __init__(self, heard: Heard) -> None:
+        self.heard = heard
+
+
+class _Crowd:
+    """Whose messages wait in a crowded inbox.
+
+    Args:
+        inbox: what waits already.
+    """
+
+    __slots__ = ("beats", "count")
+
+    def __init__(self, inbox: Iterable[Event | _Newest]) -> None:
+        self.count: Counter[str] = Counter(event.sender for event in inbox if type(event) is Heard)
+        self.beats: dict[str, _Newest] = {}
+        """The heartbeats that have come since it is crowded, by sender."""
+
 
 _WOKEN = Woke(None)
 """Stands in the inbox for a wake-up: the body is sensed when the agent's turn comes, not before."""
@@ -78,8 +107,8 @@ class Worker:
 
     Attributes:
         handled: events handled so far.
-        dropped_heartbeats: heartbeats that found the inbox three quarters full.
-        dropped_messages: other messages that were pushed out of a full inbox.
+        dropped_heartbeats: heartbeats that a newer one of their sender has replaced, or that found the inbox full.
+        dropped_messages: other messages that were beyond their sender's room, or pushed out of a full inbox.
         ignored: messages that changed nothing, by the agent's reason; reasons are few and fixed.
     """
 
@@ -104,7 +133,9 @@ class Worker:
         self._body = body
         self._journal = journal
         self._facts = 0
-        self._inbox: deque[Event] = deque()
+        self._inbox: deque[Event | _Newest] = deque()
+        self._crowd: _Crowd | None = None
+        """Who fills the inbox, once it is crowded; None until then, and when the agent's turn comes."""
         self._wakes_s: list[float] = []
         """When the clock will call: each time is earlier than the one before it, so the last is next."""
         self._woken = False
@@ -184,9 +215,12 @@ class Worker:
     # --- what comes in ---------------------------------------------------------------------------
 
     def _hear(self, sender: str, message: messages.Message) -> None:
-        if len(self._inbox) >= HEARTBEAT_ROOM and not self._make_room(message):
+        event: Heard | _Newest | None = Heard(sender, message)
+        if len(self._inbox) >= CROWDED:
+            event = self._queue_up(cast(Heard, event))
+        if event is None:
             return
-        self._inbox.append(Heard(sender, message))
+        self._inbox.append(event)
         if self._waiter is not None:
             self._wake_task()
 
@@ -209,17 +243,41 @@ class Worker:
             if self._waiter is not None:
                 self._wake_task()
 
-    def _make_room(self, message: messages.Message) -> bool:
-        """Decide what a full inbox does with a newcomer; True when there is room for it."""
-        if isinstance(message, messages.Heartbeat):
-            self.dropped_heartbeats += 1
-            return False
-        if len(self._inbox) < INBOX:
-            return True
+    def _queue_up(self, heard: Heard) -> Heard | _Newest | None:
+        """Decide what a crowded inbox does with a newcomer; None where it does not wait in its own place."""
+        crowd = self._crowd
+        if crowd is None:
+            crowd = self._crowd = _Crowd(self._inbox)
+        if isinstance(heard.message, messages.Heartbeat):
+            return self._queue_heartbeat(heard, crowd)
+        if crowd.count[heard.sender] >= SENDER_ROOM:
+            self.dropped_messages += 1
+            return None
+        if len(self._inbox) >= INBOX and not self._push_out(crowd):
+            return None
+        crowd.count[heard.sender] += 1
+        return heard
+
+    def _queue_heartbeat(self, heard: Heard, crowd: _Crowd) -> _Newest | None:
+        waiting = crowd.beats.get(heard.sender)
+        if waiting is None and len(self._inbox) < INBOX:
+            newest = crowd.beats[heard.sender] = _Newest(heard)
+            return newest
+        self.dropped_heartbeats += 1
+        if waiting is not None and _is_newer(heard.message, waiting.heard.message):
+            waiting.heard = heard
+        return None
+
+    def _push_out(self, crowd: _Crowd) -> bool:
+        """Drop the oldest message of whoever has most of them here; False when nobody has any."""
         self.dropped_messages += 1
+        if not crowd.count:
+            return False
+        greediest = max(crowd.count, key=lambda sender: crowd.count[sender])
         for place, event in enumerate(self._inbox):
-            if type(event) is Heard:
+            if type(event) is Heard and event.sender == greediest:
                 del self._inbox[place]
+                crowd.count[greediest] -= 1
                 return True
         return False
 
@@ -232,8 +290,11 @@ class Worker:
 
     def _handle_inbox(self, session: Session) -> None:
         inbox = self._inbox
+        self._crowd = None
         for _ in range(len(inbox)):
             event = inbox.popleft()
+            if type(event) is _Newest:
+                event = event.heard
             if event is _WOKEN:
                 self._woken = False
                 event = Woke(self._sense())
@@ -244,7 +305,7 @@ class Worker:
                     continue
                 if kind is messages.VehicleCommand:
                     event = Heard(event.sender, event.message, self._sense())
-            self._handle(event, session)
+            self._handle(cast("Event", event), session)
             if self._stopping:
                 return
 
@@ -335,6 +396,12 @@ class Worker:
         if not self._wakes_s or wake_s < self._wakes_s[-1]:
             self._wakes_s.append(wake_s)
             self._clock.call_at(wake_s, self._wake)
+
+
+def _is_newer(heartbeat: messages.Message, other: messages.Message) -> bool:
+    """Whether a heartbeat was said after another one of the same agent."""
+    said, before = cast("messages.AtvHeartbeat", heartbeat), cast("messages.AtvHeartbeat", other)
+    return (said.incarnation, said.seq) > (before.incarnation, before.seq)
 
 
 def _turn_a_deaf_ear(report: Report) -> None:
