@@ -219,3 +219,26 @@ def test_no_call_is_left_behind_however_the_threads_interleave() -> None:
         return len(seen)
 
     assert asyncio.run(main()) == calls * threads
+
+
+def test_one_sender_pushes_out_nobody_and_its_newest_heartbeat_wins_whatever_comes_with_it(
+    other_side: OtherSide, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(crossing_module, "QUEUE", 16)
+    monkeypatch.setattr(crossing_module, "HEARTBEAT_ROOM", 4)
+    monkeypatch.setattr(crossing_module, "SENDER_ROOM", 3)
+    crossing = Crossing(other_side)
+    seen: list[tuple[str, Message]] = []
+
+    def arrive(sender: str, message: Message, _context: str) -> None:
+        seen.append((sender, message))
+
+    for _ in range(100):
+        crossing.say(SAY, arrive, "LIAR", SAY, "")
+    for seq in range(10):
+        beat = replace(HEARTBEAT, seq=seq)
+        crossing.say(beat, arrive, "A1", beat, f"trace {seq}")
+    crossing.say(SAY, arrive, "A2", SAY, "")
+    other_side.take_turn()
+    assert seen == [*[("LIAR", SAY)] * 7, ("A1", replace(HEARTBEAT, seq=9)), ("A2", SAY)]
+    assert (crossing.dropped_messages, crossing.dropped_heartbeats) == (93, 9)

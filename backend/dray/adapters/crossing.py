@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import threading
-from collections import deque
+from collections import Counter, deque
 from typing import TYPE_CHECKING, Any
 
 from dray.errors import UnavailableError
@@ -27,6 +27,10 @@ HEARTBEAT_ROOM = QUEUE // 2
 """From this filling on a heartbeat takes the place of the one before it, if that still waits: the newest
 says all that the older ones have said."""
 
+SENDER_ROOM = QUEUE // 8
+"""Messages of one sender from the time on at which the queue is half full until it is not any more: nobody fills it
+alone."""
+
 ORDER_ROOM = 1_000
 """Beyond `QUEUE`, for orders alone. A gateway joins with a handful of sessions of some ten keys each: who has
 ordered so much, and nothing of it was done, is not heard at all."""
@@ -38,8 +42,9 @@ CALLS_PER_TURN = 500
 class Crossing:
     """A bounded queue of calls to be made on another thread's loop, in the order given.
 
-    Policy: from half full on, of heartbeats that differ in their last argument alone only the newest is
-    kept; full, every message is dropped; both are counted. Joining, leaving and subscribing are never
+    Policy: from half full on, of the heartbeats of one sender (the first argument: who has said it, or on which
+    key) only the newest is kept, and of its other messages `SENDER_ROOM`; full, every message is dropped; all of that
+    is counted. Joining, leaving and subscribing are never
     dropped: they are few, and the other side would be wrong for good. They have room of their own beyond the
     rest; where that is full, too, whoever orders is refused, and nothing has changed.
 
@@ -50,7 +55,7 @@ class Crossing:
 
     Attributes:
         dropped_heartbeats: heartbeats that a newer one has replaced, or that found the queue full.
-        dropped_messages: other messages and offers that found it full.
+        dropped_messages: other messages and offers that found it full, or their sender's part of it.
     """
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
@@ -60,18 +65,24 @@ class Crossing:
         self._calls: deque[tuple[Callable[..., object], tuple[Any, ...]]] = deque()
         self._beats: dict[Slot, tuple[Any, ...]] = {}
         """The newest of the heartbeats that wait beyond `HEARTBEAT_ROOM`, by all that they do not replace."""
+        self._said: Counter[Slot] = Counter()
+        """Messages since the queue was half full, by sender and receiver."""
         self._lock = threading.Lock()
-        """Held where `_beats` is looked at and changed; what else is shared needs one step of the interpreter."""
+        """Held where these two are looked at and changed; what else is shared needs one step of the interpreter."""
         self._awake = False
 
     def say(self, message: Message, call: Callable[..., object], *args: Any) -> None:
-        """Cross with something that is said, the last of `args`: dropped when there is no room."""
+        """Cross with something that is said by, or on, the first of `args`: dropped when there is no room."""
         if len(self._calls) < HEARTBEAT_ROOM:
+            if self._said:
+                self._said.clear()
             self._append(call, args)
         elif isinstance(message, Heartbeat):
-            self._say_beat((call, args[:-1]), args)
-        else:
+            self._say_beat((call, args[:1]), args)
+        elif self._has_room((call, args[:1])):
             self.offer(call, *args)
+        else:
+            self.dropped_messages += 1
 
     def offer(self, call: Callable[..., object], *args: Any) -> bool:
         """Cross with something whose loss is made up for: it is said again, or whoever asks is told.
@@ -103,6 +114,12 @@ class Crossing:
         self._calls.append((call, args))
         if not self._awake:
             self._wake()
+
+    def _has_room(self, slot: Slot) -> bool:
+        """Count one more message of a sender; False when there have been too many."""
+        with self._lock:
+            self._said[slot] += 1
+            return self._said[slot] <= SENDER_ROOM
 
     def _say_beat(self, slot: Slot, args: tuple[Any, ...]) -> None:
         with self._lock:

@@ -1,0 +1,51 @@
+"""One liar in the fleet, for two hours: work goes on, and nobody honest pays for it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import pytest
+
+from dray.messages.fact import ContractorRated
+from dray.plant import default_plant
+from dray_sim.evidence import HELD
+from dray_sim.faults import LinkTrouble
+from dray_sim.insiders import BEHAVIOURS
+from dray_sim.scenarios.insider import SHIFT, work
+from dray_sim.stage import Stage, play
+
+SHORT = replace(SHIFT, duration_s=3600.0)
+"""A fraction of a shift: what stops a factory has stopped it by then."""
+
+WORST = (
+    "bids-nothing",
+    "bids-absurdly",
+    "bids-the-least",
+    "pretends",
+    "hands-over-nothing",
+    "falls-silent-loaded",
+)
+"""Each of these kept every order from being delivered, or nearly."""
+
+
+@pytest.mark.parametrize("name", WORST)
+def test_a_liar_stops_nothing(name: str) -> None:
+    without = play(SHORT, default_plant(), 1, partial(work, behaviour=None))
+    played = play(SHORT, default_plant(), 1, partial(work, behaviour=BEHAVIOURS[name]))
+    assert played.invariants == HELD
+    assert without.told is not None
+    assert played.told is not None
+    assert played.told.orders >= without.told.orders
+
+
+async def lossy(stage: Stage) -> set[str]:
+    """Who was on probation at any time, while a fifth of all deliveries was lost."""
+    stage.faults.begin(LinkTrouble(loss_frac=0.2))
+    await stage.until_s(stage.shift.duration_s)
+    return {seen.said.contractor for seen in stage.witness.all(ContractorRated) if seen.said.on_probation}
+
+
+def test_honest_vehicles_on_bad_links_are_never_on_probation() -> None:
+    played = play(replace(SHORT, keep=(ContractorRated,)), default_plant(), 1, lossy)
+    assert played.told == set()
