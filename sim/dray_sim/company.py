@@ -101,6 +101,8 @@ class ReplacedInTime:
         self._factory = factory
         self._tasks: dict[str, _Carried] = {}
         self._dead_s: dict[str, float] = {}
+        self._lives: dict[str, int] = {}
+        """Watches are not remembered: they end with the life in which they were taken."""
         self._unfit: dict[str, None] = {}
         self._look_s = 0.0
 
@@ -148,8 +150,13 @@ class ReplacedInTime:
             task.watchers.pop(agent, None)
 
     def _look(self, at_s: float) -> None:
-        running = self._factory.running
+        running, journals = self._factory.running, self._factory.journals
         for atv in self._factory.vehicles:
+            life = journals[atv].incarnation
+            if life != self._lives.get(atv, life):
+                for carried in self._tasks.values():
+                    carried.watchers.pop(atv, None)
+            self._lives[atv] = life
             if running(atv):
                 self._dead_s.pop(atv, None)
             else:

@@ -54,6 +54,8 @@ class TasksEnd:
         """By coordinator: its open tasks, and when each was announced first."""
         self._forgotten: dict[str, None] = {}
         """Tasks of coordinators that have lost their notes; their carriers may have told of them since."""
+        self._told_of: dict[str, dict[str, None]] = {}
+        """By coordinator, those of them that have ended; with the notes of this life that is forgotten, too."""
 
     def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         if type(message) is Event:
@@ -62,9 +64,13 @@ class TasksEnd:
                 self._open_s.setdefault(sender, {}).setdefault(fact.task, at_s)
             elif type(fact) is MemoryLost:
                 self._forgotten.update(dict.fromkeys(self._open_s.pop(sender, {})))
+                self._forgotten.update(self._told_of.pop(sender, {}))
             elif type(fact) is TaskClosed:
                 known = self._open_s.get(sender, {}).pop(fact.task, None) is not None
-                if not known and self._forgotten.pop(fact.task, "") is not None:
+                if not known and fact.task in self._forgotten:
+                    del self._forgotten[fact.task]
+                    self._told_of.setdefault(sender, {})[fact.task] = None
+                elif not known:
                     raise InvariantBroken(1, at_s, f"{fact.task} ended twice, or was never announced")
         elif type(message) is MachineHeartbeat:
             self._check(message, at_s)
@@ -84,15 +90,19 @@ repeated for longer than that has no receiver any more."""
 class HandedOverOnce:
     """Invariant 2, first half: a task is handed over once, and by one carrier only.
 
-    Who that is, is told by the answer to the handover and by the carrier's own history.
+    Who that is, is told by the answer to the handover and by the carrier's own history. A coordinator that has lost its
+    notes may take a second carrier at its word: it orders so much less.
     """
 
     def __init__(self) -> None:
+        self._coordinator: dict[str, str] = {}
         self._carrier: dict[str, str] = {}
         self._delivered: dict[str, None] = {}
 
     def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
         if type(message) is HandoverAccepted:
+            self._coordinator[message.task] = sender
+            _forget_oldest(self._coordinator)
             self._note_carrier(message.task, address.removeprefix(">"), at_s)
         elif type(message) is Event:
             fact = message.fact
@@ -101,6 +111,10 @@ class HandedOverOnce:
                     self._note_carrier(fact.task, sender, at_s)
             elif type(fact) is TaskClosed and fact.outcome == "delivered":
                 self._note_delivered(fact.task, at_s)
+            elif type(fact) is MemoryLost:
+                for task in [task for task, of in self._coordinator.items() if of == sender]:
+                    self._carrier.pop(task, None)
+                    self._delivered.pop(task, None)
 
     def _note_carrier(self, task: str, carrier: str, at_s: float) -> None:
         before = self._carrier.setdefault(task, carrier)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from typing import cast
+
+import msgspec
 import pytest
 from kit import MachineRig, accepted, committed, facts, instructed, production, published, rhb, sent
 from m7 import (
@@ -22,15 +25,20 @@ from dray.body import CycleDone, StartCycle, WorkcellState
 from dray.memory import WHOLE, MachineMemory
 from dray.messages import (
     Accepted,
+    Brief,
     Confirmed,
     DockOpened,
     MachineHeartbeat,
     MachineStatus,
+    Phase,
     Release,
+    Resigned,
+    Role,
     Superseded,
+    TakenOver,
     TaskAnnounced,
 )
-from dray.messages.fact import PieceMade
+from dray.messages.fact import PieceMade, TaskClosed
 from dray.protocol.events import Commit
 from dray.protocol.transports import ADOPT_S
 
@@ -217,6 +225,27 @@ def test_a_machine_that_has_lost_its_notes_waits_for_the_word_of_those_who_ask_i
     assert sent(lost.hear("ATV2", docked()), Superseded) == []
     lost.run(lost.now_s + ADOPT_S)
     assert sent(lost.hear("ATV2", docked()), Superseded, to="ATV2")
+
+
+def test_a_machine_that_has_lost_its_notes_takes_a_carrier_at_its_word_once_and_gives_its_task_no_other_epoch() -> (
+    None
+):
+    lost = MachineRig("M7", NO_HOUSINGS, incarnation=2)
+    lost.start()
+    claim = TakenOver(task="M7-1", epoch=3, primary="ATV3")
+    assert sent(lost.hear("ATV2", claim), Superseded) == [], "its heartbeat tells more"
+    named = rhb("ATV2", 1, lost.now_s, task="M7-1", coordinator="M7")
+    carried = msgspec.structs.replace(
+        cast(Brief, named.task), epoch=3, phase=Phase.CARRYING, item="housing", quantity=24
+    )
+    lost.hear("ATV2", msgspec.structs.replace(named, task=carried))
+    assert carrier(lost) == ("ATV2", 3)
+    assert sent(lost.hear("ATV2", claim), Confirmed, to="ATV2") == [Confirmed(task="M7-1", epoch=3)]
+    lost.hear("ATV2", Resigned(task="M7-1", epoch=3, role=Role.PRIMARY, reason="leaves"))
+    assert [fact.outcome for fact in facts(lost.all, TaskClosed)] == ["withdrawn"]
+    older = msgspec.structs.replace(named, atv="ATV3", task=msgspec.structs.replace(carried, epoch=2))
+    lost.hear("ATV3", older)
+    assert lost.agent._tasks.get("M7-1") is None  # type: ignore[attr-defined]
 
 
 def test_a_goal_that_was_taken_and_not_confirmed_is_asked_for_in_the_next_life_and_not_begun() -> None:

@@ -43,6 +43,9 @@ FOUND = [
     ("mishaps", 6356),
     # A machine that had lost its notes took a carrier's word for its epoch, and gave the next one a second time.
     ("all", 2),
+    # Such a machine told a vehicle that claimed a takeover that it did not carry, whose heartbeat it had just believed;
+    # and it believed an older carrier of a task that it had withdrawn since.
+    ("notes", 1094),
 ]
 
 

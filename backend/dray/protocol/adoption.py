@@ -77,7 +77,11 @@ class Adoption:
         known = self._tasks.get(brief.task)
         if known is not None:
             self._tasks.adopt(heartbeat.atv, brief, now_s)
-        elif self._forgetful and self._is_ours(brief) and not self._carries_already(heartbeat.atv):
+        elif (
+            self.waits_for_word_on(brief.task)
+            and self._is_ours(brief)
+            and not self._carries_already(heartbeat.atv)
+        ):
             work = Transport(
                 item=brief.item,
                 quantity=brief.quantity,

@@ -167,7 +167,7 @@ class Machine(Core):
             Accepted: self._hear_accepted,
             Declined: self._tasks.hear_declined,
             Resigned: self._tasks.hear_resigned,
-            TakenOver: self._tasks.hear_taken_over,
+            TakenOver: self._hear_taken_over,
             Docked: self._hear_docked,
             Handover: self._hear_handover,
             TaskAnnounced: lambda _sender, message, now_s: self._bidder.hear(message, self._unfit(), now_s),
@@ -375,6 +375,12 @@ class Machine(Core):
             self._out.append(Ignore(NOT_REMEMBERED))
         else:
             self._tasks.hear_accepted(sender, answer, now_s)
+
+    def _hear_taken_over(self, sender: str, message: TakenOver, now_s: float) -> None:
+        if self._adoption.waits_for_word_on(message.task):
+            self._out.append(Ignore(NOT_REMEMBERED))  # It says so again.
+        else:
+            self._tasks.hear_taken_over(sender, message, now_s)
 
     def _audience(self, _work: Work, radius_m: float) -> tuple[str, ...]:
         x_m, y_m = self._plant.position_of(self.id)
