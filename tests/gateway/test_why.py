@@ -131,6 +131,13 @@ def test_the_cheapest_of_several_is_named_with_the_next_one_and_what_made_the_di
     )
 
 
+def test_one_that_bid_less_and_has_dropped_contracts_was_dearer_and_it_is_said_why(tell: Teller) -> None:
+    tell(bid("ATV9", 40.0, surcharge_s=120.0), bid("ATV2", 54.8), asked("ATV2"), answered("ATV2"))
+    why = tell.why()
+    assert (why.kind, why.agent, why.other, why.part) == ("cheapest", "ATV2", "ATV9", "reliability")
+    assert why.text.endswith("Most of the difference comes from contracts that the other has dropped lately.")
+
+
 def test_no_part_is_called_the_reason_where_none_makes_most_of_the_difference(tell: Teller) -> None:
     dear = TransportCost(empty_way_s=30.0, loaded_way_s=40.0, energy_s=10.0, suitability_s=0.0)
     tell(bid("ATV2", 50.0), bid("ATV1", 80.0, cost=dear), asked("ATV2"), answered("ATV2"))

@@ -29,8 +29,9 @@ def add_bid(task: TaskView, fact: BidReceived, to_wall_s: ToWall) -> bool:
         role=plain(fact.role),
         epoch=fact.epoch,
         round=fact.round,
-        total_s=fact.total_s,
-        parts_s=_parts(fact.cost),
+        # As its coordinator ranks it: with what is held against the bidder.
+        total_s=fact.total_s + fact.surcharge_s,
+        parts_s=_parts(fact.cost) | ({"reliability": fact.surcharge_s} if fact.surcharge_s else {}),
         finish_at_s=to_wall_s(fact.finish_s),
         source=fact.source,
     )
