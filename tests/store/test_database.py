@@ -195,6 +195,27 @@ async def test_a_server_that_is_started_anew_is_used_again(postgres: Postgres, p
     await store.close()
 
 
+async def test_an_outage_has_one_line_in_the_log_and_its_end_another_however_many_ask_in_vain(
+    postgres: Postgres, postgresql_url: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    store = await open_store(postgresql_url)
+    postgres.stop()
+    try:
+        for _ in range(5):
+            with pytest.raises(UnavailableError):
+                await store.next_incarnation("plant")
+        assert [record.levelname for record in caplog.records] == ["WARNING"]
+        assert "cannot be written" in caplog.text
+    finally:
+        postgres.start()
+    await store.next_incarnation("plant")
+    await store.next_incarnation("plant")
+    await store.close()
+    _, ended = caplog.records
+    assert "can be written again" in ended.getMessage()
+    assert "5 asked in vain" in ended.getMessage()
+
+
 async def test_incarnations_grow_over_restarts(url: str) -> None:
     given = []
     for _ in range(3):

@@ -176,13 +176,12 @@ async def _on_http(request: Request, error: Exception) -> Response:
     return Problem(status, kind, status.phrase, detail, headers=headers).response(path)
 
 
-async def _on_unavailable(request: Request, error: Exception) -> Response:
-    return away(request, error).response(request.url.path)
+async def _on_unavailable(request: Request, _error: Exception) -> Response:
+    return away().response(request.url.path)
 
 
-def away(request: Request, error: Exception) -> Problem:
-    """The database is not there; the log is told why."""
-    _log.warning("cannot answer %s %s: %s", request.method, request.url.path, error)
+def away() -> Problem:
+    """The database is not there; what is wrong with it is in the log, once for each outage (`dray.store.database`)."""
     return Problem(
         HTTPStatus.SERVICE_UNAVAILABLE,
         AWAY,

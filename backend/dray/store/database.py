@@ -8,7 +8,9 @@ returns when it is on disk.
 from __future__ import annotations
 
 import asyncio
+import logging
 import sqlite3
+import time
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from typing import TypeVar
@@ -23,10 +25,49 @@ from dray.store.dialect import Dialect
 from dray.store.postgresql import Postgresql
 from dray.store.sqlite import Sqlite
 
+_log = logging.getLogger(__name__)
+
 T = TypeVar("T")
 
 _FAULTS = (DBAPIError, PoolTimeout, OSError, sqlite3.Error)
 """What drivers raise, beside our own bugs."""
+
+
+class Outage:
+    """One way to use a database, and whether it is there: the log is told once of each outage, and of its end.
+
+    Args:
+        what: that is done in this way, in words.
+    """
+
+    def __init__(self, what: str) -> None:
+        self._what = what
+        self._since_s: float | None = None
+        self._refused = 0
+
+    def begun(self, complaint: UnavailableError) -> None:
+        """It could not be used."""
+        self._refused += 1
+        if self._since_s is None:
+            self._since_s = time.monotonic()
+            _log.warning(
+                "%s cannot be %s, and whoever asks is told so until it can: %s",
+                complaint.what,
+                self._what,
+                complaint.reason,
+            )
+
+    def ended(self) -> None:
+        """It could be used."""
+        if self._since_s is not None:
+            away_s, self._since_s = time.monotonic() - self._since_s, None
+            _log.warning(
+                "the database can be %s again after %.0f s, in which %d asked in vain",
+                self._what,
+                away_s,
+                self._refused,
+            )
+            self._refused = 0
 
 
 class Database:
@@ -43,6 +84,7 @@ class Database:
         self._reader = engine.execution_options(**dialect.reading)
         self._writer = engine.execution_options(**dialect.writing)
         self._writing = asyncio.Lock()
+        self._unread, self._unwritten = Outage("read"), Outage("written")
 
     @classmethod
     async def open(cls, url: str) -> Database:
@@ -90,7 +132,7 @@ class Database:
         Raises:
             UnavailableError: the database cannot be read at present.
         """
-        with self._told():
+        with self._told(self._unread):
             async with self._reader.connect() as connection:
                 yield connection
 
@@ -102,7 +144,7 @@ class Database:
             UnavailableError: the database cannot be written at present. Where it is raised by the end of the
                 block, nobody knows whether the transaction was undone.
         """
-        with self._told():
+        with self._told(self._unwritten):
             async with self._writing, self._writer.begin() as connection:
                 await self._dialect.take_turn(connection)
                 yield connection
@@ -119,7 +161,7 @@ class Database:
         Raises:
             UnavailableError: as `write`.
         """
-        with self._told():
+        with self._told(self._unwritten):
             async with self._writing:
                 return await self._dialect.do(self._writer, work)
 
@@ -129,14 +171,18 @@ class Database:
         await self.engine.dispose()
 
     @contextmanager
-    def _told(self) -> Iterator[None]:
+    def _told(self, outage: Outage) -> Iterator[None]:
         """Tell a database that is away from a fault in what was asked of it."""
         try:
             yield
         except _FAULTS as error:
             if self._dialect.is_away(error):
-                raise self._complaint(error) from error
+                complaint = self._complaint(error)
+                outage.begun(complaint)
+                raise complaint from error
             raise
+        else:
+            outage.ended()
 
     async def _prove_writable(self) -> None:
         """Try a write and undo it: BEGIN alone does not tell on a file that may only be read."""

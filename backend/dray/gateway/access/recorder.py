@@ -58,9 +58,9 @@ class Recorder:
         try:
             await self._write(self._note.result or result_of(status), status)
         except UnavailableError as error:
-            self._tell_the_log(error)
             if status >= HTTPStatus.INTERNAL_SERVER_ERROR:
-                return  # The answer says already that it went wrong, and why.
+                return  # Nothing was done; the answer says that and why, and the log has told of the outage.
+            self._tell_the_log(error)
             self._lost = True
             problem = Problem(
                 HTTPStatus.SERVICE_UNAVAILABLE,

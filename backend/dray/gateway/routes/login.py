@@ -41,9 +41,9 @@ class _Page(APIRoute):
         async def answer(request: Request) -> Response:
             try:
                 return await handle(request)
-            except UnavailableError as error:
+            except UnavailableError:
                 wanted = request.query_params.get("next", "")
-                return refused(parts_of(request), request, away(request, error), {"next": wanted})
+                return refused(parts_of(request), request, away(), {"next": wanted})
 
         return answer
 
