@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import logging
-from typing import cast
+from typing import Any, cast
 
 import pytest
 from fastapi import FastAPI
 from gateway_kit import House, draft, gateway, problem
 
 from dray.gateway.access.rules import PUBLIC, RULES, Rule
-from dray.store.orders import Orders
+from dray.store import placing
 
 pytestmark = pytest.mark.anyio
 
@@ -51,15 +51,15 @@ async def test_a_bug_is_shielded_as_every_answer_is(url: str, rule: None) -> Non
 
 
 async def test_an_order_is_stored_wholly_or_not_at_all(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
-    add = Orders.add
+    insert = placing._insert
 
-    async def fail_after(orders: Orders, order: object) -> None:
-        await add(orders, order)  # type: ignore[arg-type]
+    def fail_after(*rows: Any) -> None:
+        insert(*rows)
         raise OSError(f"INSERT INTO orders: {SECRET}: disk I/O error")
 
     key = {"Idempotency-Key": "4711"}
     with monkeypatch.context() as patch:
-        patch.setattr(Orders, "add", fail_after)
+        patch.setattr(placing, "_insert", fail_after)
         answer = await house.client.post("/api/orders", json=draft(), headers=key)
     problem(answer, 503, "database-away")
     assert int(answer.headers["retry-after"]) > 0

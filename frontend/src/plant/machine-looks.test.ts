@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import type { MachineView } from "../api/types";
 import { lookAlike, machineLooks } from "./machine-looks";
 
-const stock = { item: "shaft", level: 10, capacity: 60, reorder_point: 20, on_order: 0 };
+const stock = { item: "shaft", level: 10, capacity: 60, reorder_point: 20, on_order: 0, spare: 0 };
 const machine = (more: Partial<MachineView> = {}): MachineView => ({
   id: "M1", name: "Press", status: "producing", product: "g1", goals: [], tasks: [], buffers: [stock], goods: [stock],
   problem: "", software: "", leaving: false, shut_out: null, trial: null, seen_at_s: 100, ...more,
