@@ -541,3 +541,14 @@ def test_bids_under_ever_new_names_are_not_kept_without_bound() -> None:
     hall.wait()
     hall.accepts(f"X{BIDS_KEPT}")
     assert len(hall.auction.left_over) < BIDS_KEPT
+
+
+def test_one_that_bids_and_declines_keeps_no_deadline_that_nobody_else_can_meet() -> None:
+    hall = Hall(deadline_s=60.0)
+    first_s = hall.auction.terms.deadline_s
+    for _ in range(4):
+        hall.bids(LIAR=20.0)
+        hall.wait_for_award()
+        hall.declines("LIAR")
+        hall.wait()
+    assert hall.auction.terms.deadline_s > first_s + 60.0

@@ -131,8 +131,8 @@ class Auction:
         self._asked = ""
         self._rank = 0
         self._numbers = count(1) if numbers is None else numbers
-        self._unbid = 0
-        """Rounds in which nobody has bid."""
+        self._vain = 0
+        """Rounds that have found nobody."""
 
     @property
     def has_asked(self) -> bool:
@@ -249,7 +249,7 @@ class Auction:
 
     def _announce(self, now_s: float) -> None:
         self.round += 1
-        if self._unbid and self._rules.moves_deadline:
+        if self._vain and self._rules.moves_deadline:
             self._move_deadline(now_s)
         self.stage = Stage.COLLECTING
         self.wake_at_s = now_s + self._rules.window_in_s(self.round)
@@ -289,7 +289,7 @@ class Auction:
 
     def _move_deadline(self, now_s: float) -> None:
         # A deadline that nobody could keep would be refused for ever: late is better than never.
-        deadline_s = now_s + self._span_s * min(1 + self._unbid, SPANS_MAX)
+        deadline_s = now_s + self._span_s * min(1 + self._vain, SPANS_MAX)
         if deadline_s > self.terms.deadline_s:
             self.terms = msgspec.structs.replace(self.terms, deadline_s=deadline_s)
 
@@ -330,7 +330,8 @@ class Auction:
         self.stage = Stage.RESTING
         self.wake_at_s = now_s + rest_s
         self.winning_bid = None
-        self._unbid += self._rank == 0
+        # Also when somebody has bid: who bids and takes nothing must not keep a deadline that nobody else can meet.
+        self._vain += 1
         terms = self.terms
         self._out.append(
             Record(
