@@ -54,8 +54,8 @@ class TasksEnd:
         """By coordinator: its open tasks, and when each was announced first."""
         self._forgotten: dict[str, None] = {}
         """Tasks of coordinators that have lost their notes; their carriers may have told of them since."""
-        self._told_of: dict[str, dict[str, None]] = {}
-        """By coordinator, those of them that have ended; with the notes of this life that is forgotten, too."""
+        self._ended: dict[str, dict[str, None]] = {}
+        """By coordinator, the newest of its tasks that have ended, which is forgotten with its notes, too."""
 
     def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         if type(message) is Event:
@@ -64,14 +64,14 @@ class TasksEnd:
                 self._open_s.setdefault(sender, {}).setdefault(fact.task, at_s)
             elif type(fact) is MemoryLost:
                 self._forgotten.update(dict.fromkeys(self._open_s.pop(sender, {})))
-                self._forgotten.update(self._told_of.pop(sender, {}))
+                self._forgotten.update(self._ended.pop(sender, {}))
             elif type(fact) is TaskClosed:
                 known = self._open_s.get(sender, {}).pop(fact.task, None) is not None
-                if not known and fact.task in self._forgotten:
-                    del self._forgotten[fact.task]
-                    self._told_of.setdefault(sender, {})[fact.task] = None
-                elif not known:
+                if not known and self._forgotten.pop(fact.task, "") is not None:
                     raise InvariantBroken(1, at_s, f"{fact.task} ended twice, or was never announced")
+                ended = self._ended.setdefault(sender, {})
+                ended[fact.task] = None
+                _forget_oldest(ended)
         elif type(message) is MachineHeartbeat:
             self._check(message, at_s)
 
