@@ -11,13 +11,22 @@ import pytest
 from zenoh_kit import Row
 
 from dray.messages import Event, Message, OrderItem, Phase
-from dray.messages.fact import AnyFact, CarrierChanged, OrderFulfilled, PhaseEntered, TaskClosed
+from dray.messages.fact import (
+    AnyFact,
+    CarrierChanged,
+    ContractorRated,
+    OrderFulfilled,
+    PhaseEntered,
+    TaskClosed,
+)
 from dray.plant import default_plant
 from dray.ports import Bus, Receive, Session
 from dray_sim.demand import Order
 from dray_sim.desk import Desk
 from dray_sim.ears import Ear, Ears
 from dray_sim.factory import SimFactory
+from dray_sim.insiders import BEHAVIOURS
+from dray_sim.insiders.joining import INSIDER, bring_in
 from dray_sim.invariants import Invariants
 from dray_sim.loop import clock, paced, run
 
@@ -159,3 +168,24 @@ async def a_vehicle_dies_on_its_way(stage: Stage) -> object:
 @pytest.mark.parametrize("story", [an_order_is_delivered, a_vehicle_dies_on_its_way])
 def test_a_story_ends_alike_on_both_buses(story: Story) -> None:
     assert on_zenoh(story) == on_the_simulated_network(story)
+
+
+def beside(behaviour: str, drops: bool) -> Story:
+    """An order is delivered, though a vehicle lies that has joined as any other; whether it is given contracts to drop."""
+
+    async def story(stage: Stage) -> object:
+        liar = asyncio.create_task(bring_in(stage.factory, BEHAVIOURS[behaviour], stage.bus).run())
+        try:
+            told = await an_order_is_delivered(stage)
+        finally:
+            liar.cancel()
+        dropped = [fact.contractor for _, fact in stage.facts if isinstance(fact, ContractorRated)]
+        assert (INSIDER in dropped) is drops
+        return told
+
+    return story
+
+
+@pytest.mark.parametrize(("behaviour", "drops"), [("bids-nothing", False), ("bids-the-least", True)])
+def test_a_liar_on_the_real_bus_keeps_no_order_from_being_delivered(behaviour: str, drops: bool) -> None:
+    assert on_zenoh(beside(behaviour, drops)) == on_the_simulated_network(an_order_is_delivered)
