@@ -177,7 +177,21 @@ def that_gives_epochs_of_which_it_has_no_notes(patch: pytest.MonkeyPatch) -> Non
     patch.setattr(Transports, "adopt_unknown", adopt)
 
 
+def that_believes_every_handover(patch: pytest.MonkeyPatch) -> None:
+    """A machine takes a carrier's word for it that a load is down."""
+    hear_handover = Dock.hear_handover
+
+    def believe(self: Dock, sender: str, message: Handover) -> OpenTask | None:
+        task = self._tasks.get(message.task)
+        if task is not None:
+            task.witnessed = False
+        return hear_handover(self, sender, message)
+
+    patch.setattr(Dock, "hear_handover", believe)
+
+
 MUTANTS = [
+    pytest.param(that_believes_every_handover, "liars", 16, "invariant 1", id="handover-unseen"),
     pytest.param(without_the_fence, "links", 0, "invariant 2", id="no-fence"),
     pytest.param(with_handovers_that_count_twice, "answers", 0, "ended twice", id="handover-twice"),
     pytest.param(without_release_after_silence, "answers", 17, "invariant 3|still works", id="no-release"),

@@ -96,6 +96,10 @@ class Blame:
         elif not isinstance(fault, ClockSet):
             self._touched_s[_touched(fault)] = float("inf")
 
+    def distrust(self, agent: str) -> None:
+        """Somebody lies: whatever it loses is due to that."""
+        self._touched_s[agent] = float("inf")
+
     def end(self, name: str, at_s: float) -> None:
         """A fault has ended."""
         fault = self._spells[name].fault

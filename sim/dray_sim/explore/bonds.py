@@ -80,6 +80,8 @@ class Bonds:
             # Asked once more: what comes of that is another matter.
             self._given_up.pop((fact.bidder, fact.task, fact.epoch), None)
         elif type(fact) is AwardAnswered:
+            if fact.bidder not in self._factory.workers:
+                return  # It never tells whether it believes to be bound: somebody who lies.
             if fact.role is Role.PRIMARY and fact.answer == "silent" and fact.task in self._transports:
                 self._given_up[fact.bidder, fact.task, fact.epoch] = _GivenUp(agent, at_s)
         elif type(fact) is ContractTaken:

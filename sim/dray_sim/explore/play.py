@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import Counter
+from contextlib import suppress
 from random import Random
 
 from dray.errors import DrayError
@@ -25,6 +26,8 @@ from dray_sim.explore.trial import Trial, draw
 from dray_sim.factory import SimFactory
 from dray_sim.faults import Fault, Faults, describe, kind_of
 from dray_sim.faults import play as let_happen
+from dray_sim.insiders import BEHAVIOURS
+from dray_sim.insiders.joining import INSIDER, bring_in
 from dray_sim.invariants import Invariants
 from dray_sim.loop import JUMP, clock, run
 from dray_sim.people import hire
@@ -123,6 +126,8 @@ class _Game:
         )
         blame, calm = Blame(trial.plant.fleet), Calm(Patience(trial.plant, trial.habits))
         checks = Invariants(factory, blame, Bonds(factory, blame), Standing(blame), calm)
+        if trial.insider:
+            blame.distrust(INSIDER)
         faults = _Diary(factory, blame, self._story)
         self._faults = faults.begun
         let_happen(trial.schedule, faults)
@@ -170,6 +175,14 @@ class _Game:
                     group.create_task(operator.run())
             if trial.passerby:
                 group.create_task(self._pass_by(factory))
+            if trial.insider:
+                group.create_task(self._lie(factory))
+
+    async def _lie(self, factory: SimFactory) -> None:
+        """Somebody lies until the calm, in which nobody is wronged any more."""
+        liar = bring_in(factory, BEHAVIOURS[self._trial.insider])
+        with suppress(TimeoutError):
+            await asyncio.wait_for(liar.run(), self._trial.faults_until_s)
 
     async def _pass_by(self, factory: SimFactory) -> None:
         trial = self._trial

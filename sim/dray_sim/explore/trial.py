@@ -38,6 +38,7 @@ from dray_sim.faults import (
 )
 from dray_sim.generator import generate_plant
 from dray_sim.habits import Habits
+from dray_sim.insiders import BEHAVIOURS
 
 DURATION_S = 1200.0
 """The least virtual time of a trial."""
@@ -83,6 +84,7 @@ class Profile:
         cancelled_frac: the part of the orders that customers cancel.
         revising_frac: the part of the trials in which managers take orders back and publish them again.
         revised_frac: in these, the part of the orders.
+        insiders_frac: the part of the trials in which somebody lies who has a valid certificate.
     """
 
     machines: tuple[int, int] = (1, 6)
@@ -105,6 +107,7 @@ class Profile:
     cancelled_frac: float = 0.1
     revising_frac: float = 0.3
     revised_frac: float = 0.4
+    insiders_frac: float = 0.0
 
 
 PROFILES: Mapping[str, Profile] = {
@@ -125,6 +128,7 @@ PROFILES: Mapping[str, Profile] = {
         weights={JournalLost: 2.0, Crashed: 1.0, PoweredOff: 0.5}, waves_frac=0.5, passerby_frac=0.0
     ),
     "clocks": Profile(intensity=(0.0, 1.0), waves_frac=0.5, clocks_frac=1.0),
+    "liars": Profile(intensity=(0.0, 0.5), operators_frac=0.0, passerby_frac=0.0, insiders_frac=1.0),
     "calm": Profile(intensity=(0.0, 0.0), passerby_frac=0.0),
 }
 """By name, as `dray sim explore --profile` takes them."""
@@ -146,6 +150,7 @@ class Trial:
         passerby: whether somebody presses buttons at random.
         cancelled: orders that are cancelled, and when (plant clock), in the order of their times.
         revised: orders that are taken back and published again.
+        insider: how somebody lies until the calm (`dray_sim.insiders`); empty where nobody does.
     """
 
     seed: int
@@ -162,6 +167,7 @@ class Trial:
     schedule: tuple[Timed, ...] = field(repr=False)
     cancelled: tuple[tuple[float, str], ...] = field(repr=False)
     revised: tuple[Revised, ...] = field(repr=False)
+    insider: str = ""
 
     def __str__(self) -> str:
         """In one line, for a reader."""
@@ -173,7 +179,8 @@ class Trial:
             f"{len(self.schedule)} faults",
             "operators" if self.habits is not None else "no operators",
         )
-        return ", ".join((*parts, "a passerby") if self.passerby else parts)
+        more = ("a passerby",) * self.passerby + (f"one that {self.insider}",) * bool(self.insider)
+        return ", ".join((*parts, *more))
 
     def timetable(self) -> list[str]:
         """What will go wrong, and when, line by line."""
@@ -212,7 +219,15 @@ def draw(seed: int, profile: str = "all") -> Trial:
         schedule=_schedule(seed, plant, ranges, random.uniform(*ranges.intensity)),
         cancelled=_cancelled(orders, ranges.cancelled_frac, Random(f"{seed} regret")),
         revised=_revised(orders, ranges, Random(f"{seed} revised")),
+        insider=_insider(ranges, Random(f"{seed} insider")),
     )
+
+
+def _insider(ranges: Profile, random: Random) -> str:
+    """How somebody lies who never moves; one that drives would leave its loads to the calm."""
+    if random.random() >= ranges.insiders_frac:
+        return ""
+    return random.choice([name for name, behaviour in BEHAVIOURS.items() if not behaviour.drives])
 
 
 def _schedule(seed: int, plant: Plant, ranges: Profile, intensity: float) -> tuple[Timed, ...]:
