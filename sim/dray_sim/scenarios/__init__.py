@@ -20,6 +20,7 @@ from dray_sim.scenarios import (
     experiment_power_off,
     experiment_wlan,
     fault_cost,
+    insider,
     latency_sweep,
     loss_sweep,
     peak_season,
@@ -43,6 +44,7 @@ _ALL: tuple[Playable, ...] = (
     soak.SOAK,
     takeover.TAKEOVER,
     fault_cost.FAULT_COST,
+    insider.INSIDER,
 )
 
 SCENARIOS: Mapping[str, Playable] = {scenario.name: scenario for scenario in _ALL}
