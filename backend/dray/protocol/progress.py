@@ -84,7 +84,8 @@ class Progress:
         Returns:
             `STALLED` or `OVERDUE`; empty while it comes nearer.
         """
-        self._excuse(heartbeat, held, now_s - self.heard_s)
+        if held or heartbeat.help is not None or heartbeat.speed_limit_frac < 1.0:
+            self._excuse(heartbeat, held, now_s - self.heard_s)
         self.heard_s = now_s
         if self._comes_nearer(heartbeat.pose, phase):
             self._moved_s = now_s
