@@ -107,12 +107,18 @@ def test_the_secrets_that_are_kept_are_bounded(folder: Path, monkeypatch: pytest
     assert len(letters._secrets) <= 2
 
 
-def test_what_an_earlier_life_has_shown_is_not_taken_again(folder: Path) -> None:
-    old, new = (seals(folder, agent).certificate for agent in ("ATV1", "ATV2"))
-    register = Register([], "p", lambda: 0.0)
-    for life, certificate in ((5, new), (4, old), (6, new)):
-        register.meet("M1", life, certificate)
-    assert register._agents == {"M1": (5, new)}
+def test_what_an_earlier_life_has_shown_is_not_taken_again(tmp_path: Path) -> None:
+    authority = Authority.make("p")
+    authority.write(tmp_path)
+    shown = []
+    for _ in range(2):
+        authority.issue(tmp_path, "p", {"ATV1": Kind.ATV})
+        shown.append(Seals(Identity.in_folder(tmp_path, "ATV1"), "p"))
+    old, new = (each.certificate for each in shown)
+    register = shown[-1].register
+    register.meet("ATV1", 5, new)
+    register.meet("ATV1", 4, old)
+    assert register._agents["ATV1"] == (5, new)
 
 
 def test_the_agents_that_are_known_are_bounded(folder: Path) -> None:

@@ -249,7 +249,8 @@ def producing_machine() -> Played:
 def asking_machine() -> Played:
     actor = announcing_machine()
     for cost_s, atv in enumerate(("ATV1", "ATV2", "ATV3")):
-        actor.told(atv, bid(float(cost_s), task="M7-1"))
+        # A way and a source as they are in this plant: others would be no bid.
+        actor.told(atv, bid(100.0 + cost_s, task="M7-1", source="S1"))
     return actor.until(lambda actor: actor.newest(Award))
 
 

@@ -189,7 +189,8 @@ class NaiveVigil:
         last = (0, 0)
         for at_s, beat in self.news():
             missed = beat.seq - last[1] - 1 if beat.incarnation == last[0] else 0
-            notes.append((missed, at_s - beat.at_s))
+            # A delay that no link has is a wrong clock's.
+            notes.append((missed, min(max(at_s - beat.at_s, 0.0), LATENESS_MAX_S)))
             last = (beat.incarnation, beat.seq)
         return notes
 

@@ -57,13 +57,14 @@ async def writing(store: Store, **options: Any) -> AsyncIterator[tuple[Historian
 
 
 async def rows(store: Store) -> dict[str, list[dict[str, Any]]]:
-    """Everything that the historian writes, except the order in which it came."""
+    """Everything that the historian writes, except in what order and when it came."""
     found = {}
     async with store.database.read() as connection:
         for table in (orders, order_items, goals, events):
             kept = [dict(row._mapping) for row in await connection.execute(select(table))]
             for row in kept:
                 row.pop("position", None)
+                row.pop("updated_at_s", None)
             found[table.name] = sorted(kept, key=str)
     return found
 

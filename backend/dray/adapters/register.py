@@ -89,6 +89,7 @@ class Register:
         """Note that this life of an agent has proved to have this certificate, which is good for it."""
         life_before, before = self._agents.get(agent, (life, b""))
         if certificate == before:
+            self._agents[agent] = (max(life, life_before), certificate)
             return
         # What an earlier life has said may be said again by others. But a thief's life, however late, ends with
         # the certificate: else nobody could write to the agent whose certificate was renewed.
