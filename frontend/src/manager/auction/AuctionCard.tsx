@@ -103,7 +103,7 @@ function Bids({ task }: { task: TaskView }) {
       </ul>
       {watch.length > 0 && <WatchBids rows={watch} />}
       {task.carriers.length > 1 && <Carriers carriers={task.carriers} />}
-      <p class="why">
+      <p class="why" tabIndex={0}>
         {why}
         {task.trouble !== "" && <span class="tone-warn"> {t("why.trouble", { reason: failureText(task.trouble) })}</span>}
       </p>
