@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from msgspec.structs import replace
 
 from dray.adapters.signing import SigningKey, TrustedKeys
 from dray.codec import decode, encode
@@ -27,6 +28,24 @@ def believes(trusted: TrustedKeys, command: VehicleCommand, atv: str = "ATV1") -
 
 def test_a_grant_is_believed_after_its_way_over_the_wire() -> None:
     assert believes(TrustedKeys(OURS.public), granted(OURS))
+
+
+def test_what_is_signed_holds_whole_numbers_alone() -> None:
+    command = granted(OURS)
+    assert command.grant is not None
+    assert signed_words("ATV1", command, command.grant).decode() == (
+        '["dray command 2","ATV1","C1","set_speed",1000,null,"Überwacher","p1",["AREA1"],false,60000]'
+    )
+
+
+@pytest.mark.parametrize(
+    ("speed_frac", "thousandths"), [(0.1, 100), (0.3, 300), (1 / 3, 333), (0.0005, 1), (0.00049, 0)]
+)
+def test_a_number_is_signed_to_a_thousandth(speed_frac: float, thousandths: int) -> None:
+    command = replace(COMMAND, speed_frac=speed_frac)
+    grant = OURS.grant("ATV1", command, person="p1", areas=None, valid_until_s=60).grant
+    assert grant is not None
+    assert f',"set_speed",{thousandths},' in signed_words("ATV1", command, grant).decode()
 
 
 def test_any_of_several_keys_counts() -> None:

@@ -6,7 +6,13 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
+import msgspec
 import pytest
+from cryptography import x509
+from cryptography.hazmat.primitives import hashes, serialization
+from cryptography.hazmat.primitives.asymmetric import ec
+from cryptography.hazmat.primitives.ciphers.aead import AESGCM
+from cryptography.hazmat.primitives.kdf.hkdf import HKDF
 
 from dray.adapters import letters as module
 from dray.adapters.certificates import Authority
@@ -90,9 +96,29 @@ def test_a_letter_of_long_ago_is_not_read_again(folder: Path, later_s: float) ->
         Letters(seals(folder, "M1", later_s)).read(seal, HERE, letter)
 
 
-def test_a_moment_that_is_no_number_is_not_fresh(folder: Path) -> None:
-    with pytest.raises(SealError, match="ago"):
-        seals(folder, "M1").check_age(float("nan"), b"")
+@pytest.mark.parametrize("moment", [1e12, float("nan"), -1, 2**53 + 1, "now"])
+def test_a_moment_is_a_whole_number_of_milliseconds(folder: Path, moment: object) -> None:
+    letter, seal = written(folder)
+    certificate, sender, _, nonce = msgspec.msgpack.decode(seal)
+    with pytest.raises(SealError, match="no letter's seal"):
+        Letters(seals(folder, "M1")).read(
+            msgspec.msgpack.encode((certificate, sender, moment, nonce)), HERE, letter
+        )
+
+
+def test_a_letter_is_opened_by_what_is_written_of_its_form(folder: Path) -> None:
+    """`docs/agents.md`, with a library of cryptography alone."""
+    letter, seal = written(folder)
+    certificate, sender, at_ms, nonce = msgspec.msgpack.decode(seal)
+    assert type(at_ms) is int
+    key = serialization.load_pem_private_key((folder / "M1.key").read_bytes(), None)
+    other = x509.load_der_x509_certificate(certificate).public_key()
+    assert isinstance(key, ec.EllipticCurvePrivateKey)
+    assert isinstance(other, ec.EllipticCurvePublicKey)
+    shared = key.exchange(ec.ECDH(), other)
+    secret = HKDF(hashes.SHA256(), 32, salt=None, info=b"dray letter p ATV1 M1").derive(shared)
+    assert sender == "ATV1"
+    assert AESGCM(secret).decrypt(nonce, letter, f"M1 3 7 {at_ms}".encode()) == b"words"
 
 
 def test_nothing_is_written_to_whom_nobody_has_met(folder: Path) -> None:

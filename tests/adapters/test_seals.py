@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+import base64
 from collections.abc import Mapping
 from contextlib import closing
 from pathlib import Path
 
+import msgspec
 import pytest
+from cryptography import x509
+from cryptography.hazmat.primitives import hashes
+from cryptography.hazmat.primitives.asymmetric import ec
 from prometheus_client import CollectorRegistry
 from zenoh_kit import PATIENCE_S, Row, free_address
 
@@ -76,6 +81,19 @@ def test_a_seal_fits_nothing_but_what_was_sealed(
     seal = seals(folder, "M1").seal("p/k", 1, 2, b"said")
     with pytest.raises(SealError):
         seals(folder, "ATV1").examine(seal, sender, key, life, number, data)
+
+
+def test_a_seal_and_a_token_are_examined_by_what_is_written_of_their_form(folder: Path) -> None:
+    """`docs/agents.md`, with a library of cryptography alone."""
+    mine = seals(folder, "M1")
+    certificate, at_ms, signature = msgspec.msgpack.decode(mine.seal("p/k", 3, 7, b"said"))
+    assert type(at_ms) is int
+    key = x509.load_der_x509_certificate(certificate).public_key()
+    assert isinstance(key, ec.EllipticCurvePublicKey)
+    key.verify(signature, f"p/k 3 7 {at_ms} said".encode(), ec.ECDSA(hashes.SHA256()))
+    chunk = base64.urlsafe_b64decode(mine.vouch("p/alive/M1/3"))
+    certificate, signature = msgspec.msgpack.decode(chunk)
+    key.verify(signature, b"there p/alive/M1/3", ec.ECDSA(hashes.SHA256()))
 
 
 @pytest.mark.parametrize("seal", [b"", b"\xc1", b"\x93\xc4\x01x\x00\xc4\x01y"])

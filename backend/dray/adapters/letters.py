@@ -21,7 +21,7 @@ from cryptography.hazmat.primitives.ciphers.aead import AESGCM
 from cryptography.hazmat.primitives.kdf.hkdf import HKDF
 
 from dray.adapters.register import Certified
-from dray.adapters.seals import Seals
+from dray.adapters.seals import Milliseconds, Seals
 from dray.errors import SealError
 from dray.messages.speakers import Kind
 
@@ -39,7 +39,7 @@ them twice with a chance of one in ten thousand million."""
 class _Cover(msgspec.Struct, frozen=True, gc=False, array_like=True):
     certificate: bytes
     sender: str
-    at_s: float
+    at_ms: Milliseconds
     nonce: bytes
 
 
@@ -61,9 +61,9 @@ class Place:
     life: int
     number: int
 
-    def bound(self, at_s: float) -> bytes:
-        """What is bound to its words, and is no secret."""
-        return f"{self.reader} {self.life} {self.number} {at_s!r}".encode()
+    def bound(self, at_ms: int) -> bytes:
+        """What is bound to its words, and is no secret; `at_ms` is when they were written (unix time)."""
+        return f"{self.reader} {self.life} {self.number} {at_ms}".encode()
 
 
 class Letters:
@@ -85,10 +85,10 @@ class Letters:
         reader = self._seals.register.known(place.reader)
         if reader is None:
             return None
-        at_s, nonce = self._seals.now_s(), os.urandom(NONCE_BYTES)
+        at_ms, nonce = self._seals.now_ms(), os.urandom(NONCE_BYTES)
         secret = self._secret(sender, place.reader, reader)
-        letter = secret.encrypt(nonce, words, place.bound(at_s))
-        return letter, _write(_Cover(self._seals.certificate, sender, at_s, nonce))
+        letter = secret.encrypt(nonce, words, place.bound(at_ms))
+        return letter, _write(_Cover(self._seals.certificate, sender, at_ms, nonce))
 
     def read(self, seal: bytes, place: Place, letter: bytes) -> tuple[str, Kind, bytes]:
         """Who has written a letter to an agent of ours, what that is, and the words.
@@ -101,10 +101,10 @@ class Letters:
         except (msgspec.MsgspecError, ValueError) as fault:
             raise SealError(f"no letter's seal: {fault}", letter) from fault
         sender, kind = self._seals.register.certified(cover.certificate, cover.sender, letter)
-        self._seals.check_age(cover.at_s, letter)
+        self._seals.check_age(cover.at_ms, letter)
         secret = self._secret(cover.sender, place.reader, sender)
         try:
-            words = secret.decrypt(cover.nonce, letter, place.bound(cover.at_s))
+            words = secret.decrypt(cover.nonce, letter, place.bound(cover.at_ms))
         except (InvalidTag, ValueError) as fault:
             raise SealError("it cannot be opened", letter) from fault
         self._seals.register.meet(cover.sender, place.life, cover.certificate)

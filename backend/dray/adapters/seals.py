@@ -3,7 +3,8 @@
 Links are authenticated by TLS, but that says only who the neighbour is: neighbours relay for one another,
 so a message of a machine may come from a vehicle. What must be known is who has said it. So every message
 is signed by its sender, together with the key on which it was said and the time, and brings the sender's
-certificate along. A relay can lose it, and nothing else.
+certificate along. A relay can lose it, and nothing else. What is signed beside the message's own bytes is text and whole
+numbers: no two languages print a float alike.
 
 A message may be played again within `FRESH_S`; that is a message that comes twice, which the protocol
 has to bear anyway. A voucher, by which an agent says in a chunk of a key that it is there, may be played again for
@@ -16,6 +17,7 @@ import base64
 import binascii
 import time
 from collections.abc import Callable
+from typing import Annotated
 
 import msgspec
 from cryptography import x509
@@ -35,6 +37,9 @@ from dray.messages.speakers import Kind
 FRESH_S = 30.0
 """How old a message may be: the slowest link of the paper takes 5 s, and clocks agree within 0.1 s."""
 
+Milliseconds = Annotated[int, msgspec.Meta(ge=0, le=2**53)]
+"""Of unix time, whole: a moment that every language writes alike."""
+
 _DAY = "%Y-%m-%d %H:%M"
 
 _ECDSA = ec.ECDSA(hashes.SHA256())
@@ -47,7 +52,7 @@ class _Voucher(msgspec.Struct, frozen=True, gc=False, array_like=True):
 
 class _Seal(msgspec.Struct, frozen=True, gc=False, array_like=True):
     certificate: bytes
-    at_s: float
+    at_ms: Milliseconds
     signature: bytes
 
 
@@ -128,9 +133,9 @@ class Seals:
 
     def seal(self, key: str, life: int, number: int, data: bytes) -> bytes:
         """Seal what is said on `key` now."""
-        at_s = self.now_s()
-        signature = self._key.sign(_signed(key, life, number, at_s, data), _ECDSA)
-        return _write(_Seal(self.certificate, at_s, signature))
+        at_ms = self.now_ms()
+        signature = self._key.sign(_signed(key, life, number, at_ms, data), _ECDSA)
+        return _write(_Seal(self.certificate, at_ms, signature))
 
     def examine(self, seal: bytes, sender: str, key: str, life: int, number: int, data: bytes) -> Kind:
         """What kind of agent has really said this.
@@ -143,20 +148,23 @@ class Seals:
         except (msgspec.MsgspecError, ValueError) as fault:
             raise SealError(f"no seal: {fault}", data) from fault
         certified, kind = self.register.certified(read.certificate, sender, data)
-        self.check_age(read.at_s, data)
-        _verify(certified, read.signature, _signed(key, life, number, read.at_s, data))
+        self.check_age(read.at_ms, data)
+        _verify(certified, read.signature, _signed(key, life, number, read.at_ms, data))
         self.register.meet(sender, life, read.certificate)
         return kind
 
-    def check_age(self, at_s: float, data: bytes) -> None:
+    def now_ms(self) -> int:
+        """The moment of what is said now (unix time)."""
+        return int(self.now_s() * 1000)
+
+    def check_age(self, at_ms: int, data: bytes) -> None:
         """See that what was said at this moment (unix time) is neither too old nor of the future.
 
         Raises:
             SealError: it is.
         """
-        age_s = self.now_s() - at_s
-        # Said so that it holds for no number, too.
-        if not abs(age_s) <= FRESH_S:
+        age_s = self.now_s() - at_ms / 1000
+        if abs(age_s) > FRESH_S:
             raise SealError(f"said {age_s:.0f} s ago", data)
 
     def agree_with(self, other: Certified) -> bytes:
@@ -198,5 +206,5 @@ def _vouched(key: str) -> bytes:
     return f"there {key}".encode()
 
 
-def _signed(key: str, life: int, number: int, at_s: float, data: bytes) -> bytes:
-    return f"{key} {life} {number} {at_s!r} ".encode() + data
+def _signed(key: str, life: int, number: int, at_ms: int, data: bytes) -> bytes:
+    return f"{key} {life} {number} {at_ms} ".encode() + data

@@ -8,6 +8,7 @@ vehicle, so that it says nothing about any other.
 from __future__ import annotations
 
 from enum import StrEnum
+from math import floor
 from typing import Annotated
 
 import msgspec
@@ -86,6 +87,8 @@ class CommandAnswered(Message, frozen=True):
 def signed_words(atv: str, command: VehicleCommand, grant: Grant) -> bytes:
     """What the signature of a grant covers: a JSON array without white space, the same for the same command.
 
+    Its numbers are whole thousandths, which every language writes alike.
+
     Args:
         atv: the vehicle that is to obey.
         command: what is asked; its own `grant` is not looked at.
@@ -93,17 +96,17 @@ def signed_words(atv: str, command: VehicleCommand, grant: Grant) -> bytes:
     """
     return _encoder.encode(
         (
-            "dray command 1",
+            "dray command 2",
             atv,
             command.command,
             command.kind.value,
-            _number(command.speed_frac),
-            _number(command.wait_s),
+            _thousandths(command.speed_frac),
+            _thousandths(command.wait_s),
             command.issued_by,
             grant.person,
             grant.areas,
             grant.everywhere,
-            _number(grant.valid_until_s),
+            _thousandths(grant.valid_until_s),
         )
     )
 
@@ -111,6 +114,6 @@ def signed_words(atv: str, command: VehicleCommand, grant: Grant) -> bytes:
 _encoder = msgspec.json.Encoder()
 
 
-def _number(value: float | None) -> float | None:
-    """A whole number is written as it comes back from the wire: with its point."""
-    return None if value is None else float(value)
+def _thousandths(value: float | None) -> int | None:
+    """Halves are rounded up, by arithmetic that is the same in all languages."""
+    return None if value is None else floor(value * 1000.0 + 0.5)
