@@ -71,7 +71,12 @@ def test_the_wheel_holds_code_panels_templates_and_migrations_and_nothing_to_bui
 
 def test_an_installed_wheel_runs_dray_up_with_panels_and_database(python: Path, start_dray) -> None:
     where = run(
-        python, "-c", "import dray, dray_sim; print(dray.__file__, dray_sim.__file__)", cwd=python.parent
+        python,
+        "-P",
+        "-E",
+        "-c",
+        "import dray, dray_sim; print(dray.__file__, dray_sim.__file__)",
+        cwd=python.parent,
     )
     assert str(ROOT) not in where
     dray = start_dray("--no-demand", python=python)

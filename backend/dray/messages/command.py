@@ -8,7 +8,7 @@ vehicle, so that it says nothing about any other.
 from __future__ import annotations
 
 from enum import StrEnum
-from math import floor
+from math import floor, isfinite
 from typing import Annotated
 
 import msgspec
@@ -115,5 +115,5 @@ _encoder = msgspec.json.Encoder()
 
 
 def _thousandths(value: float | None) -> int | None:
-    """Halves are rounded up, by arithmetic that is the same in all languages."""
-    return None if value is None else floor(value * 1000.0 + 0.5)
+    """Halves are rounded up, by arithmetic that is the same in all languages; what no wire can carry says nothing."""
+    return None if value is None or not isfinite(value) else floor(value * 1000.0 + 0.5)
