@@ -11,7 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from plants import plant_file
 from websockets.sync.client import ClientConnection, connect
+
+from dray.plant import Plant, plant_yaml
 
 SPEED = ("--speed", "50", "--no-demand")
 
@@ -49,6 +52,18 @@ def test_a_signal_stops_it_cleanly_while_a_browser_watches(start_dray, by) -> No
     with stream(dray) as frames:
         frames.recv(timeout=10)
         assert dray.stop(by) == 0, dray.output()
+    assert "Traceback" not in dray.output()
+
+
+def test_a_plant_of_one_product_gets_its_demand(start_dray, tmp_path: Path) -> None:
+    file = tmp_path / "one.yaml"
+    file.write_text(plant_yaml(Plant(plant_file())))
+    dray = start_dray("--speed", "50", "--plant", str(file))
+    ends_s = time.monotonic() + DELIVERED_S
+    while not dray.ask("/api/orders")["items"] and time.monotonic() < ends_s:
+        time.sleep(0.2)
+    assert dray.ask("/api/orders")["items"][0]["customer"] == "Simulated demand"
+    assert dray.stop() == 0
     assert "Traceback" not in dray.output()
 
 

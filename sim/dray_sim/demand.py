@@ -18,6 +18,9 @@ FIRST_ORDER_S = 10.0
 
 MAX_LOTS_PER_ITEM = 3
 
+MAX_PIECES = 10_000
+"""Of one item: what a gateway takes at most, however large the lots of a plant are."""
+
 DUE_AFTER_S = (2700.0, 7200.0)
 """Between 45 minutes and two hours: same-day orders, which take some 20 minutes in a quiet plant."""
 
@@ -50,7 +53,7 @@ def orders(plant: Plant, random: Random, *, load: float, until_s: float) -> Iter
     now_s, number = FIRST_ORDER_S, 0
     while now_s < until_s:
         number += 1
-        chosen = random.sample(products, k=random.choice((1, 1, 1, 2)))
+        chosen = random.sample(products, k=min(random.choice((1, 1, 1, 2)), len(products)))
         items = tuple(_item(plant, random, product) for product in chosen)
         yield Order(f"D{number}", now_s, now_s + random.uniform(*DUE_AFTER_S), items)
         work_s = sum(item.quantity * mean_cycle_s(plant, item.product) for item in items)
@@ -65,5 +68,6 @@ def mean_cycle_s(plant: Plant, product: str) -> float:
 
 
 def _item(plant: Plant, random: Random, product: str) -> OrderItem:
-    lot = plant.products[product].lot
-    return OrderItem(product=product, quantity=random.randint(lot, lot * MAX_LOTS_PER_ITEM))
+    lot = min(plant.products[product].lot, MAX_PIECES)
+    most = min(lot * MAX_LOTS_PER_ITEM, MAX_PIECES)
+    return OrderItem(product=product, quantity=random.randint(lot, most))

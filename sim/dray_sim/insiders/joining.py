@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from itertools import count
+
 from dray.messages.speakers import Kind
+from dray.plant import Plant
 from dray.plant.model import VehicleSpec
 from dray.ports import Bus
 from dray.protocol.atv import Atv
@@ -17,6 +20,13 @@ INSIDER = "ATV9"
 """The ninth of nine: the default plant has eight."""
 
 
+def name_in(plant: Plant) -> str:
+    """What an insider is called in a plant, whose own agents have other names."""
+    taken = plant.fleet.keys() | plant.machines.keys()
+    others = (f"{INSIDER}-{number}" for number in count(2))
+    return INSIDER if INSIDER not in taken else next(name for name in others if name not in taken)
+
+
 def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) -> Worker:
     """Let an insider join.
 
@@ -29,10 +39,11 @@ def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) 
         Its worker. That of one that drives runs already; whoever calls runs the other (`Worker.run`).
     """
     plant = factory.plant
-    factory.bus.kinds[INSIDER] = Kind.ATV
+    name = name_in(plant)
+    factory.bus.kinds[name] = Kind.ATV
     if not behaviour.drives:
         return Worker(
-            Liar(INSIDER, plant, behaviour),
+            Liar(name, plant, behaviour),
             bus=bus or factory.bus,
             clock=factory.clock,
             keys=factory.keys,
@@ -40,11 +51,11 @@ def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) 
             journal=HeldJournal(incarnation=1),
         )
     kind = list(plant.vehicle_types)[-1]
-    spec = VehicleSpec(INSIDER, kind, next(iter(plant.nodes)), 1.0)
+    spec = VehicleSpec(name, kind, next(iter(plant.nodes)), 1.0)
 
     def make(life: int, software: str, trial: int) -> Turncoat:
         atv = Atv(
-            INSIDER,
+            name,
             plant,
             vehicle_type=kind,
             incarnation=life,
@@ -55,4 +66,4 @@ def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) 
         return Turncoat(atv, behaviour)
 
     factory.add_vehicle(spec, make)
-    return factory.workers[INSIDER]
+    return factory.workers[name]

@@ -1,0 +1,32 @@
+"""A gateway of a plant that nobody here has drawn: it starts, and tells of it."""
+
+from __future__ import annotations
+
+import pytest
+from gateway_kit import gateway
+from plants import EXTREMES, plant_file
+
+PAGES = (
+    "/api/plant",
+    "/api/products",
+    "/api/kpis",
+    "/api/atvs",
+    "/api/machines",
+    "/api/traffic",
+    "/api/inventory",
+)
+
+
+@pytest.mark.anyio
+@pytest.mark.parametrize("kind", EXTREMES)
+async def test_a_gateway_starts_in_it_and_takes_an_order(sqlite_url: str, kind: str) -> None:
+    plant = plant_file(**EXTREMES[kind])
+    async with gateway(sqlite_url, plant=plant) as house:
+        house.bus.strategist()
+        for page in PAGES:
+            await house.get(page)
+        items = [{"product": plant.products[0].id, "quantity": 2}]
+        order = await house.place(items=items)
+        ahead = await house.client.post("/api/orders/preview", json={"items": items})
+        assert ahead.status_code == 200, ahead.text
+        assert (await house.get(f"/api/orders/{order['id']}"))["id"] == order["id"]
