@@ -16,6 +16,12 @@ ROOT = Path(__file__).resolve().parent.parent
 pytestmark = pytest.mark.slow
 
 
+@pytest.fixture(autouse=True)
+def no_sources(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is installed is asked, also where the environment names a folder with the sources."""
+    monkeypatch.delenv("PYTHONPATH", raising=False)
+
+
 def run(*command: str | Path, cwd: Path) -> str:
     """Run to a good end, else show what it said."""
     done = subprocess.run(
