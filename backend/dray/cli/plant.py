@@ -28,6 +28,16 @@ def check(
     typer.echo(check_plant(file))
 
 
+@app.command("json")
+def as_json(
+    file: Annotated[Path | None, typer.Argument(help="A plant file (YAML); else the default plant.")] = None,
+) -> None:
+    """Write a plant as JSON, every default filled in: for agents that read no YAML."""
+    import msgspec
+
+    typer.echo(msgspec.json.format(msgspec.json.encode(chosen_plant(file).file)))
+
+
 def chosen_plant(file: Path | None) -> Plant:
     """The plant of a file, or the default plant.
 

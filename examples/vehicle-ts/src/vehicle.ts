@@ -1,0 +1,322 @@
+/** One vehicle: beats, bids, takes one contract at a time, rests, and obeys people. It watches nobody. */
+
+import type { Body, Report } from './body.ts';
+import type { Bus } from './bus.ts';
+import { Carriage } from './carriage.ts';
+import type { Driver } from './driver.ts';
+import type { Answer, Award, BerthClaimed, Message, Status, TaskAnnounced } from './messages.ts';
+import type { Contract, Notes } from './notes.ts';
+import type { Obedience } from './obedience.ts';
+import type { Plant } from './plant.ts';
+import { quote } from './pricing.ts';
+import { Rest, type Bed } from './rest.ts';
+
+const WORKING_BEAT_S = 1;
+const IDLE_BEAT_S = 5;
+const SOFTWARE = 'vehicle-ts 1';
+
+export class Vehicle implements Bed {
+  readonly atv: string;
+  readonly plant: Plant;
+  readonly driver: Driver;
+  readonly body: Body;
+  readonly now_s: () => number;
+  #bus: Bus;
+  #notes: Notes;
+  #obedience: Obedience;
+  #life: number;
+  #seq = 0;
+  #beats_s = 0;
+  #cell = '';
+  #carriage: Carriage | undefined;
+  #rest: Rest;
+  #problem: string;
+  #leaving = false;
+  /** Told what has happened, in a line. */
+  readonly #tell: (line: string) => void;
+
+  constructor(
+    atv: string,
+    parts: {
+      plant: Plant;
+      driver: Driver;
+      body: Body;
+      bus: Bus;
+      notes: Notes;
+      obedience: Obedience;
+      now_s: () => number;
+      tell: (line: string) => void;
+    },
+  ) {
+    this.atv = atv;
+    this.plant = parts.plant;
+    this.driver = parts.driver;
+    this.body = parts.body;
+    this.now_s = parts.now_s;
+    this.#bus = parts.bus;
+    this.#notes = parts.notes;
+    this.#obedience = parts.obedience;
+    this.#tell = parts.tell;
+    this.#life = parts.notes.kept.life;
+    this.#problem = parts.body.state.problem;
+    this.#rest = new Rest(this);
+    this.body.attach((report) => this.#hearReport(report));
+    this.#move();
+    const { contract } = parts.notes.kept;
+    if (contract) this.#go(contract, (carriage) => carriage.resume(this.body.state.load));
+    else if (this.body.state.load) this.#bringBack();
+    else this.#rest.soon();
+    this.#beat();
+  }
+
+  // --- what its parts use ---
+
+  send(to: string, message: Message): void {
+    this.#bus.send(to, message);
+  }
+
+  keep(contract: Contract): void {
+    this.#notes.write({ contract });
+  }
+
+  claim(claim: BerthClaimed): void {
+    this.#bus.publish(`${this.plant.id}/berth/${claim.berth}`, claim);
+  }
+
+  listen(berth: string): void {
+    this.#bus.subscribe(`${this.plant.id}/berth/${berth}`);
+  }
+
+  ignore(berth: string): void {
+    this.#bus.unsubscribe(`${this.plant.id}/berth/${berth}`);
+  }
+
+  // --- time passes ---
+
+  /** Called several times a second. */
+  tick(): void {
+    this.#step((carriage) => carriage.tick(this.body.state.load));
+    if (!this.#carriage && !this.#isStuck && !this.#leaving) this.#rest.tick();
+    if (this.now_s() >= this.#beats_s) this.#beat();
+  }
+
+  /** Take nothing new; give the task back unless the load is on board. */
+  leave(): void {
+    this.#leaving = true;
+    this.#rest.stop();
+    this.#step((carriage) => carriage.giveBack());
+    if (!this.#carriage) this.driver.halt(this.now_s());
+    this.#beat();
+  }
+
+  /** Whether nothing holds it any more. */
+  get mayGo(): boolean {
+    return this.#leaving && (this.#isStuck || (!this.#carriage && !this.driver.isDriving));
+  }
+
+  // --- others speak ---
+
+  hear(sender: string, message: Message): void {
+    switch (message.type) {
+      case 'TaskAnnounced':
+        this.#hearAnnounced(message);
+        break;
+      case 'Award':
+        this.#hearAward(sender, message);
+        break;
+      case 'Release': {
+        const { role, task, epoch, number } = message;
+        const contract = this.#contractWith(sender, task);
+        if (role === 'primary' && contract?.epoch === epoch && contract.number === (number ?? 0))
+          this.#step((carriage) => carriage.cancel('released'));
+        break;
+      }
+      case 'DockOpened':
+      case 'DockHeld':
+      case 'HandoverAccepted':
+      case 'Confirmed':
+      case 'Superseded':
+      case 'Withdrawn':
+        if (this.#contractWith(sender, message.task)) this.#step((carriage) => carriage.hear(message as Answer));
+        break;
+      case 'BerthClaimed':
+        this.#rest.hear(message);
+        break;
+      case 'VehicleCommand': {
+        const refused = this.#obedience.hear(message, this.now_s());
+        const { command } = message;
+        this.send(sender, { type: 'CommandAnswered', command, done: !refused, reason: refused });
+        this.#tell(`${message.kind} ${command}: ${refused || 'done'}`);
+        if (!this.#isStuck && !this.#carriage) this.#rest.soon();
+        this.#beat();
+        break;
+      }
+      case 'EventsAsked':
+        // This vehicle tells no facts: what it does is told by those whom it works for.
+        this.send(sender, { type: 'EventsKept', incarnation: message.incarnation, first: 1, last: 0, life: this.#life });
+        break;
+      default:
+        break;
+    }
+  }
+
+  #hearAnnounced(message: TaskAnnounced): void {
+    const { work, role, task, epoch, coordinator } = message;
+    const here = this.driver.place;
+    const far_m = Math.hypot((message.x_m ?? 0) - here.x_m, (message.y_m ?? 0) - here.y_m);
+    if (role !== 'primary' || work.kind !== 'transport' || !this.#isFree || far_m > (message.radius_m ?? 0)) return;
+    const offer = quote(this.plant, this.driver, this.body.state.battery_frac, work, this.now_s(), message.deadline_s);
+    if (!offer) return;
+    const { cost, finish_s, source } = offer;
+    this.send(coordinator, { type: 'Bid', task, epoch, role, round: message.round ?? 1, cost, finish_s, source });
+  }
+
+  #hearAward(sender: string, award: Award): void {
+    const { task, epoch, role, work } = award;
+    const number = award.number ?? 1;
+    const held = this.#contractWith(sender, task);
+    if (held && held.epoch === epoch && !held.cancelled) {
+      // Its answer was lost; this award is the one that binds now.
+      this.#carriage!.contract = { ...held, number };
+      this.keep(this.#carriage!.contract);
+      this.send(sender, this.#carriage!.accepted);
+      return;
+    }
+    const decline = (reason: string) => this.send(sender, { type: 'Declined', task, epoch, role, reason, number });
+    if (role !== 'primary') return decline('watching_enough');
+    if (work.kind !== 'transport') return decline('ability');
+    if (!this.#isFree) return decline(this.#carriage ? 'busy' : 'not_fit');
+    const sources = award.source ? [award.source] : work.sources;
+    const battery_frac = this.body.state.battery_frac;
+    const offer = quote(this.plant, this.driver, battery_frac, { ...work, sources }, this.now_s(), award.deadline_s);
+    if (!offer) return decline('deadline');
+    const { source, finish_s: promised_s } = offer;
+    const contract: Contract = {
+      ...{ task, epoch, work, coordinator: sender, source, promised_s, number },
+      phase: 'approaching',
+      cancelled: '',
+    };
+    this.keep(contract);
+    this.#tell(`takes ${task}: ${work.quantity} ${work.item} from ${source} to ${work.destination}`);
+    this.#rest.stop();
+    this.#go(contract, (carriage) => {
+      this.send(sender, carriage.accepted);
+      carriage.begin();
+    });
+  }
+
+  #contractWith(sender: string, task: string): Contract | undefined {
+    const contract = this.#carriage?.contract;
+    return contract?.task === task && contract.coordinator === sender ? contract : undefined;
+  }
+
+  // --- its body reports ---
+
+  #hearReport(report: Report): void {
+    const way = this.driver.hear(report);
+    this.#move();
+    if (way === 'arrived') {
+      if (this.#carriage) this.#step((carriage) => carriage.arrived());
+      else this.#rest.arrived();
+    } else if (way === 'refused') {
+      if (this.#carriage) this.#step((carriage) => carriage.wayRefused());
+      else this.#rest.soon();
+    } else if (report.kind === 'ActionDone') {
+      if (!this.#rest.actionEnded(report.order, true)) this.#step((carriage) => carriage.actionDone(report.order));
+    } else if (report.kind === 'ActionFailed') {
+      if (!this.#rest.actionEnded(report.order, false))
+        this.#step((carriage) => carriage.actionFailed(report.order, report.reason));
+    } else if (report.kind === 'ProblemRaised' || report.kind === 'ProblemCleared') {
+      this.#problem = report.kind === 'ProblemRaised' ? report.reason : '';
+      if (this.#problem) this.#obedience.takeBack();
+      this.#beat();
+    }
+  }
+
+  /** Listen where it is: announcements go to cells. */
+  #move(): void {
+    const cell = this.plant.cellOf(this.driver.place);
+    if (cell === this.#cell) return;
+    if (this.#cell) this.#bus.unsubscribe(`${this.plant.id}/task/${this.#cell}`);
+    this.#bus.subscribe(`${this.plant.id}/task/${cell}`);
+    this.#cell = cell;
+  }
+
+  // --- its contract ---
+
+  get #isStuck(): boolean {
+    return this.#obedience.stopped || this.#problem !== '';
+  }
+
+  get #isFree(): boolean {
+    return !this.#carriage && !this.#isStuck && !this.#leaving && !this.body.state.load;
+  }
+
+  #go(contract: Contract, begin: (carriage: Carriage) => void): void {
+    this.#carriage = new Carriage(contract, this);
+    this.#step(begin);
+  }
+
+  /** A load without a contract is one of an earlier life: bring it back, for nobody. */
+  #bringBack(): void {
+    const { load, load_quantity } = this.body.state;
+    const sources = this.plant.refugesOf(load);
+    const destination = sources[0]!;
+    const work = { kind: 'transport', item: load, quantity: load_quantity, sources, destination, ability: '' } as const;
+    const found = { task: `${this.atv}-found`, epoch: 0, work, coordinator: this.atv, source: destination, promised_s: 0 };
+    const contract: Contract = { ...found, number: 0, phase: 'returning', cancelled: 'nobody knows of this load' };
+    this.#go(contract, (carriage) => carriage.resume(load));
+  }
+
+  #step(step: (carriage: Carriage) => void): void {
+    const carriage = this.#carriage;
+    if (!carriage) return;
+    const { phase } = carriage.contract;
+    step(carriage);
+    if (this.#leaving && !carriage.ended) carriage.giveBack();
+    if (carriage.ended) {
+      this.#tell(`${carriage.contract.task}: ${carriage.ended}`);
+      this.#carriage = undefined;
+      this.#notes.write({ contract: null });
+      this.#rest.soon();
+    }
+    if (carriage.ended || carriage.contract.phase !== phase) this.#beat();
+  }
+
+  // --- what others see ---
+
+  get #status(): Status {
+    if (this.#obedience.stopped) return 'stopped';
+    if (this.#problem) return 'error';
+    if (this.#carriage) return 'working';
+    return this.#rest.charging ? 'charging' : 'idle';
+  }
+
+  #beat(): void {
+    const { state } = this.body;
+    this.#beats_s = this.now_s() + (this.#carriage ? WORKING_BEAT_S : IDLE_BEAT_S);
+    this.#seq += 1;
+    this.#bus.publish(`${this.plant.id}/hb/atv/${this.atv}`, {
+      type: 'AtvHeartbeat',
+      atv: this.atv,
+      incarnation: this.#life,
+      seq: this.#seq,
+      at_s: this.now_s(),
+      status: this.#status,
+      pose: state.pose,
+      node: this.driver.node,
+      speed_mps: state.speed_mps,
+      battery_frac: state.battery_frac,
+      load: state.load,
+      load_quantity: state.load_quantity,
+      task: this.#carriage?.brief ?? null,
+      way: this.driver.ahead,
+      berth: this.#rest.berth,
+      speed_limit_frac: this.#notes.kept.speed_frac,
+      acknowledged: this.#obedience.acknowledged,
+      problem: this.#problem,
+      software: SOFTWARE,
+      leaving: this.#leaving,
+    });
+  }
+}

