@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Iterator
+from inspect import iscoroutinefunction
 from typing import cast
 
 import pytest
 from fastapi import FastAPI
+from fastapi.dependencies.models import Dependant
 from fastapi.routing import iter_route_contexts
 from gateway_kit import AUTHORITY, PLANT, FakeBus, House, gateway, problem
 from starlette.routing import Mount
@@ -24,9 +27,8 @@ NO_STORE = cast(Store, None)
 
 
 @pytest.fixture(scope="module")
-def routes() -> set[tuple[str, str]]:
-    """Method and path template of all that the gateway answers."""
-    app = create_app(
+def app() -> FastAPI:
+    return create_app(
         settings=Settings(),
         plant=PLANT,
         bus=FakeBus(),
@@ -34,6 +36,11 @@ def routes() -> set[tuple[str, str]]:
         time=TimeScale(0.0, 0.0),
         authority=AUTHORITY,
     )
+
+
+@pytest.fixture(scope="module")
+def routes(app: FastAPI) -> set[tuple[str, str]]:
+    """Method and path template of all that the gateway answers."""
     found = set()
     for context in iter_route_contexts(app.routes):
         if isinstance(context.original_route, Mount):
@@ -49,6 +56,24 @@ def routes() -> set[tuple[str, str]]:
 
 def test_every_route_has_a_row_and_every_row_a_route(routes: set[tuple[str, str]]) -> None:
     assert set(RULES) == routes
+
+
+def functions(dependant: Dependant) -> Iterator[object]:
+    """A route's own function, and those of all that it depends on."""
+    yield dependant.call
+    for each in dependant.dependencies:
+        yield from functions(each)
+
+
+def test_no_request_waits_for_a_thread(app: FastAPI) -> None:
+    """FastAPI calls what is no coroutine function in a thread of a pool: two switches each."""
+    asked = set()
+    for context in iter_route_contexts(app.routes):
+        dependant = getattr(context, "dependant", None)
+        if isinstance(dependant, Dependant):
+            asked |= set(functions(dependant))
+    assert len(asked) > len(RULES) / 2
+    assert [call for call in asked if not iscoroutinefunction(call)] == []
 
 
 def test_whatever_changes_something_has_a_name_in_the_audit_log() -> None:

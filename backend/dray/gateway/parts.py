@@ -91,5 +91,9 @@ def parts_of(connection: HTTPConnection) -> Parts:
     return cast(Parts, connection.app.state.parts)
 
 
-Gateway = Annotated[Parts, Depends(parts_of)]
+async def _parts(connection: HTTPConnection) -> Parts:
+    return parts_of(connection)
+
+
+Gateway = Annotated[Parts, Depends(_parts)]
 """A router's parameter."""

@@ -12,7 +12,7 @@ from dray.gateway.parts import Gateway
 from dray.gateway.projection.sight import Sight, sight
 
 
-def seen(gateway: Gateway, caller: Caller) -> Sight:
+async def seen(gateway: Gateway, caller: Caller) -> Sight:
     """What the caller sees at this moment."""
     return sight(gateway.projection, caller.areas, orders=caller.may(Scope.ORDERS_READ))
 

@@ -51,7 +51,7 @@ async def admitted(connection: HTTPConnection) -> None:
         )
 
 
-def caller(connection: HTTPConnection) -> Principal:
+async def caller(connection: HTTPConnection) -> Principal:
     """Who asks. Only for routes that are not public."""
     principal = connection.scope[CALLER]
     assert isinstance(principal, Principal)  # noqa: S101 - nobody else passes the gate

@@ -178,7 +178,7 @@ def result_of(status: int) -> Result:
     return "refused" if status < 500 else "failed"
 
 
-def _note(connection: HTTPConnection) -> Note:
+async def _note(connection: HTTPConnection) -> Note:
     note = connection.scope[NOTE]
     assert isinstance(note, Note)  # noqa: S101 - the gate has left it
     return note

@@ -74,7 +74,7 @@ Text = Annotated[str, Query(max_length=200, pattern=r"^[^\x00]*$")]
 """As long as the longest customer; without NUL, which no text on PostgreSQL may hold."""
 
 
-def _wanted(
+async def _wanted(
     status: Annotated[list[OrderStatus] | None, Query(description="Only these; may be repeated")] = None,
     reference: Annotated[Text, Query(description="The customer's own number, as it was given")] = "",
     customer: Annotated[Text, Query(description="As it was given")] = "",
