@@ -10,11 +10,12 @@ from random import Random
 import pytest
 from databases import Postgres
 from history import made, same_clock, tell
-from sqlalchemy import text
+from sqlalchemy import Connection, text, update
 
 from dray.errors import UnavailableError
 from dray.store import Database, Store, dialect, open_store
 from dray.store.progress import Goal
+from dray.store.tables import incarnations
 
 pytestmark = pytest.mark.anyio
 
@@ -102,6 +103,50 @@ async def test_writers_of_two_processes_take_turns(url: str) -> None:
     assert sorted(given) == list(range(1, 21))
 
 
+def count_one(connection: Connection) -> None:
+    """As `next_incarnation`, in one piece."""
+    connection.execute(update(incarnations).values(incarnation=incarnations.c.incarnation + 1))
+
+
+async def test_a_transaction_in_one_piece_takes_its_turn_among_others(url: str) -> None:
+    one, other = await open_store(url), await open_store(url)
+    await one.next_incarnation("plant")
+    await asyncio.gather(
+        *(store.database.do(count_one) for store in (one, other) * 10),
+        *(store.next_incarnation("plant") for store in (one, other) * 10),
+    )
+    assert await one.next_incarnation("plant") == 42
+    await one.close()
+    await other.close()
+
+
+async def test_a_transaction_in_one_piece_that_raises_is_undone_and_the_next_is_not(store: Store) -> None:
+    def raises(connection: Connection) -> None:
+        count_one(connection)
+        raise KeyError("a bug")
+
+    await store.next_incarnation("plant")
+    with pytest.raises(KeyError):
+        await store.database.do(raises)
+    await store.database.do(count_one)
+    assert await store.next_incarnation("plant") == 3
+
+
+async def test_a_transaction_in_one_piece_that_is_cancelled_leaves_its_turn_to_others(store: Store) -> None:
+    await store.next_incarnation("plant")
+    for turns in range(6):
+        await store.database.do(count_one)
+        doing = asyncio.create_task(store.database.do(count_one))
+        for _ in range(turns):
+            await asyncio.sleep(0)
+        doing.cancel()
+        await asyncio.wait([doing])
+    before = await store.next_incarnation("plant")
+    assert before >= 8, "what had ended before"
+    await store.database.do(count_one)
+    assert await store.next_incarnation("plant") == before + 2
+
+
 def _text_file(folder: Path) -> Path:
     path = folder / "notes.txt"
     path.write_text("this is no database at all, and long enough to have a header\n" * 20)
@@ -182,16 +227,25 @@ async def test_a_server_that_is_not_there_is_named_without_its_password(postgres
 async def test_a_server_that_is_started_anew_is_used_again(postgres: Postgres, postgresql_url: str) -> None:
     store = await open_store(postgresql_url)
     assert await store.next_incarnation("plant") == 1
+    await store.database.do(count_one)
     postgres.stop()
     try:
         with pytest.raises(UnavailableError):
             await store.next_incarnation("plant")
         with pytest.raises(UnavailableError):
+            await store.database.do(count_one)
+        with pytest.raises(UnavailableError):
             async with store.read() as work:
                 await work.ping()
     finally:
         postgres.start()
-    assert await store.next_incarnation("plant") == 2
+    assert await store.next_incarnation("plant") == 3
+    await store.database.do(count_one)
+    postgres.stop()
+    postgres.start()
+    # That its connection has ended is nothing to be told.
+    await store.database.do(count_one)
+    assert await store.next_incarnation("plant") == 6
     await store.close()
 
 

@@ -6,8 +6,10 @@ whenever the process dies.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import msgspec
-from sqlalchemy import delete, insert, select
+from sqlalchemy import Connection, delete, insert, select
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dray.store.tables import idempotency_keys
@@ -24,6 +26,24 @@ class KeptAnswer(msgspec.Struct, frozen=True, gc=False):
     """The body, as it was sent."""
     at_s: float
     """Wall clock."""
+
+
+_KNOWN = f"SELECT {', '.join(KeptAnswer.__struct_fields__)} FROM idempotency_keys WHERE key"  # noqa: S608 - ours
+
+_KNOWN_TO_POSTGRESQL = f"{_KNOWN} = ANY($1)"
+
+_KNOWN_TO_SQLITE = f"{_KNOWN} IN (SELECT value FROM json_each(?))"  # noqa: S608 - likewise
+
+
+def known_answers(connection: Connection, keys: Sequence[str]) -> dict[str, KeptAnswer]:
+    """What was answered under some keys, by key. Every order asks, so the driver gets it as it takes it."""
+    if not keys:
+        return {}
+    if connection.dialect.name == "postgresql":
+        rows = connection.exec_driver_sql(_KNOWN_TO_POSTGRESQL, (keys,))
+    else:
+        rows = connection.exec_driver_sql(_KNOWN_TO_SQLITE, (msgspec.json.encode(keys).decode(),))
+    return {row.key: KeptAnswer(*row) for row in rows}
 
 
 class IdempotencyKeys:

@@ -9,13 +9,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import msgspec
-from sqlalchemy import Connection, delete, func, insert, select
+from sqlalchemy import Connection, delete, func, select
 
 from dray.errors import DrayError
 from dray.store.audit import AuditRow, row_of_line
 from dray.store.database import Database
 from dray.store.digest import digest
-from dray.store.keys import KeptAnswer
+from dray.store.insertion import Insertion
+from dray.store.keys import KeptAnswer, known_answers
 from dray.store.links import Link
 from dray.store.orders import Order, rows_of_items, rows_of_orders
 from dray.store.tables import audit, idempotency_keys, order_items, orders, tracking_links
@@ -26,6 +27,9 @@ PRUNED_EVERY = 1_000
 
 FORGOTTEN_EVERY_S = 600.0
 """Wall seconds between two looks for keys that are too old: they are kept for days."""
+
+
+_INSERTION = Insertion(orders, order_items, tracking_links, idempotency_keys, audit)
 
 
 class Placement(msgspec.Struct, frozen=True):
@@ -92,7 +96,7 @@ class Placing:
         return placed.orders, placed.kept
 
     def _write(self, connection: Connection, wishes: Sequence[Wish]) -> Sequence[Placed]:
-        known = _known(connection, wishes)
+        known = known_answers(connection, [wish.key for wish in wishes if wish.key])
         done = [_placed(wish, known.get(wish.key)) for wish in wishes]
         new = [order for placed in done for order in placed.orders]
         answers = [placed.kept for placed in done if placed.orders and placed.kept and placed.kept.key]
@@ -121,15 +125,6 @@ class Placing:
             connection.execute(delete(idempotency_keys).where(too_old))
 
 
-def _known(connection: Connection, wishes: Sequence[Wish]) -> dict[str, KeptAnswer]:
-    """What was answered under these keys."""
-    keys = [wish.key for wish in wishes if wish.key]
-    if not keys:
-        return {}
-    rows = connection.execute(select(idempotency_keys).where(idempotency_keys.c.key.in_(keys)))
-    return {row.key: KeptAnswer(**row._mapping) for row in rows}  # noqa: SLF001 - SQLAlchemy's public name
-
-
 def _placed(wish: Wish, known: KeptAnswer | None) -> Placed:
     if known is not None:
         return Placed(kept=known)
@@ -153,12 +148,5 @@ def _insert(
         for order in new
     ]
     keys = [msgspec.structs.asdict(answer) for answer in answers]
-    for table, rows in (
-        (orders, rows_of_orders(new)),
-        (order_items, rows_of_items(new)),
-        (tracking_links, links),
-        (idempotency_keys, keys),
-        (audit, lines),
-    ):
-        if rows:
-            connection.execute(insert(table), rows)
+    if new or lines:
+        _INSERTION.write(connection, (rows_of_orders(new), rows_of_items(new), links, keys, lines))

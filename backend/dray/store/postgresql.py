@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any, TypeVar
 
+import asyncpg
 from sqlalchemy import Connection, text
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
@@ -32,6 +33,9 @@ server whose network fell silent is given up after this."""
 FORGOTTEN_MS = 60_000
 """A transaction that does nothing for so long belongs to a process that hangs; others wait for its lock."""
 
+_BEGIN = f"BEGIN ISOLATION LEVEL READ COMMITTED; SELECT pg_advisory_xact_lock({WRITERS})"
+"""A transaction that has its turn, in one message to the server."""
+
 _AWAY = frozenset({"08", "25", "40", "53", "55", "57", "58"})
 """Classes of SQLSTATE that say nothing about what was asked: connection lost, read-only standby, rolled
 back, no resources, lock not to be had, server being stopped, system error."""
@@ -45,6 +49,11 @@ class Postgresql:
     )
     # Each statement must see what was committed while its transaction waited for its turn.
     writing: Mapping[str, Any] = MappingProxyType({"isolation_level": "READ COMMITTED"})
+
+    def __init__(self) -> None:
+        self._kept: AsyncConnection | None = None
+        """Of `do`, which says itself when a transaction begins and ends. The pool would try it before each use, and
+        each statement of a transaction's beginning goes to the server and back."""
 
     def engine(self, url: str) -> AsyncEngine:
         server_settings = {
@@ -71,12 +80,39 @@ class Postgresql:
         await connection.execute(text("SELECT pg_advisory_xact_lock(:writers)"), {"writers": WRITERS})
 
     async def do(self, writer: AsyncEngine, work: Callable[[Connection], T]) -> T:
-        async with writer.begin() as connection:
-            await self.take_turn(connection)
-            return await connection.run_sync(work)
+        connection = await self._begun(writer)
+        try:
+            done = await connection.run_sync(work)
+            await _say(connection, "COMMIT")
+        except BaseException:
+            await self._hang_up()
+            raise
+        return done
 
     async def close(self) -> None:
-        """Nothing was opened beside the engine."""
+        await self._hang_up()
+
+    async def _begun(self, writer: AsyncEngine) -> AsyncConnection:
+        """The kept connection, or a new one where the server has been away, in a transaction."""
+        while True:
+            fresh = self._kept is None
+            try:
+                if self._kept is None:
+                    self._kept = await writer.connect()
+                    await self._kept.execution_options(isolation_level="AUTOCOMMIT")
+                await _say(self._kept, _BEGIN)
+                return self._kept
+            except BaseException as error:
+                await self._hang_up()
+                if fresh or not _is_gone(error):
+                    raise
+
+    async def _hang_up(self) -> None:
+        """The server undoes what was not committed."""
+        if self._kept is not None:
+            kept, self._kept = self._kept, None
+            await kept.invalidate()
+            await kept.close()
 
     def is_away(self, error: Exception) -> bool:
         """A server that is not there, is stopped or started, or has no room."""
@@ -87,3 +123,26 @@ class Postgresql:
 
     def remedy(self, reason: str) -> str:
         return "see that the server runs and DRAY_DATABASE_URL names it, its user and its password"
+
+
+def _is_gone(error: BaseException) -> bool:
+    """Whether it is the connection that has failed: the server was started anew, say."""
+    if isinstance(error, DBAPIError):
+        state: str | None = getattr(error.orig, "sqlstate", None)
+        return error.connection_invalidated or (state or "")[:2] in {"08", "57"}
+    return isinstance(error, OSError)
+
+
+async def _say(connection: AsyncConnection, command: str) -> None:
+    """Give the server a command, in the simple form that may be several statements.
+
+    Raises:
+        DBAPIError: as SQLAlchemy itself would raise it.
+    """
+    driver: Any = (await connection.get_raw_connection()).driver_connection
+    try:
+        await driver.execute(command)
+    except (asyncpg.PostgresError, asyncpg.InterfaceError, asyncpg.InternalClientError) as error:
+        # The server has said nothing: the driver finds the connection closed, or closing.
+        gone = not isinstance(error, asyncpg.PostgresError)
+        raise DBAPIError(command, None, error, connection_invalidated=gone) from error

@@ -15,7 +15,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeVar
 
-from sqlalchemy import URL, Connection, Engine, create_engine, event
+from sqlalchemy import URL, Connection, Engine, NullPool, create_engine, event
 from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError
 from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine, create_async_engine
 
@@ -33,10 +33,11 @@ class Sqlite:
     writing: Mapping[str, Any] = MappingProxyType({_IMMEDIATE: True})
 
     def __init__(self) -> None:
-        self._direct: Engine | None = None
-        """The same file, for a thread that does a whole transaction: aiosqlite goes over to its own and back some
+        self._direct: Connection | None = None
+        """To the same file, of a thread that does whole transactions: aiosqlite goes over to its own and back some
         twenty times for one."""
         self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="sqlite")
+        self._closed = False
 
     def engine(self, url: str) -> AsyncEngine:
         engine = create_async_engine(url)
@@ -48,17 +49,30 @@ class Sqlite:
 
     def _do(self, url: URL, work: Callable[[Connection], T]) -> T:
         if self._direct is None:
-            engine = create_engine(url.set(drivername="sqlite"), connect_args={"check_same_thread": False})
-            _listen(engine)
-            self._direct = engine.execution_options(**self.writing)
-        with self._direct.begin() as connection:
-            return work(connection)
+            self._direct = self._connect(url)
+        try:
+            with self._direct.begin():
+                return work(self._direct)
+        except BaseException:
+            # Whatever it was, the next one begins with a new connection.
+            self._hang_up()
+            raise
+
+    def _connect(self, url: URL) -> Connection:
+        engine = create_engine(url.set(drivername="sqlite"), poolclass=NullPool)
+        _listen(engine)
+        return engine.execution_options(**self.writing).connect()
+
+    def _hang_up(self) -> None:
+        if self._direct is not None:
+            direct, self._direct = self._direct, None
+            direct.close()
 
     async def close(self) -> None:
-        await asyncio.get_running_loop().run_in_executor(None, self._thread.shutdown)
-        if self._direct is not None:
-            self._direct.dispose()
-            self._direct = None
+        if not self._closed:
+            self._closed = True
+            await asyncio.get_running_loop().run_in_executor(self._thread, self._hang_up)
+            self._thread.shutdown(wait=False)
 
     async def knock(self, engine: AsyncEngine) -> None:
         """A failed attempt of aiosqlite would leave a thread that may answer to a closed loop."""
