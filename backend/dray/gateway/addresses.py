@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
+from starlette.datastructures import URL
 from starlette.requests import Request
 
 from dray.settings import Settings
@@ -12,7 +15,9 @@ def public_url(settings: Settings, request: Request) -> str:
 
     Where nobody has said so, it is the address that was asked, whose host is one of ours (`dray.gateway.hosts`).
     """
-    return settings.public_url or str(request.base_url).rstrip("/")
+    return settings.public_url or _base(
+        request.scope["scheme"], request.headers.get("host", ""), request.scope.get("root_path", "")
+    )
 
 
 def stop_url(settings: Settings, request: Request) -> str:
@@ -24,3 +29,11 @@ def stop_url(settings: Settings, request: Request) -> str:
     if request.url.scheme != "http" or not host:
         return ""
     return f"http://[{host}]:{settings.stop_port}" if ":" in host else f"http://{host}:{settings.stop_port}"
+
+
+@lru_cache(maxsize=64)
+def _base(scheme: str, host: str, root_path: str) -> str:
+    """The root of the addresses that are asked there: a few for one gateway, and each order's answer names its own."""
+    headers = [(b"host", host.encode("latin-1"))]
+    scope = {"scheme": scheme, "headers": headers, "path": root_path, "query_string": b""}
+    return str(URL(scope=scope)).rstrip("/")

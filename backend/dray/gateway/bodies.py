@@ -26,6 +26,8 @@ async def json_only(request: Request) -> None:
     Raises:
         Problem: 415.
     """
+    if request.headers.get("content-type") == "application/json":
+        return
     header = Message()
     header["content-type"] = request.headers.get("content-type", "")
     kind = header.get_content_subtype()

@@ -175,6 +175,8 @@ class Desk:
         self._strange: set[str] = set()
         """Orders of which it was said that this plant cannot make them: such as an earlier plant file could."""
         self._news = asyncio.Event()
+        self._wakes_s: float | None = None
+        """When `run` looks again by itself; None for never."""
 
     def ask(self, orders: Iterable[Order]) -> None:
         """Send open orders again, or take them back again, except those for which an answer is awaited."""
@@ -238,7 +240,7 @@ class Desk:
         clock = asyncio.get_running_loop()
         while True:
             self._news.clear()
-            next_s = self._reminders.next_s()
+            next_s = self._wakes_s = self._reminders.next_s()
             with suppress(TimeoutError):
                 async with asyncio.timeout_at(next_s):
                     await self._news.wait()
@@ -248,7 +250,9 @@ class Desk:
         now_s = asyncio.get_running_loop().time()
         self._reminders.add(order, message, now_s)
         self._say_due(now_s)
-        self._news.set()
+        next_s = self._reminders.next_s()
+        if next_s is not None and (self._wakes_s is None or next_s < self._wakes_s):
+            self._news.set()
 
     def _say_due(self, now_s: float) -> None:
         for message in self._reminders.due(now_s):

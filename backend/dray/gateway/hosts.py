@@ -18,6 +18,9 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from dray.gateway.problems import Problem
 from dray.settings import Settings
 
+HEADERS_KNOWN = 256
+"""Host headers that are remembered as known; addresses may come with any port."""
+
 ANY = "*"
 """Instead of names: whoever asks by whatever name."""
 
@@ -31,6 +34,7 @@ class Hosts:
 
     def __init__(self, *names: str) -> None:
         self._names = frozenset(name.lower().rstrip(".") for name in names if name)
+        self._known: set[str] = set()
 
     @classmethod
     def of(cls, settings: Settings) -> Hosts:
@@ -40,8 +44,13 @@ class Hosts:
 
     def know(self, header: str) -> bool:
         """Whether a Host header, or the authority of an address, names this gateway."""
+        if header in self._known:
+            return True
         name = host_in(header)
-        return ANY in self._names or name in self._names or _is_address(name)
+        known = ANY in self._names or name in self._names or _is_address(name)
+        if known and len(self._known) < HEADERS_KNOWN:
+            self._known.add(header)
+        return known
 
 
 def host_in(authority: str) -> str:

@@ -101,11 +101,12 @@ class Postgresql:
                     self._kept = await writer.connect()
                     await self._kept.execution_options(isolation_level="AUTOCOMMIT")
                 await _say(self._kept, _BEGIN)
-                return self._kept
             except BaseException as error:
                 await self._hang_up()
                 if fresh or not _is_gone(error):
                     raise
+            else:
+                return self._kept
 
     async def _hang_up(self) -> None:
         """The server undoes what was not committed."""

@@ -51,12 +51,16 @@ async def admitted(connection: HTTPConnection) -> None:
         )
 
 
-async def caller(connection: HTTPConnection) -> Principal:
+def caller_of(connection: HTTPConnection) -> Principal:
     """Who asks. Only for routes that are not public."""
     principal = connection.scope[CALLER]
     assert isinstance(principal, Principal)  # noqa: S101 - nobody else passes the gate
     return principal
 
 
-Caller = Annotated[Principal, Depends(caller)]
+async def _caller(connection: HTTPConnection) -> Principal:
+    return caller_of(connection)
+
+
+Caller = Annotated[Principal, Depends(_caller)]
 """A router's parameter."""

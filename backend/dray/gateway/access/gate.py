@@ -90,7 +90,8 @@ async def recognise(connection: HTTPConnection, found: Found) -> Principal:
     """
     parts = parts_of(connection)
     access = parts.access
-    credentials, cookie = connection.headers.get("authorization", ""), connection.cookies.get(COOKIE, "")
+    credentials = connection.headers.get("authorization", "")
+    cookie = "" if credentials else connection.cookies.get(COOKIE, "")
     try:
         if credentials:
             kind, _, token = credentials.partition(" ")

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
+
+import msgspec
 
 from dray.errors import UnavailableError
 from dray.gateway.access.limits import Limit
@@ -15,6 +18,10 @@ from dray.store.digest import digest
 
 USED_AGAIN_S = 60.0
 """The use of a key is noted this often."""
+
+KNOWN_S = 1.0
+"""Wall seconds for which a key is taken as the database has told of it: one that is taken back is refused within them,
+and who places one order after the other has no look-up to wait for."""
 
 REMEMBERED = 1_000
 """Keys that are known without the database: some per machine of a large plant."""
@@ -35,6 +42,8 @@ class Keys:
         self._limit = Limit(wall_s, tries=tries, rate_hz=rate_hz)
         self._remembered: dict[str, ApiKey] = {}
         """By the token's digest, as the database last told. Replaced on the loop, and looked at by any thread."""
+        self._known: OrderedDict[str, tuple[float, ApiKey]] = OrderedDict()
+        """By the token's digest, keys that were used lately, and when the database was asked."""
 
     async def recognise(self, token: str) -> Principal | None:
         """Whose key this is; None when it is nobody's, or not any more.
@@ -43,8 +52,7 @@ class Keys:
             Problem: 429, it is used too often.
         """
         now_s = self._wall_s()
-        async with self._store.read() as work:
-            key = await work.api_keys.find(token)
+        key = await self._find(token, now_s)
         if key is None or not usable(key, now_s):
             return None
         self._limit.take(key.id)
@@ -53,7 +61,25 @@ class Keys:
             with suppress(UnavailableError):
                 async with self._store.write() as work:
                     await work.api_keys.use(key.id, now_s)
+                self._note(token, now_s, msgspec.structs.replace(key, used_at_s=now_s))
         return principal_of(key)
+
+    async def _find(self, token: str, now_s: float) -> ApiKey | None:
+        """The key with this token, as it was within the last `KNOWN_S`."""
+        asked_at_s, key = self._known.get(digest(token), (0.0, None))
+        if key is not None and 0 <= now_s - asked_at_s < KNOWN_S:
+            return key
+        async with self._store.read() as work:
+            key = await work.api_keys.find(token)
+        if key is not None:
+            self._note(token, now_s, key)
+        return key
+
+    def _note(self, token: str, asked_at_s: float, key: ApiKey) -> None:
+        self._known[digest(token)] = asked_at_s, key
+        self._known.move_to_end(digest(token))
+        if len(self._known) > REMEMBERED:
+            self._known.popitem(last=False)
 
     async def learn(self) -> None:
         """Ask the database for all keys that may stop vehicles.

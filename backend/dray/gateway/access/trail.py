@@ -178,11 +178,16 @@ def result_of(status: int) -> Result:
     return "refused" if status < 500 else "failed"
 
 
-async def _note(connection: HTTPConnection) -> Note:
+def note_of(connection: HTTPConnection) -> Note:
+    """The note of a request. Only for routes whose rule has an action."""
     note = connection.scope[NOTE]
     assert isinstance(note, Note)  # noqa: S101 - the gate has left it
     return note
 
 
+async def _note(connection: HTTPConnection) -> Note:
+    return note_of(connection)
+
+
 Noted = Annotated[Note, Depends(_note)]
-"""A router's parameter: the note of its request. Only for routes whose rule has an action."""
+"""A router's parameter: see `note_of`."""

@@ -10,8 +10,8 @@ import msgspec
 from fastapi import APIRouter, Depends, Query, Request, Response
 
 from dray.gateway import decisions, intake
-from dray.gateway.access.caller import Caller
-from dray.gateway.access.trail import Noted
+from dray.gateway.access.caller import caller_of
+from dray.gateway.access.trail import note_of
 from dray.gateway.addresses import public_url
 from dray.gateway.answers import (
     PAGE,
@@ -29,7 +29,7 @@ from dray.gateway.answers import (
 from dray.gateway.bodies import json_only
 from dray.gateway.drafts import Moment, OrderDraft, WorkDraft
 from dray.gateway.idempotency import Key, own_key
-from dray.gateway.parts import Gateway, Parts
+from dray.gateway.parts import Gateway, Parts, parts_of
 from dray.gateway.preview import OrderPreview
 from dray.gateway.problems import not_found
 from dray.gateway.projection.orders import order_view
@@ -150,17 +150,17 @@ DRAFTS = {
     openapi_extra={"requestBody": {"content": {"application/json": {"examples": DRAFTS}}}},
     response_class=Json,
 )
-async def place_order(
-    gateway: Gateway, request: Request, caller: Caller, note: Noted, draft: OrderDraft, key: Key = None
-) -> Json:
+async def place_order(request: Request, draft: OrderDraft, key: Key = None) -> Json:
     """Place an order."""
+    # What others ask for by parameters: each of those costs as much as the JSON of an order.
+    gateway = parts_of(request)
     base = public_url(gateway.settings, request)
     kept, replayed = await intake.place_once(
         gateway,
         draft,
-        None if key is None else own_key(caller, key),
+        None if key is None else own_key(caller_of(request), key),
         lambda order: msgspec.json.encode(order_answer(order, base)),
-        note,
+        note_of(request),
     )
     return _created(kept.order_id, kept.answer.encode(), {"Idempotency-Replayed": "true"} if replayed else {})
 
