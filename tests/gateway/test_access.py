@@ -28,11 +28,14 @@ from test_commands import vehicle
 
 from dray.errors import UnavailableError
 from dray.gateway.access.access import STRANGERS_TRIES
+from dray.gateway.access.keys import KNOWN_S
 from dray.gateway.access.principal import SCOPES, Role, Scope
 from dray.gateway.access.rules import RULES
 from dray.gateway.access.sessions import LIFE_S
+from dray.gateway.access.tokens import new_key
 from dray.messages import Pose
 from dray.store import Store
+from dray.store.apikeys import ApiKey, ApiKeys
 from dray.store.audit import Audit
 from dray.store.database import Database
 from dray.store.sessions import Sessions
@@ -207,7 +210,39 @@ async def test_a_key_ends_with_its_time_or_when_it_is_taken_back(
     problem(await visitor.get("/api/orders", headers=short), 401, "not-logged-in")
     async with house.store.write() as work:
         await work.api_keys.revoke(key.id, house.wall.now_s)
+    house.wall.now_s += KNOWN_S
     problem(await visitor.get("/api/orders", headers=long), 401, "not-logged-in")
+
+
+async def test_a_key_that_is_used_all_the_time_is_looked_up_once_a_second(
+    house: House, visitor: httpx.AsyncClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _, header = await house.key(Scope.ORDERS_READ)
+    asked: list[str] = []
+    find = ApiKeys.find
+
+    async def counting(keys: ApiKeys, token: str) -> ApiKey | None:
+        asked.append(token)
+        return await find(keys, token)
+
+    monkeypatch.setattr(ApiKeys, "find", counting)
+    for _ in range(30):
+        assert (await visitor.get("/api/products", headers=header)).status_code == 200
+        house.wall.now_s += 0.125
+    assert len(asked) == 4
+    house.wall.now_s -= 3600.0
+    await visitor.get("/api/products", headers=header)
+    assert len(asked) == 5, "a clock that was set back makes nothing known for an hour"
+
+
+async def test_a_key_that_nobody_has_is_looked_up_each_time(house: House, visitor: httpx.AsyncClient) -> None:
+    token = new_key()
+    header = {"Authorization": f"Bearer {token}"}
+    problem(await visitor.get("/api/products", headers=header), 401, "not-logged-in")
+    async with house.store.write() as work:
+        key = ApiKey(id="k1", name="ERP", scopes="orders:read", created_at_s=NOW_S)
+        await work.api_keys.add(token, key)
+    assert (await visitor.get("/api/products", headers=header)).status_code == 200
 
 
 async def test_a_key_tells_what_it_is_and_when_it_was_used(house: House, visitor: httpx.AsyncClient) -> None:

@@ -14,8 +14,9 @@ from dray.gateway.projection import Projection
 from dray.gateway.timescale import TimeScale
 from dray.messages import AtvHeartbeat
 from dray_sim import bench
-from dray_sim.bench import Row, bus, projection, rates, zenoh
+from dray_sim.bench import Row, bus, orders, projection, rates, zenoh
 from dray_sim.bench.crowd import GROUP, Crowd
+from dray_sim.bench.postgres import installed
 
 
 def count_to(number: int, calls: list[int]) -> Callable[[], int]:
@@ -60,6 +61,21 @@ def test_the_adapter_is_measured_beside_bare_zenoh_between_two_processes(
         ("messages one way, TLS and signed", "bare Zenoh"),
         ("round trips, TLS and encrypted for one reader", "bare Zenoh"),
         ("messages one way, TLS and encrypted for one reader", "bare Zenoh"),
+    ]
+    assert all(row.figure > 0.0 and row.baseline > 0.0 for row in rows)
+
+
+def test_orders_are_measured_on_each_database_and_beside_open_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(orders, "OPEN", (0, 50))
+    monkeypatch.setattr(orders, "ORDERS", {1: 3, 16: 16})
+    monkeypatch.setattr(orders, "QUICK_ROUNDS", 1)
+    rows = orders.measure(quick=True)
+    databases = ("SQLite", "PostgreSQL") if installed() else ("SQLite",)
+    assert [row.name for row in rows] == [
+        f"orders: {database}, {count} open, {clients}"
+        for database in databases
+        for count in (0, 50)
+        for clients in ("1 client", "16 clients")
     ]
     assert all(row.figure > 0.0 and row.baseline > 0.0 for row in rows)
 

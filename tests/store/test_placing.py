@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
 from history import GEAR, PUMP, order
+from sqlalchemy import Engine, event
 from sqlalchemy.exc import IntegrityError
 
 from dray.errors import UnavailableError
@@ -77,6 +78,35 @@ async def test_what_comes_while_a_commit_is_on_its_way_shares_the_next(
         assert found is not None
         assert (found.order_id, found.answer) == ("O-7", "answer 7")
         assert (await work.links.find("token-7")) is not None
+
+
+@pytest.fixture
+def statements() -> Iterator[list[str]]:
+    """All that is said to any database."""
+    said: list[str] = []
+
+    def note(_connection: object, _cursor: object, statement: str, *_rest: object) -> None:
+        said.append(statement)
+
+    event.listen(Engine, "before_cursor_execute", note)
+    yield said
+    event.remove(Engine, "before_cursor_execute", note)
+
+
+async def test_orders_are_as_few_statements_as_one_however_many_are_there(
+    store: Store, placing: Placing, statements: list[str]
+) -> None:
+    """PostgreSQL is told of the beginning and the end besides: four times there and back in all."""
+    await placing.place(wish(1, "k1"))
+    most = 2 if store.database.engine.dialect.name == "postgresql" else 7
+    costs = []
+    for first in (100, 200, 300):
+        statements.clear()
+        await asyncio.gather(
+            *(placing.place(wish(number, f"k{number}")) for number in range(first, first + 50))
+        )
+        costs.append(len(statements))
+    assert costs == [most] * 3
 
 
 async def test_an_order_that_cannot_be_written_fails_alone(store: Store, placing: Placing) -> None:

@@ -1,9 +1,10 @@
 """Benchmark `orders`: how many orders are taken in a second, beside a bare insert.
 
-The baseline is what anybody would write first: FastAPI, one model, one INSERT by SQLAlchemy, on a database that has the
-order on disk when it is answered. Both are served by uvicorn with the same settings, each in a process of its own, and
-asked by the same client over kept connections; they take turns. Ours checks who asks, keeps an Idempotency-Key, the
-items, the customer's link and a line of the audit log, and tells a strategist that takes each order at once.
+The baseline is what anybody would write first: FastAPI, the same model of the body, one INSERT of one row by SQLAlchemy,
+on a database that has the order on disk when it is answered, as ours has it. Both are served by uvicorn with the same
+settings, each in a process of its own, and asked by the same client over kept connections; they take turns. Ours knows
+the caller by an API key, keeps the Idempotency-Key, the items, the customer's link and a line of the audit log, and tells
+a strategist that takes each order at once.
 """
 
 from __future__ import annotations
@@ -12,75 +13,70 @@ import asyncio
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from statistics import median
 from tempfile import TemporaryDirectory
 
+from dray.gateway.intake import MAX_OPEN_ORDERS
 from dray_sim.bench.orders.customers import Customers
-from dray_sim.bench.orders.servers import Served, fill, serving
+from dray_sim.bench.orders.servers import Served, prepare, serving
 from dray_sim.bench.postgres import PostgresServer, installed
 from dray_sim.bench.row import Row
 
-OPEN = (0, 1_000, 10_000)
-"""Orders that have not ended when the last one is placed: none, a busy week, and as many as the gateway takes."""
+OPEN = (0, 1_000, MAX_OPEN_ORDERS)
+"""Orders that have not ended before: none, a busy week, and as many as leave room for those that are placed."""
 
 CLIENTS = (1, 16)
 """One system that waits for each answer, and a rush of them."""
 
-ORDERS = {1: 300, 16: 800}
-"""Placed in one run, by clients: some seconds."""
+ORDERS = {1: 60, 16: 200}
+"""Placed in one round, by clients: some tenths of a second, so that both are disturbed alike by what else there is."""
 
-REPEATS = 3
-"""The best of three: other work on the machine can only make a run slower."""
+ROUNDS = 9
+"""Of each, in turns; their medians are told."""
 
 AIM = 0.8
 """Of the bare insert's rate, whatever is open: a fifth is what all the rest may cost."""
 
-QUICK = 10
-"""A quick run places so many times fewer, once."""
+QUICK_ROUNDS = 3
 
 
 def measure(quick: bool) -> list[Row]:
     """Measure both databases; PostgreSQL where it is installed.
 
     Args:
-        quick: a tenth of the work.
+        quick: fewer rounds.
     """
     rows = []
+    rounds = QUICK_ROUNDS if quick else ROUNDS
+    # Each customer places one in every round before the clock begins to run.
+    placed = sum(ORDERS[clients] + clients for clients in CLIENTS) * rounds
     with _databases() as databases:
         for name, fresh in databases:
             for number, waiting in enumerate(OPEN):
                 bare_url, our_url = fresh(f"bare{number}"), fresh(f"ours{number}")
-                # Each customer places one before the clock begins to run.
-                placed = sum(_count(clients, quick) + clients for clients in CLIENTS) * _repeats(quick)
-                before = max(0, waiting - placed)
-                asyncio.run(fill(our_url, before))
-                with serving("bare", bare_url) as bare, serving("ours", our_url) as ours:
-                    rows += [_row(name, waiting, clients, bare, ours, quick) for clients in CLIENTS]
+                token = asyncio.run(prepare(our_url, min(waiting, MAX_OPEN_ORDERS - placed)))
+                with serving("bare", bare_url, token) as bare, serving("ours", our_url, token) as ours:
+                    rows += [_row(name, waiting, clients, bare, ours, rounds) for clients in CLIENTS]
     return rows
 
 
-def _row(database: str, waiting: int, clients: int, bare: Served, ours: Served, quick: bool) -> Row:
-    best = {"bare": 0.0, "ours": 0.0}
-    for _ in range(_repeats(quick)):
-        for name, served in (("bare", bare), ("ours", ours)):
-            rate_hz = asyncio.run(Customers(served, clients).place(_count(clients, quick)))
-            best[name] = max(best[name], rate_hz)
+def _row(database: str, waiting: int, clients: int, bare: Served, ours: Served, rounds: int) -> Row:
+    rates_hz: dict[Served, list[float]] = {bare: [], ours: []}
+    for _ in range(rounds):
+        for served, told in rates_hz.items():
+            told.append(asyncio.run(Customers(served, clients).place(ORDERS[clients])))
+    our_hz, bare_hz = median(rates_hz[ours]), median(rates_hz[bare])
+    ratios = [one / other for one, other in zip(rates_hz[ours], rates_hz[bare], strict=True)]
     said = f"{clients} client{'s' if clients > 1 else ''}"
     return Row(
         f"orders: {database}, {waiting:,} open, {said}",
-        best["ours"],
+        our_hz,
         "1/s",
-        best["bare"],
+        bare_hz,
         "bare FastAPI and SQLAlchemy insert",
-        AIM * best["bare"],
+        AIM * bare_hz,
+        note=f"{min(ratios):.2f} to {max(ratios):.2f} of it in single rounds",
     )
-
-
-def _count(clients: int, quick: bool) -> int:
-    return ORDERS[clients] // (QUICK if quick else 1)
-
-
-def _repeats(quick: bool) -> int:
-    return 1 if quick else REPEATS
 
 
 class _Files:

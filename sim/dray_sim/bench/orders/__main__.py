@@ -1,6 +1,6 @@
 """One server of the benchmark.
 
-python -m dray_sim.bench.orders bare|ours URL PORT TOKEN
+python -m dray_sim.bench.orders bare|ours URL PORT
 """
 
 from __future__ import annotations
@@ -54,13 +54,17 @@ class _Strategists:
         """Nobody notices."""
 
 
-async def _serve(kind: str, url: str, port: int, token: str) -> None:
+UNLIMITED = 10_000
+"""Requests a second that a key may make, and at once: customers wait for nothing but their answers."""
+
+
+async def _serve(kind: str, url: str, port: int) -> None:
     if kind == "bare":
         await _answer(create_bare_app(url), port)
         return
     store = await open_store(url)
     try:
-        settings = Settings.load(database_url=url, admin_token=token)
+        settings = Settings.load(database_url=url, key_rate_hz=UNLIMITED, key_burst=UNLIMITED)
         app = create_app(
             settings=settings,
             plant=default_plant().file,
@@ -80,4 +84,4 @@ async def _answer(app: Any, port: int) -> None:
 
 
 if __name__ == "__main__":
-    asyncio.run(_serve(sys.argv[1], sys.argv[2], int(sys.argv[3]), sys.argv[4]))
+    asyncio.run(_serve(sys.argv[1], sys.argv[2], int(sys.argv[3])))

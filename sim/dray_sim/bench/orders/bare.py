@@ -1,4 +1,8 @@
-"""The baseline: orders as they are taken by whoever needs nothing else. FastAPI, SQLAlchemy, one INSERT."""
+"""The baseline: orders as they are taken by whoever needs nothing else. FastAPI, SQLAlchemy, one INSERT.
+
+The body is looked at by the same model as ours, and an answered order is on disk: SQLite writes through at every commit,
+and PostgreSQL's `synchronous_commit` is on.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +13,10 @@ from typing import Any
 from uuid import uuid4
 
 from fastapi import FastAPI
-from pydantic import BaseModel
-from sqlalchemy import JSON, Column, Double, MetaData, String, Table, event, insert
+from sqlalchemy import JSON, Boolean, Column, Double, MetaData, String, Table, event, insert
 from sqlalchemy.ext.asyncio import create_async_engine
+
+from dray.gateway.drafts import OrderDraft
 
 METADATA = MetaData()
 
@@ -22,23 +27,10 @@ ORDERS = Table(
     Column("customer", String(200), nullable=False),
     Column("reference", String(200)),
     Column("items", JSON, nullable=False),
+    Column("due_at_s", Double),
+    Column("release", Boolean, nullable=False),
     Column("created_at_s", Double, nullable=False),
 )
-
-
-class Item(BaseModel):
-    """A line."""
-
-    product: str
-    quantity: int
-
-
-class Draft(BaseModel):
-    """An order."""
-
-    customer: str
-    reference: str | None = None
-    items: list[Item]
 
 
 def create_bare_app(url: str) -> FastAPI:
@@ -61,8 +53,10 @@ def create_bare_app(url: str) -> FastAPI:
     app = FastAPI(lifespan=lifespan)
 
     @app.post("/api/orders", status_code=201)
-    async def place(draft: Draft) -> dict[str, Any]:
-        row = {"id": str(uuid4()), "created_at_s": time.time(), **draft.model_dump()}
+    async def place(draft: OrderDraft) -> dict[str, Any]:
+        row = draft.model_dump(exclude={"due_at"})
+        due_at_s = None if draft.due_at is None else draft.due_at.timestamp()
+        row |= {"id": str(uuid4()), "created_at_s": time.time(), "due_at_s": due_at_s}
         async with engine.begin() as connection:
             await connection.execute(insert(ORDERS), row)
         return row

@@ -1,6 +1,6 @@
 """Servers of the benchmark, each in a process of its own: the gateway, and the bare insert.
 
-python -m dray_sim.bench.orders.servers bare|ours URL PORT TOKEN
+python -m dray_sim.bench.orders bare|ours URL PORT
 """
 
 from __future__ import annotations
@@ -15,9 +15,11 @@ from dataclasses import dataclass
 from socket import create_connection
 
 from dray.cli.fleet.addresses import free_addresses
-from dray.gateway.access.tokens import new_token
+from dray.gateway.access.principal import Scope
+from dray.gateway.access.tokens import new_id, new_key
 from dray.plant import default_plant
 from dray.store import open_store
+from dray.store.apikeys import ApiKey
 from dray.store.orders import Item, Order
 from dray.store.progress import OrderStatus
 
@@ -37,16 +39,17 @@ class Served:
 
 
 @contextmanager
-def serving(kind: str, url: str) -> Iterator[Served]:
+def serving(kind: str, url: str, token: str) -> Iterator[Served]:
     """One server.
 
     Args:
         kind: `bare` or `ours`.
         url: of its database.
+        token: by which customers say who they are.
     """
     host, _, port = free_addresses(1)[0].rpartition(":")
-    served = Served(host or "127.0.0.1", int(port), new_token())
-    command = [sys.executable, "-m", __package__, kind, url, port, served.token]
+    served = Served(host or "127.0.0.1", int(port), token)
+    command = [sys.executable, "-m", __package__, kind, url, port]
     process = subprocess.Popen(command, env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)})  # noqa: S603 - our own
     try:
         _wait_for(served, process)
@@ -68,8 +71,9 @@ def _wait_for(served: Served, process: subprocess.Popen[bytes]) -> None:
             time.sleep(0.05)
 
 
-async def fill(url: str, count: int) -> None:
-    """Let a database of ours have so many open orders that the strategist has taken."""
+async def prepare(url: str, count: int) -> str:
+    """Let a database of ours have so many open orders that the strategist has taken; returns a key to place others."""
+    token = new_key()
     store = await open_store(url)
     try:
         async with store.write() as work:
@@ -78,8 +82,11 @@ async def fill(url: str, count: int) -> None:
             await work.orders.add_all(
                 [_open_order(number, now_s - count + number) for number in range(count)]
             )
+            key = ApiKey(id=new_id(), name="ERP", scopes=Scope.ORDERS_WRITE.value, created_at_s=now_s)
+            await work.api_keys.add(token, key)
     finally:
         await store.close()
+    return token
 
 
 def _open_order(number: int, at_s: float) -> Order:
