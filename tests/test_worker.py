@@ -223,6 +223,55 @@ def test_an_agent_is_woken_when_it_wants_and_senses_its_body_then() -> None:
     play(story)
 
 
+class LateClock:
+    """The clock of a process that is held up: between 2 s and 7 s nothing is called."""
+
+    def now_s(self) -> float:
+        return clock().now_s()
+
+    def call_at(self, when_s: float, callback: Callable[[], None]) -> None:
+        clock().call_at(7.0 if 2.0 < when_s < 7.0 else when_s, callback)
+
+
+def test_an_agent_is_told_how_long_its_own_process_was_held_up() -> None:
+    def answer(event: Event, now_s: float) -> list[Effect]:
+        if isinstance(event, Woke):
+            agent.wake_at_s = now_s + 1.0
+        return []
+
+    agent = Scripted("M1", answer, wake_at_s=1.0)
+
+    async def story(stage: Stage) -> None:
+        worker = Worker(
+            agent, bus=stage.network, clock=LateClock(), keys=KEYS, body=None, journal=HeldJournal()
+        )
+        living = asyncio.create_task(worker.run())
+        await asyncio.sleep(9.5)
+        living.cancel()
+        late_s = [(at_s, event.late_s) for at_s, event in agent.events if isinstance(event, Woke)]
+        assert late_s == [(1.0, 0.0), (2.0, 0.0), (7.0, 4.0), (8.0, 0.0), (9.0, 0.0)]
+
+    play(story)
+
+
+def test_a_wish_for_a_time_that_is_past_is_nobodys_delay() -> None:
+    def answer(event: Event, now_s: float) -> list[Effect]:
+        agent.wake_at_s = 1.0 if isinstance(event, Heard) else NEVER_S
+        return []
+
+    agent = Scripted("A1", answer)
+
+    async def story(stage: Stage) -> None:
+        stage.start(agent)
+        await asyncio.sleep(5.0)
+        stage.network.join("S", lambda *_: None).send("A1", say(1))
+        await asyncio.sleep(5.0)
+        [woke] = [event for _, event in agent.events if isinstance(event, Woke)]
+        assert woke.late_s == 0.0
+
+    play(story)
+
+
 def test_an_agent_that_wants_to_sleep_longer_is_not_woken_before() -> None:
     def answer(event: Event, now_s: float) -> list[Effect]:
         agent.wake_at_s = (

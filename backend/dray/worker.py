@@ -140,6 +140,8 @@ class Worker:
         """When the clock will call: each time is earlier than the one before it, so the last is next."""
         self._woken = False
         """A wake-up waits in the inbox; until its turn no other is needed."""
+        self._late_s = 0.0
+        """How much later than asked for the clock has called since the agent was woken last, at most."""
         self._waiter: asyncio.Future[None] | None = None
         self._session: Session | None = None
         """Its place on the bus while it lives."""
@@ -231,10 +233,12 @@ class Worker:
             self._wake_task()
 
     def _wake(self) -> None:
-        self._wakes_s.pop()
+        due_s = self._wakes_s.pop()
         if self._stopping:
             return
-        if self._clock.now_s() < self.agent.wake_at_s:
+        now_s = self._clock.now_s()
+        self._late_s = max(self._late_s, now_s - due_s)
+        if now_s < self.agent.wake_at_s:
             # The agent has thought better of it since this call was asked for.
             self._arm()
         elif not self._woken:
@@ -297,7 +301,7 @@ class Worker:
                 event = event.heard
             if event is _WOKEN:
                 self._woken = False
-                event = Woke(self._sense())
+                event, self._late_s = Woke(self._sense(), self._late_s), 0.0
             elif type(event) is Heard:
                 kind = type(event.message)
                 if kind is messages.EventsAsked:
@@ -394,7 +398,8 @@ class Worker:
         if self._woken or wake_s == NEVER_S:
             return
         if not self._wakes_s or wake_s < self._wakes_s[-1]:
-            self._wakes_s.append(wake_s)
+            # What is past already is asked for now: nothing was late then but the agent's own wish.
+            self._wakes_s.append(max(wake_s, self._clock.now_s()))
             self._clock.call_at(wake_s, self._wake)
 
 

@@ -39,6 +39,7 @@ from dray.messages import (
     Transport,
 )
 from dray.messages.fact import CarrierChanged, TaskClosed
+from dray.protocol.events import Woke
 from dray.protocol.suspicion import LATENESS_MAX_S
 from dray.protocol.transports import ADOPT_S
 
@@ -91,6 +92,20 @@ def carrier(rig: MachineRig, task: str = "M7-1") -> tuple[str, int]:
     rig.run(rig.now_s)
     [brief] = [each for each in rig.heartbeats(MachineHeartbeat)[-1].tasks if each.task == task]
     return brief.primary, brief.epoch
+
+
+# --- who was held up itself --------------------------------------------------------------------------
+
+
+def test_a_machine_that_was_held_up_itself_gives_its_carrier_the_time_that_it_could_not_hear() -> None:
+    rig = supplied()
+    rig.hear("ATV2", rhb("ATV2", 1, rig.now_s, task="M7-1", coordinator="M7"))
+    rig.now_s += 30.0
+    rig.handle(Woke(rig.sense(), late_s=29.0))
+    rig.run(rig.now_s + 2.0)
+    assert carrier(rig) == ("ATV2", 1)
+    rig.run(rig.now_s + LATENESS_MAX_S + 5.0)
+    assert carrier(rig)[1] == 2
 
 
 # --- the fence -----------------------------------------------------------------------------------

@@ -10,6 +10,7 @@ from kit import facts, instructed, mhb, sent
 from dray.body import Admit, GoodsArrived
 from dray.messages import MachineStatus, Withdrawn
 from dray.messages.fact import GoalContracted, GoalLost, GoalWaits, GoodsDelivered, OrderFulfilled, TaskClosed
+from dray.protocol.events import Woke
 from dray.protocol.machine_watch import BREAKDOWN_S, GOAL_SILENCE_S
 
 
@@ -18,6 +19,17 @@ def test_a_machine_that_names_its_goal_keeps_it_for_as_long_as_it_takes() -> Non
     beats(rig, 3600.0, "M7", "M8", goals=(brief(goal),))
     assert facts(rig.all, GoalLost) == []
     assert rig.admitted(goal) == 24
+
+
+def test_a_strategist_that_was_held_up_itself_takes_no_goal_away_for_that() -> None:
+    rig, goal = making()
+    rig.hear("M7", mhb("M7", brief(goal), seq=1000))
+    rig.now_s += GOAL_SILENCE_S + 30.0
+    rig.handle(Woke(rig.sense(), late_s=GOAL_SILENCE_S + 29.0))
+    rig.run(rig.now_s + 5.0)
+    assert rig.admitted(goal) == 24
+    beats(rig, rig.now_s + GOAL_SILENCE_S + 1.0, "M8")
+    assert rig.admitted(goal) == 0
 
 
 @pytest.mark.parametrize("delivered", [0, 10])

@@ -28,7 +28,8 @@ class Guard:
         self.out: list[Effect] = []
         self.now_s = 0.0
         self.timers = Timers()
-        self.watches = Watches(Following(KEYS.atv_heartbeat, self.out), self.timers, self.out)
+        self.following = Following(KEYS.atv_heartbeat, self.out)
+        self.watches = Watches(self.following, self.timers, self.out)
 
     def begin(self, order: Award) -> None:
         self.watches.begin(order, "M8", self.now_s)
@@ -91,6 +92,26 @@ def test_a_suspect_that_speaks_up_may_be_suspected_again() -> None:
     guard.run(30.0)
     assert len(guard.suspicions) == 2
     assert guard.suspicions[1].silent_s == pytest.approx(BOUND_S)
+
+
+def test_time_in_which_the_vehicle_itself_was_held_up_is_no_silence_of_its_primary() -> None:
+    guard = Guard()
+    guard.begin(watch())
+    guard.hears(1, 1.0)
+    guard.following.hearing.deaf_s += 10.0
+    guard.run(1.0 + BOUND_S + 9.9)
+    assert guard.suspicions == []
+    guard.run(1.0 + BOUND_S + 10.1)
+    assert len(guard.suspicions) == 1
+
+
+def test_a_primary_that_was_heard_since_then_is_suspected_as_soon_as_ever() -> None:
+    guard = Guard()
+    guard.begin(watch())
+    guard.following.hearing.deaf_s += 10.0
+    guard.hears(1, 11.0)
+    guard.run(11.0 + BOUND_S + 0.1)
+    assert len(guard.suspicions) == 1
 
 
 def test_an_old_heartbeat_is_no_sign_of_life() -> None:

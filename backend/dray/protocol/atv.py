@@ -263,6 +263,9 @@ class Atv(Core):
         )
         self._out.append(Publish(self._beat_key, heartbeat))
 
+    def _was_deaf(self, span_s: float) -> None:
+        self._following.hearing.deaf_s += span_s
+
     # --- the end ---
 
     def _prepare_to_leave(self, now_s: float) -> None:

@@ -26,6 +26,7 @@ from dray.protocol.events import (
 )
 from dray.protocol.leaving import Departure
 from dray.protocol.partners import NO_PARTY, contract_of
+from dray.protocol.suspicion import JITTER_S
 from dray.protocol.timers import Timers
 
 Hear = Callable[[str, Any, float], None]
@@ -72,7 +73,10 @@ class Core:
                 self._sense(heard.body, now_s)
             self._hear(heard, now_s)
         elif kind is Woke:
-            self._sense(cast(Woke, event).body, now_s)
+            woke = cast(Woke, event)
+            if woke.late_s > JITTER_S:
+                self._was_deaf(woke.late_s)
+            self._sense(woke.body, now_s)
             self._sound_alarms(now_s)
         elif kind is Reported:
             self._hear_report(cast(Reported, event).report, now_s)
@@ -113,6 +117,9 @@ class Core:
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
         """Take note of what the body senses, before anything else is done."""
+
+    def _was_deaf(self, span_s: float) -> None:
+        """The agent's own process was held up for so long: nobody is to be suspected of silence in that time."""
 
     def _prepare_to_leave(self, now_s: float) -> None:
         """The agent was asked to leave: give back what others can do as well."""

@@ -56,6 +56,8 @@ class Woke(Value, frozen=True):
 
     body: BodyState | None
     """What the agent's body senses at this moment; None for an agent without one."""
+    late_s: float = 0.0
+    """How much later than it was asked for this came: so long the agent's own process was held up, and heard nobody."""
 
 
 class Reported(Value, frozen=True):

@@ -127,13 +127,14 @@ class Machine(Core):
             lots, self._goals, self._supply, self._trial, self._timers, self._out, self._commit
         )
         x_m, y_m = plant.position_of(machine)
+        self._following = Following(self._keys.atv_heartbeat, self._out)
         self._tasks = Transports(
             machine,
             Place(x_m=x_m, y_m=y_m, reach_m=plant.diameter_m),
             self._audience,
             rules or AuctionRules(),
             self._timers,
-            Following(self._keys.atv_heartbeat, self._out),
+            self._following,
             Assessor(plant, self._out),
             self._out,
             contracted=self._on_carrier_changed,
@@ -269,6 +270,9 @@ class Machine(Core):
             newcomer=self._newcomer,
         )
         self._out.append(Publish(self._beat_key, heartbeat))
+
+    def _was_deaf(self, span_s: float) -> None:
+        self._following.hearing.deaf_s += span_s
 
     # --- the end ---
 

@@ -64,6 +64,11 @@ class MachineWatch:
             seen.broken_s = now_s
         return True
 
+    def excuse(self, span_s: float) -> None:
+        """The strategist was held up itself for so long: nobody was silent in that time."""
+        for seen in self._seen.values():
+            seen.heard_s += span_s
+
     def machines_for(self, product: str) -> tuple[str, ...]:
         """All that can make a product, those included that the plant file does not know."""
         newcomers = (

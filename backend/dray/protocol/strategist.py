@@ -244,6 +244,11 @@ class Strategist(Core):
             taken = RevocationTaken(order.id, order.release, tuple(order.withdrawn))
             self._out.append(Send(order.revoked_by, taken))
 
+    def _was_deaf(self, span_s: float) -> None:
+        self._watch.excuse(span_s)
+        for goal in self._book:
+            goal.named_s += span_s
+
     # --- goals that were given out ---
 
     def _follow(self, goal: OpenGoal, now_s: float, *, admit: bool = True) -> None:

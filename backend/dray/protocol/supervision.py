@@ -37,7 +37,17 @@ class Vigil:
         prior: how heartbeats arrive at the agent that watches; it learns from this vigil too.
     """
 
-    __slots__ = ("_hearing", "_help_until_s", "_last", "_prior", "bound_s", "heard_s", "last", "subject")
+    __slots__ = (
+        "_deaf_s",
+        "_hearing",
+        "_help_until_s",
+        "_last",
+        "_prior",
+        "bound_s",
+        "heard_s",
+        "last",
+        "subject",
+    )
 
     def __init__(self, subject: str, interval_s: float, now_s: float, prior: Hearing | None = None) -> None:
         self.subject = subject
@@ -50,6 +60,13 @@ class Vigil:
         self.bound_s = bound_s(interval_s, self._hearing.loss_frac, self._hearing.deviation_s)
         self._last = (0, 0)
         self._help_until_s = NEVER_S
+        self._deaf_s = self._prior.deaf_s
+        """How long the agent that watches had been deaf when it heard the subject last."""
+
+    @property
+    def _silent_at_s(self) -> float:
+        """When it counts as silent: time in which nobody could have been heard is no silence."""
+        return self.heard_s + self.bound_s + self._prior.deaf_s - self._deaf_s
 
     @property
     def delay_s(self) -> float:
@@ -59,7 +76,7 @@ class Vigil:
     @property
     def fails_at_s(self) -> float:
         """When it counts as failed, if nothing more is heard."""
-        return min(self.heard_s + self.bound_s, self._help_until_s)
+        return min(self._silent_at_s, self._help_until_s)
 
     def hear(self, heartbeat: AtvHeartbeat, now_s: float) -> bool:
         """Note a heartbeat; False for one that was overtaken by a newer one: it tells nothing."""
@@ -73,7 +90,7 @@ class Vigil:
         self._prior.note(missed, delay_s)
         self._last = order
         self.last = heartbeat
-        self.heard_s = now_s
+        self.heard_s, self._deaf_s = now_s, self._prior.deaf_s
         self.bound_s = bound_s(atv_interval_s(heartbeat), self._hearing.loss_frac, self._hearing.deviation_s)
         if heartbeat.help is not None:
             self._help_until_s = heartbeat.help.until_s
@@ -83,7 +100,7 @@ class Vigil:
 
     def failure(self, now_s: float) -> str:
         """Why it has failed by now: `SILENT` or `IN_ERROR`; empty while it has not."""
-        if now_s >= self.heard_s + self.bound_s:
+        if now_s >= self._silent_at_s:
             return SILENT
         return IN_ERROR if now_s >= self._help_until_s else ""
 

@@ -79,7 +79,7 @@ class Hearing:
         prior: what to begin with: how others' heartbeats arrive at the same agent.
     """
 
-    __slots__ = ("delay_s", "deviation_s", "heard", "loss_frac")
+    __slots__ = ("deaf_s", "delay_s", "deviation_s", "heard", "loss_frac")
 
     def __init__(self, prior: Hearing | None = None) -> None:
         self.heard: int = 0 if prior is None else prior.heard
@@ -89,6 +89,8 @@ class Hearing:
         """The mean delay."""
         self.deviation_s: float = 0.0 if prior is None else prior.deviation_s
         """The mean deviation from it."""
+        self.deaf_s = 0.0
+        """How long the agent that listens was held up itself, all told: silence in that time is its own."""
 
     def note(self, missed: int, delay_s: float) -> None:
         """One heartbeat has come.

@@ -17,6 +17,10 @@ function kindText(alert: AlertView, nowS: number, speed: number): string {
   const { battery_frac, by, kind, seen_at_s, until_at_s } = alert;
   const leftS = ((until_at_s ?? nowS) - nowS) * speed;
   switch (kind) {
+    case "plant_behind":
+      return t("alerts.what.plant_behind", { age: format.age(alert.behind_s ?? 0) });
+    case "overloaded":
+      return overloadText(alert);
     case "machine_lost":
     case "atv_lost":
       return t("alerts.what.lost", { age: format.age(nowS - (seen_at_s ?? nowS)) });
@@ -34,4 +38,10 @@ function kindText(alert: AlertView, nowS: number, speed: number): string {
     default:
       return t(`alerts.what.${kind}`);
   }
+}
+
+function overloadText({ carried_frac, waiting }: AlertView): string {
+  const said = { waiting: String(waiting ?? 0) };
+  if (carried_frac === null) return t("alerts.what.overloaded", said);
+  return t("alerts.what.overloadedCarried", { ...said, percent: format.percent(carried_frac) });
 }

@@ -1,12 +1,12 @@
 import { describe, expect, test } from "vitest";
 import type { AlertView } from "../api/types";
 import { asksText, whatText } from "./alert-text";
-import { chosenOf, inOrder } from "./alerts";
+import { chosenOf, inOrder, isOfPlant } from "./alerts";
 
 const alert = (more: Partial<AlertView>): AlertView => ({
   id: `${more.kind ?? "machine_error"}-${more.agent ?? "M8"}`, kind: "machine_error", level: "alarm", response: "repair",
   since_at_s: 100, agent: "M8", task: "", order: "", problem: "", by: "", seen_at_s: null, until_at_s: null,
-  battery_frac: null, acknowledged_by: "", acknowledged_at_s: null, ...more,
+  battery_frac: null, behind_s: null, waiting: null, carried_frac: null, acknowledged_by: "", acknowledged_at_s: null, ...more,
 });
 
 describe("alerts", () => {
@@ -23,6 +23,8 @@ describe("alerts", () => {
     expect(chosenOf(alert({ kind: "atv_lost", agent: "ATV3" }))).toEqual({ kind: "atv", id: "ATV3" });
     expect(chosenOf(alert({ kind: "task_trouble", agent: "ATV3", task: "T1" }))).toEqual({ kind: "task", id: "T1" });
     expect(chosenOf(alert({ kind: "order_late", agent: "", order: "O-1" }))).toBeNull();
+    expect(chosenOf(alert({ kind: "plant_behind", agent: "" }))).toBeNull();
+    expect([isOfPlant(alert({ kind: "overloaded", agent: "" })), isOfPlant(alert({}))]).toEqual([true, false]);
   });
 });
 
@@ -49,6 +51,15 @@ describe("an alert says", () => {
     expect(said({ ...out, kind: "atv_shut_out" })).toBe("Shut out by Maria: does not move");
     expect(said({ ...out, kind: "machine_shut_out" })).toBe("Shut out by Maria: does not move");
     expect(chosenOf(alert({ ...out, kind: "machine_shut_out", agent: "M8" }))).toEqual({ kind: "machine", id: "M8" });
+  });
+
+  test("of the plant as a whole how far it is behind, and how much is not carried", () => {
+    expect(said({ kind: "plant_behind", agent: "", behind_s: 42 })).toBe(
+      "What is shown is 42 s old: the simulation, the server or its network cannot keep up",
+    );
+    const overloaded = { kind: "overloaded", agent: "", waiting: 14 } as const;
+    expect(said(overloaded)).toContain("14 transports have waited");
+    expect(said({ ...overloaded, carried_frac: 0.61 })).toContain("61 %");
   });
 
   test("what it asks for", () => {

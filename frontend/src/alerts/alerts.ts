@@ -18,7 +18,12 @@ export function inOrder(alerts: Iterable<AlertView>): AlertView[] {
   );
 }
 
-/** What on the plant it is about; null for an order. */
+/** It is about the plant as a whole. */
+export function isOfPlant({ agent, order, task }: AlertView): boolean {
+  return agent === "" && order === "" && task === "";
+}
+
+/** What on the plant it is about; null for an order, and for the plant as a whole. */
 export function chosenOf({ agent, kind, task }: AlertView): Chosen | null {
   if (task !== "") return { kind: "task", id: task };
   if (agent === "") return null;

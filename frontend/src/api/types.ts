@@ -8,7 +8,9 @@ export interface AlertView {
   acknowledged_by: string;
   agent: string;
   battery_frac: number | null;
+  behind_s: number | null;
   by: string;
+  carried_frac: number | null;
   id: string;
   kind:
     | "atv_battery"
@@ -26,17 +28,21 @@ export interface AlertView {
     | "order_impossible"
     | "order_late"
     | "order_waits"
+    | "overloaded"
+    | "plant_behind"
     | "task_trouble";
   level: "alarm" | "warning";
   order: string;
   problem: string;
   response:
+    | "add_vehicles"
     | "bring_to_charger"
     | "cancel_order"
     | "find_vehicle"
     | "help"
     | "look_at_auction"
     | "look_at_machine"
+    | "look_at_server"
     | "promise_help"
     | "put_right_and_readmit"
     | "repair"
@@ -49,6 +55,7 @@ export interface AlertView {
   since_at_s: number;
   task: string;
   until_at_s: number | null;
+  waiting: number | null;
 }
 /**
  * A part of the floor that operators are responsible for.
@@ -244,6 +251,7 @@ export interface FactoryView {
   atvs_by_status: {
     [k: string]: number;
   };
+  behind_s: number;
   commands: number;
   deliveries_per_hour: number[];
   empty_frac: number | null;

@@ -25,7 +25,7 @@ const FRAME_S = 1.5;
  * vehicle's.
  */
 export const moment = computed<Moment>(() => ({
-  nowS: Math.min(nowS.value, (world.value?.atS ?? Infinity) + FRAME_S),
+  nowS: Math.min(nowS.value, (world.value?.atS ?? Infinity) + FRAME_S) - (world.value?.factory.behind_s ?? 0),
   speed: world.value?.factory.speed ?? 1,
 }));
 

@@ -4,7 +4,7 @@ import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import type { PlantFile } from "../api/types";
 import { choose, selection } from "../selection/selection";
-import { ageS, freshness, newestWorld, onFrame, serverNowS } from "../stream/stream";
+import { ageS, freshness, newestPresentS, newestWorld, onFrame } from "../stream/stream";
 import { isPast } from "../stream/freshness";
 import { format, t } from "../text";
 import { colours } from "../theme/theme";
@@ -50,7 +50,7 @@ export function PlantSurface({ heat, home, label, layers, onSurface, over, plant
     if (!on || !floor?.current || !machines?.current || !moving?.current) return undefined;
     const layered = { floor: floor.current, machines: machines.current, moving: moving.current };
     const shown = shownNow(readPalette(on), layers.peek(), heat?.peek() ?? null);
-    const renderer = new PlantRenderer({ plant, home }, layered, shown, serverNowS);
+    const renderer = new PlantRenderer({ plant, home }, layered, shown, newestPresentS);
     const navigation = navigate(on, renderer);
     const stop = follow(on, renderer, navigation, (px) => (scale.value = px));
     surface.value = { renderer, navigation };

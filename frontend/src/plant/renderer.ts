@@ -57,7 +57,7 @@ export class PlantRenderer {
   readonly #home: Region;
   readonly #canvases: Canvases;
   readonly #roads: Roads;
-  readonly #serverNowS: () => number;
+  readonly #presentS: () => number;
   readonly #productNames: ReadonlyMap<string, string>;
   readonly #machineAt: ReadonlyMap<string, Place>;
   /** What has a name of its own, which no vehicle's name may cover. */
@@ -75,12 +75,12 @@ export class PlantRenderer {
   #drawnAtMs = 0;
   #stale = { floor: true, machines: true };
 
-  constructor({ home, plant }: Scene, canvases: Canvases, shown: Shown, serverNowS: () => number) {
+  constructor({ home, plant }: Scene, canvases: Canvases, shown: Shown, presentS: () => number) {
     this.plant = plant;
     this.#home = home;
     this.#canvases = canvases;
     this.#shown = shown;
-    this.#serverNowS = serverNowS;
+    this.#presentS = presentS;
     this.#roads = roadsOf(plant);
     this.#productNames = new Map(plant.products.map((product) => [product.id, product.name]));
     this.#machineAt = new Map(plant.machines.map(({ box, id }) => [id, { x: box.x_m, y: box.y_m }]));
@@ -120,7 +120,7 @@ export class PlantRenderer {
 
   #know(world: World): void {
     if (world.tasks !== this.#world?.tasks) this.#carried = [...world.tasks.values()].filter(isCarried);
-    const nowS = this.#serverNowS();
+    const nowS = this.#presentS();
     const machines = machineLooks(this.#machineAt.keys(), world.machines, (view) => isLost(view, nowS, world.factory.speed));
     if (!lookAlike(this.#machines, machines)) this.#stale.machines = true;
     this.#machines = machines;
@@ -183,7 +183,7 @@ export class PlantRenderer {
     const speed = this.#world?.factory.speed ?? 1;
     const passedS = (ms - this.#drawnAtMs) / 1000;
     this.#drawnAtMs = ms;
-    const nowS = this.#serverNowS();
+    const nowS = this.#presentS();
     const moving = this.fleet.play({ serverS: nowS, passedS, speed, smooth: this.#smooth });
     const vehicles = this.#inSight();
     const detail = detailOf(this.view.scale, vehicles.length);

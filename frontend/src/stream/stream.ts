@@ -21,6 +21,9 @@ export const connected = signal(false);
 /** The server's clock, seconds since 1970, moving on even when no frames come. */
 export const nowS = signal(Date.now() / 1000);
 
+/** The plant's present on the server's clock: of a plant that is behind, that of what is heard of it. */
+export const presentS = computed(() => nowS.value - (world.value?.factory.behind_s ?? 0));
+
 const heardAtMs = signal<number | null>(null);
 /** This browser's own clock, some times a second. */
 export const tickMs = signal(performance.now());
@@ -46,6 +49,11 @@ export function onFrame(listener: FrameListener): () => void {
 
 export function serverNowS(): number {
   return clock.at(performance.now() / 1000);
+}
+
+/** As `presentS`, at this very moment. */
+export function newestPresentS(): number {
+  return serverNowS() - (newest?.factory.behind_s ?? 0);
 }
 
 export function newestWorld(): World | null {

@@ -18,6 +18,8 @@ from dray.gateway.views import AlertKind, AlertResponse, AlertView
 from dray.store.acknowledgements import Acknowledgement
 
 RESPONSES: Mapping[AlertKind, tuple[Literal["alarm", "warning"], AlertResponse]] = {
+    "plant_behind": ("alarm", "look_at_server"),
+    "overloaded": ("warning", "add_vehicles"),
     "machine_lost": ("alarm", "look_at_machine"),
     "machine_error": ("alarm", "repair"),
     "machine_shut_out": ("warning", "put_right_and_readmit"),

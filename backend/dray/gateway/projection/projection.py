@@ -15,6 +15,8 @@ from dray.gateway.projection.machines import BROKEN, DOWN, Machines
 from dray.gateway.projection.news import News
 from dray.gateway.projection.orders import Orders
 from dray.gateway.projection.outsiders import Outsiders
+from dray.gateway.projection.overload import Overload
+from dray.gateway.projection.silence import bound_s, heard_until_s
 from dray.gateway.projection.site import Site
 from dray.gateway.projection.tasks import Tasks
 from dray.gateway.projection.timeuse import SILENT
@@ -55,6 +57,7 @@ class Projection:
         self.commands = Given()
         self.trials = Trials(possible=trials)
         self.interventions = Interventions()
+        self._overload = Overload()
         kinds = (
             self.atvs,
             self.machines,
@@ -121,11 +124,14 @@ class Projection:
         Returns:
             The alerts that had been acknowledged and have ended.
         """
-        now = troubles.Moment(self._time.to_plant_s(wall_s), wall_s, self._time.speed, self._time.to_wall_s)
-        heard = (each for each in self.atvs.heartbeats() if each.atv not in self.outsiders)
+        now_s, heard_s = self._time.to_plant_s(wall_s), self._heard_until_s(wall_s)
+        now = troubles.Moment(now_s, heard_s, wall_s, self._time.speed, self._time.to_wall_s)
+        heard = [each for each in self.atvs.heartbeats() if each.atv not in self.outsiders]
         of_atvs = tuple(troubles.of_atvs(heard, now))
         machines = (each for each in self.machines.heartbeats() if each[0].machine not in self.outsiders)
         wrong = (
+            *troubles.of_the_plant(now),
+            *self._overload.look(self.tasks, len(heard), now),
             *troubles.of_outsiders(self.outsiders, self.atvs),
             *troubles.of_machines(machines, now),
             *of_atvs,
@@ -136,11 +142,11 @@ class Projection:
 
     def traffic_at(self, wall_s: float) -> Iterator[LaneTraffic]:
         """The lanes that were passed within the hour before this moment."""
-        return self.traffic.lanes(self._time.to_plant_s(wall_s))
+        return self.traffic.lanes(self._present_s(wall_s))
 
     def factory(self, wall_s: float) -> FactoryView:
         """The factory's figures at this moment."""
-        now_s = self._time.to_plant_s(wall_s)
+        now_s = self._present_s(wall_s)
         orders, transports = self.orders, self.tasks.transports
         commands, helps = self.interventions.in_hour(now_s)
         use = self.atvs.fleet.use.hour(now_s)
@@ -164,11 +170,12 @@ class Projection:
             atvs_by_status=dict(+self.atvs.by_status),
             machines_by_status=dict(+self.machines.by_status),
             speed=self._time.speed,
+            behind_s=(self._time.to_plant_s(wall_s) - now_s) / self._time.speed,
         )
 
     def totals(self, wall_s: float) -> KpiSample:
         """Everything that adds up, since the plant's zero; everybody's time is counted up to this moment."""
-        now_s = self._time.to_plant_s(wall_s)
+        now_s = self._present_s(wall_s)
         fleet, machines, transports = self.atvs.fleet, self.machines.use, self.tasks.transports
         for use in (fleet.use, machines):
             use.settle(now_s)
@@ -223,6 +230,18 @@ class Projection:
             commands=self.commands.take_changed(),
             gone=tuple(name for changes in self._all for name in changes.take_gone()),
         )
+
+    def _heard_until_s(self, wall_s: float) -> float:
+        """How far the plant was heard by now (plant clock)."""
+        told_s = [each.at_s for each in self.atvs.heartbeats() if each.atv not in self.outsiders]
+        machines = self.machines.heartbeats()
+        told_s += [each.at_s for each, _ in machines if each.machine not in self.outsiders]
+        return heard_until_s(told_s, self._time.to_plant_s(wall_s))
+
+    def _present_s(self, wall_s: float) -> float:
+        """The plant's present (plant clock): of one that is behind, that of what is heard of it."""
+        now_s, heard_s = self._time.to_plant_s(wall_s), self._heard_until_s(wall_s)
+        return now_s if now_s - heard_s <= bound_s(working=False, speed=self._time.speed) else heard_s
 
     def discard_changes(self) -> None:
         """Nobody is looking: the next delta begins from here."""

@@ -202,7 +202,9 @@ class AreaSight:
         return None
 
     def alert(self, view: AlertView) -> AlertView | None:
-        """What is wrong with a machine, a vehicle or a transport that is seen."""
+        """What is wrong with a machine, a vehicle or a transport that is seen, and that nothing new is heard at all."""
+        if view.kind == "plant_behind":
+            return view
         if view.task:
             task = self._projection.tasks.view(view.task)
             if task is None or not self._concerns(task):

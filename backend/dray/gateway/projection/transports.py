@@ -25,12 +25,14 @@ class Transports:
         self._durations_s: deque[float] = deque(maxlen=DURATIONS_KEPT)
         self._sorted_s: list[float] | None = None
         self._handovers = Window(*HANDOVER_SLOTS)
+        self._asked = Window(*HANDOVER_SLOTS)
         self.count = 0
         """Handed over, of those whose announcement was heard."""
 
     def opened(self, task: str, at_s: float) -> None:
         """A transport was announced for the first time (plant clock)."""
         self._opened_s[task] = at_s
+        self._asked.add(at_s, 1)
 
     def closed(self, task: str, at_s: float, *, delivered: bool) -> None:
         """A transport has ended (plant clock)."""
@@ -57,6 +59,11 @@ class Transports:
             self._sorted_s = sorted(self._durations_s)
         # The nearest rank: always a duration that really was.
         return self._sorted_s[max(0, -int(-part * len(self._sorted_s) // 1) - 1)]
+
+    def carried_frac(self, now_s: float) -> float | None:
+        """Transports handed over in the last factory hour, as a part of those announced in it; None for none."""
+        (asked,), (carried,) = self._asked.sums(now_s, 1), self._handovers.sums(now_s, 1)
+        return min(carried / asked, 1.0) if asked > 0 else None
 
     def per_hour(self, now_s: float) -> tuple[float, ...]:
         """Handovers per factory hour, in parts of five factory minutes up to now, oldest first."""

@@ -36,21 +36,34 @@ class Trouble(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     seen_at_s: float | None = None
     until_at_s: float | None = None
     battery_frac: float | None = None
+    behind_s: float | None = None
+    waiting: int | None = None
+    carried_frac: float | None = None
 
     @property
     def id(self) -> str:
         """The same one as long as the same thing is wrong with the same subject."""
-        return f"{self.kind}-{self.order or self.task or self.agent}"
+        subject = self.order or self.task or self.agent
+        return f"{self.kind}-{subject}" if subject else self.kind
 
 
 class Moment(msgspec.Struct, frozen=True):
     """When it is looked at."""
 
     plant_s: float
+    heard_s: float
+    """How far the plant was heard (plant clock): silence is judged against this."""
     wall_s: float
     speed: float
     """Factory seconds per real second."""
     to_wall_s: ToWall
+
+
+def of_the_plant(now: Moment) -> Iterator[Trouble]:
+    """What is wrong with all that is heard: it is old."""
+    behind_s = now.plant_s - now.heard_s
+    if behind_s > bound_s(working=False, speed=now.speed):
+        yield Trouble(kind="plant_behind", behind_s=round(behind_s / now.speed))
 
 
 def of_outsiders(exclusions: Iterable[Exclusion], atvs: Container[str]) -> Iterator[Trouble]:
@@ -67,9 +80,9 @@ def of_machines(heartbeats: Iterable[tuple[MachineHeartbeat, float]], now: Momen
         heartbeats: the last one of each, and since when it has had that status (plant clock).
         now: when it is looked at.
     """
-    silent_before_s = now.plant_s - bound_s(working=False, speed=now.speed)
+    silent_before_s = now.heard_s - bound_s(working=False, speed=now.speed)
     for heard, since_s in heartbeats:
-        agent, patient = heard.machine, now.plant_s - since_s < PATIENCE_S
+        agent, patient = heard.machine, now.heard_s - since_s < PATIENCE_S
         if heard.at_s < silent_before_s:
             yield Trouble(kind="machine_lost", agent=agent, seen_at_s=now.to_wall_s(heard.at_s))
         elif heard.status is MachineStatus.ERROR:
@@ -85,7 +98,7 @@ def of_atvs(heartbeats: Iterable[AtvHeartbeat], now: Moment) -> Iterator[Trouble
     silent_s = {working: bound_s(working=working, speed=now.speed) for working in (False, True)}
     for heard in heartbeats:
         agent, help_ = heard.atv, heard.help
-        if now.plant_s - heard.at_s > silent_s[heard.task is not None]:
+        if now.heard_s - heard.at_s > silent_s[heard.task is not None]:
             yield Trouble(kind="atv_lost", agent=agent, seen_at_s=now.to_wall_s(heard.at_s))
         elif help_ is not None and (help_.promised_by or heard.status is not AtvStatus.STOPPED):
             # Who is on the way has answered: there is less to ask for. Who was stopped by a person asks for nobody.

@@ -7,6 +7,7 @@ from typing import Literal
 from dray.gateway.views.base import View
 
 AlertKind = Literal[
+    "plant_behind",
     "machine_lost",
     "machine_error",
     "atv_lost",
@@ -15,6 +16,7 @@ AlertKind = Literal[
     "order_impossible",
     "order_waits",
     "order_late",
+    "overloaded",
     "machine_shut_out",
     "atv_shut_out",
     "machine_starved",
@@ -27,6 +29,8 @@ AlertKind = Literal[
 """What can be wrong; graver kinds first."""
 
 AlertResponse = Literal[
+    "look_at_server",
+    "add_vehicles",
     "look_at_machine",
     "repair",
     "see_to_supply",
@@ -54,7 +58,8 @@ class AlertView(View, kw_only=True):
     response: AlertResponse
     since_at_s: float
     agent: str = ""
-    """The machine or vehicle that it is about; of a transport, who carries it. Empty for an order."""
+    """The machine or vehicle that it is about; of a transport, who carries it. Empty for an order, and for the plant as a
+    whole."""
     task: str = ""
     order: str = ""
     problem: str = ""
@@ -66,6 +71,12 @@ class AlertView(View, kw_only=True):
     until_at_s: float | None = None
     """How long help is waited for, or when the order was due."""
     battery_frac: float | None = None
+    behind_s: float | None = None
+    """How old the newest is that was heard of the plant, in real seconds."""
+    waiting: int | None = None
+    """Transports that have waited for a vehicle for longer than 5 factory minutes."""
+    carried_frac: float | None = None
+    """Part of the last factory hour's transports that were carried; None before any."""
     acknowledged_by: str = ""
     """The name of who has taken it on; empty while nobody has."""
     acknowledged_at_s: float | None = None

@@ -77,3 +77,5 @@ class FactoryView(View, kw_only=True):
     machines_by_status: dict[str, int] = msgspec.field(default_factory=dict)
     speed: float = 1.0
     """Factory seconds per real second."""
+    behind_s: float = 0.0
+    """How old the newest is that was heard of the plant, in real seconds; 0 as long as it keeps up."""

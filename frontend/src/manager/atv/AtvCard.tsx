@@ -6,7 +6,7 @@ import { Meter } from "../../parts/Meter";
 import { Tag, toneOfAtv } from "../../parts/Tag";
 import { isLost } from "../../plant/silence";
 import { selection } from "../../selection/selection";
-import { nowS, world } from "../../stream/stream";
+import { nowS, presentS, world } from "../../stream/stream";
 import { failureText } from "../../text/failure";
 import { format, t, word } from "../../text/manager";
 import { ShutOutMenu } from "../agents/ShutOutMenu";
@@ -36,7 +36,7 @@ function AtvCard({ atv }: { atv: AtvView }) {
   const type = plant.value?.vehicle_types.find((each) => each.id === atv.type);
   const task = atv.task && world.value?.tasks.get(atv.task.task);
   const speed = world.value?.factory.speed ?? 1;
-  const lost = isLost(atv, nowS.value, speed);
+  const lost = isLost(atv, presentS.value, speed);
   const most = format.number((type?.max_speed_mps ?? 0) * atv.speed_limit_frac, 1);
   return (
     <Card

@@ -1,6 +1,6 @@
 import { useComputed } from "@preact/signals";
 import { Card } from "../../parts/Card";
-import { nowS, world } from "../../stream/stream";
+import { presentS, world } from "../../stream/stream";
 import { format, t } from "../../text/manager";
 import { Sparkline } from "./Sparkline";
 import { LOST, SHUT_OUT, statusCounts } from "./status";
@@ -15,7 +15,7 @@ export function FactoryCard() {
   const counts = useComputed(() => {
     const { atvs, factory, machines } = world.value ?? {};
     const of = (views: typeof atvs | typeof machines) =>
-      statusCounts(views?.values() ?? [], nowS.value, factory?.speed ?? 1);
+      statusCounts(views?.values() ?? [], presentS.value, factory?.speed ?? 1);
     return { atvs: of(atvs), machines: of(machines) };
   }).value;
   const percent = (frac: number | null | undefined) =>

@@ -5,7 +5,7 @@ import { Table } from "../../parts/Table";
 import { Tag, toneOfAtv } from "../../parts/Tag";
 import { isLost } from "../../plant/silence";
 import { byId } from "../../plant/places";
-import { nowS, world } from "../../stream/stream";
+import { nowS, presentS, world } from "../../stream/stream";
 import { failureText } from "../../text/failure";
 import { format, t, word } from "../../text/manager";
 import { updateText } from "../agents/update-text";
@@ -46,7 +46,7 @@ export function FleetView() {
 
 function Row({ atv }: { atv: AtvView }) {
   const speed = world.value?.factory.speed ?? 1;
-  const lost = isLost(atv, nowS.value, speed);
+  const lost = isLost(atv, presentS.value, speed);
   const percent = format.percent(atv.battery_frac);
   const update = updateText(atv);
   return (

@@ -5,7 +5,7 @@ import { Link } from "../../parts/Link";
 import { Meter } from "../../parts/Meter";
 import { Tag, toneOfMachine } from "../../parts/Tag";
 import { isLost } from "../../plant/silence";
-import { nowS, world } from "../../stream/stream";
+import { nowS, presentS, world } from "../../stream/stream";
 import { failureText } from "../../text/failure";
 import { format, n, t, word } from "../../text/manager";
 import { ShutOutMenu } from "../agents/ShutOutMenu";
@@ -20,7 +20,7 @@ import { Stock } from "./Stock";
 /** The chosen machine: what it makes, what it needs, who brings it. */
 export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: MachineView | undefined }) {
   const status = machine?.status;
-  const lost = machine !== undefined && isLost(machine, nowS.value, world.value?.factory.speed ?? 1);
+  const lost = machine !== undefined && isLost(machine, presentS.value, world.value?.factory.speed ?? 1);
   return (
     <Card
       title={

@@ -4,7 +4,7 @@ import { Meter } from "../../parts/Meter";
 import { Table } from "../../parts/Table";
 import { Tag, type Tone } from "../../parts/Tag";
 import { boundS } from "../../plant/silence";
-import { nowS, world } from "../../stream/stream";
+import { presentS, world } from "../../stream/stream";
 import { format, t, word } from "../../text/manager";
 import { linkText } from "../atv/link";
 import { Search } from "../filters/Search";
@@ -21,7 +21,7 @@ const TONES: Readonly<Record<WatchState, Tone>> = {
 
 /** Who guards whom, and how long ago the guarded one was heard. */
 export function WatchView() {
-  const all = useComputed(() => (world.value ? guardings(world.value, nowS.value) : [])).value;
+  const all = useComputed(() => (world.value ? guardings(world.value, presentS.value) : [])).value;
   const shown = all.filter((each) => passes(each, filter.value) && isFound(each, words.value));
   const heads = ["carrier", "age", "guard", "guardAge", "doing", "task", "for"] as const;
   return (
@@ -107,7 +107,7 @@ function Vehicle({ id, strong = false }: { id: string; strong?: boolean }) {
 
 /** How long ago it was heard, to the scale of the silence that would count as failure. */
 function Age({ atv }: { atv: AtvView }) {
-  const ageS = Math.max(0, nowS.value - atv.seen_at_s);
+  const ageS = Math.max(0, presentS.value - atv.seen_at_s);
   const bound = boundS(atv, world.value?.factory.speed ?? 1);
   const age = format.age(ageS);
   const lost = ageS > bound;
