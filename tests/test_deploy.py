@@ -82,6 +82,7 @@ def test_every_agent_of_the_default_plant_has_a_process(services: dict[str, dict
     plant = default_plant()
     wanted = [
         *(["dray", "agent", "machine", name] for name in plant.machines),
+        *(["dray", "agent", "station", name] for name in plant.storages),
         *(["dray", "agent", "atv", name] for name in plant.fleet),
         ["dray", "strategist"],
         ["dray", "historian"],

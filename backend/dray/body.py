@@ -239,6 +239,28 @@ class WorkcellState(Part, frozen=True):
     """Why it stands; empty when it works."""
 
 
+# --- a storage: instructions and state; it has a dock as a workcell has, and reports `StockChanged` -------
+
+
+class Refill(Part, frozen=True):
+    """More of a material is needed than lies there: have some brought. Harmless when it is on its way already."""
+
+    item: str
+
+
+class StorageState(Part, frozen=True):
+    """What a storage senses of itself."""
+
+    stock: dict[str, int]
+    """Pieces of every material."""
+    seq: int
+    """How many changes of the stock it has reported since it was built; see `WorkcellState`."""
+    opened: tuple[str, ...]
+    """Vehicles for which the dock is open: they have not taken yet what they may take."""
+
+
+StorageInstruction = OpenDock | CloseDock | Refill
+
 # --- the gate of the delivery warehouses: the strategist's body ------------------------------------
 
 
@@ -270,6 +292,6 @@ class GateState(Part, frozen=True):
     """Pieces by goal, for every goal that was ever admitted and is not forgotten."""
 
 
-Instruction = VehicleInstruction | WorkcellInstruction | Admit
+Instruction = VehicleInstruction | WorkcellInstruction | StorageInstruction | Admit
 Report = VehicleReport | WorkcellReport | GoodsArrived
-BodyState = VehicleState | WorkcellState | GateState
+BodyState = VehicleState | WorkcellState | StorageState | GateState

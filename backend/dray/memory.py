@@ -108,6 +108,26 @@ class TaskMemory(Part, frozen=True):
     """Taken up on its carrier's word alone, after a life that has left no notes."""
 
 
+class StationMemory(Part, tag_field="kind", tag="station", frozen=True):
+    """What the station of a storage is bound by. Who waits in its queue asks again."""
+
+    reserved: tuple[ReservationMemory, ...] = ()
+
+
+class ReservationMemory(Part, frozen=True):
+    """Pieces that are set aside, as the station remembers them."""
+
+    task: str
+    epoch: int
+    item: str
+    quantity: int
+    coordinator: str
+    vehicle: str = ""
+    """For whom the dock was opened; empty before."""
+    opened: int = 0
+    """In which epoch of the task; 0 before."""
+
+
 class StrategistMemory(Part, tag_field="kind", tag="strategist", frozen=True):
     """What the strategist is bound by beside its orders."""
 
@@ -157,7 +177,7 @@ class GoalBooked(Part, frozen=True):
     """Pieces that were counted at the gate, and told of."""
 
 
-Note = AtvMemory | MachineMemory | StrategistMemory | OrderMemory | ReturnedOrder | EndedOrder
+Note = AtvMemory | MachineMemory | StationMemory | StrategistMemory | OrderMemory | ReturnedOrder | EndedOrder
 
 WHOLE = ""
 """The name of an agent's only note, or of that which is about none of its orders. An order's note has its id."""

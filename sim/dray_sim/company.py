@@ -8,7 +8,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from dray.messages import AtvHeartbeat, AtvStatus, Event, MachineHeartbeat, Message, Phase, Role, Transport
+from dray.messages import (
+    AtvHeartbeat,
+    AtvStatus,
+    Event,
+    MachineHeartbeat,
+    Message,
+    Phase,
+    Role,
+    StationHeartbeat,
+    Transport,
+)
 from dray.messages.fact import (
     AtvStatusChanged,
     AwardAnswered,
@@ -47,7 +57,7 @@ class SpeaksOn:
         self._look_s = 0.0
 
     def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
-        if type(message) is AtvHeartbeat or type(message) is MachineHeartbeat:
+        if isinstance(message, AtvHeartbeat | MachineHeartbeat | StationHeartbeat):
             self._heard_s[sender] = at_s
         if at_s >= self._look_s:
             if at_s > self._look_s + LOOK_S:
@@ -58,7 +68,7 @@ class SpeaksOn:
 
     def _look(self, at_s: float) -> None:
         factory, journals = self._factory, self._factory.journals
-        for agent in (*factory.workcells, *factory.vehicles):
+        for agent in (*factory.workcells, *factory.storages, *factory.vehicles):
             if agent not in self._heard_s:
                 continue  # The factory may not run yet.
             life = journals[agent].incarnation

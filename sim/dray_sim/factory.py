@@ -24,6 +24,7 @@ from dray.protocol.atv import Atv
 from dray.protocol.authority import Trusts
 from dray.protocol.events import Agent
 from dray.protocol.machine import Machine
+from dray.protocol.station import Station
 from dray.protocol.strategist import STRATEGIST, Strategist
 from dray.worker import Worker
 from dray_sim.computer import ComputerClock
@@ -130,6 +131,8 @@ class SimFactory:
         self._group: asyncio.TaskGroup | None = None
         for machine, workcell in self.workcells.items():
             self._employ(machine, Kind.MACHINE, self._machine(machine, plant), workcell)
+        for storage, place in self.storages.items():
+            self._employ(storage, Kind.STATION, self._station(storage), place)
         for spec in plant.fleet.values():
             self._man(spec)
         self._employ(STRATEGIST, Kind.STRATEGIST, self._strategist, self.gate)
@@ -192,7 +195,7 @@ class SimFactory:
         """Begin an agent's next life; one that still lives ends first, one without power waits for it.
 
         Args:
-            agent: a machine, a vehicle or the strategist.
+            agent: a machine, a vehicle, a storage or the strategist.
             software: the version that it runs from now on; empty for the one that it has.
             trial: transports that this life has to do well before it takes long tasks.
 
@@ -202,7 +205,7 @@ class SimFactory:
         post = self._posts[agent]
         post.software = software or post.software
         self.workers[agent].kill()
-        if agent == STRATEGIST or not self._powered(agent).off:
+        if agent == STRATEGIST or agent in self.storages or not self._powered(agent).off:
             post.journal.begin_life()
             post.clock.begin_life()
             self._enliven(agent, trial)
@@ -299,6 +302,11 @@ class SimFactory:
     def _machine(self, machine: str, plant: Plant, *, newcomer: bool = False) -> MakeAgent:
         return lambda life, software, trial: Machine(
             machine, plant, incarnation=life, software=software, newcomer=newcomer, trial=trial
+        )
+
+    def _station(self, storage: str) -> MakeAgent:
+        return lambda life, software, _trial: Station(
+            storage, self.plant, incarnation=life, software=software
         )
 
     def _atv(self, spec: VehicleSpec) -> MakeAgent:

@@ -71,7 +71,7 @@ class Floor:
             warehouse: DeliveryWarehouse(warehouse, plant.products, self.gate)
             for warehouse in plant.delivery_warehouses
         }
-        self.storages: Mapping[str, Storage] = {
+        self.storages: dict[str, Storage] = {
             spec.id: Storage(spec, clock, self.source) for spec in plant.storages.values()
         }
         stock = Random(f"{seed} stock")
@@ -131,7 +131,7 @@ class Floor:
     @property
     def bodies(self) -> dict[str, Body]:
         """By the agent that acts with it."""
-        return {**self.workcells, **self.vehicles, STRATEGIST: self.gate}
+        return {**self.workcells, **self.storages, **self.vehicles, STRATEGIST: self.gate}
 
     def count(self) -> Pieces:
         """Count all pieces.

@@ -6,7 +6,7 @@ has passed, calls `transfer` when the manoeuvre ends, and reports. What the batt
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 from dray.body import Charge, Drop, Pick
 from dray.plant import Plant
@@ -33,7 +33,6 @@ class Handling:
     Attributes:
         action: under way; None for none.
         left_s: how long a pick or drop still takes, as of the last `spend`; nothing that holds for a charge.
-        out_of_stock: the pick has come to its end, and there is nothing to take yet.
         load: the item on board; empty for none.
         quantity: pieces of it.
     """
@@ -49,7 +48,6 @@ class Handling:
     ) -> None:
         self.action: Action | None = None
         self.left_s = 0.0
-        self.out_of_stock = False
         self.load = ""
         self.quantity = 0
         self._vehicle = vehicle
@@ -74,7 +72,7 @@ class Handling:
         reason = self._refusal(action, node)
         if reason:
             return reason
-        self.action, self.out_of_stock = action, False
+        self.action = action
         if isinstance(action, Pick):
             self.left_s = self._type.load_s
         elif isinstance(action, Drop):
@@ -88,15 +86,14 @@ class Handling:
         if self.action is not None:
             self.left_s = max(self.left_s - seconds, 0.0)
 
-    def transfer(self, action: Pick | Drop, stocked: Callable[[], None]) -> str:
+    def transfer(self, action: Pick | Drop) -> str:
         """Let the load change hands at the end of the manoeuvre, at once and wholly.
 
         Args:
             action: the one under way.
-            stocked: called when what it has to wait for may be there; it is `out_of_stock` until then.
 
         Returns:
-            "" when it has, or when it has to wait; else why it cannot.
+            "" when it has, else why it cannot.
         """
         place = self._places[action.station]
         if isinstance(action, Drop):
@@ -107,14 +104,11 @@ class Handling:
         reason = place.take(self._vehicle, action.item, action.quantity)
         if not reason:
             self.load, self.quantity = action.item, action.quantity
-        elif place.wait_for(action.item, action.quantity, stocked):
-            self.out_of_stock = True
-            return ""
         return reason
 
     def end(self) -> None:
         """The action is over, whatever came of it; a plug stays in."""
-        self.action, self.out_of_stock = None, False
+        self.action = None
 
     def take_off(self) -> tuple[str, int]:
         """Somebody else takes the load. Returns the item and how many; `("", 0)` for nothing."""

@@ -38,6 +38,7 @@ from dray_sim.delivered import DeliveredExactly
 from dray_sim.ears import Ear
 from dray_sim.factory import SimFactory
 from dray_sim.granted import GrantedOnly
+from dray_sim.promised import PromisedLiesThere
 
 BRAKING_S = 10.0
 """By then a stopped vehicle stands, whatever its speed and load were."""
@@ -276,6 +277,7 @@ class Invariants:
             SpeaksOn(factory),
             ReplacedInTime(factory),
             GrantedOnly(factory),
+            PromisedLiesThere(),
             self._conservation,
             *more,
         )

@@ -97,6 +97,7 @@ class Stage:
         witness: what was said.
         observer: figures so far.
         orders: all of them, placed or still to come.
+        ears: hear all that is said.
     """
 
     def __init__(self, shift: Shift, plant: Plant, seed: int) -> None:
@@ -108,7 +109,7 @@ class Stage:
             random = Random(f"{seed} demand")
             self.orders += demand.orders(plant, random, load=shift.load, until_s=shift.duration_s)
         self.observer, self.trace, self.witness = Observer(), Trace(), Witness(*shift.keep)
-        ears = Ears()
+        self.ears = ears = Ears()
         self.factory = SimFactory(
             plant,
             clock(),

@@ -15,9 +15,12 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from typing import Protocol
 
+from dray.body import CloseDock, Instruction, OpenDock, Refill, Report, StockChanged, StorageState
 from dray.plant.model import Storage as StorageSpec
 from dray.ports import Clock
+from dray_sim.docks import OpenDocks
 from dray_sim.gate import Gate
+from dray_sim.reporter import Reporter
 
 REFILL_S = 120.0
 """From a low stock to a full one. The paper leaves this way to somebody else (4.1: material "is supposed
@@ -45,15 +48,6 @@ class Place(Protocol):
         """Receive pieces from a vehicle. Returns "" when they are in, else why not.
 
         `goal` is whose pieces these are; it matters only where goods leave the factory.
-        """
-        ...
-
-    def wait_for(self, item: str, quantity: int, then: Callable[[], None]) -> bool:
-        """Ask to be told when so much may be there.
-
-        Returns:
-            True when it comes by itself: `then` is called once, in the order of asking, and the
-            pieces may be gone again by the time of another `take`. False when waiting is in vain.
         """
         ...
 
@@ -98,10 +92,6 @@ class SourceWarehouse:
         self.returned[item] += quantity
         return ""
 
-    def wait_for(self, item: str, quantity: int, then: Callable[[], None]) -> bool:
-        """See `Place`. It is never short of anything, so there is nothing to wait for."""
-        return False
-
 
 class DeliveryWarehouse:
     """Where finished products go, counted as they arrive.
@@ -141,13 +131,12 @@ class DeliveryWarehouse:
         self.arrived[item] += quantity
         return ""
 
-    def wait_for(self, item: str, quantity: int, then: Callable[[], None]) -> bool:
-        """See `Place`."""
-        return False
-
 
 class Storage:
-    """An interim storage that keeps itself filled from the source warehouse.
+    """An interim storage that keeps itself filled from the source warehouse: the body of its station.
+
+    Implements `dray.ports.Body` and `Place`. A vehicle fetches only what the dock is open for; people help themselves. What
+    is brought back is taken without a question.
 
     Invariants: a stock is never negative and never above its capacity; of every material at most
     one refill is on its way.
@@ -178,20 +167,46 @@ class Storage:
         self._capacity = {kept.material: kept.capacity for kept in spec.stocks}
         begin = stock or {}
         self.stock = {item: min(begin.get(item, room), room) for item, room in self._capacity.items()}
+        self._seq = 0
+        """Of the last change of the stock that a report tells of."""
+        self._docks = OpenDocks()
+        self._reporter = Reporter(clock)
         self._ordered: set[str] = set()
-        self._waiters: dict[str, list[Callable[[], None]]] = {item: [] for item in self.stock}
-        """Bounded by the fleet: a vehicle waits for one thing at a time."""
         for item in self.stock:
             self._order_if_low(item)
 
+    # --- Body ------------------------------------------------------------------------------------
+
+    def instruct(self, instruction: Instruction) -> None:
+        """See `dray.ports.Body`. What a storage cannot do is ignored: no report would fit it."""
+        if isinstance(instruction, OpenDock):
+            self._docks.open(instruction.vehicle, instruction.item, instruction.quantity)
+        elif isinstance(instruction, CloseDock):
+            self._docks.shut(instruction.vehicle)
+        elif isinstance(instruction, Refill) and instruction.item in self.stock:
+            self._order(instruction.item)
+
+    def sense(self) -> StorageState:
+        """See `dray.ports.Body`."""
+        return StorageState(stock=dict(self.stock), seq=self._seq, opened=tuple(self._docks))
+
+    def attach(self, report: Callable[[Report], None]) -> None:
+        """See `dray.ports.Body`."""
+        self._reporter.attach(report)
+
+    # --- Place -----------------------------------------------------------------------------------
+
     def take(self, vehicle: str, item: str, quantity: int) -> str:
-        """See `Place`."""
+        """See `Place`. Only what the dock is open for; without a vehicle it is a person."""
         at_hand = self.stock.get(item)
         if at_hand is None:
             return NOT_KEPT
+        if vehicle and (reason := self._docks.refusal(vehicle, item, quantity)):
+            return reason
         if quantity > at_hand:
             return TOO_LITTLE
-        self.stock[item] = at_hand - quantity
+        self._docks.shut(vehicle)
+        self._change(item, -quantity, vehicle)
         self._order_if_low(item)
         return ""
 
@@ -202,17 +217,10 @@ class Storage:
             return NOT_KEPT
         if at_hand + quantity > self._capacity[item]:
             return NO_ROOM
-        self.stock[item] = at_hand + quantity
-        self._tell(item)
+        self._change(item, quantity, vehicle)
         return ""
 
-    def wait_for(self, item: str, quantity: int, then: Callable[[], None]) -> bool:
-        """See `Place`. Orders a refill, so that also a lot above half the capacity comes in time."""
-        if quantity > self._capacity.get(item, 0):
-            return False
-        self._waiters[item].append(then)
-        self._order(item)
-        return True
+    # --- how it is done --------------------------------------------------------------------------
 
     def _order_if_low(self, item: str) -> None:
         if self.stock[item] < REFILL_BELOW_FRAC * self._capacity[item]:
@@ -228,11 +236,10 @@ class Storage:
         self._ordered.discard(item)
         missing = self._capacity[item] - self.stock[item]
         self._source.ship(item, missing)
-        self.stock[item] += missing
-        self._tell(item)
+        self._change(item, missing)
 
-    def _tell(self, item: str) -> None:
-        """Call all who wait; who comes too late for this time asks again and keeps its turn."""
-        waiters, self._waiters[item] = self._waiters[item], []
-        for then in waiters:
-            then()
+    def _change(self, item: str, pieces: int, vehicle: str = "") -> None:
+        self.stock[item] += pieces
+        self._seq += 1
+        self._reporter.say(StockChanged(item=item, change=pieces, seq=self._seq, vehicle=vehicle))
+        self._reporter.flush_soon()

@@ -338,21 +338,11 @@ class SimVehicle:
             self._reporter.say(WayDone(order=way.order, node=node))
 
     def _transfer(self, action: Pick | Drop) -> None:
-        reason = self._handling.transfer(action, partial(self._stocked, action.order))
+        reason = self._handling.transfer(action)
         if reason:
             self._end_action(reason)
-        elif not self._handling.out_of_stock:
+        else:
             self._complete(action.order)
-
-    def _stocked(self, order: int) -> None:
-        """What the pick has waited for may be there now."""
-        handling = self._handling
-        if not handling.out_of_stock or handling.action is None or handling.action.order != order:
-            return
-        self._settle()
-        handling.out_of_stock = False
-        if not self.stopped:
-            self._due(self._plan)
 
     def _complete(self, order: int) -> None:
         self._handling.end()
@@ -392,7 +382,7 @@ class SimVehicle:
         when_s = NEVER_S
         if self._travel.way is not None:
             when_s = self._travel.next_at_s
-        elif self._handling.action is not None and not self.stopped and not self._handling.out_of_stock:
+        elif self._handling.action is not None and not self.stopped:
             charging_s = self._battery.charging_s(self._level_frac)
             left_s = charging_s if self._charging else self._handling.left_s
             when_s = self._settled_s + left_s
@@ -492,5 +482,5 @@ class SimVehicle:
         if self._charging:
             return Activity.CHARGING
         if self._handling.action is not None:
-            return Activity.WAITING if self._handling.out_of_stock else Activity.HANDLING
+            return Activity.HANDLING
         return Activity.WAITING if self._travel.waits else Activity.IDLE

@@ -31,10 +31,10 @@ from dray.body import (
 from dray.plant import Plant
 from dray.plant.model import MachineSpec
 from dray.ports import Clock
+from dray_sim.docks import OpenDocks
 from dray_sim.reporter import Reporter
 from dray_sim.stores import NO_ROOM, NOT_KEPT, TOO_LITTLE
 
-SHUT = "the dock is shut"
 NO_POWER = "no power"
 
 
@@ -90,8 +90,7 @@ class SimWorkcell:
         self._stock = dict.fromkeys((*materials, *self._cycle_s), 0) | dict(stock or {})
         self._seq = 0
         """Of the last change of the stock that a report tells of."""
-        self._docks: dict[str, tuple[str, int]] = {}
-        """Vehicle -> what it may carry in or out, once."""
+        self._docks = OpenDocks()
         self._cycle: _Cycle | None = None
         self._broken = ""
         self._off = False
@@ -112,9 +111,9 @@ class SimWorkcell:
         if isinstance(instruction, StartCycle):
             self._start(instruction.product)
         elif isinstance(instruction, OpenDock):
-            self._docks[instruction.vehicle] = (instruction.item, instruction.quantity)
+            self._docks.open(instruction.vehicle, instruction.item, instruction.quantity)
         elif isinstance(instruction, CloseDock):
-            self._docks.pop(instruction.vehicle, None)
+            self._docks.shut(instruction.vehicle)
         self._reporter.flush_soon()
 
     def sense(self) -> WorkcellState:
@@ -147,10 +146,6 @@ class SimWorkcell:
             return NO_ROOM
         self._transfer(vehicle, item, quantity)
         return ""
-
-    def wait_for(self, item: str, quantity: int, then: Callable[[], None]) -> bool:
-        """See `Place`. What comes next is the agent's decision, and it says so itself."""
-        return False
 
     def room(self, item: str) -> int:
         """How many more pieces of a material or product fit in; a piece in the making has its place."""
@@ -197,7 +192,7 @@ class SimWorkcell:
             return
         self._settle()
         self._off = True
-        self._docks.clear()
+        self._docks.shut_all()
         self._reporter.mute()
         self._change_of_fortune()
 
@@ -286,12 +281,10 @@ class SimWorkcell:
     def _refusal(self, vehicle: str, item: str, quantity: int) -> str:
         if self._off:
             return NO_POWER
-        if self._docks.get(vehicle) != (item, quantity):
-            return SHUT
-        return "" if item in self._stock else NOT_KEPT
+        return self._docks.refusal(vehicle, item, quantity) or ("" if item in self._stock else NOT_KEPT)
 
     def _transfer(self, vehicle: str, item: str, change: int) -> None:
-        del self._docks[vehicle]
+        self._docks.shut(vehicle)
         self._change_stock(item, change, vehicle)
 
     def _change_stock(self, item: str, change: int, vehicle: str = "") -> None:

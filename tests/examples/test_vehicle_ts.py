@@ -82,6 +82,7 @@ class Workshop:
             STRATEGIST: Kind.STRATEGIST,
             "gateway": Kind.GATEWAY,
             **dict.fromkeys(PLANT.machines, Kind.MACHINE),
+            **dict.fromkeys(PLANT.storages, Kind.STATION),
             VEHICLE: Kind.ATV,
         }
         for name, kind in names.items():
@@ -89,7 +90,9 @@ class Workshop:
         (folder / "plant.json").write_text(self._dray("plant", "json", str(PLANT_FILE)))
 
     def start_agents(self) -> None:
-        for command in (("floor",), (STRATEGIST,), *(("agent", "machine", each) for each in PLANT.machines)):
+        machines = (("agent", "machine", each) for each in PLANT.machines)
+        stations = (("agent", "station", each) for each in PLANT.storages)
+        for command in (("floor",), (STRATEGIST,), *machines, *stations):
             self._start(
                 command[-1],
                 sys.executable,

@@ -154,7 +154,8 @@ def carrying_vehicle() -> Played:
 
 
 def docked_vehicle() -> Played:
-    return carrying_vehicle().until(lambda actor: actor.newest(Docked))
+    asked = Docked(task="M8-1", epoch=1, station="M8")
+    return carrying_vehicle().until(lambda actor: actor.newest(Docked) == asked)
 
 
 def unloading_vehicle() -> Played:

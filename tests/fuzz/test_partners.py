@@ -31,6 +31,8 @@ from dray.messages import (
     Release,
     Resigned,
     Role,
+    StockReserved,
+    StockShort,
     Superseded,
     TakenOver,
     Withdrawn,
@@ -64,6 +66,8 @@ def words() -> Iterator[Message]:
             yield TakenOver(task=task, epoch=epoch, primary=primary, finish_s=100.0, source="S3")
         for station in STATIONS:
             yield Docked(task=task, epoch=epoch, station=station)
+            yield StockReserved(task=task, epoch=epoch, item="housing", quantity=24)
+            yield StockShort(task=task, epoch=epoch, item="housing", free=0)
             yield DockOpened(task=task, epoch=epoch, station=station)
             yield DockHeld(task=task, epoch=epoch, station=station, reason="no room")
         for role in Role:

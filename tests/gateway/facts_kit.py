@@ -104,7 +104,7 @@ def order(name: str = "O-1", *quantities: int, **fields: Any) -> Order:
         "created_at_s": NOW_S,
     }
     items = tuple(Item(f"P{index}", quantity) for index, quantity in enumerate(quantities or (4,), 1))
-    return Order(id=name, items=items, **usual | fields)
+    return Order(id=name, **{"items": items} | usual | fields)
 
 
 def contracted(goal: str = "G1", item: int = 0, quantity: int = 4, of: str = "O-1") -> GoalContracted:

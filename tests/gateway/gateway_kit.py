@@ -39,6 +39,7 @@ from dray.messages import (
     OrderReleased,
     OrderTaken,
     Pose,
+    StationHeartbeat,
 )
 from dray.messages.fact import AnyFact
 from dray.messages.keys import Keys
@@ -179,6 +180,8 @@ def _place(message: Message) -> tuple[str, str]:
             return KEYS.atv_heartbeat(agent), agent
         case MachineHeartbeat(machine=agent):
             return KEYS.machine_heartbeat(agent), agent
+        case StationHeartbeat(station=agent):
+            return KEYS.station_heartbeat(agent), agent
         case Event(agent=agent):
             return KEYS.events(agent), agent
         case _:

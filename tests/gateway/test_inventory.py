@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import msgspec
 import pytest
 from gateway_kit import PLANT, House, atv_heartbeat, machine_heartbeat
 
 from dray.gateway.access.principal import Role
-from dray.messages import BufferLevel
+from dray.messages import BufferLevel, StationHeartbeat, StockLevel
 
 pytestmark = pytest.mark.anyio
 
@@ -70,6 +71,26 @@ async def test_storages_tell_what_they_hold_when_they_are_full(house: House) -> 
         assert [(stock["material"], stock["capacity"]) for stock in each["stocks"]] == [
             (stock.material, stock.capacity) for stock in stocks[each["id"]]
         ]
+
+
+async def test_storages_tell_what_lies_there_and_what_is_promised(house: House) -> None:
+    kept = PLANT.storages[0].stocks[0]
+    level = StockLevel(item=kept.material, level=9, capacity=kept.capacity, promised=5, wanted=10)
+    beat = StationHeartbeat(station=PLANT.storages[0].id, incarnation=1, seq=2, at_s=7.0, stocks=(level,))
+    late = msgspec.structs.replace(beat, seq=1, stocks=())
+    house.bus.say(beat, late)
+    storages = {each["id"]: each for each in (await house.get("/api/storages"))["items"]}
+    told = storages[PLANT.storages[0].id]
+    assert told["stocks"][0] == {
+        "material": kept.material,
+        "capacity": kept.capacity,
+        "level": 9,
+        "promised": 5,
+        "wanted": 10,
+    }
+    assert told["seen_at_s"] is not None
+    silent = storages[PLANT.storages[1].id]
+    assert (silent["seen_at_s"], silent["stocks"][0]["level"]) == (None, None)
 
 
 async def test_operators_see_what_lies_in_their_areas(house: House) -> None:

@@ -5,13 +5,14 @@ from __future__ import annotations
 from random import Random
 
 from facts_kit import SPEED, arrived, contracted, delta, made, order, seen, tell, wall_s
-from gateway_kit import NOW_S, PLANT, events
+from gateway_kit import NOW_S, PLANT, events, machine_heartbeat
 
 from dray.gateway.projection import Projection
 from dray.gateway.projection.orders import ENDED_KEPT
 from dray.gateway.timescale import TimeScale
+from dray.messages import GoalBrief, MachineHeartbeat, MaterialWait
 from dray.messages.fact import AnyFact, OrderAccepted
-from dray.store.orders import OrderTotals
+from dray.store.orders import Item, OrderTotals
 from dray.store.progress import Goal, OrderStatus
 
 
@@ -115,3 +116,36 @@ def test_an_event_about_an_order_that_nobody_placed_here_changes_nothing(project
     tell(projection, "M1", contracted(of="O-9"), arrived(4, of="O-9"))
     assert projection.orders.views() == ()
     assert not projection.changed
+
+
+def lacking(*waits: MaterialWait, made_of: int = 0, seq: int = 1) -> MachineHeartbeat:
+    """M1 has a goal of O-1, and tells what it waits for."""
+    product = PLANT.products[0].id
+    goal = GoalBrief(goal="G1", product=product, quantity=4, made=made_of, delivered=0)
+    return machine_heartbeat("M1", seq=seq, goals=(goal,), waits=waits)
+
+
+def test_an_order_tells_by_name_what_material_it_waits_for(projection: Projection) -> None:
+    material = PLANT.products[0].bill[0].material
+    name = next(each.name for each in PLANT.materials if each.id == material)
+    other = next(
+        each.id
+        for each in PLANT.materials
+        if each.id not in {line.material for line in PLANT.products[0].bill}
+    )
+    items = (Item(PLANT.products[0].id, 4),)
+    projection.orders.put(order("O-1", items=items))
+    tell(projection, "strategist", contracted(), at_s=1.0)
+    projection.orders.take_changed()
+    wait = MaterialWait(item=material, quantity=5, short=("S3",), silent=("S4", "S5"))
+    projection.fold(lacking(MaterialWait(item=other, quantity=5, short=("S1",)), wait, seq=1))
+    [view] = projection.orders.views()
+    assert view.waits == f"for {name} (storage S3 has none and storages S4, S5 do not answer)"
+    assert projection.orders.take_changed() == (view,)
+    assert not projection.orders.waits("O-1"), "somebody can make it"
+    projection.fold(lacking(wait, made_of=4, seq=2))
+    assert projection.orders.views()[0].waits == "", "what is made waits for nothing"
+    projection.fold(lacking(wait, seq=3))
+    projection.fold(lacking(seq=4))
+    assert projection.orders.views()[0].waits == ""
+    assert len(projection.orders.take_changed()) == 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable
 
+import plentiful
 from bodies import PlainBody
 
 from dray.body import Report
@@ -143,6 +144,9 @@ class Actor:
                 self.memory[effect.name] = effect.note
         elif isinstance(effect, Instruct) and self.body is not None:
             self._queue.extend(map(Reported, self.body.instruct(effect.instruction, self.now_s)))
+        elif isinstance(effect, Send) and (answer := plentiful.answer(effect.to, effect.message)):
+            # Storages are always there, and have everything.
+            self._queue.append(Heard(effect.to, answer))
         elif isinstance(effect, Leave):
             self.agent = None
 

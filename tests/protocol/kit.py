@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import Any, TypeVar
 
 import msgspec
+import plentiful
 from seals import trusts_seals
 
 from dray.body import (
@@ -312,6 +313,8 @@ class Rig:
         """Every effect from the beginning."""
         self.memory: Memory = {}
         """What an earlier life has committed."""
+        self.stations_answer = True
+        """Storages have what is to be fetched, and say so at once."""
 
     def sense(self) -> BodyState | None:
         """What the agent's body would tell of itself now."""
@@ -321,6 +324,14 @@ class Rig:
         """Let one thing happen; what the agent wants done about it."""
         effects = self.agent.handle(event, self.now_s)
         self.all += effects
+        return effects
+
+    def heard_by_stations(self, effects: list[Effect]) -> list[Effect]:
+        """Let the stations of storages answer at once, unless the test answers for them."""
+        for effect in list(effects) if self.stations_answer else ():
+            said = plentiful.answer(effect.to, effect.message) if isinstance(effect, Send) else None
+            if isinstance(effect, Send) and said is not None:
+                effects += self.hear(effect.to, said)
         return effects
 
     def start(self) -> list[Effect]:
@@ -379,6 +390,10 @@ class VehicleRig(Rig):
         self.load = ("", 0)
         self.held = False
 
+    def handle(self, event: Event) -> list[Effect]:
+        effects = super().handle(event)
+        return self.heard_by_stations(effects)
+
     def sense(self) -> VehicleState:
         spot = PLANT.nodes[self.node]
         return VehicleState(
@@ -431,7 +446,7 @@ class MachineRig(Rig):
     """A machine with its workcell: cycles take material at once and end when the test says so.
 
     It believes its bidders and its carriers, unless it is told to doubt them: prices are plain numbers then,
-    and a load is down when its carrier says so.
+    and a load is down when its carrier says so. Storages have what it needs, unless the test answers for them.
     """
 
     def __init__(
@@ -440,10 +455,12 @@ class MachineRig(Rig):
         stock: dict[str, int] | None = None,
         *,
         doubts: bool = False,
+        stations_answer: bool = True,
         **options: Any,
     ) -> None:
         agent = Machine(machine, PLANT, **options)
         super().__init__(agent if doubts else believing(agent))
+        self.stations_answer = stations_answer
         self.stock = dict.fromkeys(PLANT.materials_of(machine), 0) | dict(stock or {})
         self.broken = ""
         self.seq = 0
@@ -458,7 +475,7 @@ class MachineRig(Rig):
             for line in PLANT.products[cycle.product].bill:
                 self.stock[line.material] -= line.quantity
                 assert self.stock[line.material] >= 0, f"a cycle took {line.material} that is not there"
-        return effects
+        return self.heard_by_stations(effects)
 
     def award_goal(self, goal: str, work: Production, deadline_s: float = 3600.0) -> list[Effect]:
         """The strategist awards a goal."""

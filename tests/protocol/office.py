@@ -58,6 +58,7 @@ class Office:
             left=lambda _atv: None,
             unloaded=lambda _task, _now_s: None,
             commit=lambda: None,
+            ended=lambda _task, _outcome: None,
         )
         self.seq = 0
 

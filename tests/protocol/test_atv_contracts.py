@@ -178,7 +178,7 @@ def test_answers_of_another_epoch_or_task_do_not_count() -> None:
 def test_a_question_is_repeated_until_the_machine_answers() -> None:
     rig = unloading()
     rig.run(rig.now_s + 10.0)
-    assert len(sent(rig.all, Docked)) == 4
+    assert len(sent(rig.all, Docked, to="M8")) == 4
     rig.hear("M8", DockHeld(task="M8-1", epoch=1, station="M8", reason="the buffer is full"))
     assert sent(rig.run(rig.now_s + 4.9), Docked) == []
     assert len(sent(rig.run(rig.now_s + 0.2), Docked)) == 1

@@ -18,12 +18,13 @@ from dray.messages import (
     Message,
     Phase,
     Pose,
+    Resigned,
     Role,
     Superseded,
     Withdrawn,
 )
 from dray.messages.fact import PhaseEntered
-from dray.protocol.carriage import HELD_ASK_AGAIN_S, RETRY_S, Carriage
+from dray.protocol.carriage import GIVE_UP_AFTER, HELD_ASK_AGAIN_S, RETRY_S, WAITS_AT_LEAST_S, Carriage
 from dray.protocol.driving import Driver
 from dray.protocol.events import NEVER_S, Effect
 from dray.protocol.insisting import ASK_AGAIN_S
@@ -87,10 +88,14 @@ class Trip:
     def phases(self) -> list[Phase]:
         return [fact.phase for fact in facts(self.out, PhaseEntered)]
 
-    def arrives(self) -> None:
+    def arrives(self, *, opens: bool = True) -> None:
+        """The newest way is driven; a storage lets the vehicle load at once, unless the test answers for it."""
         way = instructed(self.out, Drive)[-1]
         self.driver.hear_done(WayDone(order=way.order, node=way.nodes[-1]))
         self.carriage.arrived(self.now_s)
+        source = self.carriage.source
+        if opens and self.carriage.phase is Phase.LOADING and source in PLANT.storages:
+            self.opened(source)
 
     def hears(self, message: Message) -> None:
         self.carriage.hear(message, self.now_s)
@@ -165,14 +170,57 @@ def test_a_vehicle_that_stands_at_the_source_loads_at_once() -> None:
     trip = Trip(node="s3")
     assert instructed(trip.out, Drive) == []
     assert trip.phases == [Phase.APPROACHING, Phase.LOADING]
+    trip.opened("S3")
     [pick] = instructed(trip.out, Pick)
     assert (pick.station, pick.item, pick.quantity) == ("S3", "shaft", 40)
 
 
-def test_a_storage_is_loaded_from_without_asking() -> None:
-    trip = Trip().to_loading()
-    assert sent(trip.out, Docked) == []
+def test_nothing_is_fetched_before_the_station_of_the_storage_has_opened_its_dock() -> None:
+    trip = Trip()
+    trip.arrives(opens=False)
+    asked = Docked(task="M8-1", epoch=1, station="S3", item="shaft", quantity=40)
+    assert sent(trip.out, Docked, to="S3") == [asked], "the station may have lost its notes"
+    assert instructed(trip.out, Pick) == []
+    trip.opened("S3")
     assert len(instructed(trip.out, Pick)) == 1
+
+
+def test_a_storage_that_has_nothing_is_waited_at_as_long_as_was_promised_and_no_longer() -> None:
+    trip = Trip()
+    trip.now_s = 20.0
+    trip.arrives(opens=False)
+    light = PLANT.vehicle_types["light"]
+    rest_s = light.load_s + ROUTES.duration_s("s3", PLANT.node_of("M8")) + light.unload_s
+    while trip.now_s + rest_s <= 100.0:
+        trip.held("S3")
+        assert sent(trip.out, Resigned) == []
+        trip.waits()
+    assert trip.now_s > 20.0 + WAITS_AT_LEAST_S
+    trip.held("S3")
+    [resigned] = sent(trip.out, Resigned, to="M8")
+    assert (resigned.short, resigned.reason) == ("S3", "the buffer is full")
+    trip.hears(Withdrawn(task="M8-1", epoch=1, reason="not needed any more"))
+    assert trip.carriage.ended == "the buffer is full"
+
+
+def test_who_comes_late_to_a_storage_that_has_nothing_waits_a_moment() -> None:
+    trip = Trip()
+    trip.now_s = 200.0
+    trip.arrives(opens=False)
+    trip.held("S3")
+    assert sent(trip.out, Resigned) == [], "its station may have been started again a moment ago"
+    trip.now_s += WAITS_AT_LEAST_S
+    trip.held("S3")
+    assert len(sent(trip.out, Resigned, to="M8")) == 1
+
+
+def test_a_task_is_given_back_when_the_station_of_the_storage_does_not_answer() -> None:
+    trip = Trip()
+    trip.arrives(opens=False)
+    for _ in range(GIVE_UP_AFTER):
+        trip.waits()
+    [resigned] = sent(trip.out, Resigned, to="M8")
+    assert (resigned.short, resigned.reason) == ("S3", "S3 does not answer")
 
 
 def test_nothing_is_put_down_before_the_coordinator_has_opened_the_dock() -> None:
@@ -219,7 +267,7 @@ def test_the_question_for_the_dock_is_repeated_until_it_is_answered() -> None:
     trip.waits()
     assert trip.now_s == ASK_AGAIN_S
     trip.waits()
-    assert len(sent(trip.out, Docked)) == 3
+    assert len(sent(trip.out, Docked, to="M8")) == 3
     trip.opened()
     assert trip.timers.next_s == NEVER_S
 
@@ -229,7 +277,7 @@ def test_a_held_dock_is_asked_for_again_later() -> None:
     trip.held()
     trip.waits()
     assert trip.now_s == HELD_ASK_AGAIN_S
-    assert len(sent(trip.out, Docked)) == 2
+    assert len(sent(trip.out, Docked, to="M8")) == 2
     trip.opened()
     assert len(instructed(trip.out, Drop)) == 1
 
@@ -294,6 +342,7 @@ def test_a_failed_pick_is_tried_again_after_a_while() -> None:
     assert len(instructed(trip.out, Pick)) == 1
     trip.waits()
     assert trip.now_s == RETRY_S
+    trip.opened("S3")
     assert len(instructed(trip.out, Pick)) == 2
 
 
@@ -301,7 +350,7 @@ def test_a_failed_drop_asks_for_the_dock_again() -> None:
     trip = Trip().to_dropping()
     trip.fails(Drop)
     trip.waits()
-    assert len(sent(trip.out, Docked)) == 2
+    assert len(sent(trip.out, Docked, to="M8")) == 2
     assert len(instructed(trip.out, Drop)) == 1
 
 

@@ -130,7 +130,7 @@ def test_the_heartbeat_names_the_contracted_of_every_open_task() -> None:
     assert (brief.item, brief.quantity, brief.source, brief.destination) == (
         "housing",
         24,
-        "S3",
+        "S1",
         "M7",
     )
 

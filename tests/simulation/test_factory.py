@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from dray.messages import AtvHeartbeat, Heartbeat, Message
+from dray.messages import Heartbeat, Message, StationHeartbeat
 from dray.plant import default_plant
 from dray.plant.model import VehicleSpec
 from dray.protocol.strategist import STRATEGIST
@@ -27,18 +27,14 @@ class Heard:
     """The heartbeats of a factory, as anybody hears them."""
 
     def __init__(self) -> None:
-        self.beats: list[tuple[float, Heartbeat]] = []
+        self.beats: list[tuple[float, str, Heartbeat | StationHeartbeat]] = []
 
     def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
-        if isinstance(message, Heartbeat):
-            self.beats.append((at_s, message))
+        if isinstance(message, Heartbeat | StationHeartbeat):
+            self.beats.append((at_s, sender, message))
 
-    def of(self, agent: str, since_s: float = 0.0) -> list[Heartbeat]:
-        return [
-            beat
-            for at_s, beat in self.beats
-            if at_s >= since_s and agent == (beat.atv if isinstance(beat, AtvHeartbeat) else beat.machine)
-        ]
+    def of(self, agent: str, since_s: float = 0.0) -> list[Heartbeat | StationHeartbeat]:
+        return [beat for at_s, sender, beat in self.beats if at_s >= since_s and agent == sender]
 
 
 def in_a_factory(story: Callable[[SimFactory, Heard], Coroutine[Any, Any, None]], **options: Any) -> None:
@@ -191,7 +187,7 @@ def test_a_factory_of_which_all_agents_have_crashed_can_be_restarted() -> None:
             factory.restart(agent)
         await asyncio.sleep(BEATS_S)
         beating = {name for name in factory.workers if heard.of(name, at_s)}
-        assert beating == {*factory.vehicles, *factory.workcells}
+        assert beating == {*factory.vehicles, *factory.workcells, *factory.storages}
 
     in_a_factory(story)
 

@@ -201,7 +201,7 @@ def _conjure_into_a_warehouse(factory: SimFactory) -> None:
 
 
 def _lose_on_the_way(factory: SimFactory) -> None:
-    factory.storages["S3"].take("ATV2", "shaft", 5)
+    factory.storages["S3"].take("", "shaft", 5)
 
 
 def _set_aside_what_nobody_made(factory: SimFactory) -> None:
@@ -231,7 +231,7 @@ def test_a_piece_that_vanishes_or_appears_is_noticed(
 
 
 def test_what_people_carry_is_not_lost(watched: Watched) -> None:
-    watched.factory.storages["S3"].take("ATV2", "shaft", 5)
+    watched.factory.storages["S3"].take("", "shaft", 5)
     watched.factory.in_hands["shaft"] += 5
     watched.say("M8", machine_heartbeat())
     assert watched.broken == 0

@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from yard import PLANT, Yard
 
-from dray.body import Admit
+from dray.body import Admit, CloseDock, OpenDock, Refill, StockChanged, StorageState
+from dray_sim.docks import SHUT
 from dray_sim.gate import NOT_ADMITTED, Gate
 from dray_sim.stores import NO_ROOM, NOT_KEPT, REFILL_S, TOO_LITTLE, DeliveryWarehouse, Storage
 
@@ -68,34 +69,42 @@ def test_a_returned_load_is_taken_back_as_far_as_there_is_room(yard: Yard) -> No
     assert yard.storage.stock["shaft"] == 60
 
 
-def test_whoever_waits_is_called_when_it_was_refilled_and_in_the_order_of_asking(yard: Yard) -> None:
-    called: list[tuple[float, str]] = []
-    yard.storage.take("ATV1", "seal", 15)
-    for name in ("first", "second"):
-        assert yard.storage.wait_for("seal", 5, lambda name=name: called.append((yard.clock.now_s(), name)))
-    yard.run(3 * REFILL_S)
-    assert called == [(REFILL_S, "first"), (REFILL_S, "second")]
+def test_its_dock_opens_for_one_vehicle_and_one_load_once(yard: Yard) -> None:
+    storage = Storage(PLANT.storages["S1"], yard.clock, yard.source)
+    assert storage.take("ATV1", "shaft", 20) == SHUT
+    storage.instruct(OpenDock(vehicle="ATV1", item="shaft", quantity=20))
+    assert storage.take("ATV2", "shaft", 20) == SHUT
+    assert storage.take("ATV1", "shaft", 10) == SHUT
+    assert storage.sense() == StorageState({"shaft": 60, "seal": 15}, 0, ("ATV1",))
+    assert storage.take("ATV1", "shaft", 20) == ""
+    assert storage.take("ATV1", "shaft", 20) == SHUT
+    assert storage.sense() == StorageState({"shaft": 40, "seal": 15}, 1, ())
+    storage.instruct(OpenDock(vehicle="ATV1", item="shaft", quantity=20))
+    storage.instruct(CloseDock(vehicle="ATV1"))
+    assert storage.take("ATV1", "shaft", 20) == SHUT
+    assert storage.take("", "shaft", 20) == "", "a person helps himself"
 
 
-def test_waiting_for_more_than_half_orders_a_refill_at_once(yard: Yard) -> None:
-    called: list[float] = []
-    yard.storage.take("ATV1", "seal", 7)
-    assert yard.storage.wait_for("seal", 10, lambda: called.append(yard.clock.now_s()))
+def test_it_reports_every_change_of_its_stock_by_number(yard: Yard) -> None:
+    yard.listen("S1", yard.storage)
+    yard.storage.take("ATV1", "seal", 10)
+    yard.storage.put("ATV2", "seal", 2)
     yard.run(REFILL_S)
-    assert called == [REFILL_S]
+    assert [said for _, who, said in yard.said if who == "S1"] == [
+        StockChanged(item="seal", change=-10, seq=1, vehicle="ATV1"),
+        StockChanged(item="seal", change=2, seq=2, vehicle="ATV2"),
+        StockChanged(item="seal", change=8, seq=3),
+    ]
 
 
-def test_a_returned_load_wakes_whoever_waits(yard: Yard) -> None:
-    called: list[float] = []
-    yard.storage.take("ATV1", "seal", 15)
-    yard.storage.wait_for("seal", 5, lambda: called.append(yard.clock.now_s()))
-    yard.storage.put("ATV1", "seal", 5)
-    assert called == [0.0]
-
-
-@pytest.mark.parametrize(("item", "quantity"), [("gear", 1), ("seal", 16)])
-def test_waiting_for_what_can_never_come_is_refused(yard: Yard, item: str, quantity: int) -> None:
-    assert not yard.storage.wait_for(item, quantity, lambda: None)
+def test_a_refill_comes_when_its_station_asks_for_it_and_once(yard: Yard) -> None:
+    yard.storage.take("ATV1", "seal", 7)
+    for _ in range(3):
+        yard.storage.instruct(Refill(item="seal"))
+    yard.storage.instruct(Refill(item="gear"))
+    yard.run(10 * REFILL_S)
+    assert yard.storage.stock["seal"] == 15
+    assert yard.source.supplied("seal") == 7
 
 
 def test_the_source_warehouse_counts_what_left_and_what_came_back(yard: Yard) -> None:
@@ -104,14 +113,12 @@ def test_the_source_warehouse_counts_what_left_and_what_came_back(yard: Yard) ->
     assert yard.source.supplied("shaft") == 15
     assert yard.source.take("ATV1", "gear", 1) == NOT_KEPT
     assert yard.source.put("ATV1", "gear", 1) == NOT_KEPT
-    assert not yard.source.wait_for("shaft", 1, lambda: None)
 
 
 def test_the_delivery_warehouse_counts_products_and_gives_nothing_back(yard: Yard) -> None:
     assert yard.delivery.put("ATV1", "gear", 10) == ""
     assert yard.delivery.put("ATV1", "shaft", 10) == NOT_KEPT
     assert yard.delivery.take("ATV1", "gear", 1) == NOT_KEPT
-    assert not yard.delivery.wait_for("gear", 1, lambda: None)
     assert yard.delivery.arrived == {"gear": 10}
 
 

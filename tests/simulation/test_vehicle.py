@@ -33,10 +33,10 @@ from dray.body import (
     WayDone,
 )
 from dray.messages import Pose
+from dray_sim.docks import SHUT
 from dray_sim.odometer import Activity
-from dray_sim.stores import NO_ROOM, NOT_KEPT, REFILL_S
+from dray_sim.stores import NO_ROOM, NOT_KEPT, TOO_LITTLE
 from dray_sim.vehicle import BATTERY_EMPTY, SimVehicle
-from dray_sim.workcell import SHUT
 
 HOLD, UNHOLD = Hold(), Unhold()
 
@@ -369,40 +369,10 @@ def test_a_drop_without_room_fails_and_the_load_stays_on_board(yard: Yard, vehic
     assert vehicle.sense().load_quantity == 20
 
 
-def test_a_pick_waits_for_stock_that_comes_by_itself(yard: Yard, vehicle: SimVehicle) -> None:
+def test_a_pick_of_what_is_not_there_fails(yard: Yard, vehicle: SimVehicle) -> None:
     yard.storage.take("ATV2", "shaft", 50)
-    said = yard.do(vehicle, PICK, for_s=REFILL_S - 1.0)
-    assert said == []
-    assert yard.do(vehicle, for_s=1.0) == [ActionDone(order=5)]
-    assert vehicle.sense().load == "shaft"
-    assert vehicle.odometer().seconds[Activity.WAITING] == REFILL_S - 10.0
-
-
-def test_two_that_wait_for_one_lot_are_served_one_after_the_other(yard: Yard) -> None:
-    first, second = yard.vehicle("west", id_="ATV1"), yard.vehicle("west", id_="ATV2")
-    yard.storage.take("ATV3", "seal", 15)
-    for vehicle in (first, second):
-        yard.do(vehicle, Pick(order=5, station="S1", item="seal", quantity=10))
-    yard.run(3 * REFILL_S)
-    done = [(at_s, who) for at_s, who, said in yard.said if said == ActionDone(order=5)]
-    assert done == [(REFILL_S, "ATV1"), (2 * REFILL_S, "ATV2")]
-
-
-def test_a_held_vehicle_takes_nothing_though_it_came_meanwhile(yard: Yard, vehicle: SimVehicle) -> None:
-    yard.storage.take("ATV2", "shaft", 50)
-    yard.do(vehicle, PICK, for_s=50.0)
-    yard.do(vehicle, HOLD, for_s=200.0)
+    assert yard.do(vehicle, PICK, for_s=10.0) == [ActionFailed(order=5, reason=TOO_LITTLE)]
     assert vehicle.sense().load == ""
-    assert yard.do(vehicle, UNHOLD) == [ActionDone(order=5)]
-
-
-def test_a_vehicle_that_has_given_up_waiting_takes_nothing(yard: Yard, vehicle: SimVehicle) -> None:
-    yard.storage.take("ATV2", "shaft", 50)
-    yard.do(vehicle, PICK, for_s=50.0)
-    said = yard.do(vehicle, drive("west", order=6), for_s=200.0)
-    assert said[0] == ActionFailed(order=5, reason="a new way was given")
-    assert vehicle.sense().load == ""
-    assert yard.storage.stock["shaft"] == 60
 
 
 def test_a_held_manoeuvre_pauses(yard: Yard, vehicle: SimVehicle) -> None:

@@ -155,16 +155,6 @@ def test_a_load_stays_on_board_without_power(yard: Yard, vehicle: SimVehicle) ->
     assert yard.workcell.sense().stock["shaft"] == 0
 
 
-def test_a_vehicle_without_power_takes_nothing_though_it_came_meanwhile(
-    yard: Yard, vehicle: SimVehicle
-) -> None:
-    yard.storage.take("ATV2", "shaft", 50)
-    yard.do(vehicle, PICK, for_s=50.0)
-    vehicle.power_off()
-    yard.run(1000.0)
-    assert (vehicle.sense().load, yard.storage.stock["shaft"]) == ("", 60)
-
-
 def test_a_charge_ends_with_the_power_and_the_plug_stays_in(yard: Yard) -> None:
     vehicle = yard.vehicle("east", battery_frac=0.5)
     charge = Charge(order=5, charger="CH1")

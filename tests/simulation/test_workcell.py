@@ -19,8 +19,9 @@ from dray.body import (
     StockChanged,
     WorkcellState,
 )
+from dray_sim.docks import SHUT
 from dray_sim.stores import NO_ROOM, NOT_KEPT, TOO_LITTLE
-from dray_sim.workcell import NO_POWER, SHUT, SimWorkcell, WorkcellTimes
+from dray_sim.workcell import NO_POWER, SimWorkcell, WorkcellTimes
 
 FULL = {"shaft": 50, "seal": 40}
 GEAR = StartCycle(product="gear")
@@ -165,10 +166,6 @@ def test_goods_may_come_back_but_never_take_the_place_of_a_piece_in_the_making(y
     yard.do(workcell, OpenDock(vehicle="ATV1", item="gear", quantity=5))
     assert workcell.put("ATV1", "gear", 5) == ""
     assert yard.do(workcell, for_s=60.0)[-1] == CycleDone(product="pump", seq=2)
-
-
-def test_a_workcell_never_promises_that_something_comes_by_itself(yard: Yard) -> None:
-    assert not yard.workcell.wait_for("shaft", 1, lambda: None)
 
 
 def test_what_only_a_vehicle_can_do_is_ignored(yard: Yard) -> None:

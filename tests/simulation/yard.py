@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from heapq import heappop
 
-from dray.body import Drive, Instruction, Report
+from dray.body import Drive, Instruction, OpenDock, Report
 from dray.plant import (
     BillLine,
     Box,
@@ -102,6 +102,14 @@ PLANT = Plant(
 )
 
 
+class AttendedStorage(Storage):
+    """Its dock is opened for whoever asks: what its station decides is tested elsewhere."""
+
+    def take(self, vehicle: str, item: str, quantity: int) -> str:
+        self.instruct(OpenDock(vehicle=vehicle, item=item, quantity=quantity))
+        return super().take(vehicle, item, quantity)
+
+
 class Yard:
     """The yard, its clock, and what its bodies have said: (when, who, what)."""
 
@@ -110,7 +118,7 @@ class Yard:
         self.said: list[tuple[float, str, Report]] = []
         self.source = SourceWarehouse("SOURCE", PLANT.materials)
         self.delivery = DeliveryWarehouse("DELIVERY", PLANT.products)
-        self.storage = Storage(PLANT.storages["S1"], self.clock, self.source)
+        self.storage = AttendedStorage(PLANT.storages["S1"], self.clock, self.source)
         self.workcell = SimWorkcell(PLANT.machines["M1"], PLANT, self.clock)
         self.places: dict[str, Place] = {
             "SOURCE": self.source,

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
+import plentiful
 
 from dray.body import (
     ActionDone,
@@ -208,9 +209,7 @@ class Stage:
                 for listener in listeners:
                     self._later(self.now_s + LATENCY_S, listener, Heard(agent, effect.message))
             elif isinstance(effect, Send):
-                self._write(agent, effect.to, effect.message)
-                if effect.to in self._agents:
-                    self._later(self.now_s + LATENCY_S, effect.to, Heard(agent, effect.message))
+                self._send(agent, effect)
             elif isinstance(effect, Subscribe):
                 self._listeners.setdefault(effect.key, {})[agent] = None
             elif isinstance(effect, Unsubscribe):
@@ -227,6 +226,14 @@ class Stage:
             wake_s = max(wake_s, self.now_s)
             self._wake_s[agent] = wake_s
             self._later(wake_s, agent, Woke(None))
+
+    def _send(self, agent: str, effect: Send) -> None:
+        self._write(agent, effect.to, effect.message)
+        said = plentiful.answer(effect.to, effect.message)
+        if said is not None:
+            self.say(effect.to, agent, said, at_s=self.now_s + 2 * LATENCY_S)
+        if effect.to in self._agents:
+            self._later(self.now_s + LATENCY_S, effect.to, Heard(agent, effect.message))
 
     def _let_go(self, agent: str) -> None:
         self.lines.append(f"{self.now_s:8.3f}  {agent:>5} leaves")

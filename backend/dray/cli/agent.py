@@ -107,6 +107,28 @@ def atv(
     asyncio.run(run_agent(where, name, make, newcomer))
 
 
+@app.command()
+def station(
+    name: Annotated[str, typer.Argument(help="The id of its storage in the plant, as S3.")],
+    settings: SettingsFile = None,
+) -> None:
+    """Run the station of a storage, without which nobody fetches anything there. SIGTERM lets it leave in order."""
+    import asyncio
+
+    from dray import __version__
+    from dray.cli.output import one_of
+    from dray.cli.process import run_agent
+    from dray.protocol.station import Station
+
+    where = _surroundings(settings)
+    one_of(where.plant.storages, name, "NAME")
+
+    def make(life: int) -> Station:
+        return Station(name, where.plant, incarnation=life, software=__version__)
+
+    asyncio.run(run_agent(where, name, make))
+
+
 def strategist(settings: SettingsFile = None) -> None:
     """Run the strategist, which turns orders into production goals."""
     import asyncio
@@ -175,7 +197,7 @@ def _newcomer(plant: Plant, name: str, type_: str | None, node: str | None) -> V
         raise SettingsError(
             "NAME", f"{name} is in the plant file already: start it without --type and --node"
         )
-    if name in plant.machines or name.lower() in RESERVED:
+    if name in plant.machines or name in plant.storages or name.lower() in RESERVED:
         raise SettingsError("NAME", f"{name} is somebody else in this plant: choose another id")
     if not is_id(name):
         raise SettingsError("NAME", f"{name!r} is no id; {ID_RULE}")

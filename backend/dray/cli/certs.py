@@ -48,6 +48,7 @@ def make(folder: Folder, plant: PlantFile = None, days: Days = None) -> None:
         )
     processes = [
         *({machine: Kind.MACHINE} for machine in chosen.machines),
+        *({storage: Kind.STATION} for storage in chosen.storages),
         *({atv: Kind.ATV} for atv in chosen.fleet),
         {"strategist": Kind.STRATEGIST},
         names_of("gateway", Kind.GATEWAY),
@@ -65,7 +66,8 @@ def make(folder: Folder, plant: PlantFile = None, days: Days = None) -> None:
 def issue(
     folder: Folder,
     kind: Annotated[
-        str, typer.Argument(help="What the agent is: atv, machine, strategist, gateway or historian.")
+        str,
+        typer.Argument(help="What the agent is: atv, machine, station, strategist, gateway or historian."),
     ],
     agent: Annotated[str, typer.Argument(help="Its id.")],
     plant: Annotated[

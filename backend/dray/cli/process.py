@@ -133,7 +133,7 @@ def links_of(settings: Settings, plant: Plant, name: str) -> Links:
         SettingsError: its files are not there.
     """
     folder = settings.bus_certificates
-    wired = (*plant.machines, STRATEGIST, HISTORIAN, settings.gateway_name)
+    wired = (*plant.machines, *plant.storages, STRATEGIST, HISTORIAN, settings.gateway_name)
     # A vehicle may be linked over another one, and everybody's words come to it that way.
     apart = settings.bus_apart and name in wired
     return Links(

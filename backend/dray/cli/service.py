@@ -230,7 +230,7 @@ def historian_of(
         keys=Keys(plant.id),
         to_wall_s=scale.to_wall_s,
         life=life,
-        agents=(*plant.fleet, *plant.machines, STRATEGIST),
+        agents=(*plant.fleet, *plant.machines, *plant.storages, STRATEGIST),
         linger_s=settings.historian_linger_s,
         events_kept=settings.events_kept,
         samples_kept=settings.samples_kept,

@@ -1,8 +1,8 @@
 """Everything agents say to one another: frozen structs, one per utterance.
 
 `heartbeat` is what everybody may hear at any time, `contract` the negotiation, `order` and `command` what
-comes from people, `shutout` whom people let nobody hear, `berth` how vehicles share places to stand, `fact` what
-each writes into its history.
+comes from people, `shutout` whom people let nobody hear, `berth` how vehicles share places to stand, `stock` how
+material in storages is reserved, `fact` what each writes into its history.
 How messages become bytes is `dray.codec`; when they are said is `dray.protocol`.
 """
 
@@ -48,10 +48,13 @@ from dray.messages.heartbeat import (
     Link,
     MachineHeartbeat,
     MachineStatus,
+    MaterialWait,
     Newcomer,
     Phase,
     Pose,
     Role,
+    StationHeartbeat,
+    StockLevel,
     TaskBrief,
     TrialBrief,
 )
@@ -65,12 +68,15 @@ from dray.messages.order import (
     RevocationTaken,
 )
 from dray.messages.shutout import ShutOut
+from dray.messages.stock import StockAsked, StockFreed, StockReserved, StockShort
 
 Heartbeat = AtvHeartbeat | MachineHeartbeat
+"""Of those who bid."""
 
 AnyMessage = (
     AtvHeartbeat
     | MachineHeartbeat
+    | StationHeartbeat
     | TaskAnnounced
     | Bid
     | Award
@@ -101,6 +107,10 @@ AnyMessage = (
     | EventsAsked
     | EventsKept
     | ShutOut
+    | StockAsked
+    | StockReserved
+    | StockShort
+    | StockFreed
 )
 
 __all__ = [
@@ -138,6 +148,7 @@ __all__ = [
     "Link",
     "MachineHeartbeat",
     "MachineStatus",
+    "MaterialWait",
     "Message",
     "Newcomer",
     "OrderCancelled",
@@ -156,6 +167,12 @@ __all__ = [
     "RevocationTaken",
     "Role",
     "ShutOut",
+    "StationHeartbeat",
+    "StockAsked",
+    "StockFreed",
+    "StockLevel",
+    "StockReserved",
+    "StockShort",
     "Superseded",
     "TakenOver",
     "TaskAnnounced",

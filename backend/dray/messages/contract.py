@@ -206,6 +206,8 @@ class Resigned(Message, frozen=True):
     epoch: Count
     role: Role
     reason: Text
+    short: IdOrNone = ""
+    """The storage that did not give it what it was to fetch, though it has waited as long as its promise allowed."""
 
 
 class TakenOver(Message, frozen=True):
@@ -236,6 +238,9 @@ class Docked(Message, frozen=True):
     task: Id
     epoch: Count
     station: Id
+    item: IdOrNone = ""
+    """What is to be loaded or unloaded: told to a storage, which may have forgotten whom it was promised to."""
+    quantity: Count = 0
 
 
 class DockOpened(Message, frozen=True):

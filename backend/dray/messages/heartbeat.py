@@ -232,6 +232,62 @@ class Newcomer(Part, frozen=True):
     goods_capacity: Count
 
 
+class MaterialWait(Part, frozen=True):
+    """Material that a machine needs, and for which nobody is hired because it is nowhere to be fetched."""
+
+    item: Id
+    quantity: Count
+    short: tuple[Id, ...] = ()
+    """Storages whose stations have said that they have too little."""
+    silent: tuple[Id, ...] = ()
+    """Storages whose stations do not answer."""
+    since_s: Seconds = 0.0
+
+    def told(self, name: str) -> str:
+        """In words, with the material's name: "rotor (storage S3 has none)"."""
+        reasons = [
+            f"{_storages(places)} {one if len(places) == 1 else several}"
+            for places, one, several in (
+                (self.short, "has none", "have none"),
+                (self.silent, "does not answer", "do not answer"),
+            )
+            if places
+        ]
+        return f"{name} ({' and '.join(reasons)})" if reasons else name
+
+
+def _storages(places: tuple[str, ...]) -> str:
+    return f"storage{'s' if len(places) > 1 else ''} {', '.join(places)}"
+
+
+class StockLevel(Part, frozen=True):
+    """One material in a storage."""
+
+    item: Id
+    level: Count
+    capacity: Count
+    promised: Count = 0
+    """Pieces of `level` that are set aside for tasks; never more than lie there."""
+    wanted: Count = 0
+    """Pieces that are asked for and cannot be promised yet."""
+
+
+class StationHeartbeat(Message, frozen=True):
+    """What the agent of a storage tells everybody: what lies there, and what is promised.
+
+    0.2 Hz, and at once when it changes.
+    """
+
+    station: Id
+    incarnation: Count
+    seq: Count
+    at_s: Seconds
+    stocks: tuple[StockLevel, ...] = ()
+    """In the order of the plant file."""
+    software: Text = ""
+    leaving: bool = False
+
+
 class MachineHeartbeat(Message, frozen=True):
     """MHB: what a machine tells everybody (paper, 3.2).
 
@@ -253,6 +309,8 @@ class MachineHeartbeat(Message, frozen=True):
     """Materials in the order of the plant file."""
     goods: tuple[BufferLevel, ...] = ()
     """Finished products that wait to be carried away."""
+    waits: tuple[MaterialWait, ...] = ()
+    """What it needs and cannot have fetched, the oldest first."""
     problem: Text = ""
     software: Text = ""
     leaving: bool = False

@@ -6,6 +6,7 @@ never holds any of these.
 
     {plant}/hb/atv/{id}       heartbeats of a vehicle
     {plant}/hb/machine/{id}   heartbeats of a machine
+    {plant}/hb/station/{id}   heartbeats of a storage's station
     {plant}/task/{cell}       announcements of transports, to the grid cells within the radius
     {plant}/goal/{product}    announcements of production goals, to the machines that can make it
     {plant}/berth/{id}        claims of one charger or parking place
@@ -52,6 +53,9 @@ class Keys:
     def machine_heartbeat(self, machine: str) -> str:
         return f"{self.plant}/hb/machine/{machine}"
 
+    def station_heartbeat(self, station: str) -> str:
+        return f"{self.plant}/hb/station/{station}"
+
     def transports(self, cell: str) -> str:
         return f"{self.plant}/task/{cell}"
 
@@ -73,7 +77,7 @@ class Keys:
         return f"{self.plant}/event/{agent}"
 
 
-_OWNED = frozenset({"hb/atv", "hb/machine", "event"})
+_OWNED = frozenset({"hb/atv", "hb/machine", "hb/station", "event"})
 
 
 def owner_of(key: str) -> str | None:

@@ -72,7 +72,7 @@ from dray.messages.fact import (
     TookOver,
     WatchLost,
 )
-from dray.messages.heartbeat import AtvHeartbeat, MachineHeartbeat
+from dray.messages.heartbeat import AtvHeartbeat, MachineHeartbeat, StationHeartbeat
 from dray.messages.keys import owner_of
 from dray.messages.order import (
     CancellationTaken,
@@ -83,6 +83,7 @@ from dray.messages.order import (
     RevocationTaken,
 )
 from dray.messages.shutout import ShutOut
+from dray.messages.stock import StockAsked, StockFreed, StockReserved, StockShort
 
 
 class Kind(StrEnum):
@@ -90,6 +91,8 @@ class Kind(StrEnum):
 
     ATV = "atv"
     MACHINE = "machine"
+    STATION = "station"
+    """Of a storage."""
     STRATEGIST = "strategist"
     GATEWAY = "gateway"
     HISTORIAN = "historian"
@@ -111,15 +114,18 @@ def names_of(agent: str, kind: Kind) -> dict[str, Kind]:
 
 _ATVS = frozenset({Kind.ATV})
 _MACHINES = frozenset({Kind.MACHINE})
+_STATIONS = frozenset({Kind.STATION})
 _STRATEGISTS = frozenset({Kind.STRATEGIST})
 _GATEWAYS = frozenset({Kind.GATEWAY})
 _BIDDERS = _ATVS | _MACHINES
 _COORDINATORS = _MACHINES | _STRATEGISTS
-_TELLERS = _BIDDERS | _COORDINATORS
+_DOCKS = _MACHINES | _STATIONS
+_TELLERS = _BIDDERS | _COORDINATORS | _STATIONS
 
 SPEAKERS: Mapping[type[Message], frozenset[Kind]] = {
     AtvHeartbeat: _ATVS,
     MachineHeartbeat: _MACHINES,
+    StationHeartbeat: _STATIONS,
     TaskAnnounced: _COORDINATORS,
     Bid: _BIDDERS,
     Award: _COORDINATORS,
@@ -133,10 +139,14 @@ SPEAKERS: Mapping[type[Message], frozenset[Kind]] = {
     Resigned: _ATVS,
     TakenOver: _ATVS,
     Docked: _ATVS,
-    DockOpened: _MACHINES,
-    DockHeld: _MACHINES,
+    DockOpened: _DOCKS,
+    DockHeld: _DOCKS,
     Handover: _ATVS,
     HandoverAccepted: _MACHINES,
+    StockAsked: _MACHINES,
+    StockReserved: _STATIONS,
+    StockShort: _STATIONS,
+    StockFreed: _MACHINES,
     BerthClaimed: _ATVS,
     CommandAnswered: _ATVS,
     OrderReleased: _GATEWAYS,
@@ -194,6 +204,7 @@ TELLERS: Mapping[type[Fact], frozenset[Kind]] = {
 SIGNATURES: Mapping[type[Message], str] = {
     AtvHeartbeat: "atv",
     MachineHeartbeat: "machine",
+    StationHeartbeat: "station",
     TaskAnnounced: "coordinator",
     BerthClaimed: "atv",
     Event: "agent",

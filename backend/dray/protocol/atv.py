@@ -74,6 +74,7 @@ from dray.protocol.events import (
 )
 from dray.protocol.leaving import CARRIER_LEAVES_WITHIN_S, LEAVES
 from dray.protocol.obedience import Obedience
+from dray.protocol.partners import NO_PARTY
 from dray.protocol.pricing import Quote, Unable
 from dray.protocol.pulse import BEAT, Pulse
 from dray.protocol.resting import CLAIM, SETTLE, Rest
@@ -138,8 +139,8 @@ class Atv(Core):
             TaskAnnounced: self._hear_announced,
             Award: self._hear_award,
             Release: self._hear_release,
-            DockOpened: contract,
-            DockHeld: contract,
+            DockOpened: self._hear_of_dock,
+            DockHeld: self._hear_of_dock,
             HandoverAccepted: contract,
             Confirmed: contract,
             Superseded: contract,
@@ -499,6 +500,12 @@ class Atv(Core):
             self._out.append(Ignore("an answer about another contract"))
             return
         self._go_on(lambda carriage: carriage.hear(message, now_s), now_s)
+
+    def _hear_of_dock(self, sender: str, message: DockOpened | DockHeld, now_s: float) -> None:
+        if sender == message.station:
+            self._hear_of_contract(sender, message, now_s)
+        else:
+            self._out.append(Ignore(NO_PARTY))
 
     def _coordinator_of(self, task: str, role: Role) -> str:
         if role is Role.SECONDARY:

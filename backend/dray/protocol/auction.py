@@ -29,7 +29,7 @@ from itertools import count
 
 import msgspec
 
-from dray.messages import Accepted, Award, Bid, Declined, Release, Role, TaskAnnounced, Work
+from dray.messages import Accepted, Award, Bid, Declined, Release, Role, TaskAnnounced, Transport, Work
 from dray.messages.fact import AwardAnswered, AwardGiven, BidReceived, RoundFailed, TaskOpened
 from dray.protocol.assessing import Assessor
 from dray.protocol.auction_rules import AuctionRules
@@ -306,6 +306,9 @@ class Auction:
             return
         bidder, bid = self._queue.pop(0)
         terms = self.terms
+        if isinstance(terms.work, Transport) and bid.source and bid.source not in terms.work.sources:
+            # It has bid when there was more to choose from.
+            bid = msgspec.structs.replace(bid, source=terms.work.sources[0])
         self._asked, self.winning_bid = bidder, bid
         self._rank += 1
         self.number = next(self._numbers)

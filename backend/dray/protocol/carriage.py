@@ -4,8 +4,9 @@
          |            |           |            |
          +-- ended    +-----------+------------+--> RETURNING -> ended      (superseded, withdrawn)
 
-At the coordinator's own dock, and before material is put down, the carrier asks first (`Docked`); the
-coordinator opens the dock to the present epoch alone. Goods that reach a delivery warehouse are fenced
+At every dock the carrier asks first (`Docked`): the coordinator opens its own to the present epoch alone, the station
+of a storage to whom it has promised the load. At a storage that has none it waits as long as it can keep its own promise,
+and gives the task back then. Goods that reach a delivery warehouse are fenced
 by its gate instead, which knows what each goal may still bring. Questions and the handover are repeated
 until they are answered, so a lost message costs seconds and no load; a coordinator that answers nothing
 for GIVE_UP_AFTER questions has failed, and the load goes back.
@@ -41,7 +42,7 @@ from dray.messages.fact import PhaseEntered
 from dray.plant import Plant
 from dray.protocol.docks import dock_of
 from dray.protocol.driving import Driver
-from dray.protocol.events import Effect, Ignore, Record, Send
+from dray.protocol.events import NEVER_S, Effect, Ignore, Record, Send
 from dray.protocol.insisting import ASK_AGAIN_S, Insistence
 from dray.protocol.timers import Timers
 
@@ -56,6 +57,10 @@ GIVE_UP_AFTER = 10
 
 HELD_ASK_AGAIN_S = 5.0
 """A dock that is held has no room yet: asking often would not make any."""
+
+WAITS_AT_LEAST_S = 15.0
+"""At a storage that has nothing, beyond what its promise allows: the station may have been started again a moment ago.
+Shorter than what its coordinator takes for standing still (`progress.STALL_S`)."""
 
 RETRY_S = 5.0
 """After a failed manoeuvre."""
@@ -116,6 +121,10 @@ class Carriage:
         self._loaded = False
         self._cancelled = contract.cancelled
         """Why it is to end as soon as the running manoeuvre is over."""
+        self._short = ""
+        """The storage that had none of the load, which is why it was given back."""
+        self._stands_s = NEVER_S
+        """Since when it waits at its source."""
         self._given_back = ""
         """Why the coordinator is asked to let another one carry it; empty while it is carried."""
         self._may_be_dropping = False
@@ -209,7 +218,8 @@ class Carriage:
             return
         if self.phase is Phase.APPROACHING:
             self._enter(Phase.LOADING, self.source)
-            self._ask_to_load(now_s)
+            self._stands_s = now_s
+            self._ask_for_dock(now_s)
         elif self.phase is Phase.CARRYING:
             self._enter(Phase.UNLOADING, self.work.destination)
             self._ask_to_unload(now_s)
@@ -264,13 +274,13 @@ class Carriage:
         if isinstance(message, Superseded) and not 0 < message.epoch < self.epoch:
             self.cancel(self._given_back or "superseded", now_s)
         elif isinstance(message, Withdrawn):
-            self.cancel("withdrawn", now_s)
+            self.cancel(self._given_back or "withdrawn", now_s)
         elif isinstance(message, Confirmed) and self.task in self._claim:
             self._claim.settle(self.task)
         elif isinstance(message, HandoverAccepted) and self.phase is Phase.HANDING_OVER:
             self._end(HANDED_OVER)
         elif isinstance(message, DockHeld) and self._waits_at(message.station):
-            self._timers.set(ASK, now_s + HELD_ASK_AGAIN_S)
+            self._wait(message, now_s)
         elif isinstance(message, DockOpened) and self._waits_at(message.station):
             self._timers.clear(ASK)
             self._transfer()
@@ -334,7 +344,7 @@ class Carriage:
         elif self._given_back:
             self._say_given_back(now_s)
         elif self.phase is Phase.LOADING:
-            self._ask_to_load(now_s)
+            self._ask_for_dock(now_s)
         elif self.phase is Phase.UNLOADING:
             self._ask_to_unload(now_s)
         elif self.phase is Phase.HANDING_OVER:
@@ -368,12 +378,16 @@ class Carriage:
         away = self._driver.go(self._dock(station), now_s)
         arrives_s = self._driver.arrives_s if away else now_s
         if self.phase is Phase.APPROACHING:
-            loaded_s = self._routes.duration_s(self._dock(self.source), self._dock(self.work.destination))
-            self.due_s = arrives_s + self._type.load_s + loaded_s + self._type.unload_s
+            self.due_s = arrives_s + self._from_here_s()
         elif self.phase is Phase.CARRYING:
             self.due_s = arrives_s + self._type.unload_s
         if not away:
             self.arrived(now_s)
+
+    def _from_here_s(self) -> float:
+        """How long the rest takes, from the source with nothing on board."""
+        loaded_s = self._routes.duration_s(self._dock(self.source), self._dock(self.work.destination))
+        return self._type.load_s + loaded_s + self._type.unload_s
 
     def _dock(self, place: str) -> str:
         return dock_of(self._plant, self.work, place)
@@ -386,12 +400,6 @@ class Carriage:
         self._enter(Phase.HANDING_OVER, self.work.destination)
         self._say_handover(now_s)
 
-    def _ask_to_load(self, now_s: float) -> None:
-        if self.source == self.coordinator:
-            self._ask_for_dock(now_s)
-        else:
-            self._pick()
-
     def _ask_to_unload(self, now_s: float) -> None:
         if self._is_gated:
             self._drop()
@@ -399,19 +407,41 @@ class Carriage:
             self._ask_for_dock(now_s)
 
     def _ask_for_dock(self, now_s: float) -> None:
-        self._ask(Docked(task=self.task, epoch=self.epoch, station=self._station), now_s)
+        asked = Docked(task=self.task, epoch=self.epoch, station=self._station)
+        if self._station != self.coordinator:
+            # A storage may have lost its notes, and has no other word of the task.
+            asked = msgspec.structs.replace(asked, item=self.work.item, quantity=self.work.quantity)
+        # A machine and the station of a storage have the name of the place.
+        self._ask(self._station, asked, now_s)
 
     def _say_handover(self, now_s: float) -> None:
-        self._ask(Handover(task=self.task, epoch=self.epoch, quantity=self.work.quantity), now_s)
+        handover = Handover(task=self.task, epoch=self.epoch, quantity=self.work.quantity)
+        self._ask(self.coordinator, handover, now_s)
 
-    def _ask(self, question: Message, now_s: float) -> None:
+    def _ask(self, whom: str, question: Message, now_s: float) -> None:
         self._asked += 1
-        self._out.append(Send(self.coordinator, question))
+        self._out.append(Send(whom, question))
         self._timers.set(ASK, now_s + ASK_AGAIN_S)
 
     def _say_given_back(self, now_s: float) -> None:
-        resigned = Resigned(task=self.task, epoch=self.epoch, role=Role.PRIMARY, reason=self._given_back)
-        self._ask(resigned, now_s)
+        resigned = Resigned(
+            task=self.task,
+            epoch=self.epoch,
+            role=Role.PRIMARY,
+            reason=self._given_back,
+            short=self._short,
+        )
+        self._ask(self.coordinator, resigned, now_s)
+
+    def _wait(self, held: DockHeld, now_s: float) -> None:
+        """Ask again later; at a storage, as long as its promise can be kept and a moment longer."""
+        fetches = self.phase is Phase.LOADING and self.source != self.coordinator
+        kept = now_s + self._from_here_s() <= self.promised_s
+        if fetches and not kept and now_s >= self._stands_s + WAITS_AT_LEAST_S:
+            self._short = self.source
+            self.give_back(held.reason, now_s)
+        else:
+            self._timers.set(ASK, now_s + HELD_ASK_AGAIN_S)
 
     def _waits_at(self, station: str) -> bool:
         asking = self.phase is Phase.LOADING or self.phase is Phase.UNLOADING
@@ -444,6 +474,9 @@ class Carriage:
         self._asked = 0
         if self.phase is Phase.HANDING_OVER:
             self._end("handed over to a silent machine")
+        elif self.phase is Phase.LOADING and self.source != self.coordinator and not self._given_back:
+            self._short = self.source
+            self.give_back(f"{self.source} does not answer", now_s)
         else:
             self.resign("its machine is silent", now_s)
 

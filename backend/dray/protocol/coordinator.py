@@ -10,7 +10,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from dray.messages import Accepted, Bid, Declined, Release, Role, TakenOver, Withdrawn, Work
+from msgspec.structs import replace
+
+from dray.messages import (
+    Accepted,
+    Bid,
+    Declined,
+    Release,
+    Role,
+    TakenOver,
+    Transport,
+    Withdrawn,
+    Work,
+)
 from dray.messages.fact import TaskClosed
 from dray.protocol.assessing import Assessor
 from dray.protocol.auction import Auction, Place, Terms
@@ -191,6 +203,9 @@ class Coordinator:
         task.primary = contractor
         task.promised_s = self._assessor.believed_s(fresh, answer.finish_s, now_s)
         task.source = bid.source if bid is not None else ""
+        if task.source and isinstance(task.work, Transport):
+            # From now on the load is there and nowhere else: whoever takes over fetches it there, too.
+            task.work = replace(task.work, sources=(task.source,))
         self._timers.clear((PRIMARY_AUCTION, task.id))
         self._bound(task, auction.left_over, now_s)
         self._contracted(task, now_s)

@@ -9,17 +9,9 @@ from __future__ import annotations
 
 from typing import cast
 
-from dray.body import CloseDock, OpenDock
-from dray.messages import (
-    Docked,
-    DockHeld,
-    DockOpened,
-    Handover,
-    HandoverAccepted,
-    Message,
-    Transport,
-)
-from dray.protocol.events import NEVER_S, Effect, Ignore, Instruct, Send
+from dray.messages import Docked, Handover, HandoverAccepted, Transport
+from dray.protocol.door import Door
+from dray.protocol.events import NEVER_S, Effect, Ignore, Send
 from dray.protocol.supply import Supply
 from dray.protocol.tasks import OpenTask
 from dray.protocol.transports import Transports
@@ -40,6 +32,7 @@ class Dock:
         self._tasks = tasks
         self._supply = supply
         self._out = out
+        self._door = Door(out)
 
     def hear_docked(self, sender: str, message: Docked, now_s: float) -> None:
         """Somebody asks to load or to unload."""
@@ -51,20 +44,16 @@ class Dock:
         here = message.station == self._machine
         held = self._why_held(work) if here else ""
         task.held_s = min(task.held_s, now_s) if held else NEVER_S
-        answer: Message
         if held:
-            answer = DockHeld(task=task.id, epoch=task.epoch, station=message.station, reason=held)
+            self._door.hold(sender, message, held)
+        elif here:
+            self._door.open(sender, message, work.item, work.quantity)
         else:
-            answer = DockOpened(task=task.id, epoch=task.epoch, station=message.station)
-            if here:
-                opening = OpenDock(vehicle=sender, item=work.item, quantity=work.quantity)
-                self._out.append(Instruct(opening))
-        self._out.append(Send(sender, answer))
+            self._door.agree(sender, message)
 
     def shut(self, vehicle: str) -> None:
         """A vehicle carries for this machine no more: a manoeuvre that it has begun ends without effect."""
-        # Also when this life has not opened it: an earlier one may have.
-        self._out.append(Instruct(CloseDock(vehicle=vehicle)))
+        self._door.shut(vehicle)
 
     def hear_handover(self, sender: str, message: Handover) -> OpenTask | None:
         """Somebody says that its load is down.

@@ -171,12 +171,16 @@ class Failover:
         else:
             self._wait_for_goods(task, reason, now_s)
 
+    def note_given_back(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """The primary has given a task back, and need not have."""
+        self._assessor.reliability.note_given_back(task.primary, task.id, reason, now_s)
+
     def give_back(self, task: OpenTask, reason: str, now_s: float) -> None:
         """The primary has said that it carries a task no more: it is there to be relieved."""
         if task.unloaded or task.loaded:
             self.replace(task, reason, now_s)
         else:
-            self._assessor.reliability.note_given_back(task.primary, task.id, reason, now_s)
+            self.note_given_back(task, reason, now_s)
             self._remedies.pass_on(task, reason, now_s)
 
     def blame(self, task: OpenTask, reason: str, now_s: float) -> None:

@@ -43,6 +43,8 @@ from dray.messages import (
     Release,
     Resigned,
     Role,
+    StockReserved,
+    StockShort,
     TakenOver,
     TaskAnnounced,
     Transport,
@@ -72,10 +74,11 @@ from dray.protocol.goods import Goods
 from dray.protocol.leaving import COORDINATOR_LEAVES_WITHIN_S, LEAVES
 from dray.protocol.production import Goal, GoalBook
 from dray.protocol.pulse import BEAT, Pulse
+from dray.protocol.sourcing import Need, Sourcing
 from dray.protocol.supervision import Following
 from dray.protocol.supply import Supply
 from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
-from dray.protocol.tasks import OpenTask
+from dray.protocol.tasks import OpenTask, Outcome
 from dray.protocol.transports import Transports
 from dray.protocol.trial import Trial
 
@@ -143,7 +146,18 @@ class Machine(Core):
             left=self._on_left,
             unloaded=self._settle,
             commit=self._commit,
+            ended=self._on_task_ended,
             incarnation=incarnation,
+        )
+        self._sourcing = Sourcing(
+            machine,
+            plant,
+            self._timers,
+            self._out,
+            announce=self._announce_sourced,
+            task_of=self._tasks.get,
+            starve=self._withdraw,
+            changed=self._pulse.at_once,
         )
         self._dock = Dock(machine, self._tasks, self._supply, self._out)
         self._goods = Goods(
@@ -167,7 +181,9 @@ class Machine(Core):
             Bid: self._tasks.hear_bid,
             Accepted: self._hear_accepted,
             Declined: self._tasks.hear_declined,
-            Resigned: self._tasks.hear_resigned,
+            Resigned: self._hear_resigned,
+            StockReserved: self._sourcing.hear_reserved,
+            StockShort: self._sourcing.hear_short,
             TakenOver: self._hear_taken_over,
             Docked: self._hear_docked,
             Handover: self._hear_handover,
@@ -190,6 +206,7 @@ class Machine(Core):
             **self._bidder.alarms,
             ADOPT: self._end_adoption,
             **self._tasks.alarms,
+            **self._sourcing.alarms,
         }
 
     # --- the beginning, and time passing ---
@@ -224,7 +241,7 @@ class Machine(Core):
             self._bidder.ask(self._goals.restore(booked), now_s)
         for kept in memory.tasks:
             work, goal = kept.work, self._goals.get(kept.work.goal)
-            self._tasks.restore(kept, now_s)
+            self._sourcing.follow(self._tasks.restore(kept, now_s), now_s)
             if goal is not None:
                 goal.committed += work.quantity
             elif work.destination == self.id:
@@ -263,6 +280,7 @@ class Machine(Core):
             tasks=tuple(task.brief() for task in self._tasks),
             buffers=self._supply.levels(),
             goods=self._goods.levels(),
+            waits=self._sourcing.waits(),
             problem=self._problem,
             software=self._software,
             leaving=self._departure.begun,
@@ -277,6 +295,8 @@ class Machine(Core):
     # --- the end ---
 
     def _prepare_to_leave(self, now_s: float) -> None:
+        for need in list(self._sourcing):
+            self._drop(need)
         self._pulse.at_once(now_s)
 
     def _is_held(self) -> bool:
@@ -333,18 +353,40 @@ class Machine(Core):
 
     def _announce_needs(self, now_s: float) -> None:
         """Have material brought, and goods fetched."""
+        for need in list(self._sourcing):
+            if not self._supply.needs(need.work.item, self._cycle.product):
+                self._drop(need)
         while (order := self._supply.next_order(self._cycle.product, now_s)) is not None:
             work, deadline_s = order
             self._supply.ordered(work)
-            self._open(work, deadline_s, now_s)
+            self._sourcing.seek(self._next_task(), self._docked_here(work), deadline_s, now_s)
         self._goods.dispatch(now_s)
 
+    def _announce_sourced(self, need: Need, now_s: float) -> None:
+        """Material is set aside: have it fetched."""
+        deadline_s = self._supply.latest_s(need.work, need.deadline_s, now_s)
+        self._announce(need.task, need.work, deadline_s, now_s)
+
+    def _drop(self, need: Need) -> None:
+        """Material is not needed any more, for which nobody was hired yet."""
+        self._sourcing.drop(need)
+        self._supply.settled(need.work, None)
+
     def _open(self, work: Transport, deadline_s: float, now_s: float) -> None:
-        if self._newcomer is not None:
-            work = replace(work, node=self._newcomer.node)
+        """Have goods fetched."""
+        self._announce(self._next_task(), self._docked_here(work), deadline_s, now_s)
+
+    def _docked_here(self, work: Transport) -> Transport:
+        """A transport as others need it to be told: where a newcomer stands they do not know."""
+        return work if self._newcomer is None else replace(work, node=self._newcomer.node)
+
+    def _next_task(self) -> str:
         self._task_count += 1
         life = "" if self.incarnation == 1 else f".{self.incarnation}"
-        self._tasks.open(f"{self.id}{life}-{self._task_count}", work, deadline_s, now_s)
+        return f"{self.id}{life}-{self._task_count}"
+
+    def _announce(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
+        self._tasks.open(task, work, deadline_s, now_s)
         self._commit()
         self._pulse.at_once(now_s)
 
@@ -366,7 +408,7 @@ class Machine(Core):
             return MachineStatus.IDLE, ""
         if self._goods.full:
             return MachineStatus.BLOCKED, "the goods are not fetched"
-        return MachineStatus.STARVED, "material is missing"
+        return MachineStatus.STARVED, self._sourcing.told() or "material is missing"
 
     # --- transports ---
 
@@ -390,13 +432,29 @@ class Machine(Core):
         x_m, y_m = self._plant.position_of(self.id)
         return tuple(self._keys.transports(cell) for cell in self._plant.cells_within(x_m, y_m, radius_m))
 
-    def _on_carrier_changed(self, _task: OpenTask, now_s: float) -> None:
+    def _on_carrier_changed(self, task: OpenTask, now_s: float) -> None:
         self._commit()
         self._pulse.at_once(now_s)
+        self._sourcing.follow(task, now_s)
         self._goods.keep_unwanted()
 
     def _on_left(self, atv: str) -> None:
         self._dock.shut(atv)
+
+    def _on_task_ended(self, task: OpenTask, outcome: Outcome) -> None:
+        self._sourcing.end(task, fetched=outcome == "delivered")
+
+    def _hear_resigned(self, sender: str, message: Resigned, now_s: float) -> None:
+        task = self._tasks.get(message.task)
+        gives_back = task is not None and (sender, message.epoch) == (task.primary, task.epoch)
+        if task is None or not gives_back or not message.short or task.is_of_goods or task.unloaded:
+            self._tasks.hear_resigned(sender, message, now_s)
+            return
+        if self._sourcing.holds(task.id, message.short):
+            # Its station says otherwise, as far as is known.
+            self._tasks.note_given_back(task, message.reason, now_s)
+        # Nobody else would find more there: nobody is hired before a station has it.
+        self._withdraw(task, now_s)
 
     def _is_missing(self, task: OpenTask) -> bool:
         return self._goods.lack(task)

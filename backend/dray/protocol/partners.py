@@ -1,6 +1,7 @@
 """Whose word counts on a contract: what a coordinator alone may say of it is taken from that coordinator alone.
 
-A contractor asks here before anything else is done (`core`). Coordinators hear the words of contractors, and of those
+A contractor asks here before anything else is done (`core`); what is said of a dock is taken from whose dock it
+is, a machine or the station of a storage (`atv`). Coordinators hear the words of contractors, and of those
 who believe to be one, themselves: a stranger's is answered there, for it may be a carrier that was replaced.
 """
 
@@ -9,8 +10,6 @@ from __future__ import annotations
 from dray.messages import (
     Award,
     Confirmed,
-    DockHeld,
-    DockOpened,
     GoalClosed,
     HandoverAccepted,
     Message,
@@ -23,17 +22,7 @@ from dray.messages import (
 NO_PARTY = "the word of somebody who is no party to the contract that it is about"
 """Why a message is ignored."""
 
-Word = (
-    Award
-    | Confirmed
-    | DockHeld
-    | DockOpened
-    | GoalClosed
-    | HandoverAccepted
-    | Release
-    | Superseded
-    | Withdrawn
-)
+Word = Award | Confirmed | GoalClosed | HandoverAccepted | Release | Superseded | Withdrawn
 """What a coordinator says to its contractor. An award counts if its task is in the receiver's hands already."""
 
 

@@ -120,6 +120,14 @@ class Supply:
                 return work, self._needed_at_s(material, now_s)
         return None
 
+    def latest_s(self, work: Transport, planned_s: float, now_s: float) -> float:
+        """By when it should be there if it can be fetched only now (plant clock)."""
+        return max(planned_s, now_s + self._lead[work.item].mean_s)
+
+    def needs(self, material: str, cycling: str) -> bool:
+        """Whether any goal still takes some of it."""
+        return self._goals.need(material, cycling) > 0
+
     def ordered(self, work: Transport) -> None:
         """A transport was announced."""
         self._on_order[work.item] += work.quantity

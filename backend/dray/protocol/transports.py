@@ -63,6 +63,7 @@ class Transports(Coordinator):
         left: called with a vehicle that does not carry a task any more.
         unloaded: called when a task has ended because its load is down, though nobody has said so.
         commit: called when the next life must know of something else.
+        ended: called with a task that has ended, before that is forgotten, and how.
         incarnation: how often the machine was started.
     """
 
@@ -83,6 +84,7 @@ class Transports(Coordinator):
         left: Callable[[str], None],
         unloaded: Callable[[OpenTask, float], None],
         commit: Callable[[], None],
+        ended: Callable[[OpenTask, Outcome], None],
         incarnation: int = 1,
     ) -> None:
         super().__init__(
@@ -98,6 +100,7 @@ class Transports(Coordinator):
             incarnation=incarnation,
         )
         self._commit = commit
+        self._ended = ended
         self._lost = lost
         self._left = left
         self._unloaded = unloaded
@@ -151,11 +154,16 @@ class Transports(Coordinator):
         if outcome == "delivered" and task.progress is not None:
             now_s, late_s = task.progress.heard_s, task.progress.late_s
             self._assessor.reliability.note_kept(task.primary, task.id, late_s, now_s)
+        self._ended(task, outcome)
         super().close(task, outcome)
 
     def note_loaded(self, task: OpenTask) -> None:
         """Goods have left with their carrier."""
         self._failover.note_loaded(task)
+
+    def note_given_back(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """A carrier has given its task back, and need not have."""
+        self._failover.note_given_back(task, reason, now_s)
 
     # --- after a restart ---
 

@@ -26,6 +26,7 @@ _PARAMETERS = {
     "agent": "An agent's id.",
     "atv": "A vehicle's id.",
     "machine": "A machine's id.",
+    "station": "The id of a storage.",
     "cell": "A cell of the grid.",
     "product": "A product's id.",
     "berth": "The id of a charger or parking place.",

@@ -13,6 +13,7 @@ from dray.messages import (
     MachineHeartbeat,
     Message,
     ShutOut,
+    StationHeartbeat,
     TaskAnnounced,
 )
 from dray.messages.keys import Keys
@@ -51,6 +52,12 @@ _PUBLISHED = (
         (MachineHeartbeat,),
     ),
     Channel(
+        "stationHeartbeats",
+        _KEYS.station_heartbeat("{station}"),
+        "What lies in a storage, and what is promised of it. Its station alone speaks here.",
+        (StationHeartbeat,),
+    ),
+    Channel(
         "transports",
         _KEYS.transports("{cell}"),
         "Announcements of transports, to the vehicles in one cell of the grid.",
@@ -82,7 +89,9 @@ _PUBLISHED = (
     ),
 )
 
-_BROADCAST_ONLY = frozenset({AtvHeartbeat, MachineHeartbeat, TaskAnnounced, BerthClaimed, ShutOut})
+_BROADCAST_ONLY = frozenset(
+    {AtvHeartbeat, MachineHeartbeat, StationHeartbeat, TaskAnnounced, BerthClaimed, ShutOut}
+)
 
 CHANNELS = (
     *_PUBLISHED,

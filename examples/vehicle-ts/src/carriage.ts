@@ -5,7 +5,8 @@
  *          |            |          |            |
  *          +-- ended    +----------+------------+--> returning -> ended     (superseded, withdrawn, released)
  *
- * A question is repeated until it is answered; a coordinator that answers nothing ten times has failed.
+ * A question is repeated until it is answered; a coordinator that answers nothing ten times has failed. At a storage that
+ * has nothing the vehicle waits as long as it can keep its promise, and gives the task back then.
  */
 
 import type { Body } from './body.ts';
@@ -16,6 +17,7 @@ import type { Plant } from './plant.ts';
 
 const ASK_AGAIN_S = 3;
 const HELD_ASK_AGAIN_S = 5;
+const WAITS_AT_LEAST_S = 15;
 const RETRY_S = 5;
 const GIVE_UP_AFTER = 10;
 const TRIES = 3;
@@ -46,6 +48,9 @@ export class Carriage {
   /** When to ask again (plant clock). */
   #wakes_s = Infinity;
   #givenBack = false;
+  #why = { reason: '', short: '' };
+  /** Since when it stands at its source (plant clock). */
+  #stands_s = Infinity;
 
   constructor(contract: Contract, hands: Hands) {
     this.contract = contract;
@@ -140,7 +145,7 @@ export class Carriage {
     if (answer.epoch !== epoch) return;
     if (answer.type === 'Withdrawn') this.cancel('withdrawn');
     else if (answer.type === 'HandoverAccepted' && phase === 'handing_over') this.#end('handed over');
-    else if (answer.type === 'DockHeld' && this.#waitsAt(answer.station)) this.#wakeIn(HELD_ASK_AGAIN_S);
+    else if (answer.type === 'DockHeld' && this.#waitsAt(answer.station)) this.#wait(answer.reason ?? '');
     else if (answer.type === 'DockOpened' && this.#waitsAt(answer.station)) {
       this.#wakes_s = Infinity;
       this.#transfer();
@@ -157,10 +162,11 @@ export class Carriage {
   }
 
   /** Stand, and ask the coordinator to let another one carry it; in vain once the load is on board. */
-  giveBack(): void {
+  giveBack(reason = 'leaves', short = ''): void {
     const { phase, cancelled } = this.contract;
     if (this.#givenBack || cancelled || this.#action || (phase !== 'approaching' && phase !== 'loading')) return;
     this.#givenBack = true;
+    this.#why = { reason, short };
     this.#asked = 0;
     this.#hands.driver.halt(this.#hands.now_s());
     this.#sayGivenBack();
@@ -174,6 +180,7 @@ export class Carriage {
     if (this.#asked >= GIVE_UP_AFTER) {
       this.#asked = 0;
       if (phase === 'handing_over') this.#end('handed over to a silent machine');
+      else if (this.#fetches && !this.#givenBack) this.giveBack('no answer', this.#station);
       else this.#resign('its machine is silent');
     } else if (load && load !== this.contract.work.item) this.#resign(`${load} is on board`);
     else if (Boolean(load) !== this.#loaded) {
@@ -195,6 +202,7 @@ export class Carriage {
     this.#change({ phase });
     this.#station = station;
     this.#failed = 0;
+    this.#stands_s = Infinity;
   }
 
   #change(changes: Partial<Contract>): void {
@@ -231,10 +239,27 @@ export class Carriage {
     this.#sayHandover();
   }
 
-  /** A machine opens its dock to the carrier that it expects; storages are open. */
+  /** A machine opens its dock to the carrier that it expects, the station of a storage to whom it has promised the load. */
   #askToLoad(): void {
-    if (this.contract.source === this.contract.coordinator) this.#askForDock();
-    else this.#pick();
+    if (this.#stands_s === Infinity) this.#stands_s = this.#hands.now_s();
+    this.#askForDock();
+  }
+
+  /** Whether it stands at a storage and is to load there. */
+  get #fetches(): boolean {
+    const { phase, source, coordinator } = this.contract;
+    return phase === 'loading' && source !== coordinator;
+  }
+
+  /** Ask again later; at a storage that has nothing, as long as the promise can be kept and a moment longer. */
+  #wait(reason: string): void {
+    const { work, source, promised_s } = this.contract;
+    const { driver } = this.#hands;
+    const now_s = this.#hands.now_s();
+    const loaded_s = driver.way(this.#dock(source), this.#dock(work.destination))?.duration_s ?? 0;
+    const late = now_s + driver.type.load_s + loaded_s + driver.type.unload_s > promised_s;
+    if (this.#fetches && late && now_s >= this.#stands_s + WAITS_AT_LEAST_S) this.giveBack(reason, source);
+    else this.#wakeIn(HELD_ASK_AGAIN_S);
   }
 
   /** At a delivery warehouse the gate decides, which counts. */
@@ -248,8 +273,11 @@ export class Carriage {
   }
 
   #askForDock(): void {
-    const { task, epoch } = this.contract;
-    this.#ask({ type: 'Docked', task, epoch, station: this.#station });
+    const { task, epoch, coordinator, work } = this.contract;
+    const station = this.#station;
+    // A storage has no other word of the task if its station has lost its notes.
+    const load = station === coordinator ? {} : { item: work.item, quantity: work.quantity };
+    this.#ask({ type: 'Docked', task, epoch, station, ...load }, station);
   }
 
   #sayHandover(): void {
@@ -259,12 +287,12 @@ export class Carriage {
 
   #sayGivenBack(): void {
     const { task, epoch } = this.contract;
-    this.#ask({ type: 'Resigned', task, epoch, role: 'primary', reason: 'leaves' });
+    this.#ask({ type: 'Resigned', task, epoch, role: 'primary', ...this.#why });
   }
 
-  #ask(question: Message): void {
+  #ask(question: Message, whom = this.contract.coordinator): void {
     this.#asked += 1;
-    this.#hands.send(this.contract.coordinator, question);
+    this.#hands.send(whom, question);
     this.#wakeIn(ASK_AGAIN_S);
   }
 

@@ -119,7 +119,7 @@ export type Message =
   | VehicleCommand
   | { readonly type: 'ShutOut'; readonly number: number; readonly agents: readonly string[] }
   | (OfTask & { readonly type: 'Release'; readonly role: Role; readonly reason: string; readonly number: number })
-  | (OfTask & { readonly type: 'Resigned'; readonly role: Role; readonly reason: string })
+  | (OfTask & { readonly type: 'Resigned'; readonly role: Role; readonly reason: string; readonly short?: string })
   | (OfTask & {
       readonly type: 'Bid';
       readonly role: Role;
@@ -130,7 +130,12 @@ export type Message =
     })
   | (OfTask & { readonly type: 'Accepted'; readonly role: Role; readonly finish_s: number; readonly number: number })
   | (OfTask & { readonly type: 'Declined'; readonly role: Role; readonly reason: string; readonly number: number })
-  | (OfTask & { readonly type: 'Docked'; readonly station: string })
+  | (OfTask & {
+      readonly type: 'Docked';
+      readonly station: string;
+      readonly item?: string;
+      readonly quantity?: number;
+    })
   | (OfTask & { readonly type: 'Handover'; readonly quantity: number })
   | { readonly type: 'CommandAnswered'; readonly command: string; readonly done: boolean; readonly reason: string }
   | { readonly type: 'EventsAsked'; readonly incarnation: number; readonly first: number; readonly last: number }

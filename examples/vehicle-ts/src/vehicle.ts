@@ -133,6 +133,10 @@ export class Vehicle implements Bed {
       }
       case 'DockOpened':
       case 'DockHeld':
+        // Of a dock only its owner speaks: a machine, or the station of a storage, which both have the place's name.
+        if (sender === message.station && this.#carriage?.contract.task === message.task)
+          this.#step((carriage) => carriage.hear(message as Answer));
+        break;
       case 'HandoverAccepted':
       case 'Confirmed':
       case 'Superseded':

@@ -23,6 +23,7 @@ from dray_sim.explore.revision import Revision
 from dray_sim.explore.standing import Standing
 from dray_sim.explore.story import Story
 from dray_sim.explore.trial import Trial, draw
+from dray_sim.explore.waiting import NobodyWaitsInVain
 from dray_sim.factory import SimFactory
 from dray_sim.faults import Fault, Faults, describe, kind_of
 from dray_sim.faults import play as let_happen
@@ -125,7 +126,14 @@ class _Game:
             trial.plant, clock(), seed=trial.seed, stock_frac=trial.stock_frac, codec=trial.codec, ear=ears
         )
         blame, calm = Blame(trial.plant.fleet), Calm(Patience(trial.plant, trial.habits))
-        checks = Invariants(factory, blame, Bonds(factory, blame), Standing(blame), calm)
+        checks = Invariants(
+            factory,
+            blame,
+            Bonds(factory, blame),
+            Standing(blame),
+            NobodyWaitsInVain(blame, tuple(trial.plant.storages)),
+            calm,
+        )
         if trial.insider:
             blame.distrust(INSIDER)
         faults = _Diary(factory, blame, self._story)

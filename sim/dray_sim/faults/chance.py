@@ -180,8 +180,9 @@ def _agent(plant: Plant, random: Random) -> str:
 
 
 def _forgetful(plant: Plant, random: Random) -> str:
-    """A machine or a vehicle. What the strategist has promised is in its notes alone, beside the gateway's database."""
-    return _machine(plant, random) if random.random() < 0.5 else _vehicle(plant, random)
+    """Anybody but the strategist: what that has promised is in its notes alone, beside the gateway's database."""
+    kinds = (tuple(plant.machines), tuple(plant.storages), tuple(plant.fleet), tuple(plant.fleet))
+    return random.choice(random.choice(kinds))
 
 
 def _step_s(random: Random) -> float:

@@ -53,7 +53,7 @@ class Cast:
 
     Attributes:
         vehicles, machines: agents with a body.
-        others: agents of the factory that have none that could fail.
+        others: agents of the factory whose body, if any, cannot fail: the strategist, and the stations of storages.
         access_points: of the WLAN.
     """
 
@@ -66,7 +66,8 @@ class Cast:
     def of_plant(cls, plant: Plant) -> Cast:
         """Whoever stands in a plant file."""
         points = tuple(point.id for point in access_points_of(plant))
-        return cls(tuple(plant.fleet), tuple(plant.machines), access_points=points)
+        others = (STRATEGIST, *plant.storages)
+        return cls(tuple(plant.fleet), tuple(plant.machines), others, access_points=points)
 
     @property
     def agents(self) -> tuple[str, ...]:

@@ -143,6 +143,7 @@ def _certify(plant: Plant, folder: Path) -> None:
         STRATEGIST: Kind.STRATEGIST,
         GATEWAY: Kind.GATEWAY,
         **dict.fromkeys(plant.machines, Kind.MACHINE),
+        **dict.fromkeys(plant.storages, Kind.STATION),
         **dict.fromkeys(plant.fleet, Kind.ATV),
     }
     for name, kind in kinds.items():

@@ -29,7 +29,7 @@ class Post:
 
     Attributes:
         name: of its agent.
-        kind: what it is: atv, machine, strategist, historian, gateway or floor.
+        kind: what it is: atv, machine, station, strategist, historian, gateway or floor.
         command: what follows `dray`.
         address: where others call it.
         environment: all of it.
@@ -88,6 +88,7 @@ def posts_of(
         HISTORIAN: (HISTORIAN,),
         STRATEGIST: (STRATEGIST,),
         GATEWAY: (GATEWAY, "--demand" if demand else "--no-demand"),
+        **{storage: ("agent", Kind.STATION, storage) for storage in plant.storages},
         **{machine: ("agent", Kind.MACHINE, machine) for machine in plant.machines},
         **{atv: ("agent", Kind.ATV, atv) for atv in plant.fleet},
     }

@@ -45,7 +45,7 @@ class Member(Process, frozen=True, kw_only=True):
 
     Attributes:
         name: of its agent.
-        kind: what it is: atv, machine, strategist, historian, gateway or floor.
+        kind: what it is: atv, machine, station, strategist, historian, gateway or floor.
         address: where it is called.
         starts: how often it was started.
         software: of its last start.

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from heapq import heappop, heappush
 
 from dray.gateway.projection.changes import Changes
 from dray.gateway.views import OrderItemView, OrderView
-from dray.messages import Event
+from dray.messages import Event, MachineHeartbeat
 from dray.messages.fact import GoalContracted, GoalWaits
 from dray.store.orders import Order, OrderTotals
 from dray.store.progress import (
@@ -30,15 +30,41 @@ ENDED_KEPT = 50
 """Ended orders that panels still show; all of them are in SQL."""
 
 
+class Materials:
+    """What products take, for telling whose goals wait for what.
+
+    Args:
+        names: of all materials, by id.
+        bills: by product, the materials of one piece.
+    """
+
+    def __init__(self, names: Mapping[str, str], bills: Mapping[str, Collection[str]]) -> None:
+        self._names, self._bills = names, bills
+
+    def lacking(self, heartbeat: MachineHeartbeat) -> dict[str, str]:
+        """By goal of a machine that is not made and waits: for what, as "for rotor (storage S3 has none)"."""
+        told = {wait.item: wait.told(self._names.get(wait.item, wait.item)) for wait in heartbeat.waits}
+        lacking: dict[str, str] = {}
+        for goal in heartbeat.goals:
+            items = [each for each in told if each in self._bills.get(goal.product, ())]
+            if goal.made < goal.quantity and items:
+                lacking[goal.goal] = f"for {'; '.join(told[each] for each in items)}"
+        return lacking
+
+
 class Orders:
     """The orders.
 
     Args:
         to_wall_s: plant clock to wall clock.
         products: what this plant can make.
+        materials: what is lacking may be one of these; their names, and the materials that each product takes.
     """
 
-    def __init__(self, to_wall_s: ToWall, products: Collection[str]) -> None:
+    def __init__(
+        self, to_wall_s: ToWall, products: Collection[str], materials: Materials | None = None
+    ) -> None:
+        self._materials = materials or Materials({}, {})
         self._to_wall_s, self._products = to_wall_s, products
         self._orders: dict[str, Order] = {}
         self._goals: dict[str, dict[str, Goal]] = {}
@@ -47,6 +73,8 @@ class Orders:
         """Per goal that is kept here, its order."""
         self._waits: dict[str, dict[str, str]] = {}
         """Per order that waits, the goals that nobody can make now, and why."""
+        self._lacks: dict[str, dict[str, str]] = {}
+        """Per machine that waits for material, the goals that wait with it, and for what."""
         self._strange: dict[str, list[str]] = {}
         """Per open order, products that this plant does not make: it had another plant file before."""
         self._due: list[tuple[float, str]] = []
@@ -118,6 +146,20 @@ class Orders:
         self._keep(advanced)
         return True
 
+    def hear(self, heartbeat: MachineHeartbeat) -> None:
+        """A machine tells what it waits for, and its goals wait with it."""
+        if not heartbeat.waits and heartbeat.machine not in self._lacks:
+            return
+        before, now = self._lacks.get(heartbeat.machine, {}), self._materials.lacking(heartbeat)
+        if now:
+            self._lacks[heartbeat.machine] = now
+        else:
+            self._lacks.pop(heartbeat.machine, None)
+        for goal in {**before, **now}:
+            order = self._order_of.get(goal)
+            if order is not None and before.get(goal) != now.get(goal):
+                self.changes.mark(order)
+
     def get(self, order: str) -> Order | None:
         """One order, if it is kept here."""
         return self._orders.get(order)
@@ -127,6 +169,18 @@ class Orders:
         if strange := self._strange.get(order):
             return f"this plant does not make {' and '.join(strange)}"
         return next(iter(self._waits.get(order, {}).values()), "")
+
+    def lacks(self, order: str) -> str:
+        """The material for which an order waits, in words; empty when it waits for none."""
+        if not self._lacks:
+            return ""
+        goals = self._goals.get(order, {})
+        told = (lacks[goal] for lacks in self._lacks.values() for goal in lacks if goal in goals)
+        return next(told, "")
+
+    def why_waits(self, order: str) -> str:
+        """Whatever an order waits for; empty when it goes on."""
+        return self.waits(order) or self.lacks(order)
 
     def impossible(self) -> Collection[str]:
         """Ids of those that wait for a product that this plant does not make."""
@@ -173,7 +227,7 @@ class Orders:
         return waited
 
     def _view(self, order: Order) -> OrderView:
-        return order_view(order, self.waits(order.id))
+        return order_view(order, self.why_waits(order.id))
 
     def _subject(self, event: Event) -> str | None:
         """Note what the event tells about a goal; returns the order that it is about."""

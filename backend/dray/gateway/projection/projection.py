@@ -13,18 +13,19 @@ from dray.gateway.projection.given import Given
 from dray.gateway.projection.interventions import Interventions
 from dray.gateway.projection.machines import BROKEN, DOWN, Machines
 from dray.gateway.projection.news import News
-from dray.gateway.projection.orders import Orders
+from dray.gateway.projection.orders import Materials, Orders
 from dray.gateway.projection.outsiders import Outsiders
 from dray.gateway.projection.overload import Overload
 from dray.gateway.projection.silence import bound_s, heard_until_s
 from dray.gateway.projection.site import Site
+from dray.gateway.projection.stations import Stations
 from dray.gateway.projection.tasks import Tasks
 from dray.gateway.projection.timeuse import SILENT
 from dray.gateway.projection.traffic import LaneTraffic, Traffic
 from dray.gateway.projection.trials import Trials
 from dray.gateway.timescale import TimeScale
 from dray.gateway.views import FactoryView, UseView
-from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, Message
+from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, Message, StationHeartbeat
 from dray.plant.model import PlantFile
 from dray.store.exclusions import Exclusion
 from dray.store.kpis import KpiSample
@@ -50,7 +51,10 @@ class Projection:
         self.site = Site(plant)
         self.machines = Machines(self.site, time.to_wall_s, self.outsiders)
         self.tasks = Tasks(time.to_wall_s)
-        self.orders = Orders(time.to_wall_s, frozenset(product.id for product in plant.products))
+        self.stations = Stations(time.to_wall_s)
+        self.orders = Orders(
+            time.to_wall_s, frozenset(product.id for product in plant.products), _materials(plant)
+        )
         self.news = News(time.to_wall_s)
         self.alerts = Alerts()
         self.traffic = Traffic(plant.lanes)
@@ -97,6 +101,9 @@ class Projection:
                 told = self.machines.fold(message)
                 if told:
                     self.tasks.hear(message)
+                    self.orders.hear(message)
+            case StationHeartbeat():
+                told = self.stations.fold(message)
             case Event():
                 # All look: GoalWaits is about a task and an order, and news.
                 told = (
@@ -248,3 +255,10 @@ class Projection:
         for changes in self._all:
             changes.take_changed()
             changes.take_gone()
+
+
+def _materials(plant: PlantFile) -> Materials:
+    return Materials(
+        {material.id: material.name for material in plant.materials},
+        {product.id: [line.material for line in product.bill] for product in plant.products},
+    )

@@ -92,5 +92,6 @@ def _is_known(gateway: Parts, agent: str) -> bool:
     return (
         agent in gateway.projection.atvs
         or agent in gateway.floor.machines
+        or agent in gateway.floor.storages
         or agent in {STRATEGIST, HISTORIAN, own}
     )

@@ -1,4 +1,4 @@
-"""Inventory: what there is and where, as agents have told; storages and materials, as the plant file has them."""
+"""Inventory: what there is and where, as agents have told; materials, as the plant file has them."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from fastapi import APIRouter, Query
 from dray.gateway.answers import PAGE, Cursor, Json, Limit, list_of, page
 from dray.gateway.parts import Gateway, Parts
 from dray.gateway.projection.sight import Sight
+from dray.gateway.projection.stations import Stations
 from dray.gateway.seen import Seen
 from dray.plant.model import Storage
 
@@ -38,11 +39,17 @@ class InventoryLine(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class StoredMaterial(msgspec.Struct, frozen=True):
-    """A material that a storage holds."""
+    """A material that a storage holds, as its station has told last."""
 
     material: str
     capacity: int
-    """Pieces; storages do not tell how full they are."""
+    """Pieces that find room there."""
+    level: int | None = None
+    """Pieces that lie there; null when its station was never heard."""
+    promised: int | None = None
+    """Pieces of these that are set aside for transports."""
+    wanted: int | None = None
+    """Pieces that machines ask for and that cannot be promised yet."""
 
 
 class StorageAnswer(msgspec.Struct, frozen=True, kw_only=True):
@@ -53,6 +60,8 @@ class StorageAnswer(msgspec.Struct, frozen=True, kw_only=True):
     node: str
     """Where vehicles dock."""
     stocks: tuple[StoredMaterial, ...]
+    seen_at_s: float | None = None
+    """Wall clock: when its station said so; null when it was never heard."""
 
 
 class MaterialAnswer(msgspec.Struct, frozen=True, kw_only=True):
@@ -90,9 +99,10 @@ async def list_inventory(
 
 
 @router.get("/storages", responses={200: list_of(StorageAnswer, "Storages, by id")}, response_class=Json)
-async def list_storages(seen: Seen, cursor: Cursor = None, limit: Limit = PAGE) -> Json:
-    """Interim storages and what they hold when they are full; of them all, those in the caller's areas."""
-    storages = sorted((_storage(each) for each in seen.plant().storages), key=lambda each: each.id)
+async def list_storages(gateway: Gateway, seen: Seen, cursor: Cursor = None, limit: Limit = PAGE) -> Json:
+    """Interim storages, what lies there and what of it is promised; of them all, those in the caller's areas."""
+    stations = gateway.projection.stations
+    storages = sorted((_storage(each, stations) for each in seen.plant().storages), key=lambda each: each.id)
     return page(storages, lambda each: each.id, cursor, limit)
 
 
@@ -150,6 +160,17 @@ def _place(line: InventoryLine) -> str:
     return f"{line.item} {line.place} {line.kind}"
 
 
-def _storage(storage: Storage) -> StorageAnswer:
-    stocks = tuple(StoredMaterial(stock.material, stock.capacity) for stock in storage.stocks)
-    return StorageAnswer(id=storage.id, name=storage.name, node=storage.node, stocks=stocks)
+def _storage(storage: Storage, stations: Stations) -> StorageAnswer:
+    stocks = tuple(
+        StoredMaterial(stock.material, stock.capacity)
+        if (told := stations.stock(storage.id, stock.material)) is None
+        else StoredMaterial(stock.material, stock.capacity, told.level, told.promised, told.wanted)
+        for stock in storage.stocks
+    )
+    return StorageAnswer(
+        id=storage.id,
+        name=storage.name,
+        node=storage.node,
+        stocks=stocks,
+        seen_at_s=stations.seen_at_s(storage.id),
+    )

@@ -207,7 +207,10 @@ async def list_orders(
     last = orders[limit - 1] if len(orders) > limit else None
     base = public_url(gateway.settings, request)
     return listing(
-        [order_answer(order, base, gateway.projection.orders.waits(order.id)) for order in orders[:limit]],
+        [
+            order_answer(order, base, gateway.projection.orders.why_waits(order.id))
+            for order in orders[:limit]
+        ],
         None if last is None else write_cursor(last.created_at_s, last.id),
     )
 
@@ -318,5 +321,7 @@ def _answer(gateway: Parts, order: Order | None, order_id: str, request: Request
     if order is None:
         raise not_found("order", order_id, "GET /api/orders")
     return Json(
-        order_answer(order, public_url(gateway.settings, request), gateway.projection.orders.waits(order.id))
+        order_answer(
+            order, public_url(gateway.settings, request), gateway.projection.orders.why_waits(order.id)
+        )
     )

@@ -32,4 +32,5 @@ class OrderView(View, kw_only=True):
     revoked_at_s: float | None = None
     """When its last release was taken back. Until `status` is `stored` the factory has not confirmed that."""
     waits: str = ""
-    """Why it waits: nobody who lives can make what is missing, say; empty when it goes on."""
+    """Why it waits: nobody who lives can make what is missing, or "for Rotor (storage S3 has none)"; empty when it goes
+    on."""

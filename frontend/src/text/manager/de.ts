@@ -85,6 +85,7 @@ export const de: Catalogue<typeof en> = {
   "orders.due": "fällig {due}",
   "orders.late": "verspätet",
   "orders.waits": "wartet: {reason}",
+  "orders.waitsFor": "wartet auf {materials}",
   "orders.noDue": "ohne Termin",
   "orders.release": "Starten",
   "orders.cancel": "Stornieren",

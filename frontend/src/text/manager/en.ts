@@ -83,6 +83,7 @@ export const en = {
   "orders.due": "due {due}",
   "orders.late": "late",
   "orders.waits": "waits: {reason}",
+  "orders.waitsFor": "waits for {materials}",
   "orders.noDue": "no due date",
   "orders.release": "Publish",
   "orders.cancel": "Cancel",

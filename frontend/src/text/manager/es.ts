@@ -85,6 +85,7 @@ export const es: Catalogue<typeof en> = {
   "orders.due": "para {due}",
   "orders.late": "con retraso",
   "orders.waits": "espera: {reason}",
+  "orders.waitsFor": "espera {materials}",
   "orders.noDue": "sin fecha",
   "orders.release": "Lanzar",
   "orders.cancel": "Anular",

@@ -128,6 +128,9 @@ export const de: Catalogue<typeof en> = {
 
   "failure.of": "{agent} ist {what}",
   "failure.notMade": "dieses Werk fertigt {products} nicht",
+  "shortage.material": "{material} ({reasons})",
+  "shortage.none": "nichts in Lager {storages}",
+  "shortage.silent": "keine Antwort von Lager {storages}",
   "failure.broken": "ausgefallen",
   "failure.battery empty": "Batterie leer",
   "failure.the load has shifted": "die Ladung ist verrutscht",

@@ -125,6 +125,9 @@ export const en = {
 
   "failure.of": "{agent} is {what}",
   "failure.notMade": "this plant does not make {products}",
+  "shortage.material": "{material} ({reasons})",
+  "shortage.none": "nothing in storage {storages}",
+  "shortage.silent": "no answer from storage {storages}",
   "failure.broken": "broken",
   "failure.battery empty": "battery empty",
   "failure.the load has shifted": "the load has shifted",

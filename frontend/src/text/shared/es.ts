@@ -128,6 +128,9 @@ export const es: Catalogue<typeof en> = {
 
   "failure.of": "{agent} está {what}",
   "failure.notMade": "esta planta no fabrica {products}",
+  "shortage.material": "{material} ({reasons})",
+  "shortage.none": "nada en el almacén {storages}",
+  "shortage.silent": "sin respuesta del almacén {storages}",
   "failure.broken": "averiada",
   "failure.battery empty": "batería agotada",
   "failure.the load has shifted": "la carga se ha movido",

@@ -1,0 +1,41 @@
+"""The door of a dock: opened for one vehicle and one load, held with a reason, or shut.
+
+Who may load or unload is for its owner to know: a machine asks its contracts (`docking`), the station of a storage its
+reservations (`station`).
+"""
+
+from __future__ import annotations
+
+from dray.body import CloseDock, OpenDock
+from dray.messages import Docked, DockHeld, DockOpened
+from dray.protocol.events import Effect, Instruct, Send
+
+
+class Door:
+    """The door of one dock.
+
+    Args:
+        out: where effects go.
+    """
+
+    def __init__(self, out: list[Effect]) -> None:
+        self._out = out
+
+    def open(self, vehicle: str, asked: Docked, item: str, quantity: int) -> None:
+        """Let a vehicle that stands here load or unload, once."""
+        self._out.append(Instruct(OpenDock(vehicle=vehicle, item=item, quantity=quantity)))
+        self.agree(vehicle, asked)
+
+    def agree(self, vehicle: str, asked: Docked) -> None:
+        """Tell a vehicle that it may; the dock is another's."""
+        self._out.append(Send(vehicle, DockOpened(task=asked.task, epoch=asked.epoch, station=asked.station)))
+
+    def hold(self, vehicle: str, asked: Docked, reason: str) -> None:
+        """Let it wait."""
+        held = DockHeld(task=asked.task, epoch=asked.epoch, station=asked.station, reason=reason)
+        self._out.append(Send(vehicle, held))
+
+    def shut(self, vehicle: str) -> None:
+        """A manoeuvre that this vehicle has begun ends without effect."""
+        # Also when this life has not opened it: an earlier one may have.
+        self._out.append(Instruct(CloseDock(vehicle=vehicle)))

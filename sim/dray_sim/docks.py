@@ -1,0 +1,34 @@
+"""The dock of a body: open for one vehicle and one load, once; shut for everybody else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+SHUT = "the dock is shut"
+
+
+class OpenDocks:
+    """For whom the dock of a workcell or a storage is open."""
+
+    __slots__ = ("_open",)
+
+    def __init__(self) -> None:
+        self._open: dict[str, tuple[str, int]] = {}
+        """Vehicle -> what it may carry in or out, once."""
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._open)
+
+    def open(self, vehicle: str, item: str, quantity: int) -> None:
+        self._open[vehicle] = (item, quantity)
+
+    def shut(self, vehicle: str) -> None:
+        """Harmless when it was never open."""
+        self._open.pop(vehicle, None)
+
+    def shut_all(self) -> None:
+        self._open.clear()
+
+    def refusal(self, vehicle: str, item: str, quantity: int) -> str:
+        """Why a vehicle may not load or unload this; empty when it may."""
+        return "" if self._open.get(vehicle) == (item, quantity) else SHUT

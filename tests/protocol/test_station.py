@@ -1,0 +1,270 @@
+"""The station of a storage: what is promised lies there, and is fetched by whom it was promised to."""
+
+from __future__ import annotations
+
+import msgspec
+import pytest
+from kit import PLANT, Rig, committed, instructed, listening, sent
+
+from dray.body import CloseDock, OpenDock, Refill, StockChanged, StorageState
+from dray.memory import StationMemory
+from dray.messages import (
+    Docked,
+    DockHeld,
+    DockOpened,
+    StationHeartbeat,
+    StockAsked,
+    StockFreed,
+    StockLevel,
+    StockReserved,
+    StockShort,
+)
+from dray.protocol.events import Effect, Ignore
+from dray.protocol.reservations import LEASE_S, MAX_ASKED, QUEUED_S
+from dray.protocol.station import Station
+
+SPEC = PLANT.storages["S1"]
+ITEM = "shaft"
+
+
+class StationRig(Rig):
+    """The station of S1, with a storage of paper."""
+
+    def __init__(self, stock: int = 100, incarnation: int = 1) -> None:
+        super().__init__(Station("S1", PLANT, incarnation=incarnation))
+        self.stock = {kept.material: 0 for kept in SPEC.stocks} | {ITEM: stock}
+        self.seq = 0
+        self.opened: dict[str, None] = {}
+
+    def sense(self) -> StorageState:
+        return StorageState(stock=dict(self.stock), seq=self.seq, opened=tuple(self.opened))
+
+    def asks(self, task: str, quantity: int = 40, *, machine: str = "M8", epoch: int = 1) -> list[Effect]:
+        return self.hear(machine, StockAsked(task=task, epoch=epoch, item=ITEM, quantity=quantity))
+
+    def docks(self, atv: str, task: str, *, epoch: int = 1, quantity: int = 40) -> list[Effect]:
+        effects = self.hear(atv, Docked(task=task, epoch=epoch, station="S1", item=ITEM, quantity=quantity))
+        self.opened |= {opening.vehicle: None for opening in instructed(effects, OpenDock)}
+        return effects
+
+    def changes(self, pieces: int, vehicle: str = "") -> list[Effect]:
+        """The storage is refilled, or a vehicle has taken something out."""
+        self.stock[ITEM] += pieces
+        self.seq += 1
+        self.opened.pop(vehicle, None)
+        return self.report(StockChanged(item=ITEM, change=pieces, seq=self.seq, vehicle=vehicle))
+
+    @property
+    def level(self) -> StockLevel:
+        """Of the shafts, as the newest heartbeat tells."""
+        self.run(self.now_s)
+        newest = self.heartbeats(StationHeartbeat)[-1]
+        return next(level for level in newest.stocks if level.item == ITEM)
+
+
+def started(stock: int = 100) -> StationRig:
+    rig = StationRig(stock)
+    rig.start()
+    return rig
+
+
+def test_it_tells_what_lies_there_and_what_is_promised() -> None:
+    rig = started()
+    assert rig.level == StockLevel(item=ITEM, level=100, capacity=400)
+    rig.asks("M8-1")
+    assert rig.level == StockLevel(item=ITEM, level=100, capacity=400, promised=40)
+    assert listening(rig.all) == set()
+
+
+def test_what_is_promised_is_not_promised_again() -> None:
+    rig = started(100)
+    assert sent(rig.asks("M8-1"), StockReserved, to="M8") == [StockReserved("M8-1", 1, ITEM, 40)]
+    assert len(sent(rig.asks("M8-2"), StockReserved, to="M8")) == 1
+    effects = rig.asks("M9-1", machine="M9")
+    assert sent(effects, StockReserved) == []
+    assert sent(effects, StockShort, to="M9") == [StockShort("M9-1", 1, ITEM, 20)]
+    assert instructed(effects, Refill) == [Refill(item=ITEM)]
+    assert (rig.level.promised, rig.level.wanted) == (80, 40)
+
+
+def test_who_has_asked_first_is_served_first_and_nobody_smaller_overtakes() -> None:
+    rig = started(30)
+    rig.asks("M8-1", 40)
+    assert sent(rig.asks("M9-1", 10, machine="M9"), StockReserved) == []
+    effects = rig.changes(10)
+    assert [message.task for message in sent(effects, StockReserved)] == ["M8-1"]
+    assert [message.task for message in sent(rig.changes(10), StockReserved)] == ["M9-1"]
+
+
+def test_asking_again_promises_nothing_more() -> None:
+    rig = started(100)
+    rig.asks("M8-1")
+    assert len(sent(rig.asks("M8-1"), StockReserved)) == 1
+    assert rig.level.promised == 40
+
+
+def test_a_reservation_lapses_when_nobody_asks_again() -> None:
+    rig = started(40)
+    rig.asks("M8-1")
+    rig.asks("M9-1", machine="M9")
+    for _ in range(20):
+        rig.run(rig.now_s + QUEUED_S - 1.0)
+        if rig.now_s > LEASE_S:
+            break
+        rig.asks("M9-1", machine="M9")
+    assert [message.task for message in sent(rig.all, StockReserved, to="M9")] == ["M9-1"]
+
+
+def test_a_reservation_that_is_renewed_does_not_lapse() -> None:
+    rig = started(40)
+    for _ in range(5):
+        rig.asks("M8-1")
+        rig.run(rig.now_s + LEASE_S - 1.0)
+    assert rig.level.promised == 40
+
+
+def test_a_place_in_the_queue_lapses_when_nobody_asks_again() -> None:
+    rig = started(0)
+    rig.asks("M8-1")
+    rig.run(QUEUED_S + 1.0)
+    assert sent(rig.changes(100), StockReserved) == []
+
+
+def test_what_is_given_back_goes_to_the_next() -> None:
+    rig = started(40)
+    rig.asks("M8-1")
+    rig.asks("M9-1", machine="M9")
+    assert rig.hear("M9", StockFreed(task="M8-1"))[-1] == Ignore("gave back what it does not have")
+    assert [message.task for message in sent(rig.hear("M8", StockFreed(task="M8-1")), StockReserved)] == [
+        "M9-1"
+    ]
+
+
+def test_the_dock_opens_for_what_was_promised_and_the_reservation_ends_with_the_fetching() -> None:
+    rig = started(100)
+    rig.asks("M8-1")
+    effects = rig.docks("ATV1", "M8-1")
+    assert instructed(effects, OpenDock) == [OpenDock(vehicle="ATV1", item=ITEM, quantity=40)]
+    assert len(sent(effects, DockOpened, to="ATV1")) == 1
+    rig.changes(-40, "ATV1")
+    assert rig.level == StockLevel(item=ITEM, level=60, capacity=400)
+    assert sent(rig.asks("M8-1"), StockReserved) == [], "a renewal that was under way"
+    assert len(sent(rig.asks("M8-1", epoch=2), StockReserved)) == 1, "its carrier has failed with the load"
+
+
+def test_what_is_promised_to_others_is_not_given_to_a_vehicle_without_a_reservation() -> None:
+    rig = started(50)
+    rig.asks("M8-1")
+    effects = rig.docks("ATV2", "M9-1")
+    assert instructed(effects, OpenDock) == []
+    assert [held.reason for held in sent(effects, DockHeld, to="ATV2")] == ["S1 has no shaft"]
+    assert instructed(effects, Refill) == [Refill(item=ITEM)]
+
+
+def test_a_vehicle_at_the_dock_goes_before_all_who_wait() -> None:
+    rig = started(0)
+    rig.asks("M8-1")
+    rig.docks("ATV2", "M9-1")
+    assert sent(rig.changes(40), StockReserved) == []
+    assert len(sent(rig.docks("ATV2", "M9-1"), DockOpened)) == 1
+
+
+def test_what_a_vehicle_that_has_left_the_dock_waited_for_goes_to_others() -> None:
+    rig = started(0)
+    rig.docks("ATV2", "M9-1")
+    rig.run(20.0)
+    rig.asks("M8-1")
+    rig.run(QUEUED_S + 1.0)
+    rig.asks("M8-1")
+    assert len(sent(rig.changes(40), StockReserved, to="M8")) == 1
+
+
+def test_a_second_vehicle_of_the_same_epoch_waits_and_one_of_a_higher_epoch_replaces_the_first() -> None:
+    rig = started(100)
+    rig.asks("M8-1")
+    rig.docks("ATV1", "M8-1")
+    assert [held.reason for held in sent(rig.docks("ATV2", "M8-1"), DockHeld)] == [
+        "another vehicle fetches it"
+    ]
+    effects = rig.docks("ATV2", "M8-1", epoch=2)
+    assert instructed(effects, CloseDock) == [CloseDock(vehicle="ATV1")]
+    assert len(sent(effects, DockOpened, to="ATV2")) == 1
+
+
+def test_promises_that_cannot_be_kept_are_taken_back_the_latest_first() -> None:
+    rig = started(80)
+    rig.asks("M8-1")
+    rig.asks("M9-1", machine="M9")
+    effects = rig.changes(-40)
+    assert [(message.task, message.free) for message in sent(effects, StockShort)] == [("M9-1", 0)]
+    assert rig.level.promised == 40 == rig.level.level
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"item": "gold"}, "asked for what is not kept here"),
+        ({"quantity": 0}, "asked for what is not kept here"),
+        ({"quantity": 401}, "asked for what is not kept here"),
+    ],
+)
+def test_what_can_never_be_is_not_answered(changes: dict[str, object], reason: str) -> None:
+    rig = started()
+    asked = msgspec.structs.replace(StockAsked("M8-1", 1, ITEM, 40), **changes)
+    assert rig.hear("M8", asked) == [Ignore(reason)]
+
+
+def test_nobody_takes_over_another_ones_reservation() -> None:
+    rig = started()
+    rig.asks("M8-1")
+    assert rig.asks("M8-1", machine="M9") == [Ignore("about a task that another one has asked for")]
+
+
+def test_one_that_invents_tasks_is_bounded() -> None:
+    rig = started(400)
+    for number in range(MAX_ASKED):
+        rig.asks(f"M8-{number}", 1)
+    assert rig.asks("M8-one-more", 1) == [Ignore("asked for more than anybody needs")]
+    assert len(sent(rig.asks("M9-1", 1, machine="M9"), StockReserved)) == 1
+
+
+def test_a_promise_outlives_a_restart() -> None:
+    rig = started(100)
+    rig.asks("M8-1")
+    rig.asks("M8-2")
+    rig.docks("ATV2", "M8-2")
+    again = StationRig(100, incarnation=2)
+    again.memory, again.opened = committed(rig.all), {"ATV2": None}
+    again.start()
+    assert again.level.promised == 80
+    assert sent(again.asks("M9-1", machine="M9"), StockReserved) == []
+    assert len(sent(again.docks("ATV1", "M8-1"), DockOpened)) == 1
+
+
+def test_what_was_fetched_while_it_was_away_is_promised_no_more() -> None:
+    rig = started(100)
+    rig.asks("M8-1")
+    rig.docks("ATV1", "M8-1")
+    again = StationRig(60, incarnation=2)
+    again.memory = committed(rig.all)
+    again.start()
+    assert again.level == StockLevel(item=ITEM, level=60, capacity=400)
+    assert sent(again.asks("M8-1"), StockReserved) == []
+
+
+def test_a_promise_is_written_down_before_it_is_said() -> None:
+    effects = started().asks("M8-1")
+    [note] = committed(effects).values()
+    assert isinstance(note, StationMemory)
+    assert [reserved.task for reserved in note.reserved] == ["M8-1"]
+
+
+def test_asked_to_leave_it_promises_nothing_more_and_waits_for_the_vehicle_at_its_dock() -> None:
+    rig = started(100)
+    rig.asks("M8-1")
+    rig.docks("ATV1", "M8-1")
+    rig.leave()
+    assert not rig.has_left
+    assert rig.asks("M8-2") == [Ignore("asked for while the station was leaving")]
+    rig.changes(-40, "ATV1")
+    assert rig.has_left
