@@ -11,9 +11,19 @@ from typing import Any
 
 import pytest
 import yaml
+from msgspec.structs import replace
+from typer.testing import CliRunner
 
-from dray.plant import default_plant
+from dray.adapters.seals import Seals
+from dray.adapters.zenoh_links import Identity
+from dray.cli import app
+from dray.cli.compose.document import compose_text, targets_text
+from dray.cli.roster import agents_of
+from dray.errors import SettingsError
+from dray.messages.speakers import Kind
+from dray.plant import Plant, default_plant, plant_yaml
 from dray.settings import PREFIX, Settings, host_and_port
+from dray_sim.generator import generate_plant
 
 ROOT = Path(__file__).parents[1]
 SECRETS = "/run/secrets/"
@@ -21,9 +31,24 @@ SECRETS = "/run/secrets/"
 VARIABLES = {f"{PREFIX}{field.upper()}" for field in Settings.model_fields}
 
 
+SMALL = generate_plant(2, machines=4, vehicles=3)
+"""Any other plant than the default one."""
+
+
+@pytest.fixture(scope="module", params=["default", "other"])
+def plant(request: pytest.FixtureRequest) -> Plant:
+    return default_plant() if request.param == "default" else SMALL
+
+
+@pytest.fixture
+def small_plant() -> Plant:
+    return Plant(replace(SMALL.file, fleet=SMALL.file.fleet[:1]))
+
+
 @pytest.fixture(scope="module")
-def compose() -> dict[str, Any]:
-    loaded: dict[str, Any] = yaml.safe_load((ROOT / "docker-compose.yml").read_text())
+def compose(plant: Plant) -> dict[str, Any]:
+    seen = "" if plant is not SMALL else "./plants/own.yaml"
+    loaded: dict[str, Any] = yaml.safe_load(compose_text(plant, seen))
     return loaded
 
 
@@ -78,12 +103,15 @@ def test_every_variable_of_ours_is_one_that_dray_knows(services: dict[str, dict[
     assert ours <= VARIABLES
 
 
-def test_every_agent_of_the_default_plant_has_a_process(services: dict[str, dict[str, Any]]) -> None:
-    plant = default_plant()
+def test_the_files_in_the_repository_are_those_that_are_written_for_the_default_plant() -> None:
+    written = "write them anew: dray compose"
+    assert (ROOT / "docker-compose.yml").read_text() == compose_text(default_plant()), written
+    assert (ROOT / "deploy/prometheus/targets.json").read_text() == targets_text(default_plant()), written
+
+
+def test_every_agent_of_the_plant_has_a_process(plant: Plant, services: dict[str, dict[str, Any]]) -> None:
     wanted = [
-        *(["dray", "agent", "machine", name] for name in plant.machines),
-        *(["dray", "agent", "station", name] for name in plant.storages),
-        *(["dray", "agent", "atv", name] for name in plant.fleet),
+        *(["dray", "agent", kind, name] for name, kind in agents_of(plant).items()),
         ["dray", "strategist"],
         ["dray", "historian"],
         ["dray", "floor"],
@@ -93,6 +121,72 @@ def test_every_agent_of_the_default_plant_has_a_process(services: dict[str, dict
         assert commands.count(command) == 1, command
     (gateway,) = [command for command in commands if command not in wanted]
     assert gateway[:2] == ["dray", "gateway"]
+
+
+def test_every_process_has_its_own_certificate_and_notes_that_outlive_its_container(
+    plant: Plant, compose: dict[str, Any], services: dict[str, dict[str, Any]]
+) -> None:
+    seen: set[str] = set()
+    for name, service in services.items():
+        if "build" not in service:
+            continue
+        assert "DRAY_BUS_PLAIN" not in service["environment"]
+        mounts = dict(mount.split(":", 1) for mount in service["volumes"])
+        targets = {target: source for source, target in mounts.items()}
+        own = Path(targets[service["environment"]["DRAY_BUS_CERTIFICATES"] + ":ro"])
+        agent = service["command"][-1] if "agent" in service["command"] else service["command"][1]
+        assert own == Path("certs") / agent, name
+        journal = targets["/var/lib/dray/journals"]
+        assert compose["volumes"][journal] == {"labels": ["dray.journal"]}
+        seen |= {journal, str(own)}
+        plant_file = service["environment"].get("DRAY_PLANT_FILE")
+        assert (plant_file is None) is (plant.id == default_plant().id)
+        assert plant_file is None or targets[f"{plant_file}:ro"] == "./plants/own.yaml"
+    assert len(seen) == 2 * len([service for service in services.values() if "build" in service])
+
+
+def test_a_name_that_yaml_takes_for_something_else_stays_a_name(small_plant: Plant) -> None:
+    (vehicle,) = small_plant.file.fleet
+    fleet = (replace(vehicle, id="off"), replace(vehicle, id="Y"))
+    services = yaml.safe_load(compose_text(Plant(replace(small_plant.file, fleet=fleet))))["services"]
+    assert services["atv-off"]["command"] == ["dray", "agent", "atv", "off"]
+    assert services["atv-y"]["command"] == ["dray", "agent", "atv", "Y"]
+
+
+def test_two_agents_whose_names_differ_in_capitals_alone_are_told_apart_by_nobody(small_plant: Plant) -> None:
+    (vehicle,) = small_plant.file.fleet
+    fleet = (replace(vehicle, id="v1"), replace(vehicle, id="V1"))
+    with pytest.raises(SettingsError, match="one name on a network"):
+        compose_text(Plant(replace(small_plant.file, fleet=fleet)))
+
+
+def test_compose_writes_what_is_missing_and_nothing_else(small_plant: Plant, tmp_path: Path) -> None:
+    folder, plant_file = tmp_path / "sources", tmp_path / "sources/small.yaml"
+    (folder / "deploy/prometheus").mkdir(parents=True)
+    command = ("compose", "--plant", str(plant_file), "--folder", str(folder))
+    plant_file.write_text(plant_yaml(small_plant))
+    refused = CliRunner().invoke(app, command)
+    assert isinstance(refused.exception, SettingsError)
+    (folder / "deploy/prometheus/prometheus.yml").touch()
+    assert CliRunner().invoke(app, command).exit_code == 0
+    assert (folder / "docker-compose.yml").read_text() == compose_text(small_plant, "./small.yaml")
+    for agent, kind in {**agents_of(small_plant), "floor": Kind.HISTORIAN, "gateway": Kind.GATEWAY}.items():
+        identity = Identity.in_folder(folder / "certs" / agent, agent)
+        assert Seals(identity, small_plant.id).agents[agent] is kind
+        assert sorted(file.name for file in (folder / "certs" / agent).iterdir()) == sorted(
+            ("authority.pem", f"{agent}.key", f"{agent}.pem")
+        )
+    before = {file: file.read_bytes() for file in folder.rglob("*") if file.is_file()}
+    (folder / "certs/revoked.pem").write_bytes(b"list")
+    (folder / "certs/strategist/strategist.pem").unlink()
+    assert "1 certificates made" in CliRunner().invoke(app, command).output
+    changed = {file for file, data in before.items() if file.read_bytes() != data}
+    assert {file.name for file in changed} == {"strategist.pem", "strategist.key", "authority.issued"}
+    assert (folder / "certs/floor/revoked.pem").read_bytes() == b"list"
+    other = plant_file.with_name("other.yaml")
+    other.write_text(plant_yaml(Plant(replace(small_plant.file, plant="other"))))
+    refused = CliRunner().invoke(app, ("compose", "--plant", str(other), "--folder", str(folder)))
+    assert isinstance(refused.exception, SettingsError)
 
 
 def test_every_process_is_on_the_bus_and_calls_some_that_are(services: dict[str, dict[str, Any]]) -> None:
@@ -143,7 +237,7 @@ def test_a_container_can_write_what_it_must_keep_and_nothing_else(
         if name != "database":  # which gives its rights away by itself
             assert service["cap_drop"] == ["ALL"], name
         if "build" in service:
-            assert "/var/lib/dray/journals" in service["volumes"], name
+            assert [mount for mount in service["volumes"] if mount.endswith(":/var/lib/dray/journals")], name
 
 
 def test_images_are_pinned_by_digest_or_can_be(services: dict[str, dict[str, Any]]) -> None:
@@ -191,7 +285,8 @@ def test_volumes_and_secrets_are_declared_and_used(
     named = {source for source, *_ in mounts if not source.startswith(".")}
     assert named == set(compose["volumes"])
     for source, _, *options in (mount for mount in mounts if mount[0].startswith(".")):
-        assert (ROOT / source).is_dir(), source
+        # The last two are a user's own.
+        assert (ROOT / source).is_dir() or source.startswith(("./certs/", "./plants/")), source
         assert options == ["ro"]
     used = {secret for service in services.values() for secret in service.get("secrets", ())}
     assert used == set(compose["secrets"])
@@ -210,7 +305,7 @@ def test_no_secret_stands_in_a_file(compose: dict[str, Any], services: dict[str,
         for variable, value in service.get("environment", {}).items():
             if re.search("PASSWORD|TOKEN|SECRET", variable):
                 assert variable.endswith("_FILE"), f"{name}: {variable}"
-            if variable.endswith("_FILE"):
+            if variable.endswith("_FILE") and variable != "DRAY_PLANT_FILE":
                 assert value.removeprefix(SECRETS) in service["secrets"]
             for used in re.findall(r"\$\{(\w+)", str(value)):
                 assert used in example
@@ -221,17 +316,19 @@ def test_no_secret_stands_in_a_file(compose: dict[str, Any], services: dict[str,
 
 
 def test_prometheus_asks_every_process_where_it_listens(
-    compose: dict[str, Any], services: dict[str, dict[str, Any]]
+    plant: Plant, compose: dict[str, Any], services: dict[str, dict[str, Any]]
 ) -> None:
     folder = ROOT / "deploy/prometheus"
     configuration = yaml.safe_load((folder / "prometheus.yml").read_text())
     (job,) = configuration["scrape_configs"]
+    assert job["file_sd_configs"] == [{"files": ["targets.json"]}]
     ours = {name: service for name, service in services.items() if "build" in service}
     listens = {
         f"{name}:{host_and_port(service['environment']['DRAY_METRICS_LISTEN'])[1]}"
         for name, service in ours.items()
     }
-    assert set(job["static_configs"][0]["targets"]) == listens
+    (told,) = json.loads(targets_text(plant))
+    assert set(told["targets"]) == listens
     assert len(listens) == len(ours)
     # Nobody logs in there, so the network is for nothing else.
     shared = {name for name, service in services.items() if "metrics" in service.get("networks", ())}

@@ -22,6 +22,7 @@ from dray.adapters.certificates import Authority
 from dray.adapters.signing import SigningKey
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Identity, Links
+from dray.cli.roster import agents_of
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
@@ -81,18 +82,15 @@ class Workshop:
             "floor": Kind.HISTORIAN,
             STRATEGIST: Kind.STRATEGIST,
             "gateway": Kind.GATEWAY,
-            **dict.fromkeys(PLANT.machines, Kind.MACHINE),
-            **dict.fromkeys(PLANT.storages, Kind.STATION),
-            VEHICLE: Kind.ATV,
+            **agents_of(PLANT),
         }
         for name, kind in names.items():
             authority.issue(self.certificates, PLANT.id, {name: kind})
         (folder / "plant.json").write_text(self._dray("plant", "json", str(PLANT_FILE)))
 
     def start_agents(self) -> None:
-        machines = (("agent", "machine", each) for each in PLANT.machines)
-        stations = (("agent", "station", each) for each in PLANT.storages)
-        for command in (("floor",), (STRATEGIST,), *machines, *stations):
+        others = [("agent", kind, agent) for agent, kind in agents_of(PLANT).items() if agent != VEHICLE]
+        for command in (("floor",), (STRATEGIST,), *others):
             self._start(
                 command[-1],
                 sys.executable,

@@ -34,6 +34,7 @@ import typer
 
 from dray import __version__
 from dray.cli import agent, bench, certs, db, fault, front, key, link, plant, shutout, sim, up, user, wire
+from dray.cli.compose.commands import compose
 from dray.cli.fleet.commands import app as fleet_app
 from dray.errors import DrayError, InputError
 
@@ -46,6 +47,7 @@ app = typer.Typer(
 )
 app.command("up")(up.up)
 app.add_typer(fleet_app, name="fleet")
+app.command("compose")(compose)
 app.add_typer(agent.app, name="agent")
 app.command("strategist")(agent.strategist)
 app.command("floor")(agent.floor)

@@ -38,6 +38,7 @@ def make(folder: Folder, plant: PlantFile = None, days: Days = None) -> None:
     from dray.adapters.certificates import AUTHORITY, DAYS, Authority
     from dray.cli.options import load_settings
     from dray.cli.plant import chosen_plant
+    from dray.cli.roster import agents_of
     from dray.errors import SettingsError
     from dray.messages.speakers import Kind, names_of
 
@@ -47,9 +48,7 @@ def make(folder: Folder, plant: PlantFile = None, days: Days = None) -> None:
             str(folder), "has an authority already; `dray certs issue` uses it, or choose another folder"
         )
     processes = [
-        *({machine: Kind.MACHINE} for machine in chosen.machines),
-        *({storage: Kind.STATION} for storage in chosen.storages),
-        *({atv: Kind.ATV} for atv in chosen.fleet),
+        *({agent: kind} for agent, kind in agents_of(chosen).items()),
         {"strategist": Kind.STRATEGIST},
         names_of("gateway", Kind.GATEWAY),
         {"historian": Kind.HISTORIAN},

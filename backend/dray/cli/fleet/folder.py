@@ -14,6 +14,7 @@ from dray.adapters.sqlite_journal import SqliteJournal
 from dray.cli.fleet.processes import PROC
 from dray.cli.options import load_settings
 from dray.cli.process import FLOOR
+from dray.cli.roster import agents_of
 from dray.errors import UnavailableError
 from dray.messages.speakers import Kind, names_of
 from dray.plant import Plant
@@ -142,9 +143,7 @@ def _certify(plant: Plant, folder: Path) -> None:
         OBSERVER: Kind.HISTORIAN,
         STRATEGIST: Kind.STRATEGIST,
         GATEWAY: Kind.GATEWAY,
-        **dict.fromkeys(plant.machines, Kind.MACHINE),
-        **dict.fromkeys(plant.storages, Kind.STATION),
-        **dict.fromkeys(plant.fleet, Kind.ATV),
+        **agents_of(plant),
     }
     for name, kind in kinds.items():
         authority.issue(folder, plant.id, names_of(name, kind))

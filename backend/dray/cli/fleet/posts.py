@@ -14,6 +14,7 @@ from pathlib import Path
 from dray.cli.fleet.addresses import free_addresses
 from dray.cli.fleet.folder import GATEWAY, HISTORIAN, LOGS
 from dray.cli.process import FLOOR
+from dray.cli.roster import agents_of
 from dray.messages.speakers import Kind
 from dray.plant import Plant
 from dray.protocol.strategist import STRATEGIST
@@ -88,9 +89,7 @@ def posts_of(
         HISTORIAN: (HISTORIAN,),
         STRATEGIST: (STRATEGIST,),
         GATEWAY: (GATEWAY, "--demand" if demand else "--no-demand"),
-        **{storage: ("agent", Kind.STATION, storage) for storage in plant.storages},
-        **{machine: ("agent", Kind.MACHINE, machine) for machine in plant.machines},
-        **{atv: ("agent", Kind.ATV, atv) for atv in plant.fleet},
+        **{agent: ("agent", kind, agent) for agent, kind in agents_of(plant).items()},
     }
     names = tuple(commands)
     free = free_addresses(2 * len(names))

@@ -1,0 +1,73 @@
+"""A folder of certificates for each process of a plant: a container sees its own and nobody else's."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from pathlib import Path
+
+from dray.adapters.certificates import AUTHORITY, REVOKED, Authority
+from dray.cli.compose.document import services_of
+from dray.errors import SettingsError, UnavailableError
+from dray.messages.speakers import Kind, names_of
+from dray.plant import Plant
+
+USER = 10001
+"""As whom the image runs its processes (`Dockerfile`)."""
+
+_KINDS = {"gateway": Kind.GATEWAY, "strategist": Kind.STRATEGIST}
+"""Of the single processes; the others are heard by nobody as agents."""
+
+
+def certify(plant: Plant, folder: Path) -> int:
+    """Write what is missing: the authority into `folder`, and below it a folder for each process.
+
+    Everybody else's list of certificates that were called back is brought up to date, too.
+
+    Returns:
+        How many certificates were made.
+
+    Raises:
+        SettingsError: the authority there is another plant's.
+        UnavailableError: it cannot be written.
+    """
+    try:
+        return _certify(plant, folder)
+    except OSError as error:
+        raise UnavailableError(
+            str(folder), error.strerror or str(error), "choose another --folder, or ask as its owner"
+        ) from None
+
+
+def _certify(plant: Plant, folder: Path) -> int:
+    if (folder / f"{AUTHORITY}.pem").exists():
+        authority = Authority.load(folder)
+        if authority.plant != plant.id:
+            raise SettingsError(
+                str(folder), f"has the authority of {authority.plant}, and not of {plant.id}: move it away"
+            )
+    else:
+        authority = Authority.make(plant.id)
+        authority.write(folder)
+    made = 0
+    for service in services_of(plant):
+        agent, own = service.agent, folder / service.agent
+        own.mkdir(mode=0o700, exist_ok=True)
+        if not (own / f"{agent}.pem").exists():
+            kind = service.kind or _KINDS.get(agent, Kind.HISTORIAN)
+            authority.issue(folder, plant.id, names_of(agent, kind))
+            for end in ("key", "pem"):
+                shutil.move(folder / f"{agent}.{end}", own / f"{agent}.{end}")
+            made += 1
+        for shared in (f"{AUTHORITY}.pem", f"{REVOKED}.pem"):
+            if (folder / shared).exists():
+                shutil.copy(folder / shared, own / shared)
+        _give_away(own)
+    return made
+
+
+def _give_away(folder: Path) -> None:
+    """Let the image's user read it, where we may; else whoever starts the containers has to."""
+    if os.geteuid() == 0:
+        for path in (folder, *folder.iterdir()):
+            os.chown(path, USER, USER)

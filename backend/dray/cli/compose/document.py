@@ -1,0 +1,128 @@
+"""The compose file of a plant, and what stands beside it: text alone."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.resources import files
+
+import msgspec
+from jinja2 import Environment, StrictUndefined
+
+from dray.cli.roster import agents_of
+from dray.errors import SettingsError
+from dray.messages.speakers import Kind
+from dray.plant import Plant
+
+COMPOSE_MIN = "2.26"
+"""The oldest Compose with which these files were read (`docker compose config`)."""
+
+CERTIFICATES = "certs"
+"""The folder beside the compose file that has a folder of certificates for each process."""
+
+METRICS_PORT = 9101
+
+SINGLE = ("gateway", "historian", "strategist", "floor")
+"""The processes of which every plant has one."""
+
+JOURNALS = "/var/lib/dray/journals"
+
+
+@dataclass(frozen=True, slots=True)
+class Service:
+    """One process of a plant in its compose file.
+
+    Attributes:
+        name: of the service, by which others call it.
+        agent: whose certificate it has.
+        kind: what follows `dray agent`; empty for one of `SINGLE`.
+    """
+
+    name: str
+    agent: str
+    kind: Kind | None = None
+
+    @property
+    def journal(self) -> str:
+        """The volume that outlives its containers."""
+        return f"journal-{self.name}"
+
+    def mounts(self, plant_file: str) -> str:
+        """What it has of its own, in YAML: notes, certificates, and the plant file where it is not the default one."""
+        own = [f"{self.journal}:{JOURNALS}", f"./{CERTIFICATES}/{self.agent}:/etc/dray/certs:ro"]
+        if plant_file:
+            own.append(f"{plant_file}:/etc/dray/plant.yaml:ro")
+        return ", ".join(msgspec.json.encode(each.replace("$", "$$")).decode() for each in own)
+
+
+def services_of(plant: Plant) -> tuple[Service, ...]:
+    """All processes of a plant.
+
+    Raises:
+        SettingsError: two would have one name on the network, which knows no capitals.
+    """
+    single = [Service(name, name) for name in SINGLE]
+    agents = [Service(f"{kind}-{agent}".lower(), agent, kind) for agent, kind in agents_of(plant).items()]
+    called: dict[str, str] = {}
+    for each in agents:
+        other = called.setdefault(each.name, each.agent)
+        if other != each.agent:
+            raise SettingsError(
+                each.agent, f"and {other} would have one name on a network: give one of them another id"
+            )
+    return (*single, *agents)
+
+
+def compose_text(plant: Plant, plant_file: str = "") -> str:
+    """`docker-compose.yml` of a plant.
+
+    Args:
+        plant: whose agents get a service each.
+        plant_file: where it is, seen from the compose file, as `./plant.yaml`; empty for the default plant.
+
+    Raises:
+        SettingsError: see `services_of`.
+    """
+    services = services_of(plant)
+    template = files("dray.cli.compose").joinpath("template.yml").read_text(encoding="utf-8")
+    # Nothing of this is HTML; what is quoted is quoted as JSON, which YAML reads.
+    jinja = Environment(
+        undefined=StrictUndefined,
+        keep_trailing_newline=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        autoescape=False,  # noqa: S701
+    )
+    return jinja.from_string(template).render(
+        command=f"dray compose --plant {plant_file}" if plant_file else "dray compose",
+        compose_min=COMPOSE_MIN,
+        project=re.sub(r"[^a-z0-9_-]", "-", plant.id.lower()),
+        plant_file=plant_file,
+        single={each.agent: each.mounts(plant_file) for each in services if each.kind is None},
+        agents=[
+            {
+                "service": each.name,
+                "kind": each.kind,
+                "agent": each.agent,
+                "mounts": each.mounts(plant_file),
+            }
+            for each in services
+            if each.kind is not None
+        ],
+        journals=[each.journal for each in services],
+    )
+
+
+def targets_text(plant: Plant) -> str:
+    """Where Prometheus asks every process of a plant, in its own words (`file_sd_configs`).
+
+    Raises:
+        SettingsError: see `services_of`.
+    """
+
+    def lines() -> Iterator[str]:
+        for each in services_of(plant):
+            yield f'    "{each.name}:{METRICS_PORT}"'
+
+    return '[{"targets": [\n' + ",\n".join(lines()) + "\n]}]\n"
