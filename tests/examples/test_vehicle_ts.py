@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import os
+import re
 import socket
 import subprocess
 import sys
@@ -33,6 +34,8 @@ from dray.messages import (
     OrderItem,
     OrderReleased,
     OrderTaken,
+    Release,
+    Role,
     VehicleCommand,
 )
 from dray.messages.fact import OrderFulfilled
@@ -215,6 +218,12 @@ def test_it_joins_with_tls_and_all_that_is_ordered_arrives(tmp_path: Path, stack
             assert not answer.done
             assert "signed" in answer.reason
 
+            # What is nobody's, and what a gateway has no business to say, is counted and changes nothing.
+            for noise, attachment in ((b"\x00\xff", b""), (b"{}", b"\x93\x01\x01\xc4\x00"), (b"", b"\xc1")):
+                for key in (KEYS.addressed(VEHICLE), KEYS.transports(PLANT.cell_of(2.0, 10.0))):
+                    bus.inner.put(key, noise, attachment=attachment)
+            gateway.send(VEHICLE, Release(task="M1-1", epoch=1, role=Role.PRIMARY, reason="", number=1))
+
             # Two containers of goods, which ask for one of material at least.
             now_s = time.time() * SPEED
             order = OrderReleased(order="O-1", items=(OrderItem("stool", 4),), due_s=now_s + 3600)
@@ -236,4 +245,10 @@ def test_it_joins_with_tls_and_all_that_is_ordered_arrives(tmp_path: Path, stack
     words = workshop.words(VEHICLE)
     assert "from M1 to DEL" in words
     assert "handed over" in words
+    refused = re.findall(r"refused (\d+): (.*)", words)
+    assert {reason: int(times) for times, reason in refused} == {
+        "a word that is not for us, or not of its kind": 1,
+        "no seal": 2,
+        "no message of ours": 4,
+    }
     assert json.loads((tmp_path / "notes" / f"{VEHICLE}.json").read_text())["contract"] is None
