@@ -259,6 +259,8 @@ export class Vehicle implements Bed {
   #go(contract: Contract, begin: (carriage: Carriage) => void): void {
     this.#carriage = new Carriage(contract, this);
     this.#step(begin);
+    // Its coordinator counts the seconds of silence from now on.
+    this.#beat();
   }
 
   /** A load without a contract is one of an earlier life: bring it back, for nobody. */
