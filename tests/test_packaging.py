@@ -63,6 +63,9 @@ def test_the_wheel_holds_code_panels_templates_and_migrations_and_nothing_to_bui
     for needed in (
         "dray/cli/__init__.py",
         "dray/plant/default.yaml",
+        "dray/plant/examples/large.yaml",
+        "dray/plant/examples/two-halls.yaml",
+        "dray/plant/examples/workshop.yaml",
         "dray_sim/loop.py",
         "dray/store/migrations/env.py",
     ):

@@ -96,6 +96,7 @@ class Stage:
         people: the operators.
         witness: what was said.
         observer: figures so far.
+        ears: hear everything that is said; a script may add its own.
         orders: all of them, placed or still to come.
         ears: hear all that is said.
     """
@@ -162,9 +163,13 @@ class Stage:
         now_s = self.now_s()
         items = (OrderItem(product=product, quantity=quantity),)
         placed = demand.Order(f"S{len(self._placing) + 1}", now_s, now_s + due_in_s, items)
-        self.orders.append(placed)
-        self._placing.append(asyncio.create_task(self._desk.order(placed)))
+        self.place(placed)
         return placed
+
+    def place(self, order: demand.Order) -> None:
+        """Place an order now, whatever its time says."""
+        self.orders.append(order)
+        self._placing.append(asyncio.create_task(self._desk.order(order)))
 
     async def live(self) -> None:
         """Run the factory and its demand until cancelled.

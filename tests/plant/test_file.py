@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dray.errors import PlantError, PlantErrors
-from dray.plant import check_plant, default_plant, load_plant, parse_plant, plant_yaml
+from dray.plant import default_plant, load_plant, parse_plant, plant_yaml, sum_up
 from dray.plant.file import MAX_BYTES, MAX_FAULTS
 
 Break = Callable[..., list[tuple[str, str]]]
@@ -236,7 +236,7 @@ def refusal(path: Path) -> str:
 
 
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
-    assert refusal(tmp_path / "none.yaml") == "there is no such file: check the path"
+    assert refusal(tmp_path / "none.yaml").startswith("there is no such file: check the path")
 
 
 def test_a_directory_is_refused(tmp_path: Path) -> None:
@@ -270,7 +270,7 @@ def test_a_file_of_many_megabytes_is_refused_without_being_parsed(tmp_path: Path
 def test_a_good_file_is_summed_up_in_one_line(tmp_path: Path, small_text: str) -> None:
     path = tmp_path / "plant.yaml"
     path.write_text(small_text, encoding="utf-8")
-    assert check_plant(path) == (
+    assert sum_up(load_plant(path)) == (
         "small (Small plant): 1 machines in 1 stations, 1 vehicles of 1 types, 1 products of 1 materials, "
         "1 storages, 1 chargers, 1 parking places, 5 nodes, 8 lanes of 106 m on 40 m x 30 m"
     )

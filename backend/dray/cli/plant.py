@@ -20,12 +20,27 @@ def plant() -> None:
 
 @app.command()
 def check(
-    file: Annotated[Path, typer.Argument(help="A plant file (YAML).")],
+    file: Annotated[Path, typer.Argument(help="A plant file (YAML), or the name of a shipped plant.")],
+    strict: Annotated[bool, typer.Option("--strict", help="Exit 2 when there is a warning.")] = False,
+    json: Annotated[Path | None, typer.Option(help="Write the warnings here too.")] = None,
 ) -> None:
-    """Validate a plant file; every fault is named by line and field, and the exit code is 2."""
-    from dray.plant import check_plant
+    """Validate a plant file; every fault is named by line and field, and the exit code is 2.
 
-    typer.echo(check_plant(file))
+    A file without faults is looked through for what will starve: each warning has a figure and says what to do.
+    """
+    from dray.cli.output import write_json
+    from dray.plant import load_plant, sum_up
+    from dray.plant.advice import advice
+
+    chosen = load_plant(file)
+    typer.echo(sum_up(chosen))
+    warnings = advice(chosen)
+    for warning in warnings:
+        typer.echo(f"{file}: {warning.field}: warning: {warning.kind}: {warning.text}")
+    if json is not None:
+        write_json(json, warnings)
+    if strict and warnings:
+        raise typer.Exit(2)
 
 
 @app.command("json")

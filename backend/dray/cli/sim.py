@@ -8,9 +8,11 @@ from typing import Annotated
 import typer
 
 from dray.cli.explore import explore
+from dray.cli.plants import plants
 
 app = typer.Typer(no_args_is_help=True, help="Named scenarios in virtual time.")
 app.command()(explore)
+app.command()(plants)
 
 
 @app.callback()

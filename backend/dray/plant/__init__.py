@@ -1,13 +1,23 @@
 """The plant: what stands where, and how to get from one place to another.
 
 `model` holds the shapes of a plant file, `document` and `file` read it, `check` tells what does not
-fit together, `plant` answers questions, `roads` is the network of lanes, `motion` the kinematics on
+fit together, `advice` what will starve by the arithmetic of `flow`, `plant` answers questions, `roads` is the network of lanes, `motion` the kinematics on
 it, `routes` finds ways.
 """
 
 from __future__ import annotations
 
-from dray.plant.file import check_plant, default_plant, load_plant, parse_plant, plant_yaml, with_machine
+from dray.plant.file import (
+    SHIPPED,
+    default_plant,
+    is_shipped,
+    load_plant,
+    parse_plant,
+    plant_yaml,
+    shipped_plant,
+    sum_up,
+    with_machine,
+)
 from dray.plant.model import (
     Area,
     BillLine,
@@ -35,6 +45,7 @@ from dray.plant.routes import Routes, Way
 
 __all__ = [
     "BEND_RAD",
+    "SHIPPED",
     "Area",
     "BillLine",
     "Box",
@@ -60,10 +71,12 @@ __all__ = [
     "Way",
     "WorkingStation",
     "bends",
-    "check_plant",
     "default_plant",
+    "is_shipped",
     "load_plant",
     "parse_plant",
     "plant_yaml",
+    "shipped_plant",
+    "sum_up",
     "with_machine",
 ]

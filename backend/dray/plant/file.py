@@ -38,23 +38,34 @@ OUR_WORDS = (
 DEFAULT_PLANT = "default.yaml"
 """The factory of the paper's Figure 1, part of the package."""
 
+SHIPPED = {
+    "default": DEFAULT_PLANT,
+    "workshop": "examples/workshop.yaml",
+    "two-halls": "examples/two-halls.yaml",
+    "large": "examples/large.yaml",
+}
+"""Plants that are part of the package, by the name under which they are asked for instead of a path."""
+
 
 def load_plant(path: str | Path) -> Plant:
     """Read and check a plant file.
 
     Args:
-        path: a YAML file in UTF-8.
+        path: a YAML file in UTF-8, or the name of a shipped plant; a file of that name comes first.
 
     Raises:
         PlantError: it cannot be read, or has one fault.
         PlantErrors: it has several faults; all are named, in file order.
     """
     name = str(path)
+    if is_shipped(path):
+        return shipped_plant(name)
     try:
         with Path(path).open("rb") as stream:
             content = stream.read(MAX_BYTES + 1)
     except FileNotFoundError:
-        raise PlantError(name, "", "there is no such file: check the path") from None
+        names = ", ".join(SHIPPED)
+        raise PlantError(name, "", f"there is no such file: check the path, or name one of {names}") from None
     except IsADirectoryError:
         raise PlantError(name, "", "is a directory: name a file in it") from None
     except (OSError, ValueError) as error:
@@ -118,16 +129,25 @@ def plant_yaml(plant: Plant) -> str:
     return write_document(msgspec.to_builtins(plant.file))
 
 
-@cache
 def default_plant() -> Plant:
     """The factory of the paper's Figure 1: 12 machines, 8 vehicles."""
-    text = files("dray.plant").joinpath(DEFAULT_PLANT).read_text(encoding="utf-8")
-    return parse_plant(text, DEFAULT_PLANT)
+    return shipped_plant("default")
 
 
-def check_plant(path: str | Path) -> str:
-    """Read and check a plant file, and sum it up in one line; raises as `load_plant`."""
-    plant = load_plant(path)
+def is_shipped(path: str | Path) -> bool:
+    """Whether this names a plant of the package, and no file."""
+    return str(path) in SHIPPED and not Path(path).is_file()
+
+
+@cache
+def shipped_plant(name: str) -> Plant:
+    """A plant of the package by its name; raises `KeyError` for another name."""
+    text = files("dray.plant").joinpath(SHIPPED[name]).read_text(encoding="utf-8")
+    return parse_plant(text, SHIPPED[name])
+
+
+def sum_up(plant: Plant) -> str:
+    """What is in a plant, in one line."""
     road_m = sum(lane.length_m for lane in plant.lanes)
     return (
         f"{plant.id} ({plant.name}): {len(plant.machines)} machines in {len(plant.stations)} stations, "

@@ -20,6 +20,7 @@ from multiprocessing.synchronize import Event
 from dray.errors import UnavailableError
 from dray_sim.explore.outcome import Outcome, Summary
 from dray_sim.explore.play import try_seed
+from dray_sim.workers import end_with_parent
 
 CHUNK = 8
 """Seeds that a process plays in one go: some seconds, long beside what passing them on costs."""
@@ -150,6 +151,7 @@ def _begin(stop: Event) -> None:
     """Prepare a process of the pool."""
     global _stop  # noqa: PLW0603 (a pool hands nothing else to its processes)
     _stop = stop
+    end_with_parent()
     # Ctrl-C reaches the whole group of processes; the parent alone decides what to do about it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 

@@ -36,7 +36,7 @@ from dray.cli.process import FLOOR
 from dray.cli.serving import listen, stopped_by_signals
 from dray.errors import UnavailableError
 from dray.gateway.access.tokens import new_token
-from dray.plant import Plant
+from dray.plant import Plant, is_shipped
 from dray.settings import PREFIX, Settings
 from dray.store import open_store
 
@@ -164,7 +164,10 @@ async def _common_environment(muster: Muster, folder: Path, port: int) -> dict[s
         f"{PREFIX}GATEWAY_NAME": GATEWAY,
     }
     if settings.plant_file is not None:
-        environment[f"{PREFIX}PLANT_FILE"] = str(settings.plant_file.resolve())
+        named = is_shipped(settings.plant_file)
+        environment[f"{PREFIX}PLANT_FILE"] = str(
+            settings.plant_file if named else settings.plant_file.resolve()
+        )
     return environment
 
 

@@ -1,0 +1,154 @@
+"""What a plant file may say, and what will starve all the same: warnings, each with a figure and what to do.
+
+Faults (`dray.plant.check`) say that a plant cannot be run at all. A warning says that it can, and how far: which
+resource is full before the machines are (`dray.plant.flow`), who cannot be replaced, where nobody gets away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import msgspec
+
+from dray.plant.flow import USABLE_FRAC, Flow, Limit
+from dray.plant.model import Material, Product
+from dray.plant.plant import Plant
+
+GOOD_LOAD_FRAC = 0.85
+"""Of the machines' time: a good day. What is full below it is warned of."""
+
+MACHINE_LOAD_FRAC = 0.5
+"""Of machines themselves: that some products have more machines than others is no fault of a plant, but this much is."""
+
+MOST_OF_A_KIND = 3
+"""Warnings of one kind; whoever has more solves these first."""
+
+NO_LOAD_FRAC = 0.005
+"""Below this a plant cannot be served at all."""
+
+FIELDS = {
+    "machine": "machines",
+    "buffer": "materials",
+    "dock": "machines",
+    "material": "storages",
+    "vehicles": "fleet",
+    "charger": "chargers",
+}
+
+
+class Advice(msgspec.Struct, frozen=True):
+    """One warning."""
+
+    kind: str
+    """berths, charger, material, dock, buffer, machine, vehicles, range, alone or trap."""
+    field: str
+    """The section of the plant file."""
+    text: str
+    """What is short, a figure, and what to do."""
+    load_frac: float = 1.0
+    """The load (part of the machines' time) at which it is full; 1 where it is none of that."""
+
+
+def advice(plant: Plant) -> list[Advice]:
+    """All warnings of a plant; none for one in which nothing is short."""
+    flow = Flow(plant)
+    return [*_berths(plant), *_ranges(flow), *_limits(plant, flow), *_alone(plant), *_traps(plant)]
+
+
+def _berths(plant: Plant) -> Iterator[Advice]:
+    berths, fleet = len(plant.berths), len(plant.fleet)
+    if berths < fleet:
+        missing = fleet - berths
+        text = (
+            f"{berths} berths ({len(plant.chargers)} chargers, {len(plant.parkings)} parking places) for {fleet} "
+            f"vehicles: {missing} without work stand where they are, in the lanes or at docks; "
+            f"add {missing} parking place{'s' * (missing > 1)}"
+        )
+        yield Advice("berths", "parkings", text)
+
+
+def _ranges(flow: Flow) -> Iterator[Advice]:
+    """A transport that takes more than a battery holds is refused for ever."""
+    for stream in flow.streams:
+        if stream.dearest_frac > USABLE_FRAC:
+            text = (
+                f"one transport of {stream.item} from {stream.source} to {stream.destination} takes "
+                f"{stream.dearest_frac:.0%} of a battery of which {USABLE_FRAC:.0%} can be used: "
+                "a larger battery, or shorter ways"
+            )
+            yield Advice("range", "vehicle_types", text, 0.0)
+            return
+
+
+def _limits(plant: Plant, flow: Flow) -> Iterator[Advice]:
+    counts: dict[str, int] = {}
+    for limit in flow.limits():
+        least = MACHINE_LOAD_FRAC if limit.kind == "machine" else GOOD_LOAD_FRAC
+        counts[limit.kind] = counts.get(limit.kind, 0) + 1
+        if limit.load_frac >= least or counts[limit.kind] > MOST_OF_A_KIND:
+            continue
+        field = "storages" if limit.kind == "dock" and limit.name in plant.storages else FIELDS[limit.kind]
+        yield Advice(limit.kind, field, _text(limit), limit.load_frac)
+
+
+def _text(limit: Limit) -> str:
+    """The limit in words."""
+    if limit.load_frac < NO_LOAD_FRAC and limit.kind == "charger":
+        return f"{limit.name}: they use more than can be charged, without any work; {limit.remedy}"
+    full = f"full at {limit.load_frac:.1%} of the machines' time"
+    match limit.kind:
+        case "machine":
+            return f"{limit.name} is {full} if all products are ordered equally often: {limit.remedy}"
+        case "buffer":
+            return f"{limit.name} lasts less than a transport takes, {full}: {limit.remedy}"
+        case "dock":
+            return f"vehicles at {limit.name} need {limit.asks:.1f} times the time that there is, {full}: {limit.remedy}"
+        case "material":
+            return f"{limit.name} is used {limit.asks:.1f} times as fast as storages are refilled, {full}: {limit.remedy}"
+        case "vehicles":
+            return (
+                f"{limit.name}: {limit.asks:.1f} times as much to carry as they can, {full}; {limit.remedy}"
+            )
+        case _:
+            return f"{limit.name}: {limit.asks:.1f} times as much energy is used as they give, {full}; {limit.remedy}"
+
+
+def _alone(plant: Plant) -> Iterator[Advice]:
+    """An ability of one vehicle only: nobody can watch it, nobody takes over."""
+    items: list[Material | Product] = [*plant.materials.values(), *plant.products.values()]
+    for ability in sorted({item.ability for item in items}):
+        able = [
+            vehicle
+            for vehicle in plant.fleet.values()
+            if ability in plant.vehicle_types[vehicle.type].abilities
+        ]
+        if len(able) == 1:
+            carried = [item.id for item in items if item.ability == ability]
+            more = f" and {len(carried) - 3} more" if len(carried) > 3 else ""
+            text = (
+                f"{able[0].id} alone of {len(plant.fleet)} carries {ability} ({', '.join(carried[:3])}{more}): nobody "
+                f"watches it or takes over when it fails; add another {able[0].type}"
+            )
+            yield Advice("alone", "fleet", text)
+
+
+def _traps(plant: Plant) -> Iterator[Advice]:
+    """Nodes that nobody gets away from, or to; and docks that places share."""
+    home = plant.node_of(next(iter(plant.machines)))
+    reached, reaching = plant.roads.reached_from(home), plant.roads.reaching(home)
+    trapped = [node for node in plant.nodes if node in reached and node not in reaching]
+    lost = [node for node in plant.nodes if node not in reached]
+    for nodes, what, remedy in (
+        (trapped, "can be entered and not left", "add a lane that leads back"),
+        (lost, "cannot be reached", "add a lane that leads there, or remove it"),
+    ):
+        if nodes:
+            more = f" and {len(nodes) - 3} more" if len(nodes) > 3 else ""
+            yield Advice("trap", "nodes", f"{', '.join(nodes[:3])}{more} {what}: {remedy}")
+    docks: dict[str, list[str]] = {}
+    for place in (*plant.machines, *plant.storages, *plant.warehouses, *plant.berths):
+        docks.setdefault(plant.node_of(place), []).append(place)
+    for node, places in docks.items():
+        if len(places) > 1:
+            text = f"{' and '.join(places)} have one dock, {node}: whoever stands at one keeps others from the rest; give each its own"
+            yield Advice("trap", "nodes", text)

@@ -1,0 +1,361 @@
+"""How much a plant can move: arithmetic over cycle times, containers, ways and batteries, before anything runs.
+
+Demand is taken as the simulated one is: orders of all products equally often, of two containers each. At *load*
+1 they take all of the machines' time. Everything that carries or holds the material for that is a *resource*, and
+it is full at some load of its own:
+
+    limit = what it can give / what load 1 asks of it
+
+The least limit of all resources is the load that the plant can bear. Queues are not in it: they grow before a
+resource is full, so a plant should be run well below its limit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+from dray.plant.model import VehicleType
+from dray.plant.plant import Plant
+
+LOTS_PER_ORDER = 2.0
+"""Containers of an order, in the mean."""
+
+PART_LOADS = 1.25
+"""Containers of goods for one that would be full: the last one of an order seldom is."""
+
+NEGOTIATION_S = 8.0
+"""What a transport takes beside driving and handling: bidding, award, the questions at both docks."""
+
+CHANGEOVER_S = 6.0
+"""From one vehicle at a dock to the next: the answer that the dock is open, and the way into it."""
+
+REFILL_S = 120.0
+"""From a low stock of a storage to a full one: a tugger train that is about. The paper leaves this way to
+somebody else (4.1), and so does the plant file."""
+
+CHARGER_SHARE = 0.7
+"""Of its time a charger gives full power at most: the rest is changing over, and the slow end of a charge."""
+
+USABLE_FRAC = 0.8
+"""Of a battery between the level at which a charge ends and the reserve that no promise may touch."""
+
+SHARES = 40
+"""Parts in which the work of a product is dealt out to its machines: fine enough for a percent or two."""
+
+MAX_STARTS = 12
+"""Places from which the mean way to a source is taken; in a large plant every further one changes little."""
+
+MAX_ABILITIES = 8
+"""Abilities of which all combinations are looked at; beyond, each alone and all together."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stream:
+    """Containers that go one way, again and again.
+
+    Attributes:
+        item: material or product.
+        source, destination: places.
+        per_s: containers a second at load 1.
+        took_s: seconds of a vehicle for one, the empty way to it included; the mean of the vehicles that can carry it.
+        lead_s: from the announcement to the handover with a free vehicle.
+        energy_wh: Wh of a vehicle for one.
+    """
+
+    item: str
+    source: str
+    destination: str
+    per_s: float
+    took_s: float
+    lead_s: float
+    energy_wh: float
+    dearest_frac: float
+    """The most that it takes of the battery of any vehicle that may carry it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """A resource, and the load at which it is full.
+
+    Attributes:
+        kind: machine, buffer, dock, material, vehicles or charger.
+        name: which, as a person calls it.
+        load_frac: it is full at this load (part of all machines' time); 0 when it never suffices.
+        asks: what load 1 asks of it, against what it can give: 1 is just enough.
+        remedy: what to do.
+    """
+
+    kind: str
+    name: str
+    load_frac: float
+    remedy: str
+
+    @property
+    def asks(self) -> float:
+        return 1.0 / self.load_frac if self.load_frac > 0.0 else float("inf")
+
+
+class Flow:
+    """What load 1 asks of a plant.
+
+    Args:
+        plant: without faults.
+
+    Attributes:
+        busy: per machine and product, the part of the machine's time at load 1; above 1 where its
+            products have too few machines.
+        streams: all containers.
+    """
+
+    def __init__(self, plant: Plant) -> None:
+        self.plant = plant
+        self._kinds = {
+            name: plant.vehicle_types[name] for name in sorted({v.type for v in plant.fleet.values()})
+        }
+        self._count = {name: sum(v.type == name for v in plant.fleet.values()) for name in self._kinds}
+        self.busy = _deal_out(plant)
+        self.streams = tuple(self._streams())
+
+    # --- limits ---
+
+    def limits(self) -> list[Limit]:
+        """Every resource with its limit, the scarcest first."""
+        found = (
+            *self._machine_limits(),
+            *self._buffer_limits(),
+            *self._dock_limits(),
+            *self._material_limits(),
+            *self._vehicle_limits(),
+            *self._charger_limits(),
+        )
+        return sorted(found, key=lambda limit: limit.load_frac)
+
+    def bearable_load(self) -> float:
+        """The load at which the first resource is full; machines themselves are at 1 at the latest."""
+        return min(1.0, self.limits()[0].load_frac)
+
+    def _machine_limits(self) -> Iterator[Limit]:
+        for machine, shares in self.busy.items():
+            busy = sum(shares.values())
+            if busy > 0.0:
+                most = max(shares, key=lambda product: shares[product])
+                remedy = f"let another machine make {most} too"
+                yield Limit("machine", machine, 1.0 / busy, remedy)
+
+    def _buffer_limits(self) -> Iterator[Limit]:
+        """What is in a buffer or on its way to it has to last as long as a transport takes."""
+        plant = self.plant
+        per_s = self._pieces_per_s()
+        for stream in self.streams:
+            if stream.destination in plant.machines:
+                machine, material = stream.destination, plant.materials[stream.item]
+                used = max(
+                    line.quantity
+                    for product in self.busy[machine]
+                    for line in plant.products[product].bill
+                    if line.material == stream.item
+                )
+                limit = max(material.buffer - used, 1) / (stream.lead_s * per_s[machine, stream.item])
+                # Short of material a machine waits; it need not be without it for longer than a load leaves it idle.
+                remedy = (
+                    f"a larger buffer for {stream.item} than {material.buffer} pieces, or a storage nearer by"
+                )
+                yield Limit("buffer", f"{stream.item} at {machine}", limit, remedy)
+            else:
+                machine = stream.source
+                room = plant.machines[machine].goods_capacity
+                limit = room / (stream.lead_s * per_s[machine, stream.item])
+                remedy = f"a larger goods_capacity than {room} pieces, or a delivery nearer by"
+                yield Limit("buffer", f"{stream.item} from {machine}", limit, remedy)
+
+    def _dock_limits(self) -> Iterator[Limit]:
+        """One vehicle at a time stands at a dock, as long as it loads or unloads."""
+        used: dict[str, float] = {}
+        for stream in self.streams:
+            load_s, unload_s = self._handling_s(stream.item)
+            for place, takes_s in ((stream.source, load_s), (stream.destination, unload_s)):
+                used[place] = used.get(place, 0.0) + stream.per_s * (takes_s + CHANGEOVER_S)
+        for place, part in used.items():
+            remedy = "larger lots, quicker handling, or another place that shares the work"
+            yield Limit("dock", place, 1.0 / part, remedy)
+
+    def _material_limits(self) -> Iterator[Limit]:
+        """A storage gives what it holds, once in the time of a refill."""
+        plant = self.plant
+        needed: dict[str, float] = {}
+        for stream in self.streams:
+            if stream.item in plant.materials:
+                lot = plant.materials[stream.item].lot
+                needed[stream.item] = needed.get(stream.item, 0.0) + stream.per_s * lot
+        for item, per_s in needed.items():
+            lot = plant.materials[item].lot
+            kept = [
+                stock.capacity // lot * lot
+                for storage in plant.storages.values()
+                for stock in storage.stocks
+                if stock.material == item
+            ]
+            remedy = f"more than {sum(kept)} pieces of it in storages, or another storage that keeps it"
+            yield Limit("material", item, sum(kept) / REFILL_S / per_s, remedy)
+
+    def _vehicle_limits(self) -> Iterator[Limit]:
+        """Of every set of abilities: the vehicles that have one of them carry all that needs one of them."""
+        plant = self.plant
+        needed_s: dict[str, float] = {}
+        for stream in self.streams:
+            ability = plant.ability_of(stream.item)
+            needed_s[ability] = needed_s.get(ability, 0.0) + stream.per_s * stream.took_s
+        for chosen in _combinations(tuple(needed_s)):
+            able = [name for name, kind in self._kinds.items() if set(chosen) & set(kind.abilities)]
+            busy = sum(needed_s[ability] for ability in chosen)
+            given = sum(self._count[name] * self._working_frac(self._kinds[name]) for name in able)
+            count = sum(self._count[name] for name in able)
+            name = f"{count} that carry {' or '.join(chosen)}"
+            more = max(1, round(busy / max(given, 1e-9) * count + 0.5) - count) if given > 0.0 else count
+            yield Limit("vehicles", name, given / busy, f"{more} more, or larger lots")
+
+    def _charger_limits(self) -> Iterator[Limit]:
+        """All that the fleet uses comes through the chargers."""
+        plant = self.plant
+        fleet = [(self._count[name], kind) for name, kind in self._kinds.items()]
+        given_w = (
+            len(plant.chargers) * CHARGER_SHARE * sum(n * k.charge_w for n, k in fleet) / len(plant.fleet)
+        )
+        idle_w = sum(count * kind.idle_w for count, kind in fleet)
+        work_w = sum(stream.per_s * stream.energy_wh * 3600.0 for stream in self.streams)
+        name = f"{len(plant.chargers)} for {len(plant.fleet)} vehicles"
+        needed = (idle_w + work_w) / max(given_w / len(plant.chargers), 1e-9)
+        remedy = f"{max(1, round(needed + 0.5) - len(plant.chargers))} more"
+        yield Limit("charger", name, max(0.0, given_w - idle_w) / max(work_w, 1e-9), remedy)
+
+    # --- how it is done ---
+
+    def _working_frac(self, kind: VehicleType) -> float:
+        """Part of its time in which a vehicle is not charging what it uses then."""
+        drain_w = (
+            kind.idle_w + kind.max_speed_mps * 0.5 * (kind.drive_wh_per_m + kind.loaded_wh_per_m) * 1800.0
+        )
+        return kind.charge_w / (kind.charge_w + drain_w)
+
+    def _handling_s(self, item: str) -> tuple[float, float]:
+        """Mean seconds of loading and of unloading."""
+        able = self._able(self.plant.ability_of(item))
+        count = sum(self._count[kind.id] for kind in able)
+        return (
+            sum(self._count[kind.id] * kind.load_s for kind in able) / count,
+            sum(self._count[kind.id] * kind.unload_s for kind in able) / count,
+        )
+
+    def _able(self, ability: str) -> list[VehicleType]:
+        return [kind for kind in self._kinds.values() if ability in kind.abilities]
+
+    def _pieces_per_s(self) -> dict[tuple[str, str], float]:
+        """Per machine and item, pieces in or out a second while the machine works all the time."""
+        plant = self.plant
+        rates: dict[tuple[str, str], float] = {}
+        for machine, shares in self.busy.items():
+            for product, share in shares.items():
+                made = share / plant.cycle_s(machine, product)
+                rates[machine, product] = made
+                for line in plant.products[product].bill:
+                    key = machine, line.material
+                    rates[key] = rates.get(key, 0.0) + made * line.quantity
+        return rates
+
+    def _streams(self) -> Iterator[Stream]:
+        plant = self.plant
+        self._starts = _spread((*plant.machines, *plant.delivery_warehouses), MAX_STARTS)
+        self._approaches: dict[tuple[str, str], tuple[float, float]] = {}
+        for (machine, item), pieces_per_s in self._pieces_per_s().items():
+            if pieces_per_s <= 0.0:
+                continue
+            if item in plant.materials:
+                yield self._stream(
+                    item, plant.storages_of(item), (machine,), pieces_per_s / plant.materials[item].lot
+                )
+            else:
+                yield self._stream(
+                    item,
+                    (machine,),
+                    plant.delivery_warehouses,
+                    pieces_per_s / plant.products[item].lot * PART_LOADS,
+                )
+
+    def _stream(self, item: str, sources: Sequence[str], destinations: Sequence[str], per_s: float) -> Stream:
+        """One stream over the shortest way that there is, averaged over the vehicles that can carry it."""
+        plant = self.plant
+        able = self._able(plant.ability_of(item))
+        took_s = lead_s = energy_wh = dearest_frac = 0.0
+        count = sum(self._count[kind.id] for kind in able)
+        ends = sources[0], destinations[0]
+        for kind in able:
+            routes = plant.routes(kind.id)
+            ends = min(
+                ((source, there) for source in sources for there in destinations),
+                key=lambda pair: routes.duration_s(plant.node_of(pair[0]), plant.node_of(pair[1])),
+            )
+            way = routes.way(plant.node_of(ends[0]), plant.node_of(ends[1]))
+            approach_s, approach_m = self._approach(kind.id, ends[0])
+            one_s = approach_s + kind.load_s + way.duration_s + kind.unload_s + NEGOTIATION_S
+            one_wh = approach_m * kind.drive_wh_per_m + way.length_m * kind.loaded_wh_per_m
+            share = self._count[kind.id] / count
+            took_s += share * one_s
+            lead_s += share * one_s
+            energy_wh += share * one_wh
+            dearest_frac = max(dearest_frac, (one_wh + one_s * kind.idle_w / 3600.0) / kind.battery_wh)
+        return Stream(item, *ends, per_s, took_s, lead_s, energy_wh, dearest_frac)
+
+    def _approach(self, kind: str, source: str) -> tuple[float, float]:
+        """Mean seconds and metres of the empty way to a source."""
+        known = self._approaches.get((kind, source))
+        if known is None:
+            routes, node = self.plant.routes(kind), self.plant.node_of(source)
+            ways = [routes.way(self.plant.node_of(start), node) for start in self._starts]
+            known = (
+                sum(way.duration_s for way in ways) / len(ways),
+                sum(way.length_m for way in ways) / len(ways),
+            )
+            self._approaches[kind, source] = known
+        return known
+
+
+def _deal_out(plant: Plant) -> dict[str, dict[str, float]]:
+    """Per machine and product, the part of its time at load 1, as evenly as the machines' abilities allow."""
+    # An order is as likely of one product as of another, so pieces are as the lots are.
+    work = {
+        product: spec.lot
+        * LOTS_PER_ORDER
+        * sum(plant.cycle_s(machine, product) for machine in plant.machines_for(product))
+        / len(plant.machines_for(product))
+        for product, spec in plant.products.items()
+    }
+    scale = len(plant.machines) / sum(work.values())
+    busy: dict[str, dict[str, float]] = {machine: {} for machine in plant.machines}
+    total = dict.fromkeys(plant.machines, 0.0)
+    # Whose product few can make is served first; the others find what is left.
+    for product in sorted(work, key=lambda each: len(plant.machines_for(each))):
+        machines = plant.machines_for(product)
+        mean_s = sum(plant.cycle_s(machine, product) for machine in machines) / len(machines)
+        part = work[product] * scale / SHARES
+        for _ in range(SHARES):
+            machine = min(
+                machines, key=lambda each: total[each] + part * plant.cycle_s(each, product) / mean_s
+            )
+            more = part * plant.cycle_s(machine, product) / mean_s
+            total[machine] += more
+            busy[machine][product] = busy[machine].get(product, 0.0) + more
+    return busy
+
+
+def _combinations(abilities: tuple[str, ...]) -> Iterable[tuple[str, ...]]:
+    if len(abilities) > MAX_ABILITIES:
+        return (*((each,) for each in abilities), abilities)
+    return (chosen for count in range(1, len(abilities) + 1) for chosen in combinations(abilities, count))
+
+
+def _spread(places: Sequence[str], count: int) -> tuple[str, ...]:
+    """At most so many of them, evenly."""
+    step = max(1, -(-len(places) // count))
+    return tuple(places[::step])

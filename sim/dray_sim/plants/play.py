@@ -1,0 +1,214 @@
+"""One plant that was drawn from a seed, at work for some hours under a load that it can bear."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from random import Random
+
+import msgspec
+
+from dray.messages import OrderItem
+from dray.plant import Plant
+from dray.plant.advice import NO_LOAD_FRAC, advice
+from dray.plant.flow import Flow
+from dray_sim import demand
+from dray_sim.evidence import HELD
+from dray_sim.plants.draw import draw_plant
+from dray_sim.plants.watch import Waiting, Watch
+from dray_sim.stage import Shift, Stage, play
+
+HOURS = 4.0
+
+LOAD_FRAC = (0.3, 0.6)
+"""Of the load at which the scarcest resource is full: queues stay short there."""
+
+SETTLE_S = 4 * 3600.0
+"""For what is left after the demand. Empty buffers are filled first, which a small fleet needs hours for."""
+
+
+LEAST_ORDERS = 12
+"""Orders of a plant that can make little are small, so that there are several."""
+
+
+class Trial(msgspec.Struct, frozen=True):
+    """One plant and its demand.
+
+    Attributes:
+        load: part of the machines' time that the demand is drawn for.
+        limit: the scarcest resource, in words.
+        limit_load: the load at which it is full.
+    """
+
+    seed: int
+    small: bool
+    plant: Plant
+    hours: float
+    load: float
+    limit: str
+    limit_load: float
+    orders: tuple[demand.Order, ...]
+
+
+class Judgement(msgspec.Struct, frozen=True):
+    """What became of it."""
+
+    seed: int
+    plant: str
+    limit: str
+    load: float
+    limit_load: float
+    orders: int
+    delivered: int
+    transports: int
+    p50_s: float
+    p95_s: float
+    late_p95_s: float
+    flat: tuple[str, ...]
+    waited: int
+    """Carriers that waited longer than their promise and two minutes."""
+    longest_s: float
+    longest: str
+    settled_s: float
+    utilisation_frac: dict[str, float]
+    refusals: dict[str, int]
+    messages_per_task: float
+    invariants: str
+    took_s: float
+    """Processor time; not the same in two runs."""
+    replay: str
+    foreseen: str
+    """Why `dray plant check` says that it cannot be served; empty when it can be."""
+    warnings: tuple[str, ...]
+    """All that `dray plant check` says."""
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """What was promised of every plant that can be served, and not kept."""
+        found = []
+        if self.invariants != HELD:
+            found.append(self.invariants)
+        if self.delivered < self.orders:
+            found.append(f"{self.orders - self.delivered} of {self.orders} orders not delivered")
+        if self.flat:
+            found.append(f"flat: {', '.join(self.flat)}")
+        if self.waited:
+            found.append(
+                f"{self.waited} carriers waited beyond their promise, up to {self.longest_s:.0f} s: {self.longest}"
+            )
+        return tuple(found)
+
+    @property
+    def named(self) -> str:
+        """What `dray plant check` has said of a plant that cannot be served; empty where it can be."""
+        return self.foreseen
+
+    def tell(self, *, whole: bool = False) -> list[str]:
+        """In a line, and the command that plays it again when it has failed; with all figures if `whole`."""
+        verdict = "served" if not self.failures else "foreseen" if self.named else "FAILED"
+        bearable = f"load {self.load:.1%} of {self.limit_load:.1%} ({self.limit})"
+        work = f"{self.delivered} of {self.orders} orders, {self.transports} transports"
+        times = f"p50 / p95 {self.p50_s:.0f} / {self.p95_s:.0f} s"
+        lines = [f"seed {self.seed}: {verdict}: {self.plant}, {bearable}: {work}, {times}"]
+        lines += [f"  {failure}" for failure in self.failures]
+        if self.failures:
+            lines.append(f"  replay: {self.replay}")
+        if whole:
+            shares = ", ".join(f"{name} {part:.1%}" for name, part in self.utilisation_frac.items())
+            refused = ", ".join(f"{reason} {count}" for reason, count in self.refusals.items())
+            lines += [
+                f"  later than promised p95 {self.late_p95_s:.0f} s; longest wait beyond a promise {self.longest_s:.0f} s: {self.longest}",
+                f"  settled {self.settled_s:.0f} s after the demand; {self.messages_per_task:.0f} messages per transport",
+                f"  vehicles: {shares}",
+                f"  refusals: {refused or 'none'}",
+            ]
+            lines += [f"  warned: {warning}" for warning in self.warnings]
+        return lines
+
+
+def draw(seed: int, *, small: bool = False, hours: float = HOURS) -> Trial:
+    """The plant of a seed, and a demand that it can serve.
+
+    Raises:
+        PlantError: the generator has drawn what may not be.
+    """
+    plant = draw_plant(seed, small=small)
+    limit = Flow(plant).limits()[0]
+    random = Random(f"{seed} load")
+    load = random.uniform(*LOAD_FRAC) * min(1.0, limit.load_frac)
+    orders = tuple(_orders(plant, Random(f"{seed} demand"), load, hours * 3600.0))
+    return Trial(seed, small, plant, hours, load, f"{limit.kind} {limit.name}", limit.load_frac, orders)
+
+
+def _orders(plant: Plant, random: Random, load: float, until_s: float) -> Iterator[demand.Order]:
+    """Orders at random moments that together take no more than the load of the machines' time."""
+    budget_s = load * len(plant.machines) * until_s
+    now_s, number = demand.FIRST_ORDER_S, 0
+    while now_s < until_s and budget_s > 0.0:
+        number += 1
+        items = []
+        work_s = 0.0
+        for product in random.sample(
+            tuple(plant.products), k=min(len(plant.products), random.choice((1, 1, 2)))
+        ):
+            lot, cycle_s = plant.products[product].lot, demand.mean_cycle_s(plant, product)
+            most = int(load * len(plant.machines) * until_s / LEAST_ORDERS / cycle_s)
+            quantity = max(1, min(random.randint(max(1, lot // 2), 3 * lot), most))
+            items.append(OrderItem(product=product, quantity=quantity))
+            work_s += quantity * cycle_s
+        yield demand.Order(f"D{number}", now_s, now_s + random.uniform(*demand.DUE_AFTER_S), tuple(items))
+        budget_s -= work_s
+        now_s += random.expovariate(1.0) * work_s / (len(plant.machines) * load)
+
+
+def play_seed(seed: int, *, small: bool = False, hours: float = HOURS) -> Judgement:
+    """Draw a plant, and let it work."""
+    trial = draw(seed, small=small, hours=hours)
+    began_s = time.process_time()
+    watch = Watch(trial.plant)
+
+    async def work(stage: Stage) -> float:
+        stage.ears.add(watch)
+        for order in trial.orders:
+            await stage.until_s(order.at_s)
+            stage.place(order)
+        await stage.until_s(trial.hours * 3600.0)
+        return await stage.settle(SETTLE_S)
+
+    shift = Shift(name="plants", duration_s=trial.hours * 3600.0)
+    played = play(shift, trial.plant, seed, work)
+    report, longest = played.report, watch.longest
+    warned = advice(trial.plant)
+    return Judgement(
+        seed=seed,
+        plant=repr(trial.plant)[1:-1],
+        limit=trial.limit,
+        load=trial.load,
+        limit_load=trial.limit_load,
+        orders=len(trial.orders),
+        delivered=report.orders_delivered,
+        transports=report.transports,
+        p50_s=report.transport_p50_s,
+        p95_s=report.transport_p95_s,
+        late_p95_s=report.late_p95_s,
+        flat=tuple(watch.flat),
+        waited=len(watch.waits),
+        longest_s=longest.beyond_s,
+        longest=_told(trial.plant, longest),
+        settled_s=played.told or 0.0,
+        utilisation_frac={str(name): part for name, part in report.utilisation_frac.items()},
+        refusals=report.refusals,
+        messages_per_task=report.messages_per_task,
+        invariants=report.invariants,
+        took_s=time.process_time() - began_s,
+        replay=f"dray sim plants --seed {seed}{' --small' if small else ''}{f' --hours {hours:g}' if hours != HOURS else ''}",
+        foreseen=next((each.text for each in warned if each.load_frac < NO_LOAD_FRAC), ""),
+        warnings=tuple(f"{each.kind}: {each.text}" for each in warned),
+    )
+
+
+def _told(plant: Plant, wait: Waiting) -> str:
+    """The longest wait in words."""
+    places = (*plant.machines, *plant.storages, *plant.delivery_warehouses)
+    there = " or ".join(place for place in places if plant.node_of(place) == wait.node) or f"node {wait.node}"
+    return f"{wait.atv} with {wait.item} of {wait.task}, {wait.phase} at {there}"

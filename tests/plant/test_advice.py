@@ -1,0 +1,131 @@
+"""What will starve is said before it does: one plant for each kind of warning, and a figure in each."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from dray.plant import Plant, default_plant, parse_plant
+from dray.plant.advice import Advice, advice
+from dray.plant.flow import Flow
+from dray_sim.scenarios.laboratory import only_on
+
+
+def change(text: str, *changes: tuple[str, str]) -> Plant:
+    for old, new in changes:
+        assert text.count(old) == 1, f"{old!r} stands {text.count(old)} times"
+        text = text.replace(old, new)
+    return parse_plant(text, "changed.yaml")
+
+
+def of_kind(plant: Plant, kind: str) -> list[Advice]:
+    return [each for each in advice(plant) if each.kind == kind]
+
+
+def fleet(*nodes: str) -> str:
+    return "fleet:\n" + "".join(
+        f"  - {{id: ATV{number}, type: light, node: {node}}}\n" for number, node in enumerate(nodes, 1)
+    )
+
+
+FIRST_FLEET = fleet("middle")
+
+
+def test_the_default_plant_is_full_where_its_file_says() -> None:
+    flow = Flow(default_plant())
+    assert 100 <= 3600 * sum(stream.per_s for stream in flow.streams) <= 130
+    assert advice(default_plant()) == []
+
+
+def test_the_small_plant_is_told_that_its_only_vehicle_is_alone(small_text: str) -> None:
+    [alone] = of_kind(change(small_text), "alone")
+    assert "ATV1 alone of 1 carries tote" in alone.text
+
+
+def test_fewer_berths_than_vehicles(small_text: str) -> None:
+    [berths] = of_kind(change(small_text, (FIRST_FLEET, fleet("middle", "west", "east", "south"))), "berths")
+    assert "2 berths (1 chargers, 1 parking places) for 4 vehicles: 2 without work" in berths.text
+    assert "add 2 parking places" in berths.text
+
+
+def test_as_many_berths_as_vehicles_are_enough(small_text: str) -> None:
+    assert of_kind(change(small_text, (FIRST_FLEET, fleet("middle", "west"))), "berths") == []
+
+
+def test_one_charger_for_vehicles_that_use_more_than_it_gives(small_text: str) -> None:
+    hungry = "{id: light, name: Light carrier, idle_w: 400, charge_w: 600}"
+    plant = change(
+        small_text,
+        ("{id: light, name: Light carrier}", hungry),
+        (FIRST_FLEET, fleet("middle", "west", "east")),
+    )
+    [charger] = of_kind(plant, "charger")
+    # Three vehicles use 1,200 W standing; one charger gives 420 W over the day.
+    assert charger.load_frac == 0.0
+    assert charger.text == "1 for 3 vehicles: they use more than can be charged, without any work; 2 more"
+
+
+def test_a_battery_too_small_for_a_transport(small_text: str) -> None:
+    small = "{id: light, name: Light carrier, battery_wh: 2}"
+    [reach] = of_kind(change(small_text, ("{id: light, name: Light carrier}", small)), "range")
+    assert re.search(r"takes \d+% of a battery of which 80% can be used", reach.text)
+
+
+def test_a_storage_that_cannot_feed_its_machine(small_text: str) -> None:
+    plant = change(small_text, ("capacity: 100", "capacity: 20"), ("cycle_s: 30", "cycle_s: 4"))
+    [material] = of_kind(plant, "material")
+    # Half a piece a second is used, 20 come in 120 s.
+    assert material.text.startswith("shaft is used 3.0 times as fast as storages are refilled")
+    assert material.load_frac == pytest.approx(1 / 3, rel=0.01)
+
+
+def test_a_dock_at_which_vehicles_queue(small_text: str) -> None:
+    plant = change(
+        small_text, ("{id: light, name: Light carrier}", "{id: light, name: Light carrier, unload_s: 900}")
+    )
+    [dock] = [each for each in of_kind(plant, "dock") if " M1 " in each.text]
+    assert dock.field == "machines"
+    assert dock.load_frac < 1.0
+
+
+def test_more_to_carry_than_one_vehicle_can(small_text: str) -> None:
+    plant = change(small_text, ("cycle_s: 30", "cycle_s: 5"))
+    [vehicles] = of_kind(plant, "vehicles")
+    assert "1 that carry tote" in vehicles.text
+    asks = float(re.search(r"([\d.]+) times", vehicles.text)[1])  # type: ignore[index]
+    assert vehicles.load_frac == pytest.approx(1 / asks, rel=0.05)
+    three = change(small_text, ("cycle_s: 30", "cycle_s: 5"), (FIRST_FLEET, fleet("middle", "west", "east")))
+    [fewer] = of_kind(three, "vehicles")
+    assert fewer.load_frac == pytest.approx(3 * vehicles.load_frac, rel=0.01)
+
+
+def test_a_buffer_that_is_empty_before_the_next_load_comes(small_text: str) -> None:
+    plant = change(small_text, ("lot: 20, buffer: 60", "lot: 4, buffer: 6"))
+    assert [each for each in of_kind(plant, "buffer") if each.text.startswith("shaft at M1")]
+    assert of_kind(change(small_text), "buffer") == []
+
+
+def test_a_node_that_can_be_entered_and_not_left(small_text: str) -> None:
+    plant = change(
+        small_text,
+        (
+            "  - {id: south, x_m: 20, y_m: 2}\n",
+            "  - {id: south, x_m: 20, y_m: 2}\n  - {id: pit, x_m: 30, y_m: 20}\n",
+        ),
+        ("  - {start: middle, end: east,", "  - {start: east, end: pit}\n  - {start: middle, end: east,"),
+    )
+    trap = of_kind(plant, "trap")[0]
+    assert trap.text == "pit can be entered and not left: add a lane that leads back"
+
+
+def test_two_places_with_one_dock(small_text: str) -> None:
+    plant = change(small_text, ("{id: P1, node: middle}", "{id: P1, node: north}"))
+    before = [trap.text for trap in of_kind(change(small_text), "trap")]
+    [trap] = [each.text for each in of_kind(plant, "trap") if each.text not in before]
+    assert trap.startswith("M1 and P1 have one dock, north")
+
+
+def test_a_product_that_one_of_many_machines_makes() -> None:
+    plant = only_on("motor-e4", "M10")
+    assert [each.text for each in of_kind(plant, "machine") if each.text.startswith("M10 is full")]

@@ -1,0 +1,79 @@
+"""The plants that ship beside the default one: asked for by name, without a warning, and they deliver."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from dray.errors import PlantError
+from dray.plant import SHIPPED, Plant, is_shipped, load_plant, parse_plant, plant_yaml
+from dray.plant.advice import advice
+from dray_sim.evidence import HELD
+from dray_sim.stage import Shift, Stage, play
+
+NAMES = tuple(SHIPPED)
+
+HOUR_S = 3600.0
+
+
+@pytest.fixture(params=NAMES)
+def plant(request: pytest.FixtureRequest) -> Plant:
+    return load_plant(request.param)
+
+
+def test_a_shipped_plant_has_nothing_to_be_warned_of(plant: Plant) -> None:
+    assert advice(plant) == []
+
+
+def test_a_shipped_plant_is_the_same_when_it_is_written_and_read(plant: Plant) -> None:
+    assert parse_plant(plant_yaml(plant), "again") == plant
+
+
+def test_every_node_can_be_reached_from_every_other(plant: Plant) -> None:
+    assert len(plant.roads.parts()) == 1
+
+
+def test_every_vehicle_begins_on_a_berth_of_its_own(plant: Plant) -> None:
+    berths = {plant.node_of(berth) for berth in plant.berths}
+    assert {vehicle.node for vehicle in plant.fleet.values()} <= berths
+
+
+@pytest.mark.parametrize("name", ["workshop", "two-halls", pytest.param("large", marks=pytest.mark.slow)])
+def test_a_shipped_plant_delivers_all_that_is_ordered_in_an_hour(name: str) -> None:
+    plant = load_plant(name)
+
+    async def work(stage: Stage) -> float:
+        await stage.until_s(HOUR_S)
+        return await stage.settle(HOUR_S)
+
+    played = play(Shift(name="shipped", duration_s=HOUR_S, load=0.6), plant, 1, work)
+    report = played.report
+    assert report.invariants == HELD
+    assert report.orders_placed >= 4
+    assert report.orders_delivered == report.orders_placed
+    assert report.starvation_frac < 0.05
+
+
+def test_two_halls_are_joined_by_gates_in_one_direction_each() -> None:
+    plant = load_plant("two-halls")
+    gates = [
+        (lane.start[0], lane.end[0]) for lane in plant.lanes if {lane.start[0], lane.end[0]} == {"w", "e"}
+    ]
+    assert sorted(gates) == [("e", "w"), ("w", "e")]
+
+
+def test_a_file_comes_before_a_shipped_plant_of_its_name(
+    tmp_path: Path, small_text: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert load_plant("workshop").id == "workshop"
+    assert is_shipped("workshop")
+    Path("workshop").write_text(small_text, encoding="utf-8")
+    assert load_plant("workshop").id == "small"
+    assert not is_shipped("workshop")
+
+
+def test_who_asks_for_what_is_not_there_hears_what_is() -> None:
+    with pytest.raises(PlantError, match="name one of default, workshop, two-halls, large"):
+        load_plant("workshp")
