@@ -10,11 +10,25 @@ from textwrap import wrap
 
 import msgspec
 
+from dray_sim.verdict import Verdict
+
 HELD = "held"
 """What a report says of its invariants when nothing broke them."""
 
 LINE = 100
 """Columns of running text."""
+
+
+FIGURES = (
+    "orders_placed",
+    "orders_delivered",
+    "orders_due",
+    "on_time_frac",
+    "starvation_frac",
+    "transport_p50_s",
+    "transport_p95_s",
+)
+"""Of one run, as in its `dray_sim.report.Report`."""
 
 
 class Check(msgspec.Struct, frozen=True):
@@ -55,6 +69,16 @@ class Evidence(msgspec.Struct, frozen=True):
     """`held`, or what was broken first."""
     trace: str
     """The fingerprint of everything that was said, in all runs."""
+    orders_placed: int = 0
+    """From here on: of the run in which the fewest orders were on time."""
+    orders_delivered: int = 0
+    orders_due: int = 0
+    on_time_frac: float = 0.0
+    starvation_frac: float = 0.0
+    transport_p50_s: float = 0.0
+    transport_p95_s: float = 0.0
+    verdict: Verdict | None = None
+    """What was short in that run."""
 
     def describe(self) -> str:
         """The report for a terminal; but for `measured` the same bytes for the same seed."""
@@ -111,7 +135,8 @@ class Evidence(msgspec.Struct, frozen=True):
         return "held" if self.held else "did not hold"
 
     def _last_lines(self) -> dict[str, str]:
-        return {**self.measured, "invariants": self.invariants, "trace": self.trace}
+        told = {} if self.verdict is None else {"verdict": self.verdict.text}
+        return {**self.measured, **told, "invariants": self.invariants, "trace": self.trace}
 
 
 def _check_lines(check: Check) -> list[str]:

@@ -9,6 +9,8 @@ from dray_sim.demand import Order
 from dray_sim.evidence import HELD
 from dray_sim.factory import SimFactory
 from dray_sim.observer import Observer, percentile
+from dray_sim.shortfall import Shortfall
+from dray_sim.verdict import Verdict, judge
 
 
 class Report(msgspec.Struct, frozen=True):
@@ -54,6 +56,8 @@ class Report(msgspec.Struct, frozen=True):
     """`held`, or what was broken."""
     trace: str
     """The fingerprint of everything that was said."""
+    verdict: Verdict
+    """What was short."""
 
     @property
     def failure(self) -> str:
@@ -76,6 +80,7 @@ def make_report(
     demand: list[Order],
     factory: SimFactory,
     observer: Observer,
+    shortfall: Shortfall,
     invariants: str,
     trace: str,
 ) -> Report:
@@ -84,16 +89,17 @@ def make_report(
     observer.close(now_s)
     due = [order for order in demand if order.due_s <= now_s]
     on_time = [order for order in due if observer.fulfilled_s.get(order.id, now_s) < order.due_s]
+    placed, on_time_frac = sum(order.at_s <= now_s for order in demand), _part(len(on_time), len(due))
     took_s, late_s = observer.took_s, observer.late_s
     tasks = max(1, len(took_s))
     return Report(
         scenario=scenario,
         seed=seed,
         duration_s=now_s,
-        orders_placed=sum(order.at_s <= now_s for order in demand),
+        orders_placed=placed,
         orders_due=len(due),
         orders_delivered=len(observer.fulfilled_s),
-        on_time_frac=_part(len(on_time), len(due)),
+        on_time_frac=on_time_frac,
         pieces_delivered=sum(observer.delivered.values()),
         transports=len(took_s),
         transport_p50_s=percentile(took_s, 0.5),
@@ -115,6 +121,14 @@ def make_report(
         deliveries=factory.bus.delivered,
         invariants=invariants,
         trace=trace,
+        verdict=judge(
+            factory.plant,
+            shortfall,
+            placed=placed,
+            delivered=len(observer.fulfilled_s),
+            due=len(due),
+            on_time_frac=on_time_frac,
+        ),
     )
 
 
@@ -141,6 +155,8 @@ def describe(report: Report) -> str:
         _line("messages said / delivered", f"{report.messages} / {report.deliveries}"),
         _line("invariants", report.invariants),
         _line("trace", report.trace),
+        "",
+        *report.verdict.lines(),
     ]
     return "\n".join(lines)
 

@@ -7,8 +7,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from dray_sim.evidence import HELD, Check, Evidence, Table
+from dray.errors import SettingsError
+from dray_sim.evidence import FIGURES, HELD, Check, Evidence, Table
+from dray_sim.report import Report
+from dray_sim.site import Site
 from dray_sim.stage import Played
+
+HERE = Site()
+"""As the scenario stands."""
 
 
 class Outcome(Protocol):
@@ -44,8 +50,17 @@ class Playable(Protocol):
         """Where its claim comes from; empty when there is none."""
         ...
 
-    def run(self, seed: int) -> Outcome:
-        """Play it; everything that is left to chance follows from the seed."""
+    def run(self, seed: int, site: Site = HERE) -> Outcome:
+        """Play it; everything that is left to chance follows from the seed.
+
+        Raises:
+            SettingsError: it can be played as it stands only, and `site` is another.
+        """
+        ...
+
+    @property
+    def moves(self) -> bool:
+        """Whether it can be played in another plant."""
         ...
 
 
@@ -76,6 +91,8 @@ class Scenario:
         claim: in our words.
         story: what is done.
         play: does it, for a seed.
+        elsewhere: does it in another plant, under another load or for another time; None where what is done names
+            machines and vehicles of one plant.
     """
 
     name: str
@@ -84,10 +101,26 @@ class Scenario:
     claim: str
     story: str
     play: Callable[[int], Findings]
+    elsewhere: Callable[[int, Site], Findings] | None = None
 
-    def run(self, seed: int) -> Evidence:
-        """Play it, and put the claim beside what was seen."""
-        found = self.play(seed)
+    @property
+    def moves(self) -> bool:
+        """Whether it can be played in another plant."""
+        return self.elsewhere is not None
+
+    def run(self, seed: int, site: Site = HERE) -> Evidence:
+        """Play it, and put the claim beside what was seen.
+
+        Raises:
+            SettingsError: it can be played as it stands only, and `site` is another.
+        """
+        if not site.is_other:
+            found = self.play(seed)
+        elif self.elsewhere is not None:
+            found = self.elsewhere(seed, site)
+        else:
+            reason = f"{self.name} is about certain machines and vehicles of one plant and is played as it stands only"
+            raise SettingsError("--plant, --load and --hours", reason)
         broken = [played.invariants for played in found.runs if played.invariants != HELD]
         runs = len(found.runs)
         unbroken = Check(
@@ -101,14 +134,22 @@ class Scenario:
             seed=seed,
             source=self.source,
             claim=self.claim,
-            story=self.story,
+            story=f"{self.story} Played here with {site}." if site.is_other else self.story,
             held=all(check.held for check in checks),
             checks=checks,
             tables=found.tables,
             measured=found.measured,
             invariants=broken[0] if broken else HELD,
             trace=_fingerprint([played.report.trace for played in found.runs]),
+            **_figures([played.report for played in found.runs]),
         )
+
+
+def _figures(reports: list[Report]) -> dict[str, Any]:
+    """Those of the run in which the fewest orders were on time, of equal ones the first; with its verdict."""
+    worst = min(reports, key=lambda report: report.on_time_frac if report.orders_due else 1.0)
+    names = (*FIGURES, "verdict")
+    return {name: getattr(worst, name) for name in names}
 
 
 def _fingerprint(traces: list[str]) -> str:

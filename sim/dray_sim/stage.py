@@ -29,6 +29,7 @@ from dray_sim.loop import JUMP, clock, run
 from dray_sim.observer import Observer
 from dray_sim.people import hire
 from dray_sim.report import Report, make_report
+from dray_sim.shortfall import Shortfall
 from dray_sim.trace import Trace
 from dray_sim.witness import Witness
 
@@ -96,6 +97,7 @@ class Stage:
         people: the operators.
         witness: what was said.
         observer: figures so far.
+        shortfall: who has waited for what so far.
         ears: hear everything that is said; a script may add its own.
         orders: all of them, placed or still to come.
         ears: hear all that is said.
@@ -123,7 +125,8 @@ class Stage:
         self.faults = Faults(self.factory)
         self.people = hire(self.factory, seed=seed, habits=shift.people) if shift.people is not None else ()
         self.checks = Invariants(self.factory)
-        ears.add(self.trace, self.observer, self.checks, self.witness)
+        self.shortfall = Shortfall(plant, self.factory.storages)
+        ears.add(self.trace, self.observer, self.checks, self.witness, self.shortfall)
         self._desk = Desk(self.factory.bus, self.factory.clock)
         self._demand = tuple(self.orders)
         self._placing: list[asyncio.Task[None]] = []
@@ -220,6 +223,7 @@ async def _play(
         demand=stage.orders,
         factory=stage.factory,
         observer=stage.observer,
+        shortfall=stage.shortfall,
         invariants=_verdict(stage.checks, life),
         trace=stage.trace.hexdigest(),
     )

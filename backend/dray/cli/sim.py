@@ -26,28 +26,46 @@ def list_scenarios() -> None:
     from dray.cli.output import table
     from dray_sim.scenarios import SCENARIOS
 
-    table(("scenario", "what it shows"), [(name, each.shows) for name, each in SCENARIOS.items()])
+    rows = [(name, "any" if each.moves else "its own", each.shows) for name, each in SCENARIOS.items()]
+    table(("scenario", "plant", "what it shows"), rows)
 
 
 @app.command()
 def run(
     name: Annotated[str, typer.Argument(help="A scenario, as `dray sim list` names it.")],
     seed: Annotated[int, typer.Option(help="Everything that is left to chance follows from it.")] = 1,
+    plant: Annotated[
+        Path | None,
+        typer.Option(help="A plant file, or the name of a shipped plant, instead of the scenario's own."),
+    ] = None,
+    load: Annotated[
+        float | None,
+        typer.Option(help="Part of the machines' time that the orders take.", min=0.001, max=10.0),
+    ] = None,
+    hours: Annotated[float | None, typer.Option(help="Of demand.", min=0.05, max=2_000.0)] = None,
     json: Annotated[Path | None, typer.Option(help="Write the report here too.")] = None,
 ) -> None:
     """Play a scenario and print its report; the same seed gives the same report.
 
+    It ends with a verdict: what was short, of what there is too little, and a figure for each resource. Scenarios that are
+    about certain machines take no --plant, --load or --hours, and say so; `dray sim list` tells which do.
+
     Exit 1 when its claim did not hold, or an invariant was broken.
     """
     from dray.cli.output import one_of, write_json
+    from dray.plant import load_plant
     from dray_sim.scenarios import SCENARIOS
+    from dray_sim.site import Site
 
-    outcome = one_of(SCENARIOS, name, "scenario").run(seed)
+    site = Site(None if plant is None else load_plant(plant), load, hours)
+    outcome = one_of(SCENARIOS, name, "scenario").run(seed, site)
     typer.echo(outcome.describe())
     if json is not None:
         write_json(json, outcome)
     if outcome.failure:
-        typer.echo(f"dray: {outcome.failure}\nreplay: dray sim run {name} --seed {seed}", err=True)
+        options = {"plant": plant, "load": load, "hours": hours}
+        given = "".join(f" --{option} {value}" for option, value in options.items() if value is not None)
+        typer.echo(f"dray: {outcome.failure}\nreplay: dray sim run {name} --seed {seed}{given}", err=True)
         raise typer.Exit(1)
 
 

@@ -82,7 +82,12 @@ def _ranges(flow: Flow) -> Iterator[Advice]:
 
 def _limits(plant: Plant, flow: Flow) -> Iterator[Advice]:
     counts: dict[str, int] = {}
-    for limit in flow.limits():
+    limits = flow.limits()
+    fleet_frac = min((limit.load_frac for limit in limits if limit.kind == "vehicles"), default=1.0)
+    for limit in limits:
+        if limit.kind == "charger" and limit.load_frac > fleet_frac:
+            # The fleet is full before it could use so much.
+            continue
         least = MACHINE_LOAD_FRAC if limit.kind == "machine" else GOOD_LOAD_FRAC
         counts[limit.kind] = counts.get(limit.kind, 0) + 1
         if limit.load_frac >= least or counts[limit.kind] > MOST_OF_A_KIND:
@@ -116,18 +121,14 @@ def _text(limit: Limit) -> str:
 def _alone(plant: Plant) -> Iterator[Advice]:
     """An ability of one vehicle only: nobody can watch it, nobody takes over."""
     items: list[Material | Product] = [*plant.materials.values(), *plant.products.values()]
-    for ability in sorted({item.ability for item in items}):
-        able = [
-            vehicle
-            for vehicle in plant.fleet.values()
-            if ability in plant.vehicle_types[vehicle.type].abilities
-        ]
+    for ability in plant.abilities:
+        able = plant.able(ability)
         if len(able) == 1:
             carried = [item.id for item in items if item.ability == ability]
             more = f" and {len(carried) - 3} more" if len(carried) > 3 else ""
             text = (
-                f"{able[0].id} alone of {len(plant.fleet)} carries {ability} ({', '.join(carried[:3])}{more}): nobody "
-                f"watches it or takes over when it fails; add another {able[0].type}"
+                f"{able[0]} alone of {len(plant.fleet)} carries {ability} ({', '.join(carried[:3])}{more}): nobody "
+                f"watches it or takes over when it fails; add another {plant.fleet[able[0]].type}"
             )
             yield Advice("alone", "fleet", text)
 

@@ -93,6 +93,8 @@ class Plant:
         }
         self._materials_of = {machine: self._needed(cycles) for machine, cycles in self._cycle_s.items()}
         self._items: dict[str, Material | Product] = {**self.materials, **self.products}
+        self.abilities = tuple(sorted({item.ability for item in self._items.values()}))
+        """What vehicles must be able to carry in this plant."""
         self._grid = Grid(file.width_m, file.height_m, file.cell_m)
         self._routes: dict[str, Routes] = {}
 
@@ -138,6 +140,14 @@ class Plant:
     def ability_of(self, item: str) -> str:
         """What a vehicle must be able to carry for a material or product."""
         return self._items[item].ability
+
+    def able(self, ability: str) -> tuple[str, ...]:
+        """The vehicles of the fleet that can carry what needs this ability."""
+        return tuple(
+            vehicle.id
+            for vehicle in self.fleet.values()
+            if ability in self.vehicle_types[vehicle.type].abilities
+        )
 
     def cell_of(self, x_m: float, y_m: float) -> str:
         """The grid cell of a point, as ``2_1``: column, then row."""

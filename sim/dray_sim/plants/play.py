@@ -17,6 +17,7 @@ from dray_sim.evidence import HELD
 from dray_sim.plants.draw import draw_plant
 from dray_sim.plants.watch import Waiting, Watch
 from dray_sim.stage import Shift, Stage, play
+from dray_sim.verdict import NOTHING, Verdict
 
 HOURS = 4.0
 
@@ -79,6 +80,7 @@ class Judgement(msgspec.Struct, frozen=True):
     replay: str
     foreseen: str
     """Why `dray plant check` says that it cannot be served; empty when it can be."""
+    verdict: Verdict
     warnings: tuple[str, ...]
     """All that `dray plant check` says."""
 
@@ -100,17 +102,25 @@ class Judgement(msgspec.Struct, frozen=True):
 
     @property
     def named(self) -> str:
-        """What `dray plant check` has said of a plant that cannot be served; empty where it can be."""
-        return self.foreseen
+        """Why a plant was not served: what `dray plant check` says before, or the verdict says of orders that are left.
+
+        A flat battery, a wait and a broken invariant are excused by nothing.
+        """
+        if self.foreseen:
+            return self.foreseen
+        only_left = self.delivered < self.orders and len(self.failures) == 1
+        return self.verdict.text if only_left and self.verdict.bottleneck != NOTHING else ""
 
     def tell(self, *, whole: bool = False) -> list[str]:
         """In a line, and the command that plays it again when it has failed; with all figures if `whole`."""
-        verdict = "served" if not self.failures else "foreseen" if self.named else "FAILED"
+        verdict = "served" if not self.failures else "explained" if self.named else "FAILED"
         bearable = f"load {self.load:.1%} of {self.limit_load:.1%} ({self.limit})"
         work = f"{self.delivered} of {self.orders} orders, {self.transports} transports"
         times = f"p50 / p95 {self.p50_s:.0f} / {self.p95_s:.0f} s"
         lines = [f"seed {self.seed}: {verdict}: {self.plant}, {bearable}: {work}, {times}"]
         lines += [f"  {failure}" for failure in self.failures]
+        if self.failures:
+            lines.append(f"  {self.foreseen or self.verdict.text}")
         if self.failures:
             lines.append(f"  replay: {self.replay}")
         if whole:
@@ -122,6 +132,7 @@ class Judgement(msgspec.Struct, frozen=True):
                 f"  vehicles: {shares}",
                 f"  refusals: {refused or 'none'}",
             ]
+            lines += self.verdict.lines()
             lines += [f"  warned: {warning}" for warning in self.warnings]
         return lines
 
@@ -203,6 +214,7 @@ def play_seed(seed: int, *, small: bool = False, hours: float = HOURS) -> Judgem
         took_s=time.process_time() - began_s,
         replay=f"dray sim plants --seed {seed}{' --small' if small else ''}{f' --hours {hours:g}' if hours != HOURS else ''}",
         foreseen=next((each.text for each in warned if each.load_frac < NO_LOAD_FRAC), ""),
+        verdict=report.verdict,
         warnings=tuple(f"{each.kind}: {each.text}" for each in warned),
     )
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dray.plant import default_plant
 from dray_sim.report import Report
+from dray_sim.scenario import HERE
+from dray_sim.site import Site
 from dray_sim.stage import Shift, play
 
 SHIFT = Shift(name="day", duration_s=8 * 3600.0, load=0.85)
@@ -17,9 +18,11 @@ class Day:
     shows = "An eight-hour shift of seeded demand in the default plant, with no faults."
     source = ""
 
-    def run(self, seed: int) -> Report:
+    moves = True
+
+    def run(self, seed: int, site: Site = HERE) -> Report:
         """Play the day of this seed."""
-        return play(SHIFT, default_plant(), seed).report
+        return play(site.shift(SHIFT), site.ground, seed).report
 
 
 DAY = Day()

@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Awaitable, Callable
 from functools import partial
 
-from dray.plant import default_plant
+from dray.plant import Plant, default_plant
 from dray_sim.evidence import Check, Table
 from dray_sim.faults import LinkTrouble, PoweredOff
 from dray_sim.habits import Habits
@@ -51,9 +51,9 @@ CONDITIONS: tuple[tuple[str, Callable[[Stage], Awaitable[Tally]]], ...] = (
 """The first is what the others are compared with."""
 
 
-def cost(seed: int, shift: Shift = SHIFT) -> Findings:
+def cost(seed: int, shift: Shift = SHIFT, plant: Plant | None = None) -> Findings:
     """Play the same shift under every condition."""
-    runs = tuple(play(shift, default_plant(), seed, script) for _, script in CONDITIONS)
+    runs = tuple(play(shift, plant or default_plant(), seed, script) for _, script in CONDITIONS)
     best, *shares = [played.told.on_time_frac if played.told else 0.0 for played in runs]
     costs = [best - share for share in shares]
     return Findings(
@@ -88,4 +88,5 @@ FAULT_COST = Scenario(
         "is and whatever it carries, until somebody has brought it back."
     ),
     play=cost,
+    elsewhere=lambda seed, site: cost(seed, site.shift(SHIFT), site.ground),
 )

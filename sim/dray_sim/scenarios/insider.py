@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from dray.plant import default_plant
+from dray.plant import Plant, default_plant
 from dray_sim.evidence import Check, Table
 from dray_sim.insiders import BEHAVIOURS, Behaviour
 from dray_sim.insiders.joining import bring_in
@@ -63,10 +63,13 @@ def _lost_frac(now: int, before: int) -> float:
 
 
 def insider(
-    seed: int, shift: Shift = SHIFT, behaviours: Sequence[Behaviour] = tuple(BEHAVIOURS.values())
+    seed: int,
+    shift: Shift = SHIFT,
+    behaviours: Sequence[Behaviour] = tuple(BEHAVIOURS.values()),
+    plant: Plant | None = None,
 ) -> Findings:
     """Play the same shift without an insider, and with each of them."""
-    plant = default_plant()
+    plant = plant or default_plant()
     without = play(shift, plant, seed, partial(work, behaviour=None))
     runs = [play(shift, plant, seed, partial(work, behaviour=behaviour)) for behaviour in behaviours]
     base = without.told or Deliveries(0, 0)
@@ -131,4 +134,5 @@ INSIDER = Scenario(
         "valid certificate and lies."
     ),
     play=insider,
+    elsewhere=lambda seed, site: insider(seed, site.shift(SHIFT), plant=site.ground),
 )

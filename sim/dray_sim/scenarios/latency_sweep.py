@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from dray.plant import default_plant
+from dray.plant import Plant, default_plant
 from dray_sim.evidence import Check, Table
 from dray_sim.latency import WLAN, Latency
 from dray_sim.scenario import Findings, Scenario
@@ -21,9 +21,11 @@ STARVED_FRAC = 0.02
 """Of the time with work: above it, machines do not reorder early enough for such a network."""
 
 
-def sweep(seed: int, latencies_s: tuple[float, ...] = LATENCIES_S, shift: Shift = SHIFT) -> Findings:
+def sweep(
+    seed: int, latencies_s: tuple[float, ...] = LATENCIES_S, shift: Shift = SHIFT, plant: Plant | None = None
+) -> Findings:
     """Play the same demand once for every latency."""
-    runs = tuple(_run(seed, latency_s, shift) for latency_s in latencies_s)
+    runs = tuple(_run(seed, latency_s, shift, plant or default_plant()) for latency_s in latencies_s)
     starved = [played.report.starvation_frac for played in runs]
     suspicions = [played.told.suspicions if played.told else -1 for played in runs]
     return Findings(
@@ -54,9 +56,9 @@ def sweep(seed: int, latencies_s: tuple[float, ...] = LATENCIES_S, shift: Shift 
     )
 
 
-def _run(seed: int, latency_s: float, shift: Shift) -> Played[Tally]:
+def _run(seed: int, latency_s: float, shift: Shift, plant: Plant) -> Played[Tally]:
     latency = Latency(WLAN.base_s + latency_s, WLAN.mean_extra_s, WLAN.cap_s + latency_s)
-    return play(replace(shift, latency=latency), default_plant(), seed, run_out)
+    return play(replace(shift, latency=latency), plant, seed, run_out)
 
 
 LATENCY_SWEEP = Scenario(
@@ -72,4 +74,5 @@ LATENCY_SWEEP = Scenario(
         "latency on all links in both directions, and then as long as the last order takes."
     ),
     play=sweep,
+    elsewhere=lambda seed, site: sweep(seed, shift=site.shift(SHIFT), plant=site.ground),
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from dray.plant import default_plant
+from dray.plant import Plant, default_plant
 from dray_sim.evidence import Check, Table
 from dray_sim.faults import LinkTrouble
 from dray_sim.scenario import Findings, Scenario
@@ -28,10 +28,13 @@ async def lose(stage: Stage, loss_frac: float) -> Tally:
     return await run_out(stage)
 
 
-def sweep(seed: int, losses_frac: tuple[float, ...] = LOSSES_FRAC, shift: Shift = SHIFT) -> Findings:
+def sweep(
+    seed: int, losses_frac: tuple[float, ...] = LOSSES_FRAC, shift: Shift = SHIFT, plant: Plant | None = None
+) -> Findings:
     """Play the same demand once for every loss."""
     runs = tuple(
-        play(shift, default_plant(), seed, partial(lose, loss_frac=loss_frac)) for loss_frac in losses_frac
+        play(shift, plant or default_plant(), seed, partial(lose, loss_frac=loss_frac))
+        for loss_frac in losses_frac
     )
     starved = [played.report.starvation_frac for played in runs]
     changed = [played.told.carriers_changed if played.told else -1 for played in runs]
@@ -77,4 +80,5 @@ LOSS_SWEEP = Scenario(
         "all deliveries that is lost by chance, and then as long as the last order takes."
     ),
     play=sweep,
+    elsewhere=lambda seed, site: sweep(seed, shift=site.shift(SHIFT), plant=site.ground),
 )

@@ -1,0 +1,184 @@
+"""`dray plant` and `dray sim run --plant`: what they print, write and refuse."""
+
+from __future__ import annotations
+
+import json
+from importlib.resources import files
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+from typer.testing import CliRunner
+
+from dray.cli import app
+from dray.errors import PlantError, SettingsError
+from dray.plant import load_plant
+
+TINY_SHIFT = ("--hours", "0.3", "--load", "0.5")
+
+
+def dray(*args: str, typed: str | None = None) -> tuple[int, str]:
+    result = CliRunner().invoke(app, list(args), input=typed, catch_exceptions=True)
+    if result.exception is not None and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    return result.exit_code, result.output
+
+
+# --- check -------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def starving(tmp_path: Path) -> Path:
+    """The workshop without its parking places, and with one vehicle more."""
+    text = (load_text("workshop")).replace("  - {id: PARK1, node: park-1}\n", "")
+    file = tmp_path / "starving.yaml"
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def load_text(name: str) -> str:
+    return files("dray.plant").joinpath(f"examples/{name}.yaml").read_text(encoding="utf-8")
+
+
+def test_a_plant_without_warnings_is_summed_up_in_one_line() -> None:
+    code, told = dray("plant", "check", "workshop", "--strict")
+    assert (code, len(told.splitlines())) == (0, 1)
+    assert told.startswith("workshop (Workshop): 3 machines")
+
+
+def test_a_warning_leaves_the_exit_code_unless_strict(starving: Path, tmp_path: Path) -> None:
+    starving.write_text(
+        starving.read_text().replace("node: park-2}\n\nstations", "node: park-1}\n\nstations")
+    )
+    text = starving.read_text().replace(
+        "  - {id: CART2, type: cart, node: park-2}",
+        "  - {id: CART2, type: cart, node: park-2}\n  - {id: CART3, type: cart, node: saw}",
+    )
+    starving.write_text(text)
+    code, told = dray("plant", "check", str(starving), "--json", str(tmp_path / "w.json"))
+    assert code == 0
+    assert f"{starving}: parkings: warning: berths: 2 berths (1 chargers, 1 parking places) for 3" in told
+    assert json.loads((tmp_path / "w.json").read_text())[0]["kind"] == "berths"
+    assert dray("plant", "check", str(starving), "--strict")[0] == 2
+
+
+# --- draw --------------------------------------------------------------------------------------------
+
+
+def test_a_picture_is_written_to_a_file_or_told(tmp_path: Path) -> None:
+    file = tmp_path / "plant.svg"
+    assert dray("plant", "draw", "two-halls", "-o", str(file)) == (0, "")
+    ET.fromstring(file.read_text(encoding="utf-8"))
+    assert dray("plant", "draw", "two-halls")[1] == file.read_text(encoding="utf-8")
+
+
+# --- new ---------------------------------------------------------------------------------------------
+
+
+def test_a_new_plant_by_options(tmp_path: Path) -> None:
+    file = tmp_path / "own.yaml"
+    code, told = dray("plant", "new", str(file), "--plant", "own", "--machines", "4", "--yes")
+    assert code == 0, told
+    plant = load_plant(file)
+    assert (plant.id, len(plant.machines), len(plant.fleet)) == ("own", 4, 2)
+    assert "dray up --plant" in told
+
+
+def test_a_new_plant_by_questions_with_a_wrong_answer_in_between(tmp_path: Path) -> None:
+    file = tmp_path / "own.yaml"
+    answers = "my plant\nmine\nMine & <co>\nmany\n2\n3\n\n90\n\n"
+    code, told = dray("plant", "new", str(file), typed=answers)
+    assert code == 0, told
+    plant = load_plant(file)
+    assert (plant.id, plant.name) == ("mine", "Mine & <co>")
+    assert (len(plant.machines), len(plant.fleet), len(plant.products)) == (2, 3, 2)
+    assert plant.cycle_s("M1", "product-1") == 90.0
+
+
+def test_a_file_that_is_there_is_not_written_over(tmp_path: Path) -> None:
+    file = tmp_path / "own.yaml"
+    file.write_text("mine")
+    with pytest.raises(SettingsError, match="is there already"):
+        dray("plant", "new", str(file), "--yes")
+    assert file.read_text() == "mine"
+    assert dray("plant", "new", str(file), "--yes", "--force")[0] == 0
+
+
+# --- sim run --plant ---------------------------------------------------------------------------------
+
+
+def test_the_day_is_played_in_another_plant_under_another_load(tmp_path: Path) -> None:
+    file = tmp_path / "report.json"
+    code, told = dray("sim", "run", "day", "--plant", "workshop", *TINY_SHIFT, "--json", str(file))
+    assert code == 0
+    assert "verdict" in told
+    report = json.loads(file.read_text())
+    assert report["duration_s"] == pytest.approx(0.3 * 3600)
+    assert report["invariants"] == "held"
+    assert report.keys() >= FIELDS
+    assert {each["name"] for each in report["verdict"]["resources"]} & {"SAW", "DRILL", "BENCH"}
+
+
+FIELDS = {
+    "on_time_frac",
+    "orders_placed",
+    "orders_delivered",
+    "orders_due",
+    "starvation_frac",
+    "transport_p50_s",
+    "transport_p95_s",
+    "invariants",
+    "verdict",
+}
+
+
+def test_a_claim_is_played_in_another_plant_and_has_the_same_fields(tmp_path: Path) -> None:
+    file = tmp_path / "report.json"
+    dray("sim", "run", "loss-sweep", "--plant", "workshop", *TINY_SHIFT, "--json", str(file))
+    evidence = json.loads(file.read_text())
+    assert evidence.keys() >= FIELDS
+    assert "Played here with the plant workshop (Workshop), a load of 50%, 0.3 hours." in evidence["story"]
+
+
+@pytest.mark.parametrize("name", ["case-1", "experiment-wlan", "soak"])
+def test_a_scenario_about_certain_machines_says_that_it_stays_where_it_is(name: str) -> None:
+    with pytest.raises(SettingsError, match="is played as it stands only"):
+        dray("sim", "run", name, "--plant", "workshop")
+
+
+def test_the_list_says_which_scenarios_take_another_plant() -> None:
+    told = dray("sim", "list")[1]
+    rows = {line.split()[0]: line for line in told.splitlines() if line.split()}
+    assert " any " in rows["day"]
+    assert " any " in rows["insider"]
+    assert " its own " in rows["case-1"]
+
+
+def test_a_plant_that_is_not_there_is_named() -> None:
+    with pytest.raises(PlantError, match="there is no such file"):
+        dray("sim", "run", "day", "--plant", "nowhere.yaml")
+
+
+# --- sim plants --------------------------------------------------------------------------------------
+
+
+def test_drawn_plants_are_played_judged_and_kept(tmp_path: Path) -> None:
+    kept, judged = tmp_path / "p3.yaml", tmp_path / "judged.json"
+    code, told = dray(
+        "sim",
+        "plants",
+        "--seed",
+        "3",
+        "--small",
+        "--hours",
+        "0.3",
+        "--write",
+        str(kept),
+        "--json",
+        str(judged),
+    )
+    assert code == 0, told
+    assert "1 plants: 1 served" in told
+    assert load_plant(kept).id == "p3"
+    [each] = json.loads(judged.read_text())
+    assert each["replay"] == "dray sim plants --seed 3 --small --hours 0.3"

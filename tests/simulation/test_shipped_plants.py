@@ -1,0 +1,40 @@
+"""The plants that ship, and the one that is sketched from a few questions, deliver what is ordered."""
+
+from __future__ import annotations
+
+import pytest
+
+from dray.plant import Plant, load_plant
+from dray.plant.sketch import Wishes, sketch
+from dray_sim.evidence import HELD
+from dray_sim.stage import Shift, Stage, play
+
+HOUR_S = 3600.0
+
+
+@pytest.mark.parametrize("name", ["workshop", "two-halls", pytest.param("large", marks=pytest.mark.slow)])
+def test_a_shipped_plant_delivers_all_that_is_ordered_in_an_hour(name: str) -> None:
+    plant = load_plant(name)
+
+    async def work(stage: Stage) -> float:
+        await stage.until_s(HOUR_S)
+        return await stage.settle(HOUR_S)
+
+    played = play(Shift(name="shipped", duration_s=HOUR_S, load=0.6), plant, 1, work)
+    report = played.report
+    assert report.invariants == HELD
+    assert report.orders_placed >= 4
+    assert report.orders_delivered == report.orders_placed
+    assert report.starvation_frac < 0.05
+
+
+def test_a_sketched_plant_delivers() -> None:
+    plant = Plant(sketch(Wishes()))
+
+    async def work(stage: Stage) -> float:
+        await stage.until_s(3600.0)
+        return await stage.settle(3600.0)
+
+    report = play(Shift(name="sketch", duration_s=3600.0, load=0.9), plant, 1, work).report
+    assert report.invariants == HELD
+    assert report.orders_delivered == report.orders_placed >= 2
