@@ -1,10 +1,10 @@
 import type { BufferView } from "../../api/types";
 import { Meter } from "../../parts/Meter";
 import { filledFrac, isLow } from "../../plant/stock";
-import { format, t } from "../../text/manager";
+import { format, n, t } from "../../text/manager";
 import { names } from "../state";
 
-/** Buffers or finished goods: how full, where more is ordered, what is on its way. */
+/** Buffers or finished goods: how full, where more is ordered, what is on its way, what a cancelled order has left. */
 export function Stock({ title, buffers }: { title: string; buffers: readonly BufferView[] }) {
   if (buffers.length === 0) return null;
   return (
@@ -18,7 +18,7 @@ export function Stock({ title, buffers }: { title: string; buffers: readonly Buf
 }
 
 function StockRow({ buffer }: { buffer: BufferView }) {
-  const { capacity, item, level, on_order: order, reorder_point: reorder } = buffer;
+  const { capacity, item, level, on_order: order, reorder_point: reorder, spare } = buffer;
   const material = reorder > 0;
   const low = material && isLow(buffer);
   const name = names.value(item);
@@ -36,6 +36,7 @@ function StockRow({ buffer }: { buffer: BufferView }) {
       <span class={`num ${low ? "tone-warn" : ""}`}>
         {t("machine.level", { level: format.count(level), capacity: format.count(capacity) })}
       </span>
+      {spare > 0 && <small>{n("machine.spare", spare)}</small>}
     </div>
   );
 }

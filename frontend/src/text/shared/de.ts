@@ -45,6 +45,8 @@ export const de: Catalogue<typeof en> = {
   "machine.trouble": "Störung",
   "machine.buffers": "Puffer",
   "machine.goods": "Fertige Ware",
+  "machine.spare.one": "{n}, das kein Auftrag braucht; das nächste Ziel nimmt es",
+  "machine.spare.other": "{n}, die kein Auftrag braucht; das nächste Ziel nimmt sie",
   "machine.level": "{level} / {capacity}",
   "machine.levelLabel": "{item}: {level} von {capacity}, Meldebestand {reorder}, {order} bestellt",
   "machine.low": "knapp",

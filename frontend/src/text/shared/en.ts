@@ -42,6 +42,8 @@ export const en = {
   "machine.trouble": "Trouble",
   "machine.buffers": "Buffers",
   "machine.goods": "Finished goods",
+  "machine.spare.one": "{n} that no order wants; the next goal takes it",
+  "machine.spare.other": "{n} that no order wants; the next goal takes them",
   "machine.level": "{level} / {capacity}",
   "machine.levelLabel": "{item}: {level} of {capacity}, reorder point {reorder}, {order} on order",
   "machine.low": "low",

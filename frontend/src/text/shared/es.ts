@@ -45,6 +45,8 @@ export const es: Catalogue<typeof en> = {
   "machine.trouble": "Avería",
   "machine.buffers": "Existencias",
   "machine.goods": "Producto acabado",
+  "machine.spare.one": "{n} que ningún pedido quiere; la toma el próximo objetivo",
+  "machine.spare.other": "{n} que ningún pedido quiere; las toma el próximo objetivo",
   "machine.level": "{level} / {capacity}",
   "machine.levelLabel": "{item}: {level} de {capacity}, punto de pedido {reorder}, {order} pedidos",
   "machine.low": "bajo",

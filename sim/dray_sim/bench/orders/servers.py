@@ -23,7 +23,7 @@ from dray.store.apikeys import ApiKey
 from dray.store.orders import Item, Order
 from dray.store.progress import OrderStatus
 
-STARTS_S = 60.0
+STARTS_S = 180.0
 """Longest wait for a server: with 10,000 open orders and a slow machine."""
 
 PRODUCT = default_plant().file.products[0].id
@@ -36,6 +36,7 @@ class Served:
     host: str
     port: int
     token: str
+    pid: int
 
 
 @contextmanager
@@ -48,9 +49,9 @@ def serving(kind: str, url: str, token: str) -> Iterator[Served]:
         token: by which customers say who they are.
     """
     host, _, port = free_addresses(1)[0].rpartition(":")
-    served = Served(host or "127.0.0.1", int(port), token)
     command = [sys.executable, "-m", __package__, kind, url, port]
     process = subprocess.Popen(command, env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)})  # noqa: S603 - our own
+    served = Served(host or "127.0.0.1", int(port), token, process.pid)
     try:
         _wait_for(served, process)
         yield served
