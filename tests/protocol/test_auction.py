@@ -416,7 +416,7 @@ def test_the_whole_plant_is_left_in_peace_between_rounds_longer_and_longer() -> 
     rests_s = [opens_s - end_s for opens_s, end_s in zip(next_s, closed_s, strict=True)]
     assert rests_s[0] == RULES.rest_s
     assert rests_s == sorted(rests_s)
-    assert rests_s[-1] == pytest.approx(RULES.rest_max_s)
+    assert rests_s[-1] == pytest.approx(RULES.rest_aged_max_s)
 
 
 def test_windows_grow_to_a_limit() -> None:
@@ -445,7 +445,7 @@ def test_ten_thousand_rounds_neither_overflow_nor_spin() -> None:
     while hall.auction.round < 10_000 or hall.auction.stage is not Stage.RESTING:
         hall.wait()
         hall.auction.wake(hall.now_s)
-    least_s = RULES.window_max_s + RULES.rest_max_s
+    least_s = RULES.window_max_s + RULES.rest_aged_max_s
     rounds = facts(hall.out, RoundFailed)
     assert rounds[-1].round == 10_000
     gaps_s = [b.next_round_s - a.next_round_s for a, b in pairwise(rounds[100:])]

@@ -104,10 +104,10 @@ def test_a_missing_watch_is_sought_as_long_as_the_task_lasts_but_in_no_hurry() -
     office.resigns("ATV1")
     office.run(600.0, "ATV2")
     sought = [each for each in published(office.out, TaskAnnounced) if each.role is Role.SECONDARY]
-    assert 600 / (WATCH_RULES.rest_max_s + WATCH_RULES.window_max_s) <= len(sought) + 1
+    assert 600 / (WATCH_RULES.rest_aged_max_s + WATCH_RULES.window_max_s) <= len(sought) + 1
     assert len(sought) <= 600 / WATCH_RULES.rest_s
     office.bids(ATV4=60.0, role=Role.SECONDARY)
-    office.run(620.0, "ATV2")
+    office.run(680.0, "ATV2")
     assert office.asked()[-1] == "ATV4"
 
 

@@ -36,6 +36,7 @@ from dray.messages.contract import (
     TransportCost,
     Withdrawn,
     Work,
+    WorkSought,
 )
 from dray.messages.fact import AnyFact, Event, EventsAsked, EventsKept, Fact
 from dray.messages.heartbeat import (
@@ -103,6 +104,7 @@ AnyMessage = (
     | VehicleCommand
     | CommandAnswered
     | BerthClaimed
+    | WorkSought
     | Event
     | EventsAsked
     | EventsKept
@@ -183,5 +185,6 @@ __all__ = [
     "VehicleCommand",
     "Withdrawn",
     "Work",
+    "WorkSought",
     "signed_words",
 ]

@@ -103,6 +103,20 @@ class TaskAnnounced(Message, frozen=True):
     """When the bidding window closes (plant clock)."""
     primary: IdOrNone = ""
     """Whom to watch, when a SECONDARY is sought; that vehicle does not bid."""
+    needed_s: Seconds = 0.0
+    """When the work was needed at first (plant clock): the deadline moves when nobody can keep it. 0 for the deadline."""
+
+
+class WorkSought(Message, frozen=True):
+    """A vehicle that had no time when everybody was asked is free: what waits?
+
+    Every coordinator whose transports wait answers with the `TaskAnnounced` of the most urgent one that such a vehicle can
+    carry, to it alone.
+    """
+
+    atv: Id
+    abilities: tuple[Id, ...]
+    """What it can carry."""
 
 
 class Bid(Message, frozen=True):

@@ -10,6 +10,7 @@ never holds any of these.
     {plant}/task/{cell}       announcements of transports, to the grid cells within the radius
     {plant}/goal/{product}    announcements of production goals, to the machines that can make it
     {plant}/berth/{id}        claims of one charger or parking place
+    {plant}/free/{id}         a vehicle that is free asks for work that waits
     {plant}/agent/@{id}       what is said to one agent alone
     {plant}/event/{id}        an agent's numbered events
     {plant}/shut-out          who is shut out, said again and again by gateways
@@ -31,6 +32,7 @@ class Keys:
         "alive",
         "all_atv_heartbeats",
         "all_events",
+        "all_free",
         "all_heartbeats",
         "all_machine_heartbeats",
         "plant",
@@ -43,6 +45,7 @@ class Keys:
         self.all_atv_heartbeats = f"{plant}/hb/atv/*"
         self.all_machine_heartbeats = f"{plant}/hb/machine/*"
         self.all_events = f"{plant}/event/*"
+        self.all_free = f"{plant}/free/*"
         self.shut_out = f"{plant}/shut-out"
         self.alive = f"{plant}/alive"
         self._addressed = f"{plant}/agent/@"
@@ -65,6 +68,9 @@ class Keys:
     def berth(self, berth: str) -> str:
         return f"{self.plant}/berth/{berth}"
 
+    def free(self, atv: str) -> str:
+        return f"{self.plant}/free/{atv}"
+
     def addressed(self, agent: str) -> str:
         return f"{self._addressed}{agent}"
 
@@ -77,7 +83,7 @@ class Keys:
         return f"{self.plant}/event/{agent}"
 
 
-_OWNED = frozenset({"hb/atv", "hb/machine", "hb/station", "event"})
+_OWNED = frozenset({"hb/atv", "hb/machine", "hb/station", "event", "free"})
 
 
 def owner_of(key: str) -> str | None:

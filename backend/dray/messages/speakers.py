@@ -31,6 +31,7 @@ from dray.messages.contract import (
     TakenOver,
     TaskAnnounced,
     Withdrawn,
+    WorkSought,
 )
 from dray.messages.fact import (
     AtvStatusChanged,
@@ -148,6 +149,7 @@ SPEAKERS: Mapping[type[Message], frozenset[Kind]] = {
     StockShort: _STATIONS,
     StockFreed: _MACHINES,
     BerthClaimed: _ATVS,
+    WorkSought: _ATVS,
     CommandAnswered: _ATVS,
     OrderReleased: _GATEWAYS,
     OrderCancelled: _GATEWAYS,
@@ -207,6 +209,7 @@ SIGNATURES: Mapping[type[Message], str] = {
     StationHeartbeat: "station",
     TaskAnnounced: "coordinator",
     BerthClaimed: "atv",
+    WorkSought: "atv",
     Event: "agent",
 }
 """The messages that say who speaks, and the field in which they do."""

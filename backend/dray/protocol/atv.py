@@ -78,6 +78,7 @@ from dray.protocol.partners import NO_PARTY
 from dray.protocol.pricing import Quote, Unable
 from dray.protocol.pulse import BEAT, Pulse
 from dray.protocol.resting import CLAIM, SETTLE, Rest
+from dray.protocol.seeking import SEEK, Seeking
 from dray.protocol.supervision import Following
 from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
 from dray.protocol.trial import Trial
@@ -126,6 +127,7 @@ class Atv(Core):
         self._trial = Trial(trial)
         self._bidder = Bidder(atv, plant, self._type, self._trial, self._out)
         self._rest = Rest(atv, plant, self._type, self._keys, self._driver, self._timers, self._out)
+        self._seeking = Seeking(atv, plant, self._type, self._keys, self._timers, self._out)
         self._trouble = Trouble(self._out)
         self._obedience = Obedience(Authority(atv, plant, trusts), self._trouble, self._out)
         self._carriage: Carriage | None = None
@@ -164,6 +166,7 @@ class Atv(Core):
             CLAIM: lambda _about, now_s: self._rest_on(CLAIM, now_s),
             CLAIM_TASK: self._claim_again,
             WATCH_VIGIL: self._look_after,
+            SEEK: self._seek_on,
         }
 
     # --- the beginning, and time passing ---
@@ -233,6 +236,7 @@ class Atv(Core):
         self._pulse.go_on(interval_s, now_s)
         if self._carriage is None:
             self._rest.check_battery(self._battery_frac, now_s)
+            self._seek(now_s)
 
     def _say_status(self, now_s: float) -> None:
         load, load_quantity = self._load
@@ -387,8 +391,29 @@ class Atv(Core):
         return "a load is on board" if self._carriage is None and self._load[0] else ""
 
     def _hear_announced(self, _sender: str, message: TaskAnnounced, now_s: float) -> None:
+        if not self._seeking.take(message, now_s):
+            self._answer_announced(message, now_s)
+
+    def _answer_announced(self, message: TaskAnnounced, now_s: float) -> bool:
+        """Bid, or not; False when the task is refused."""
         # Also for a task that it watches already: its coordinator does not know that any more.
-        self._bidder.hear(message, self._standing(message.task, now_s), now_s)
+        reason = self._bidder.hear(message, self._standing(message.task, now_s), now_s)
+        if reason is not None:
+            self._seeking.note_refused(message, reason, self._battery_frac)
+        return reason is None
+
+    def _seek(self, now_s: float) -> None:
+        """Ask for work that waits, if it can take any."""
+        if self._carriage is None and not self._unfit():
+            self._seeking.begin(self._battery_frac, now_s)
+
+    def _seek_on(self, _about: None, now_s: float) -> None:
+        if self._carriage is not None or self._unfit():
+            self._seeking.stop()
+            return
+        while (message := self._seeking.choose(now_s)) is not None:
+            if self._answer_announced(message, now_s):
+                return
 
     def _hear_award(self, sender: str, award: Award, now_s: float) -> None:
         if self._holds(award):
@@ -468,6 +493,7 @@ class Atv(Core):
         self._out += (how, Record(taken))
         self._watches.resign("has work of its own")
         self._rest.stop()
+        self._seeking.stop()
         self._update_status(now_s, contract.task)
         self._go_on(begin, now_s)
 
@@ -560,6 +586,7 @@ class Atv(Core):
         self._trouble.over()
         self._update_status(now_s, carriage.ended)
         self._rest.soon(now_s)
+        self._seek(now_s)
 
     # --- rest, and people ---
 

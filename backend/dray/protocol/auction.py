@@ -39,6 +39,9 @@ from dray.protocol.newest import Newest
 SPAN_MIN_S = 60.0
 """What is late already is given as much time as a quick transport takes, round after round more."""
 
+PATIENCE_S = 300.0
+"""What has waited so long is as urgent as what was needed by now."""
+
 SPAN_MAX_S = 7 * 86_400.0
 """What has weeks is not refused for its deadline. One that is years away must not move beyond what can be said."""
 
@@ -127,7 +130,11 @@ class Auction:
         self._noted: Newest[str, tuple[int, float]] = Newest(BIDS_KEPT)
         """By bidder, the last round in which a bid of it was noted, and what was added to it (s)."""
         self._queue: list[tuple[str, Bid]] = list(candidates)
-        self._span_s = 0.0
+        self._span_s = self._opened_s = 0.0
+        self.needed_s = terms.deadline_s
+        """By when it is wanted, as it counts against what else waits (plant clock)."""
+        self._behind = False
+        """Nobody was asked in this round: something more urgent waits for the same vehicles."""
         self._asked = ""
         self._rank = 0
         self._numbers = count(1) if numbers is None else numbers
@@ -151,7 +158,7 @@ class Auction:
 
     def open(self, now_s: float) -> None:
         """Begin: ask the candidates if there are any, else announce."""
-        self._span_s = self._span_from(now_s)
+        self._begin(now_s)
         if self._queue:
             self.stage = Stage.ASKING
             self._ask_next(now_s)
@@ -160,8 +167,40 @@ class Auction:
 
     def open_later(self, at_s: float) -> None:
         """Begin at `at_s`, unless it is cancelled before."""
-        self._span_s = self._span_from(at_s)
+        self._begin(at_s)
         self.stage, self.wake_at_s = Stage.RESTING, at_s
+
+    @property
+    def has_candidates(self) -> bool:
+        """Whether somebody is to be asked before anything is announced."""
+        return bool(self._queue)
+
+    def is_due(self, now_s: float) -> bool:
+        """Whether its next round is to begin now."""
+        return self.stage is Stage.RESTING and now_s >= self.wake_at_s
+
+    @property
+    def waits(self) -> bool:
+        """Whether everybody was asked in vain, for this or for what is more urgent, and the next round is still to come."""
+        if self.stage is not Stage.RESTING:
+            return False
+        return self._behind or (self._vain > 0 and self.radius_m >= self._place.reach_m)
+
+    def stand_behind(self, now_s: float) -> None:
+        """Announce nothing for now: the same vehicles are sought in vain for what is more urgent, and who is free asks."""
+        if not self.round:
+            self._begin(now_s)
+            self.round = 1
+            self._tell_opened(now_s)
+        self._behind = True
+        self.stage, self.wake_at_s = Stage.RESTING, now_s + self._rules.rest_aged_max_s
+
+    def offer(self, bidder: str, now_s: float) -> None:
+        """Announce what waits to one who asks for it; it may bid once more in this round."""
+        if self._rules.moves_deadline:
+            self._move_deadline(now_s)
+        self._noted.pop(bidder, None)
+        self._out.append(Send(bidder, self._announcement(self.wake_at_s)))
 
     def hear_bid(self, bidder: str, bid: Bid, now_s: float) -> None:
         """Note a bid, if it can be true. One of a later round replaces the same bidder's first."""
@@ -251,9 +290,21 @@ class Auction:
         self.round += 1
         if self._vain and self._rules.moves_deadline:
             self._move_deadline(now_s)
+        self._behind = False
         self.stage = Stage.COLLECTING
         self.wake_at_s = now_s + self._rules.window_in_s(self.round)
-        terms, radius_m = self.terms, self.radius_m
+        self._tell_opened(self.wake_at_s)
+        announcement = self._announcement(self.wake_at_s)
+        self._out.extend(Publish(key, announcement) for key in self._audience(self.radius_m))
+
+    def _begin(self, now_s: float) -> None:
+        self._opened_s = now_s
+        self._span_s = self._span_from(now_s)
+        # What nothing presses must not stand back for ever behind what always presses.
+        self.needed_s = min(self.terms.deadline_s, now_s + PATIENCE_S)
+
+    def _tell_opened(self, until_s: float) -> None:
+        terms = self.terms
         self._out.append(
             Record(
                 TaskOpened(
@@ -262,13 +313,16 @@ class Auction:
                     role=terms.role,
                     round=self.round,
                     work=terms.work,
-                    radius_m=radius_m,
+                    radius_m=self.radius_m,
                     deadline_s=terms.deadline_s,
-                    bids_until_s=self.wake_at_s,
+                    bids_until_s=until_s,
                 )
             )
         )
-        announcement = TaskAnnounced(
+
+    def _announcement(self, until_s: float) -> TaskAnnounced:
+        terms = self.terms
+        return TaskAnnounced(
             task=terms.task,
             epoch=terms.epoch,
             role=terms.role,
@@ -277,12 +331,12 @@ class Auction:
             deadline_s=terms.deadline_s,
             x_m=self._place.x_m,
             y_m=self._place.y_m,
-            radius_m=radius_m,
+            radius_m=self.radius_m,
             round=self.round,
-            bids_until_s=self.wake_at_s,
+            bids_until_s=until_s,
             primary=terms.primary,
+            needed_s=self.needed_s,
         )
-        self._out.extend(Publish(key, announcement) for key in self._audience(radius_m))
 
     def _span_from(self, at_s: float) -> float:
         return min(max(self.terms.deadline_s - at_s, SPAN_MIN_S), SPAN_MAX_S)
@@ -329,7 +383,7 @@ class Auction:
     def _rest(self, now_s: float) -> None:
         reaches_all = self.radius_m >= self._place.reach_m
         # A wider circle has not been asked yet, so there is nothing to wait for.
-        rest_s = self._rules.rest_in_s(self.round) if reaches_all else 0.0
+        rest_s = self._rules.rest_in_s(self.round, now_s - self._opened_s) if reaches_all else 0.0
         self.stage = Stage.RESTING
         self.wake_at_s = now_s + rest_s
         self.winning_bid = None

@@ -2,7 +2,8 @@
 
     radius_m = first radius * radius_growth ^ (round - 1)
     window_s = first window * window_growth ^ (round - 1), up to window_max_s; the wait for an answer grows with it
-    rest_s   = first rest   * rest_growth   ^ (round - 1), up to rest_max_s
+    rest_s   = first rest   * rest_growth   ^ (round - 1), up to rest_max_s; and a part of the time that it has lasted,
+               up to rest_aged_max_s: who is free asks for what has waited so long
 
 Before its first round an auction has the values of that round.
 """
@@ -28,8 +29,11 @@ class AuctionRules(msgspec.Struct, frozen=True):
     """About three lane pitches: the vehicles nearby (paper, 5)."""
     radius_growth: float = 2.0
     rest_s: float = 2.0
-    rest_growth: float = 1.5
+    rest_growth: float = 2.0
     rest_max_s: float = 20.0
+    rest_aged_frac: float = 1.0
+    rest_aged_max_s: float = 120.0
+    """A vehicle that did not hear of it, or could not take it, learns of it by then."""
     moves_deadline: bool = True
     """Where bidders refuse what they cannot do in time, late is better than never."""
 
@@ -45,9 +49,15 @@ class AuctionRules(msgspec.Struct, frozen=True):
         """How long an award may stay unanswered in a round."""
         return self._stretched_s(self.answer_s, round_number)
 
-    def rest_in_s(self, round_number: int) -> float:
-        """How long everybody is left in peace after a round in which all were asked."""
-        return min(self.rest_s * _growth(self.rest_growth, round_number), self.rest_max_s)
+    def rest_in_s(self, round_number: int, lasts_s: float = 0.0) -> float:
+        """How long everybody is left in peace after a round in which all were asked.
+
+        Args:
+            round_number: of that round.
+            lasts_s: since when the auction has been open.
+        """
+        grown_s = min(self.rest_s * _growth(self.rest_growth, round_number), self.rest_max_s)
+        return max(grown_s, min(self.rest_aged_frac * lasts_s, self.rest_aged_max_s))
 
     def on_links(self, delay_s: float) -> AuctionRules:
         """The rules for links with this delay each way: on slow ones patient from the beginning."""

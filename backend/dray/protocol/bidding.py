@@ -51,11 +51,15 @@ class Bidder:
         self._trial = trial
         self._out = out
 
-    def hear(self, message: TaskAnnounced, standing: Standing, now_s: float) -> None:
-        """Answer an announcement with a bid, or note the refusal and its reason."""
+    def hear(self, message: TaskAnnounced, standing: Standing, now_s: float) -> Refusal | None:
+        """Answer an announcement with a bid, or note the refusal and its reason.
+
+        Returns:
+            The reason of a refusal; None for a bid, and for an announcement that is for others.
+        """
         dx_m, dy_m = message.x_m - standing.x_m, message.y_m - standing.y_m
         if dx_m * dx_m + dy_m * dy_m > message.radius_m * message.radius_m:
-            return  # A neighbour of those who were asked: its cell only touches the circle.
+            return None  # A neighbour of those who were asked: its cell only touches the circle.
         answer = self._consider(
             message.work, message.role, message.primary, message.deadline_s, standing, now_s
         )
@@ -65,8 +69,9 @@ class Bidder:
                 answer = Unable(Refusal.NOT_FIT, f"{ON_TRIAL}: it would take {takes_s:.0f} s")
         if isinstance(answer, Unable):
             self._out.append(refuse(message, answer.reason, answer.detail))
-        else:
-            self._out += offer(message, answer.cost, answer.finish_s, answer.source)
+            return answer.reason
+        self._out += offer(message, answer.cost, answer.finish_s, answer.source)
+        return None
 
     def review(self, award: Award, standing: Standing, now_s: float) -> Quote | Unable:
         """Whether an award can still be taken, from where the vehicle is now."""

@@ -24,7 +24,7 @@ from dray.protocol.order_book import OpenGoal, OrderBook
 from dray.protocol.tasks import OpenTask, Outcome
 from dray.protocol.timers import Timers
 
-GOAL_RULES = AuctionRules(window_s=0.5, rest_s=5.0, moves_deadline=False)
+GOAL_RULES = AuctionRules(window_s=0.5, rest_s=5.0, rest_growth=1.5, rest_aged_frac=0.0, moves_deadline=False)
 """Machines are wired and few: the window may be shorter than for vehicles."""
 
 NOWHERE = Place(x_m=0.0, y_m=0.0, reach_m=0.0)

@@ -50,6 +50,7 @@ from dray.messages import (
     Transport,
     Withdrawn,
     Work,
+    WorkSought,
 )
 from dray.messages.fact import MachineStatusChanged
 from dray.messages.heartbeat import Making
@@ -193,6 +194,7 @@ class Machine(Core):
             Release: self._hear_goal_over,
             Withdrawn: self._hear_goal_over,
             GoalClosed: self._hear_goal_closed,
+            WorkSought: self._hear_sought,
         }
         self._on_report = {
             CycleDone: self._cycle_done,
@@ -222,6 +224,7 @@ class Machine(Core):
             self._recall(note, now_s)
         self._goods.count()
         self._out.extend(Subscribe(self._keys.goals(product)) for product in self._products)
+        self._out.append(Subscribe(self._keys.all_free))
         if self.incarnation > 1:
             self._adoption.begin(note is None, now_s)
         self._pulse.at_once(now_s)
@@ -415,6 +418,10 @@ class Machine(Core):
     def _hear_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
         self._tasks.hear_heartbeat(heartbeat, now_s)
         self._adoption.hear(heartbeat, now_s)
+
+    def _hear_sought(self, sender: str, message: WorkSought, now_s: float) -> None:
+        if not self._departure.begun and not self._tasks.offer(sender, message.abilities, now_s):
+            self._out.append(Ignore("asked for work, and none waits"))
 
     def _hear_accepted(self, sender: str, answer: Accepted, now_s: float) -> None:
         if self._adoption.waits_for_word_on(answer.task):

@@ -19,8 +19,9 @@ from dray.protocol.suspicion import IDLE_INTERVAL_S
 from dray.protocol.tasks import OpenTask
 from dray.protocol.timers import Timers
 
-WATCH_RULES = AuctionRules(radius_m=50.0, rest_s=10.0, rest_growth=1.0, rest_max_s=10.0)
-"""A missing watch is less urgent than a missing primary, so it asks wider and rests longer."""
+WATCH_RULES = AuctionRules(radius_m=50.0, rest_s=10.0, rest_growth=1.0, rest_max_s=10.0, rest_aged_max_s=60.0)
+"""A missing watch is less urgent than a missing primary, so it asks wider and rests longer; and ever longer where all are
+at work, who watch nobody."""
 
 WATCH_AUCTION = "watch auction"
 SECONDARY_VIGIL = "secondary vigil"
@@ -72,7 +73,10 @@ class Secondaries:
             primary=task.primary,
         )
         task.watch = self._auctions.prepare(terms, WATCH_RULES, candidates)
-        task.watch.open(now_s)
+        if not candidates and self._all_are_busy:
+            task.watch.stand_behind(now_s)
+        else:
+            task.watch.open(now_s)
         self._auctions.arm(WATCH_AUCTION, task.watch)
 
     def drop(self, task: OpenTask, reason: str) -> None:
@@ -139,9 +143,18 @@ class Secondaries:
 
     def _wake_auction(self, task_id: str, now_s: float) -> None:
         task = self._tasks.get(task_id)
-        if task is not None and task.watch is not None:
+        if task is None or task.watch is None:
+            return
+        if task.watch.is_due(now_s) and self._all_are_busy:
+            task.watch.stand_behind(now_s)
+        else:
             task.watch.wake(now_s)
-            self._auctions.arm(WATCH_AUCTION, task.watch)
+        self._auctions.arm(WATCH_AUCTION, task.watch)
+
+    @property
+    def _all_are_busy(self) -> bool:
+        """Whether transports wait for a vehicle: then nobody has time to watch either."""
+        return any(task.auction.waits for task in self._tasks.values())
 
     def _check(self, task_id: str, now_s: float) -> None:
         task = self._tasks.get(task_id)

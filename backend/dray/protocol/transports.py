@@ -12,7 +12,8 @@ Beyond what every coordinator does (`coordinator`), a transport has a secondary 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
+from typing import cast
 
 from dray.memory import TaskMemory
 from dray.messages import (
@@ -26,6 +27,7 @@ from dray.messages import (
     Role,
     Superseded,
     TakenOver,
+    Transport,
     Work,
 )
 from dray.messages.fact import CarrierChanged
@@ -272,14 +274,47 @@ class Transports(Coordinator):
             elif task.secondary == heartbeat.atv:
                 self._secondaries.hear_heartbeat(task, heartbeat, now_s)
 
+    def offer(self, atv: str, abilities: Collection[str], now_s: float) -> bool:
+        """Offer the most urgent transport that waits to a vehicle that asks for work; False when none does."""
+        if any(task.primary == atv for task in self):
+            return False
+        waiting = [
+            task for task in self if task.auction.waits and cast(Transport, task.work).ability in abilities
+        ]
+        if not waiting:
+            return False
+        min(waiting, key=_urgency).auction.offer(atv, now_s)
+        return True
+
     # --- how it is done ---
 
     def _wake_auction(self, task_id: str, now_s: float) -> None:
         task = self._open.get(task_id)
         was_offered = task is not None and task.is_offered
-        super()._wake_auction(task_id, now_s)
+        if task is not None and task.auction.is_due(now_s) and self._is_behind(task):
+            task.auction.stand_behind(now_s)
+            self._auctions.arm(PRIMARY_AUCTION, task.auction)
+        else:
+            super()._wake_auction(task_id, now_s)
         if not was_offered:
             self._commit()  # Somebody may accept from now on: another life must use a higher epoch.
+
+    def _announce(self, task: OpenTask, now_s: float) -> None:
+        if task.auction.has_candidates or not self._is_behind(task):
+            super()._announce(task, now_s)
+            return
+        task.auction.stand_behind(now_s)
+        self._auctions.arm(PRIMARY_AUCTION, task.auction)
+
+    def _is_behind(self, task: OpenTask) -> bool:
+        """Whether something more urgent is known to wait for the same vehicles."""
+        ability, urgency = cast(Transport, task.work).ability, _urgency(task)
+        return any(
+            other.auction.waits
+            and cast(Transport, other.work).ability == ability
+            and _urgency(other) < urgency
+            for other in self
+        )
 
     def _may_be_carried(self, task: OpenTask, epoch: int) -> bool:
         """Whether somebody may have accepted a task of an earlier life in this epoch, and nobody since.
@@ -376,6 +411,10 @@ class Transports(Coordinator):
             silent_s=silent_s,
         )
         self._out.append(Record(changed))
+
+
+def _urgency(task: OpenTask) -> tuple[float, str]:
+    return task.auction.needed_s, task.id
 
 
 def _prolonged_s(due_s: float, opened_s: float, now_s: float) -> float:

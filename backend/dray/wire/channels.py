@@ -15,6 +15,7 @@ from dray.messages import (
     ShutOut,
     StationHeartbeat,
     TaskAnnounced,
+    WorkSought,
 )
 from dray.messages.keys import Keys
 
@@ -76,6 +77,12 @@ _PUBLISHED = (
         (BerthClaimed,),
     ),
     Channel(
+        "free",
+        _KEYS.free("{atv}"),
+        "A vehicle that had no time is free, and asks all coordinators for work that waits. The vehicle alone speaks here.",
+        (WorkSought,),
+    ),
+    Channel(
         "events",
         _KEYS.events("{agent}"),
         "An agent's history, numbered without holes. The agent alone speaks here.",
@@ -90,7 +97,7 @@ _PUBLISHED = (
 )
 
 _BROADCAST_ONLY = frozenset(
-    {AtvHeartbeat, MachineHeartbeat, StationHeartbeat, TaskAnnounced, BerthClaimed, ShutOut}
+    {AtvHeartbeat, MachineHeartbeat, StationHeartbeat, BerthClaimed, WorkSought, ShutOut}
 )
 
 CHANNELS = (

@@ -56,7 +56,7 @@ class Patience:
         """Until everybody has noticed that the faults are over, and people have put everything right (s)."""
         handling_s = max(kind.load_s + kind.unload_s for kind in kinds)
         bidding_s = (
-            rules.rest_max_s + rules.window_max_s + rules.answer_s * rules.window_max_s / rules.window_s
+            rules.rest_aged_max_s + rules.window_max_s + rules.answer_s * rules.window_max_s / rules.window_s
         )
         self.transport_s = bidding_s + 2.0 * _longest_way_s(plant) + handling_s + ASKING_S
         """From the announcement to the handover, with a vehicle that is free (s)."""
