@@ -8,12 +8,13 @@ import msgspec
 import pytest
 from kit import PLANT, announcement, award, facts, production, sent, transport
 
-from dray.messages import Bid, Refusal, Role
+from dray.messages import Bid, Refusal, Role, TransportCost, Wait
 from dray.messages.fact import BidRefused, BidSent
-from dray.protocol.bidding import MAX_WATCHES, Bidder, Standing
+from dray.protocol.bidding import MAX_WATCHES, PLACES_TOLD, Bidder, Standing
 from dray.protocol.events import Effect, Record, Send
 from dray.protocol.pricing import Quote, Unable
 from dray.protocol.trial import Trial
+from dray.protocol.waits import Waits
 
 SPOT = PLANT.nodes["p3"]
 FREE = Standing(
@@ -35,12 +36,12 @@ def standing(**changes: Any) -> Standing:
 def hear(circumstances: Standing = FREE, *, kind: str = "light", **changes: Any) -> list[Effect]:
     """What a vehicle does about an announcement."""
     out: list[Effect] = []
-    Bidder("ATV1", PLANT, kind, Trial(0), out).hear(announcement(**changes), circumstances, 0.0)
+    Bidder("ATV1", PLANT, kind, Trial(0), Waits(), out).hear(announcement(**changes), circumstances, 0.0)
     return out
 
 
 def review(circumstances: Standing = FREE, **changes: Any) -> Quote | Unable:
-    return Bidder("ATV1", PLANT, "light", Trial(0), []).review(award(**changes), circumstances, 0.0)
+    return Bidder("ATV1", PLANT, "light", Trial(0), Waits(), []).review(award(**changes), circumstances, 0.0)
 
 
 def test_a_free_vehicle_bids_straight_to_the_coordinator_with_its_breakdown() -> None:
@@ -141,3 +142,32 @@ def test_an_award_is_declined_when_things_have_changed_since_the_bid(
     found = review(standing(**circumstances))
     assert isinstance(found, Unable)
     assert found.reason is reason
+
+
+# --- waits ---------------------------------------------------------------------------------------
+
+
+def test_a_promise_and_a_price_count_what_the_coordinator_tells_of_waits() -> None:
+    [plain] = sent(hear(), Bid)
+    [waits] = sent(hear(waits=(Wait(place="M8", wait_s=40.0),)), Bid)
+    assert isinstance(waits.cost, TransportCost)
+    assert waits.cost.waiting_s == 40.0
+    # Who stands uses energy, too, though little.
+    assert plain.cost.total_s + 40.0 < waits.cost.total_s < plain.cost.total_s + 42.0
+    assert waits.finish_s == pytest.approx(plain.finish_s + 40.0)
+
+
+def test_a_source_at_which_nobody_waits_is_chosen_before_a_nearer_one_at_which_all_do() -> None:
+    work = transport(sources=("S3", "S6"))
+    [near] = sent(hear(work=work), Bid)
+    [far] = sent(hear(work=work, waits=(Wait(place=near.source, wait_s=500.0),)), Bid)
+    assert {near.source, far.source} == {"S3", "S6"}
+    assert isinstance(far.cost, TransportCost)
+    assert far.cost.waiting_s == 0.0
+
+
+def test_no_coordinator_tells_of_more_places_than_a_transport_has() -> None:
+    told = tuple(Wait(place=f"X{number}", wait_s=1.0) for number in range(PLACES_TOLD))
+    [bid] = sent(hear(waits=(*told, Wait(place="M8", wait_s=40.0))), Bid)
+    assert isinstance(bid.cost, TransportCost)
+    assert bid.cost.waiting_s == 0.0

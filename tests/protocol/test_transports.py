@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from kit import KEYS, deeds, facts, listening, published, sent
+import msgspec
+import pytest
+from kit import KEYS, Credulous, deeds, facts, listening, published, sent
 from office import Office, contracted, watched
 
-from dray.messages import Role, TaskAnnounced, Withdrawn
+from dray.messages import Phase, Role, TaskAnnounced, Transport, Withdrawn
 from dray.messages.fact import PrimarySuspected, TaskClosed, WatchLost
 from dray.protocol.events import NEVER_S
 from dray.protocol.secondaries import WATCH_RULES
@@ -165,3 +167,52 @@ def test_a_watch_that_is_still_sought_at_the_end_is_sought_no_longer() -> None:
     office.desk.close(office.task, "delivered")
     assert office.released() == [("ATV1", Role.SECONDARY)]
     assert office.timers.next_s == NEVER_S
+
+
+# --- waits ---------------------------------------------------------------------------------------
+
+
+def phase(office: Office, atv: str, phase: Phase) -> None:
+    """A carrier says how far it has come."""
+    office.seq += 1
+    heartbeat = office.heartbeat(atv)
+    assert heartbeat.task is not None
+    said = msgspec.structs.replace(heartbeat, task=msgspec.structs.replace(heartbeat.task, phase=phase))
+    office.desk.hear_heartbeat(said, office.now_s)
+
+
+def told(office: Office) -> dict[str, float]:
+    """What the next announcement tells of waits."""
+    office.out.clear()
+    office.open("T2")
+    return {wait.place: wait.wait_s for wait in published(office.out, TaskAnnounced)[-1].waits}
+
+
+def test_a_coordinator_tells_the_next_ones_how_long_its_carriers_have_waited() -> None:
+    office = watched()
+    carrier = office.task.primary
+    office.task.source = "S3"
+    work = office.task.work
+    assert isinstance(work, Transport)
+    assert told(office) == {}
+    phase(office, carrier, Phase.LOADING)
+    office.now_s += 50.0
+    phase(office, carrier, Phase.CARRYING)
+    phase(office, carrier, Phase.UNLOADING)
+    office.now_s += 20.0
+    phase(office, carrier, Phase.HANDING_OVER)
+    handling_s = Credulous().handling_max_s
+    known = office.desk.told_waits(work, office.now_s)
+    waits = {wait.place: wait.wait_s for wait in known}
+    assert waits["S3"] == pytest.approx(50.0 - handling_s)
+    assert waits[work.destination] == pytest.approx(20.0 - handling_s)
+
+
+def test_who_stands_at_its_dock_now_counts_too() -> None:
+    office = watched()
+    work = office.task.work
+    assert isinstance(work, Transport)
+    office.task.held_s = office.now_s
+    office.now_s += 33.0
+    waits = {wait.place: wait.wait_s for wait in office.desk.told_waits(work, office.now_s)}
+    assert waits[office.desk.agent] == pytest.approx(33.0)

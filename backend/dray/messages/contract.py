@@ -58,10 +58,12 @@ class TransportCost(Part, tag_field="kind", tag="transport", frozen=True):
     """Energy used, and how little is left after it, weighed as seconds."""
     suitability_s: Seconds
     """What it costs the plant that this vehicle could do rarer work meanwhile."""
+    waiting_s: Seconds = 0.0
+    """Waiting where it loads and unloads, as was seen there lately."""
 
     @property
     def total_s(self) -> float:
-        return self.empty_way_s + self.loaded_way_s + self.energy_s + self.suitability_s
+        return self.empty_way_s + self.loaded_way_s + self.energy_s + self.suitability_s + self.waiting_s
 
 
 class ProductionCost(Part, tag_field="kind", tag="production", frozen=True):
@@ -80,6 +82,14 @@ class ProductionCost(Part, tag_field="kind", tag="production", frozen=True):
 
 
 Cost = TransportCost | ProductionCost
+
+
+class Wait(Part, frozen=True):
+    """How long vehicles wait at a place."""
+
+    place: Id
+    wait_s: Seconds
+    """Beyond the handling itself."""
 
 
 class TaskAnnounced(Message, frozen=True):
@@ -105,6 +115,8 @@ class TaskAnnounced(Message, frozen=True):
     """Whom to watch, when a SECONDARY is sought; that vehicle does not bid."""
     needed_s: Seconds = 0.0
     """When the work was needed at first (plant clock): the deadline moves when nobody can keep it. 0 for the deadline."""
+    waits: tuple[Wait, ...] = ()
+    """How long vehicles have waited lately at the sources and at the destination, as the coordinator has seen it."""
 
 
 class WorkSought(Message, frozen=True):

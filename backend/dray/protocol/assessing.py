@@ -31,6 +31,8 @@ class Assessor:
     def __init__(self, plant: Plant, out: list[Effect]) -> None:
         self._plausibility = Plausibility(plant)
         self.reliability = Reliability(out)
+        self.handling_max_s = self._plausibility.handling_max_s
+        """The longest loading or unloading of the plant."""
 
     def objection(self, bidder: str, work: Work, bid: Bid, now_s: float) -> str:
         """Why a bid does not count; empty when it does. The reasons are few and fixed."""

@@ -47,6 +47,7 @@ from dray.messages import (
     DockOpened,
     HandoverAccepted,
     Link,
+    Phase,
     Release,
     Role,
     Superseded,
@@ -83,6 +84,7 @@ from dray.protocol.supervision import Following
 from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
 from dray.protocol.trial import Trial
 from dray.protocol.trouble import Trouble
+from dray.protocol.waits import Waits
 from dray.protocol.watching import WATCH_VIGIL, Watches
 
 ORDERS_PER_LIFE = 1_000_000
@@ -125,7 +127,10 @@ class Atv(Core):
         self._following = Following(self._keys.atv_heartbeat, self._out)
         self._watches = Watches(self._following, self._timers, self._out)
         self._trial = Trial(trial)
-        self._bidder = Bidder(atv, plant, self._type, self._trial, self._out)
+        self._waits = Waits()
+        self._bidder = Bidder(atv, plant, self._type, self._trial, self._waits, self._out)
+        self._phase_s = 0.0
+        """Since when its carriage has been in its present phase (plant clock)."""
         self._rest = Rest(atv, plant, self._type, self._keys, self._driver, self._timers, self._out)
         self._seeking = Seeking(atv, plant, self._type, self._keys, self._timers, self._out)
         self._trouble = Trouble(self._out)
@@ -566,6 +571,8 @@ class Atv(Core):
             return
         phase = carriage.phase
         step(carriage)
+        if carriage.phase is not phase:
+            self._note_wait(carriage, phase, now_s)
         if self._departure.begun:
             carriage.give_back(LEAVES, now_s)
         self._pulse.at_once(now_s)
@@ -573,6 +580,15 @@ class Atv(Core):
             self._end_carriage(carriage, now_s)
         elif carriage.phase is not phase:
             self._commit()
+
+    def _note_wait(self, carriage: Carriage, phase: Phase, now_s: float) -> None:
+        """A phase of the carriage is over: remember how long it had to wait in it."""
+        kind, took_s = self._plant.vehicle_types[self._type], now_s - self._phase_s
+        self._phase_s = now_s
+        if phase is Phase.LOADING and carriage.phase is Phase.CARRYING:
+            self._waits.note(carriage.source, "", took_s - kind.load_s, now_s)
+        elif phase is Phase.UNLOADING and carriage.phase is Phase.HANDING_OVER:
+            self._waits.note(carriage.work.destination, "", took_s - kind.unload_s, now_s)
 
     def _end_carriage(self, carriage: Carriage, now_s: float) -> None:
         ended = ContractEnded(

@@ -29,7 +29,18 @@ from itertools import count
 
 import msgspec
 
-from dray.messages import Accepted, Award, Bid, Declined, Release, Role, TaskAnnounced, Transport, Work
+from dray.messages import (
+    Accepted,
+    Award,
+    Bid,
+    Declined,
+    Release,
+    Role,
+    TaskAnnounced,
+    Transport,
+    Wait,
+    Work,
+)
 from dray.messages.fact import AwardAnswered, AwardGiven, BidReceived, RoundFailed, TaskOpened
 from dray.protocol.assessing import Assessor
 from dray.protocol.auction_rules import AuctionRules
@@ -95,6 +106,7 @@ class Auction:
         assessor: what is asked of a bid beside its price.
         candidates: bids to ask before announcing anything, cheapest first.
         numbers: of its awards; by default from 1 on.
+        waits: what the coordinator knows of waits at the places of some work, at a time (s).
     """
 
     def __init__(
@@ -108,6 +120,7 @@ class Auction:
         assessor: Assessor,
         candidates: tuple[tuple[str, Bid], ...] = (),
         numbers: Iterator[int] | None = None,
+        waits: Callable[[Work, float], tuple[Wait, ...]] = lambda _work, _now_s: (),
     ) -> None:
         self.coordinator = coordinator
         self.terms = terms
@@ -123,6 +136,7 @@ class Auction:
         """Those who bid and were never asked, cheapest first, once it is DECIDED."""
         self._place = place
         self._audience = audience
+        self._waits = waits
         self._rules = rules
         self._out = out
         self._assessor = assessor
@@ -200,7 +214,7 @@ class Auction:
         if self._rules.moves_deadline:
             self._move_deadline(now_s)
         self._noted.pop(bidder, None)
-        self._out.append(Send(bidder, self._announcement(self.wake_at_s)))
+        self._out.append(Send(bidder, self._announcement(self.wake_at_s, now_s)))
 
     def hear_bid(self, bidder: str, bid: Bid, now_s: float) -> None:
         """Note a bid, if it can be true. One of a later round replaces the same bidder's first."""
@@ -294,7 +308,7 @@ class Auction:
         self.stage = Stage.COLLECTING
         self.wake_at_s = now_s + self._rules.window_in_s(self.round)
         self._tell_opened(self.wake_at_s)
-        announcement = self._announcement(self.wake_at_s)
+        announcement = self._announcement(self.wake_at_s, now_s)
         self._out.extend(Publish(key, announcement) for key in self._audience(self.radius_m))
 
     def _begin(self, now_s: float) -> None:
@@ -320,7 +334,7 @@ class Auction:
             )
         )
 
-    def _announcement(self, until_s: float) -> TaskAnnounced:
+    def _announcement(self, until_s: float, now_s: float) -> TaskAnnounced:
         terms = self.terms
         return TaskAnnounced(
             task=terms.task,
@@ -336,6 +350,7 @@ class Auction:
             bids_until_s=until_s,
             primary=terms.primary,
             needed_s=self.needed_s,
+            waits=self._waits(terms.work, now_s),
         )
 
     def _span_from(self, at_s: float) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from itertools import count
 
-from dray.messages import Bid, Work
+from dray.messages import Bid, Wait, Work
 from dray.protocol.assessing import Assessor
 from dray.protocol.auction import Auction, Place, Terms
 from dray.protocol.auction_rules import AuctionRules
@@ -50,6 +50,8 @@ class Auctions:
         self._hearing = hearing
         self._numbers = count((incarnation - 1) * AWARDS_PER_LIFE + 1)
         self._assessor = assessor
+        self.waits: Callable[[Work, float], tuple[Wait, ...]] = lambda _work, _now_s: ()
+        """What the coordinator knows of waits at the places of some work, at a time (s)."""
 
     def prepare(
         self, terms: Terms, rules: AuctionRules, candidates: tuple[tuple[str, Bid], ...] = ()
@@ -74,6 +76,7 @@ class Auctions:
             self._assessor,
             candidates,
             self._numbers,
+            self.waits,
         )
 
     def arm(self, kind: str, auction: Auction) -> None:

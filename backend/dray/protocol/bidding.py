@@ -10,9 +10,13 @@ from dray.protocol.answers import offer, refuse
 from dray.protocol.events import Effect
 from dray.protocol.pricing import Pricer, Quote, Unable
 from dray.protocol.trial import ON_TRIAL, Trial
+from dray.protocol.waits import Waits
 
 MAX_WATCHES = 3
 """Tasks that one vehicle watches at most: it can take over only one of them."""
+
+PLACES_TOLD = 32
+"""Places of which one announcement tells: its sources, and its destination."""
 
 SHORT_S = 90.0
 """A transport that one on trial may take: every second one of the default plant, which take 83 s in the middle."""
@@ -42,13 +46,17 @@ class Bidder:
         plant: where the ways are.
         vehicle_type: id of the vehicle's type.
         trial: of the vehicle.
+        waits: what the vehicle has learned of places; announcements tell of them, too.
         out: where effects go.
     """
 
-    def __init__(self, atv: str, plant: Plant, vehicle_type: str, trial: Trial, out: list[Effect]) -> None:
+    def __init__(
+        self, atv: str, plant: Plant, vehicle_type: str, trial: Trial, waits: Waits, out: list[Effect]
+    ) -> None:
         self._atv = atv
         self._pricer = Pricer(plant, vehicle_type)
         self._trial = trial
+        self._waits = waits
         self._out = out
 
     def hear(self, message: TaskAnnounced, standing: Standing, now_s: float) -> Refusal | None:
@@ -60,6 +68,8 @@ class Bidder:
         dx_m, dy_m = message.x_m - standing.x_m, message.y_m - standing.y_m
         if dx_m * dx_m + dy_m * dy_m > message.radius_m * message.radius_m:
             return None  # A neighbour of those who were asked: its cell only touches the circle.
+        for told in message.waits[:PLACES_TOLD]:
+            self._waits.note(told.place, message.coordinator, told.wait_s, now_s)
         answer = self._consider(
             message.work, message.role, message.primary, message.deadline_s, standing, now_s
         )
@@ -116,4 +126,5 @@ class Bidder:
             battery_frac=standing.battery_frac,
             now_s=now_s,
             deadline_s=deadline_s,
+            wait_s=lambda place: self._waits.expect_s(place, now_s),
         )

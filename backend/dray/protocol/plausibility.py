@@ -20,6 +20,7 @@ from dray.messages import Bid, Production, Transport, TransportCost, Work
 from dray.plant import Plant
 from dray.protocol.docks import dock_of
 from dray.protocol.suspicion import LATENESS_MAX_S
+from dray.protocol.waits import WAIT_MAX_S
 
 CLOCKS_S = 1.0
 """Clocks of the plant agree within this."""
@@ -92,6 +93,8 @@ class Plausibility:
         if bid is not None and isinstance(bid.cost, TransportCost):
             ways_s = bid.cost.empty_way_s + bid.cost.loaded_way_s
             span_s = min(span_s, LOOSE_FRAC * ways_s + 2.0 * self.handling_max_s + LOOSE_S)
+            # It pays for that with its price; and nobody is believed to wait for ever.
+            span_s += min(bid.cost.waiting_s, WAIT_MAX_S)
         return min(max(promised_s, now_s), now_s + span_s)
 
     def _transport_objection(self, work: Work, bid: Bid, cost: TransportCost, now_s: float) -> str:
@@ -117,5 +120,5 @@ class Plausibility:
 def _parts_s(bid: Bid) -> tuple[float, ...]:
     cost = bid.cost
     if isinstance(cost, TransportCost):
-        return cost.empty_way_s, cost.loaded_way_s, cost.energy_s, cost.suitability_s
+        return cost.empty_way_s, cost.loaded_way_s, cost.energy_s, cost.suitability_s, cost.waiting_s
     return cost.queue_s, cost.material_s, cost.making_s

@@ -1,16 +1,19 @@
 """The price of a transport: pure arithmetic over the plant's ways (paper, 4.1).
 
-A price has four parts, all in seconds so that they add up and can be compared:
+A price has five parts, all in seconds so that they add up and can be compared:
 
     empty way    driving from here to the source
     loaded way   driving from the source to the destination
     energy       Wh used * ENERGY_S_PER_WH, plus a premium that grows as the battery empties
+    waiting      where it would load and unload, as was seen there lately
     suitability  SPARE_ABILITY_S for every ability of the vehicle that the task does not need
 
 A vehicle quotes only what it can keep: the deadline, and a battery that still reaches a charger.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import msgspec
 
@@ -76,6 +79,7 @@ class Pricer:
         battery_frac: float,
         now_s: float,
         deadline_s: float,
+        wait_s: Callable[[str], float] = lambda _place: 0.0,
     ) -> Quote | Unable:
         """Price a transport from a node.
 
@@ -86,6 +90,7 @@ class Pricer:
             battery_frac: what is in the battery now.
             now_s: the present time.
             deadline_s: when it should be done.
+            wait_s: how long it would have to wait at a place beyond the handling.
 
         Returns:
             The cheapest offer that can be kept, over all sources; or why there is none, of the cheapest of all.
@@ -106,7 +111,10 @@ class Pricer:
             except NoWay:
                 continue
             approach_s = max(0.0, node_at_s - now_s)
-            took_s = approach_s + empty.duration_s + kind.load_s + loaded.duration_s + kind.unload_s
+            waiting_s = wait_s(source) + wait_s(work.destination)
+            took_s = (
+                approach_s + empty.duration_s + kind.load_s + loaded.duration_s + kind.unload_s + waiting_s
+            )
             used_wh = (
                 empty.length_m * kind.drive_wh_per_m
                 + loaded.length_m * kind.loaded_wh_per_m
@@ -118,6 +126,7 @@ class Pricer:
                 loaded_way_s=loaded.duration_s,
                 energy_s=used_wh * ENERGY_S_PER_WH + low_battery_s(left_frac),
                 suitability_s=spare_s,
+                waiting_s=waiting_s,
             )
             offers.append((Quote(source=source, cost=cost, finish_s=now_s + took_s), left_frac))
         if not offers:

@@ -30,6 +30,8 @@ class OpenTask:
         "id",
         "loaded",
         "opened_s",
+        "phase",
+        "phase_s",
         "primary",
         "progress",
         "promised_s",
@@ -88,6 +90,10 @@ class OpenTask:
         """Why it does not go on, in words."""
         self.grace = False
         """The primary has failed, and the secondary may still take over."""
+        self.phase: Phase | None = None
+        """How far its primary had come when it was heard last; None before it has said so."""
+        self.phase_s = 0.0
+        """Since when it has been heard in that phase."""
         self.unnamed_s = NEVER_S
         """Since when the primary does not name this task in its heartbeat."""
         self.unwatched_s = NEVER_S

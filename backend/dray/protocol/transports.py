@@ -23,11 +23,13 @@ from dray.messages import (
     Brief,
     Confirmed,
     Declined,
+    Phase,
     Resigned,
     Role,
     Superseded,
     TakenOver,
     Transport,
+    Wait,
     Work,
 )
 from dray.messages.fact import CarrierChanged
@@ -42,6 +44,7 @@ from dray.protocol.supervision import Following
 from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
 from dray.protocol.tasks import OpenTask, Outcome
 from dray.protocol.timers import Timers
+from dray.protocol.waits import Waits
 
 ADOPT_S = 10.0
 """How long a coordinator that was started again listens for vehicles that work for it: many heartbeats."""
@@ -101,11 +104,14 @@ class Transports(Coordinator):
             following.hearing,
             incarnation=incarnation,
         )
+        self.agent = machine
         self._commit = commit
         self._ended = ended
         self._lost = lost
         self._left = left
         self._unloaded = unloaded
+        self._waits = Waits()
+        self._auctions.waits = self.told_waits
         self._secondaries = Secondaries(self._open, self._auctions, following, timers, out)
         self._failover = Failover(
             self._open, self._secondaries, following, timers, out, self, assessor, is_missing
@@ -270,6 +276,7 @@ class Transports(Coordinator):
         """Note that a contracted vehicle lives, and whether it knows of its contract."""
         for task in list(self._open.values()):
             if task.primary == heartbeat.atv:
+                self._note_phase(task, heartbeat, now_s)
                 self._failover.hear_heartbeat(task, heartbeat, now_s)
             elif task.secondary == heartbeat.atv:
                 self._secondaries.hear_heartbeat(task, heartbeat, now_s)
@@ -287,6 +294,26 @@ class Transports(Coordinator):
         return True
 
     # --- how it is done ---
+
+    def _note_phase(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
+        """See how far a carrier has come, and learn how long it had to wait."""
+        brief = heartbeat.task
+        if brief is None or brief.task != task.id or brief.phase is task.phase:
+            return
+        waited_s = now_s - task.phase_s - self._assessor.handling_max_s
+        if task.phase is Phase.LOADING and brief.phase is Phase.CARRYING:
+            self._waits.note(task.source, task.primary, waited_s, now_s)
+        elif task.phase is Phase.UNLOADING and brief.phase is Phase.HANDING_OVER:
+            self._waits.note(cast(Transport, task.work).destination, task.primary, waited_s, now_s)
+        task.phase, task.phase_s = brief.phase, now_s
+
+    def told_waits(self, work: Work, now_s: float) -> tuple[Wait, ...]:
+        """What is known of waits at the places of a transport: lately, and of who stands there now."""
+        transport = cast(Transport, work)
+        for task in self:
+            if task.held_s < NEVER_S:
+                self._waits.note(self.agent, task.primary, now_s - task.held_s, now_s)
+        return self._waits.told((*transport.sources, transport.destination), now_s)
 
     def _wake_auction(self, task_id: str, now_s: float) -> None:
         task = self._open.get(task_id)
@@ -353,6 +380,7 @@ class Transports(Coordinator):
         if task.primary:
             self._left(task.primary)
         task.primary, task.source, task.loaded, task.unloaded = "", "", False, False
+        task.phase = None
         task.held_s = NEVER_S
 
     def _bind(

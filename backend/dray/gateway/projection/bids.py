@@ -89,5 +89,6 @@ def _parts(cost: Cost) -> dict[str, float]:
             "loaded_way": cost.loaded_way_s,
             "energy": cost.energy_s,
             "suitability": cost.suitability_s,
+            **({"waiting": cost.waiting_s} if cost.waiting_s else {}),
         }
     return {"queue": cost.queue_s, "material": cost.material_s, "making": cost.making_s}

@@ -49,6 +49,7 @@ PARTS = {
     "loaded_way": "its shorter loaded way",
     "energy": "the energy it needs and has left",
     "suitability": "being needed less for other work",
+    "waiting": "having to wait less where it loads and unloads",
     "reliability": "contracts that the other has dropped lately",
     "queue": "its shorter queue",
     "material": "having its material sooner",

@@ -19,7 +19,7 @@ class BidView(View, kw_only=True):
     round: int
     total_s: float
     parts_s: dict[str, float]
-    """empty_way, loaded_way, energy, suitability; or queue, material, making; and reliability, where its coordinator
+    """empty_way, loaded_way, energy, suitability and, where vehicles wait, waiting; or queue, material, making; and reliability, where its coordinator
     adds something for contracts that the bidder has dropped."""
     finish_at_s: float
     source: str = ""

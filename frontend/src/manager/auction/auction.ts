@@ -23,7 +23,7 @@ export interface Auction {
 
 /** A part that nobody spends half a second on is not worth a place in the legend. */
 const SHOWN_S = 0.5;
-const PART_ORDER = ["empty_way", "loaded_way", "energy", "suitability", "reliability", "queue", "material", "making"];
+const PART_ORDER = ["empty_way", "loaded_way", "energy", "suitability", "waiting", "reliability", "queue", "material", "making"];
 
 export function auctionOf(task: TaskView): Auction {
   const rowsOf = (bids: readonly BidView[]): BidRow[] =>
