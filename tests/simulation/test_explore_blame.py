@@ -135,3 +135,22 @@ def test_what_may_have_lost_a_message() -> None:
     blame.begin("F4", WlanCut("M8"), 40.0)
     assert blame.may_have_lost("ATV1", "M8", 41.0)
     assert not blame.may_have_lost("ATV1", "M7", 41.0)
+
+
+def test_a_process_that_is_sent_away_while_it_is_down_stays_away_as_it_went() -> None:
+    blame = Blame(fleet=("ATV3",))
+    blame.begin("F1", Crashed("ATV3"), 10.0)
+    blame.begin("F2", SentAway("ATV3", 1), 10.0 + VEHICLE_BACK_S / 2.0)
+    blame.end("F1", 10.0 + VEHICLE_BACK_S / 2.0 + 0.1)
+    blame.hear(10.0 + VEHICLE_BACK_S + 1.0, "M8", "*", event("M8", LOST))
+
+
+@pytest.mark.parametrize("other", [ClockSet("ATV3", 5.0), Crashed("ATV3")])
+def test_a_fault_that_is_none_does_not_keep_an_old_one_alive(other: ClockSet | Crashed) -> None:
+    blame = Blame(fleet=("ATV3",))
+    blame.begin("F1", WlanCut("ATV3"), 10.0)
+    blame.begin("F2", other, 11.0)
+    blame.end("F1", 12.0)
+    blame.end("F2", 12.5)
+    with pytest.raises(InvariantBroken):
+        blame.hear(12.0 + LATER_S + 1.0, "M8", "*", event("M8", LOST))

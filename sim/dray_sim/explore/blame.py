@@ -57,13 +57,13 @@ class _Spell(NamedTuple):
 class _Absence:
     """How long an agent's process was away."""
 
-    __slots__ = ("back_s", "crashes", "since_s")
+    __slots__ = ("back_s", "held_by", "since_s")
 
     def __init__(self, since_s: float) -> None:
         self.since_s = since_s
         self.back_s = float("inf")
-        self.crashes = 0
-        """Those that hold it."""
+        self.held_by: set[str] = set()
+        """The faults that keep it away, by id."""
 
 
 class Blame:
@@ -91,10 +91,15 @@ class Blame:
             absence = self._absences.get(fault.agent)
             if absence is None or at_s > absence.back_s + HEARD_S:
                 absence = self._absences[fault.agent] = _Absence(at_s)
-            absence.crashes += 1
+            absence.held_by.add(name)
             absence.back_s = float("inf")
         elif not isinstance(fault, ClockSet):
             self._touched_s[_touched(fault)] = float("inf")
+            if isinstance(fault, SentAway):
+                # A process that is down already cannot leave in order: it stays away as it went.
+                absence = self._absences.get(fault.agent)
+                if absence is not None and absence.held_by:
+                    absence.held_by.add(name)
 
     def distrust(self, agent: str) -> None:
         """Somebody lies: whatever it loses is due to that."""
@@ -104,13 +109,16 @@ class Blame:
         """A fault has ended."""
         fault = self._spells[name].fault
         self._spells[name] = self._spells[name]._replace(ended_s=at_s)
-        if isinstance(fault, Crashed):
-            self._note_back(fault.agent, at_s)
-            return
-        if isinstance(fault, ClockSet):
+        if isinstance(fault, Crashed | SentAway):
+            self._note_back(fault.agent, name, at_s)
+        if isinstance(fault, Crashed | ClockSet):
             return
         touched = _touched(fault)
-        still = any(_touched(each.fault) == touched and each.ended_s > at_s for each in self._spells.values())
+        still = any(
+            _touched(each.fault) == touched and each.ended_s > at_s
+            for each in self._spells.values()
+            if not isinstance(each.fault, Crashed | ClockSet)
+        )
         self._touched_s[touched] = float("inf") if still else at_s
 
     def in_trouble(self, at_s: float, *agents: str) -> bool:
@@ -167,11 +175,13 @@ class Blame:
                 seen = f"{fact.machine} lost {fact.goal}, and nothing was wrong with it"
                 raise InvariantBroken(6, at_s, seen)
 
-    def _note_back(self, agent: str, at_s: float) -> None:
+    def _note_back(self, agent: str, name: str, at_s: float) -> None:
         """A crash is over; it counts as a fault when the process was away for so long that it was missed."""
-        absence = self._absences[agent]
-        absence.crashes -= 1
-        if not absence.crashes:
+        absence = self._absences.get(agent)
+        if absence is None or name not in absence.held_by:
+            return
+        absence.held_by.remove(name)
+        if not absence.held_by:
             absence.back_s = at_s
             if self._is_missed(agent, at_s):
                 self._touched_s[agent] = max(at_s, self._touched_s.get(agent, at_s))

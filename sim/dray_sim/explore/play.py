@@ -7,6 +7,7 @@ from collections import Counter
 from contextlib import suppress
 from random import Random
 
+from dray.adapters.system_clock import SLEW_FRAC
 from dray.errors import DrayError
 from dray.messages import Event, Message
 from dray.messages.fact import TaskClosed, TookOver
@@ -211,6 +212,8 @@ class _Game:
     async def _await_end(self, factory: SimFactory, calm: Calm) -> None:
         """The faults, the calm, and the end of everything that is open."""
         await asyncio.sleep(self._trial.faults_until_s)
+        # Nobody counts on the times of a clock that was set until it is steered back.
+        await asyncio.sleep(factory.clock_error_s() / SLEW_FRAC)
         calm.begin(factory.clock.now_s())
         await asyncio.sleep(self._trial.duration_s - self._trial.faults_until_s)
         await calm.over.wait()
