@@ -230,8 +230,7 @@ class SimFactory:
 
     def clock_error_s(self) -> float:
         """How far the clock of any agent is off at most (s)."""
-        now_s = self.clock.now_s()
-        return max((abs(post.clock.now_s() - now_s) for post in self._posts.values()), default=0.0)
+        return max((abs(post.clock.ahead_s) for post in self._posts.values()), default=0.0)
 
     def clock_of(self, agent: str) -> Clock:
         """The clock that an agent goes by.
