@@ -6,7 +6,19 @@ from typing import cast
 
 import msgspec
 import pytest
-from kit import MachineRig, accepted, committed, facts, instructed, production, published, rhb, sent
+from kit import (
+    MachineRig,
+    accepted,
+    award_number,
+    bid,
+    committed,
+    facts,
+    instructed,
+    production,
+    published,
+    rhb,
+    sent,
+)
 from m7 import (
     FULL,
     NO_HOUSINGS,
@@ -28,6 +40,7 @@ from dray.messages import (
     Brief,
     Confirmed,
     DockOpened,
+    HandoverAccepted,
     MachineHeartbeat,
     MachineStatus,
     Phase,
@@ -43,11 +56,10 @@ from dray.protocol.events import Commit
 from dray.protocol.transports import ADOPT_S
 
 
-def reborn(rig: MachineRig, **stock: int) -> MachineRig:
+def reborn(rig: MachineRig, *, doubts: bool = False, **stock: int) -> MachineRig:
     """The machine is started again, with its workcell as it is and what it had written down."""
-    again = MachineRig(
-        "M7", rig.stock | {key.replace("_", "-"): each for key, each in stock.items()}, incarnation=2
-    )
+    stock = rig.stock | {key.replace("_", "-"): each for key, each in stock.items()}
+    again = MachineRig("M7", stock, incarnation=2, doubts=doubts)
     again.memory, again.now_s = committed(rig.all), rig.now_s
     again.start()
     return again
@@ -216,6 +228,19 @@ def test_once_others_were_asked_an_earlier_acceptance_is_over() -> None:
     later = reborn(again)
     assert sent(later.hear("ATV2", accepted("M7-1")), Release, to="ATV2")
     assert carrier(later) == ("", 3)
+
+
+def test_whoever_is_asked_by_the_next_life_is_not_taken_at_its_word_for_the_load() -> None:
+    again = reborn(asking(), doubts=True)
+    again.run(again.now_s + ADOPT_S)
+    finish_s = again.now_s + 120.0
+    effects = again.hear("ATV2", bid(90.0, task="M7-1", epoch=2, finish_s=finish_s, source="S1"))
+    effects += again.run(published(again.all, TaskAnnounced)[-1].bids_until_s)
+    again.hear("ATV2", accepted("M7-1", epoch=2, number=award_number(effects, "ATV2", "M7-1")))
+    assert carrier(again) == ("ATV2", 2)
+    assert sent(again.hear("ATV2", handover(epoch=2)), HandoverAccepted) == []
+    again.stocked("housing", 24, "ATV2")
+    assert sent(again.hear("ATV2", handover(epoch=2)), HandoverAccepted, to="ATV2")
 
 
 def test_a_machine_that_has_lost_its_notes_waits_for_the_word_of_those_who_ask_it() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 import subprocess
 import sys
 
@@ -136,18 +137,22 @@ def test_processes_change_nothing_but_the_time(monkeypatch: pytest.MonkeyPatch) 
     assert one.rate > 0
 
 
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("jobs", [1, 2])
-def test_a_search_that_is_stopped_tells_what_it_has_seen(jobs: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_search_that_is_stopped_tells_what_it_has_seen(
+    jobs: int, how: signal.Signals, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("dray_sim.explore.search.CHUNK", 2)
 
     def stop(outcome: Outcome) -> None:
         if outcome.seed == 1:
-            raise KeyboardInterrupt
+            signal.raise_signal(how)
 
     summary = search(0, 10_000, profile="calm", jobs=jobs, progress=stop)
     assert summary.interrupted
     assert summary.trials == 2
     assert (summary.first, summary.last) == (0, 10_000)
+    assert not multiprocessing.active_children()
 
 
 def test_a_process_that_is_killed_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -33,9 +33,11 @@ from dray.protocol.docking import Dock
 from dray.protocol.events import Instruct, Send
 from dray.protocol.obedience import Obedience
 from dray.protocol.order_book import OrderInWork
+from dray.protocol.progress import Progress
 from dray.protocol.strategist import Strategist
 from dray.protocol.tasks import OpenTask
 from dray.protocol.transports import Transports
+from dray_sim import computer
 from dray_sim.explore.play import play
 from dray_sim.explore.trial import draw
 
@@ -190,7 +192,19 @@ def that_believes_every_handover(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Dock, "hear_handover", believe)
 
 
+def that_waits_for_whoever_lives(patch: pytest.MonkeyPatch) -> None:
+    """A machine does not ask whether its carrier comes nearer, as long as it is heard."""
+    patch.setattr(Progress, "hear", lambda *_: "")
+
+
+def with_clocks_that_jump(patch: pytest.MonkeyPatch) -> None:
+    """An agent's clock follows its computer's at once, wherever that is set."""
+    patch.setattr(computer, "SLEW_FRAC", 1e6)
+
+
 MUTANTS = [
+    pytest.param(that_waits_for_whoever_lives, "liars", 0, "invariant 1", id="no-progress-deadline"),
+    pytest.param(with_clocks_that_jump, "clocks", 0, "invariant 6", id="clocks-that-jump"),
     pytest.param(that_believes_every_handover, "liars", 16, "invariant 1", id="handover-unseen"),
     pytest.param(without_the_fence, "links", 0, "invariant 2", id="no-fence"),
     pytest.param(with_handovers_that_count_twice, "answers", 0, "ended twice", id="handover-twice"),

@@ -206,6 +206,8 @@ class Coordinator:
         if task.source and isinstance(task.work, Transport):
             # From now on the load is there and nowhere else: whoever takes over fetches it there, too.
             task.work = replace(task.work, sources=(task.source,))
+        # Whoever is awarded a task by this life loads under its eyes, whatever an earlier life may have missed.
+        task.witnessed = True
         self._timers.clear((PRIMARY_AUCTION, task.id))
         self._bound(task, auction.left_over, now_s)
         self._contracted(task, now_s)

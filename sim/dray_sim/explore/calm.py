@@ -41,13 +41,15 @@ class Calm:
 
     Args:
         patience: the bounds.
+        liar: whose word on its own work counts for nothing; empty when everybody is honest.
 
     Attributes:
         over: set when nothing is open and nobody is bound any more, after the calm has begun.
     """
 
-    def __init__(self, patience: Patience) -> None:
+    def __init__(self, patience: Patience, liar: str = "") -> None:
         self.over = asyncio.Event()
+        self._liar = liar
         self._patience = patience
         self._since_s = float("inf")
         self._open: dict[str, tuple[float, int, str]] = {}
@@ -92,7 +94,7 @@ class Calm:
             self._end_order(message.order)
         elif type(message) is RevocationTaken:
             self._return_order(message)
-        elif type(message) is AtvHeartbeat:
+        elif type(message) is AtvHeartbeat and message.atv != self._liar:
             self._note_work(message, at_s)
         if at_s >= self._look_s:
             self._look_s = at_s + LOOK_S

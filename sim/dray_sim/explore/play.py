@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from collections import Counter
-from contextlib import suppress
 from random import Random
 
 from dray.adapters.system_clock import SLEW_FRAC
@@ -126,7 +125,8 @@ class _Game:
         factory = SimFactory(
             trial.plant, clock(), seed=trial.seed, stock_frac=trial.stock_frac, codec=trial.codec, ear=ears
         )
-        blame, calm = Blame(trial.plant.fleet), Calm(Patience(trial.plant, trial.habits))
+        liar = INSIDER if trial.insider else ""
+        blame, calm = Blame(trial.plant.fleet), Calm(Patience(trial.plant, trial.habits), liar)
         checks = Invariants(
             factory,
             blame,
@@ -135,8 +135,8 @@ class _Game:
             NobodyWaitsInVain(blame, tuple(trial.plant.storages)),
             calm,
         )
-        if trial.insider:
-            blame.distrust(INSIDER)
+        if liar:
+            blame.distrust(liar)
         faults = _Diary(factory, blame, self._story)
         self._faults = faults.begun
         let_happen(trial.schedule, faults)
@@ -188,10 +188,8 @@ class _Game:
                 group.create_task(self._lie(factory))
 
     async def _lie(self, factory: SimFactory) -> None:
-        """Somebody lies until the calm, in which nobody is wronged any more."""
-        liar = bring_in(factory, BEHAVIOURS[self._trial.insider])
-        with suppress(TimeoutError):
-            await asyncio.wait_for(liar.run(), self._trial.faults_until_s)
+        """Somebody lies to the end: in the calm as well, whatever is open must end."""
+        await bring_in(factory, BEHAVIOURS[self._trial.insider]).run()
 
     async def _pass_by(self, factory: SimFactory) -> None:
         trial = self._trial

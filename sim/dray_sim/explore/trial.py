@@ -111,7 +111,13 @@ class Profile:
 
 
 PROFILES: Mapping[str, Profile] = {
-    "all": Profile(weights={**WEIGHTS, JournalLost: 1.0}, leaving_frac=0.3, waves_frac=0.3, clocks_frac=0.3),
+    "all": Profile(
+        weights={**WEIGHTS, JournalLost: 1.0},
+        leaving_frac=0.3,
+        waves_frac=0.3,
+        clocks_frac=0.3,
+        insiders_frac=0.2,
+    ),
     "mishaps": Profile(leaving_frac=0.3),
     "deaths": Profile(weights={PoweredOff: 2.0, Crashed: 1.0}, passerby_frac=0.0),
     "links": Profile(weights={WlanCut: 2.0, LinkTrouble: 4.0, Partition: 2.0, CoverageHole: 1.0}),
