@@ -10,7 +10,7 @@ from array import array
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from dray.messages import Event, Heartbeat, MachineStatus, Message, Role, Transport
+from dray.messages import Event, Heartbeat, MachineStatus, Message, Role, StationHeartbeat, Transport
 from dray.messages.fact import (
     AwardAnswered,
     BidReceived,
@@ -80,7 +80,7 @@ class Observer:
         self.messages += 1
         if type(message) is Event:
             self._note(message.fact, sender, at_s)
-        elif not isinstance(message, Heartbeat):
+        elif not isinstance(message, Heartbeat | StationHeartbeat):
             self.negotiation += 1
 
     def close(self, now_s: float) -> None:

@@ -31,6 +31,7 @@ def test_every_agent_of_the_plant_gets_its_certificate(dray: Dray, tmp_path: Pat
     assert code == 0
     expected = {
         **dict.fromkeys(plant.machines, Kind.MACHINE),
+        **dict.fromkeys(plant.storages, Kind.STATION),
         **dict.fromkeys(plant.fleet, Kind.ATV),
         "strategist": Kind.STRATEGIST,
         "gateway": Kind.GATEWAY,

@@ -34,7 +34,19 @@ T = TypeVar("T")
 
 FLOOR = "floor"
 
-WIRED = {FLOOR: Kind.HISTORIAN, STRATEGIST: Kind.STRATEGIST, MACHINE: Kind.MACHINE}
+PIECES, MATERIAL, PER_PIECE = 2, "housing", 12
+"""An order that takes one load of one material, for which machine 8 asks at once: no buffer begins with as
+much as a piece takes."""
+
+STATIONS = laboratory().storages_of(MATERIAL)
+"""The storages that keep it; the others have nothing to do."""
+
+WIRED = {
+    FLOOR: Kind.HISTORIAN,
+    STRATEGIST: Kind.STRATEGIST,
+    MACHINE: Kind.MACHINE,
+    **dict.fromkeys(STATIONS, Kind.STATION),
+}
 """They stay where they are, and everybody calls them."""
 
 VEHICLES = tuple(START_NODES)
@@ -43,6 +55,7 @@ COMMANDS = {
     FLOOR: ("floor",),
     STRATEGIST: ("strategist",),
     MACHINE: ("agent", "machine", MACHINE),
+    **{station: ("agent", "station", station) for station in STATIONS},
     **{vehicle: ("agent", "atv", vehicle) for vehicle in VEHICLES},
 }
 
@@ -50,10 +63,6 @@ PORT = 7447
 
 LEASE_S = 2.0
 """As by default."""
-
-PIECES, MATERIAL, PER_PIECE = 2, "housing", 12
-"""An order that takes one load of one material, for which machine 8 asks at once: no buffer begins with as
-much as a piece takes."""
 
 KEPT = (AtvHeartbeat, MachineHeartbeat, CarrierChanged, PrimarySuspected, TookOver)
 
