@@ -104,8 +104,8 @@ def test_a_flat_battery_is_seen() -> None:
 
 @pytest.fixture(scope="module")
 def sample() -> list:
-    """The small plants of a few seeds, an hour each."""
-    return list(play_seeds(0, 4, small=True, hours=1.0))
+    """The small plants of twelve seeds, an hour each."""
+    return list(play_seeds(0, 12, small=True, hours=1.0))
 
 
 def test_small_plants_are_served(sample: list) -> None:

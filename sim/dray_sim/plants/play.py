@@ -96,7 +96,7 @@ class Judgement(msgspec.Struct, frozen=True):
             found.append(f"flat: {', '.join(self.flat)}")
         if self.waited:
             found.append(
-                f"{self.waited} carriers waited beyond their promise, up to {self.longest_s:.0f} s: {self.longest}"
+                f"{self.waited} transports waited at a dock beyond their promise and two minutes, the longest {self.longest_s:.0f} s: {self.longest}"
             )
         return tuple(found)
 
@@ -127,7 +127,8 @@ class Judgement(msgspec.Struct, frozen=True):
             shares = ", ".join(f"{name} {part:.1%}" for name, part in self.utilisation_frac.items())
             refused = ", ".join(f"{reason} {count}" for reason, count in self.refusals.items())
             lines += [
-                f"  later than promised p95 {self.late_p95_s:.0f} s; longest wait beyond a promise {self.longest_s:.0f} s: {self.longest}",
+                f"  later than promised p95 {self.late_p95_s:.0f} s",
+                f"  longest wait beyond a promise {self.longest_s:.0f} s: {self.longest}",
                 f"  settled {self.settled_s:.0f} s after the demand; {self.messages_per_task:.0f} messages per transport",
                 f"  vehicles: {shares}",
                 f"  refusals: {refused or 'none'}",
@@ -221,6 +222,8 @@ def play_seed(seed: int, *, small: bool = False, hours: float = HOURS) -> Judgem
 
 def _told(plant: Plant, wait: Waiting) -> str:
     """The longest wait in words."""
+    if not wait.atv:
+        return "nobody waited beyond a promise"
     places = (*plant.machines, *plant.storages, *plant.delivery_warehouses)
     there = " or ".join(place for place in places if plant.node_of(place) == wait.node) or f"node {wait.node}"
     return f"{wait.atv} with {wait.item} of {wait.task}, {wait.phase} at {there}"
