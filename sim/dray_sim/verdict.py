@@ -17,7 +17,7 @@ LOST_FRAC = 0.05
 FULL_FRAC = 0.85
 """Of its time a machine made pieces: it has none left."""
 
-LEFT_FRAC = 0.25
+LEFT_FRAC = 0.5
 """Of the time of the run: a machine that had so much left to make at the end was given more than it can make."""
 
 WAIT_FRAC = 0.2
