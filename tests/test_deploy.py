@@ -21,7 +21,7 @@ from dray.cli.compose.document import compose_text, targets_text
 from dray.cli.roster import agents_of
 from dray.errors import SettingsError
 from dray.messages.speakers import Kind
-from dray.plant import Plant, default_plant, plant_yaml
+from dray.plant import Plant, default_plant, plant_yaml, shipped_plant
 from dray.settings import PREFIX, Settings, host_and_port
 from dray_sim.generator import generate_plant
 
@@ -35,9 +35,9 @@ SMALL = generate_plant(2, machines=4, vehicles=3)
 """Any other plant than the default one."""
 
 
-@pytest.fixture(scope="module", params=["default", "other"])
+@pytest.fixture(scope="module", params=["default", "two-halls", "other"])
 def plant(request: pytest.FixtureRequest) -> Plant:
-    return default_plant() if request.param == "default" else SMALL
+    return SMALL if request.param == "other" else shipped_plant(request.param)
 
 
 @pytest.fixture
@@ -47,7 +47,7 @@ def small_plant() -> Plant:
 
 @pytest.fixture(scope="module")
 def compose(plant: Plant) -> dict[str, Any]:
-    seen = "" if plant is not SMALL else "./plants/own.yaml"
+    seen = {"dray": "", SMALL.id: "./plants/own.yaml"}.get(plant.id, plant.id)
     loaded: dict[str, Any] = yaml.safe_load(compose_text(plant, seen))
     return loaded
 
@@ -140,8 +140,12 @@ def test_every_process_has_its_own_certificate_and_notes_that_outlive_its_contai
         assert compose["volumes"][journal] == {"labels": ["dray.journal"]}
         seen |= {journal, str(own)}
         plant_file = service["environment"].get("DRAY_PLANT_FILE")
-        assert (plant_file is None) is (plant.id == default_plant().id)
-        assert plant_file is None or targets[f"{plant_file}:ro"] == "./plants/own.yaml"
+        if plant is SMALL:
+            assert targets[f"{plant_file}:ro"] == "./plants/own.yaml"
+        else:
+            # The image has it.
+            assert plant_file == (None if plant.id == default_plant().id else "two-halls")
+            assert len(mounts) == 2
     assert len(seen) == 2 * len([service for service in services.values() if "build" in service])
 
 

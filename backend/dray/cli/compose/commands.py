@@ -28,6 +28,7 @@ def compose(
     from dray.cli.options import load_settings
     from dray.cli.plant import chosen_plant
     from dray.errors import SettingsError, UnavailableError
+    from dray.plant import is_shipped
 
     file = load_settings(plant_file=plant).plant_file
     chosen = chosen_plant(file)
@@ -35,7 +36,12 @@ def compose(
         raise SettingsError(
             str(folder), f"has no {DEPLOY}: name Dray's sources by --folder, since the image is built of them"
         )
-    seen = "" if file is None else _seen_from(folder, file)
+    if file is None:
+        seen = ""
+    elif is_shipped(file):
+        seen = str(file)
+    else:
+        seen = _seen_from(folder, file)
     texts = {
         folder / "docker-compose.yml": compose_text(chosen, seen),
         folder / DEPLOY / "targets.json": targets_text(chosen),

@@ -51,7 +51,7 @@ class Service:
     def mounts(self, plant_file: str) -> str:
         """What it has of its own, in YAML: notes, certificates, and the plant file where it is not the default one."""
         own = [f"{self.journal}:{JOURNALS}", f"./{CERTIFICATES}/{self.agent}:/etc/dray/certs:ro"]
-        if plant_file:
+        if _is_mounted(plant_file):
             own.append(f"{plant_file}:/etc/dray/plant.yaml:ro")
         return ", ".join(msgspec.json.encode(each.replace("$", "$$")).decode() for each in own)
 
@@ -79,7 +79,8 @@ def compose_text(plant: Plant, plant_file: str = "") -> str:
 
     Args:
         plant: whose agents get a service each.
-        plant_file: where it is, seen from the compose file, as `./plant.yaml`; empty for the default plant.
+        plant_file: where it is, seen from the compose file, as `./plant.yaml`; or the name of a shipped plant, which the
+            image has; empty for the default plant.
 
     Raises:
         SettingsError: see `services_of`.
@@ -98,7 +99,7 @@ def compose_text(plant: Plant, plant_file: str = "") -> str:
         command=f"dray compose --plant {plant_file}" if plant_file else "dray compose",
         compose_min=COMPOSE_MIN,
         project=re.sub(r"[^a-z0-9_-]", "-", plant.id.lower()),
-        plant_file=plant_file,
+        plant_file="/etc/dray/plant.yaml" if _is_mounted(plant_file) else plant_file,
         single={each.agent: each.mounts(plant_file) for each in services if each.kind is None},
         agents=[
             {
@@ -112,6 +113,11 @@ def compose_text(plant: Plant, plant_file: str = "") -> str:
         ],
         journals=[each.journal for each in services],
     )
+
+
+def _is_mounted(plant_file: str) -> bool:
+    """Whether it is a file beside the compose file, and not one that the image has."""
+    return plant_file.startswith(".")
 
 
 def targets_text(plant: Plant) -> str:
