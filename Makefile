@@ -18,7 +18,7 @@ ARGS ?=
 SYNC := $(if $(filter output-sync,$(.FEATURES)),--output-sync=target)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup panels run test test-quick bench lint format types imports frontend pytest screenshots \
+.PHONY: help setup panels run test test-long test-quick programs bench lint format types imports frontend pytest screenshots \
 	sdist-and-wheel lock clean
 
 help: ## What can be done
@@ -55,9 +55,13 @@ define stage
 	@printf '\n=== %s ===\n' "$(1)"
 endef
 
-test: setup ## All checks
+test: setup ## All checks, without the tests of `test-long`
 	@$(MAKE) --no-print-directory --jobs 2 $(SYNC) lint types imports frontend
 	@$(MAKE) --no-print-directory pytest
+
+test-long: setup programs ## The tests that take minutes: fleets as processes, shifts, packaging
+	$(call stage,pytest of what takes long)
+	$(PYTEST) -n $(WORKERS) --dist worksteal --durations 20 -m slow $(ARGS)
 
 test-quick: setup ## Python's tests without the slow and the browser ones
 	$(PYTEST) -q -m "not slow and not browser" $(ARGS)
@@ -84,15 +88,17 @@ frontend: setup ## Types, sizes, style and unit tests of the panels
 	$(call stage,Vitest)
 	@$(NPM) run --silent test
 
-pytest: setup ## Python's tests: units, simulation, gateway, store, packaging, browser
+pytest: setup programs ## Python's tests: units, simulation, gateway, store, browser
+	$(call stage,pytest)
+	$(PYTEST) -n $(WORKERS) --dist worksteal --durations 20 -m "not slow" $(ARGS)
+
+programs: setup ## What tests need besides Python, where it may be installed: Chromium, PostgreSQL, iproute2
 	$(call stage,Chromium)
 	@tools/chromium.sh || true
 	$(call stage,PostgreSQL)
 	@tools/postgres.sh || true
 	$(call stage,iproute2)
 	@tools/iproute2.sh || true
-	$(call stage,pytest)
-	$(PYTEST) -n $(WORKERS) --dist worksteal --durations 20 $(ARGS)
 
 bench: setup ## Benchmarks, each a ratio against a baseline of the same run
 	@$(BIN)/dray bench $(ARGS)
