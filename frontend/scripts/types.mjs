@@ -13,6 +13,8 @@ const python = process.env.DRAY_PYTHON ?? (existsSync(venv) ? venv : "python3");
 const withoutLengths = (_key, value) => {
   if (value && typeof value === "object" && !Array.isArray(value)) {
     const { minItems: _min, maxItems: _max, ...rest } = value;
+    // A reference with a default beside it would become a type of its own.
+    if ("$ref" in rest) delete rest.default;
     return rest;
   }
   return value;

@@ -282,6 +282,10 @@ class Invariants:
             *more,
         )
 
+    def add(self, check: Ear) -> None:
+        """Ask one more, which raises `InvariantBroken` as these do."""
+        self._checks += (check,)
+
     def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
         """Check one utterance."""
         if self.broken is not None:

@@ -16,6 +16,36 @@ def test_the_small_plant_has_no_faults(small_text: str) -> None:
 
 
 SINGLE_FAULTS = {
+    "a vehicle that must charge while it need not": (
+        "{id: light, name: Light carrier}",
+        "{id: light, name: Light carrier, charging: {must_below_frac: 0.7}}",
+        "vehicle_types[0].charging.below_frac",
+        "0.6 is not 0.05 above `must_below_frac`, which is 0.7: raise this one or lower that one",
+    ),
+    "a charge that ends where it begins": (
+        "{id: light, name: Light carrier}",
+        "{id: light, name: Light carrier, charging: {below_frac: 0.9, up_to_frac: 0.92}}",
+        "vehicle_types[0].charging.up_to_frac",
+        "0.92 is not 0.05 above `below_frac`, which is 0.9",
+    ),
+    "quiet hours that are none": (
+        "{id: light, name: Light carrier}",
+        "{id: light, name: Light carrier, charging: {quiet_hours: [{start_h: 6, end_h: 6}]}}",
+        "vehicle_types[0].charging.quiet_hours[0].end_h",
+        "begin and end at 6: write 0 and 24 for the whole day",
+    ),
+    "quiet hours beyond the day": (
+        "{id: light, name: Light carrier}",
+        "{id: light, name: Light carrier, charging: {quiet_hours: [{start_h: 6, end_h: 25}]}}",
+        "vehicle_types[0].charging.quiet_hours[0].end_h",
+        "24",
+    ),
+    "a misspelt rule of charging": (
+        "{id: light, name: Light carrier}",
+        "{id: light, name: Light carrier, charging: {opportunities: true}}",
+        "vehicle_types[0].charging",
+        "opportunities",
+    ),
     "two vehicles of one id": (
         "type: light, node: middle}\n",
         "type: light, node: middle}\n  - {id: ATV1, type: light, node: west}\n",

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from atv1 import SETTLED_S, contracted, handing_over, last_beat, parked
+from atv1 import SETTLED_S, command, contracted, handing_over, last_beat, parked
 from kit import KEYS, PLANT, VehicleRig, award, committed, facts, instructed, listening, published
 
 from dray.body import Charge, Drive
-from dray.messages import AtvStatus, BerthClaimed, DockOpened, HandoverAccepted, Release, Role
+from dray.messages import AtvStatus, BerthClaimed, CommandKind, DockOpened, HandoverAccepted, Release, Role
 from dray.messages.fact import AtvStatusChanged
 from dray.protocol.berths import CONTEST_S
-from dray.protocol.resting import CHARGED_FRAC, SETTLE_S
+from dray.protocol.events import Effect
+from dray.protocol.resting import SETTLE_S, TRIES
 
 
 def test_a_vehicle_with_a_low_battery_claims_a_charger_waits_drives_and_charges() -> None:
@@ -93,16 +94,99 @@ def test_a_claim_that_is_lost_on_the_way_is_followed_by_another() -> None:
     assert rig.last(Drive).nodes[-1] == PLANT.node_of(second)
 
 
-def test_who_charges_is_never_driven_out() -> None:
-    rig = parked(node="ch2", battery_frac=0.5)
+def asked_for(rig: VehicleRig, berth: str, battery_frac: float, *, standing: bool = False) -> list[Effect]:
+    """ATV0 wants a berth."""
+    claim = BerthClaimed(berth=berth, atv="ATV0", battery_frac=battery_frac, standing=standing)
+    return rig.hear("ATV0", claim)
+
+
+def test_who_charges_keeps_its_charger_until_it_has_enough() -> None:
+    rig = parked(node="ch2", battery_frac=0.2)
     rig.run(SETTLED_S)
-    rig.battery_frac = 0.9
-    rival = BerthClaimed(berth="CH2", atv="ATV0", battery_frac=0.01, standing=False)
-    [objection] = published(rig.hear("ATV0", rival), BerthClaimed)
+    rig.battery_frac = 0.35
+    [objection] = published(asked_for(rig, "CH2", 0.15), BerthClaimed)
     assert objection.standing
     rig.run(60.0)
     assert instructed(rig.all, Drive) == []
     assert last_beat(rig).berth == "CH2"
+
+
+def test_who_has_charged_enough_leaves_its_charger_to_an_emptier_one_and_waits_at_a_parking_place() -> None:
+    rig = parked(node="ch2", battery_frac=0.5)
+    rig.run(SETTLED_S)
+    rig.battery_frac = 0.7
+    assert published(asked_for(rig, "CH2", 0.2), BerthClaimed) == [], "silence is what leaves it"
+    rig.run(rig.now_s + CONTEST_S)
+    assert rig.last(Drive).nodes[-1] in {place.node for place in PLANT.parkings.values()}
+    assert last_beat(rig).status is AtvStatus.IDLE
+    assert KEYS.berth("CH2") not in listening(rig.all)
+
+
+def test_who_is_plugged_in_does_not_believe_that_another_one_stands_there() -> None:
+    rig = parked(node="ch2", battery_frac=0.5)
+    rig.run(SETTLED_S)
+    assert published(asked_for(rig, "CH2", 0.4, standing=True), BerthClaimed)[0].standing
+    assert instructed(rig.run(60.0), Drive) == []
+
+
+def test_a_rival_that_never_stops_is_not_answered_as_fast_as_it_talks() -> None:
+    rig = parked(node="ch2", battery_frac=0.5)
+    rig.run(SETTLED_S)
+    answers = [len(published(asked_for(rig, "CH2", 0.4, standing=True), BerthClaimed)) for _ in range(100)]
+    assert sum(answers) == 1
+
+
+def test_a_stopped_vehicle_leaves_its_charger_to_nobody_since_it_cannot_drive() -> None:
+    rig = parked(node="ch2", battery_frac=0.5)
+    rig.run(SETTLED_S)
+    command(rig, CommandKind.STOP)
+    rig.battery_frac = 0.9
+    [objection] = published(asked_for(rig, "CH2", 0.1), BerthClaimed)
+    assert objection.standing
+
+
+def test_a_charger_that_gives_no_power_is_left_for_another_one_after_a_few_tries() -> None:
+    rig = parked(node="ch2", battery_frac=0.5)
+    rig.run(SETTLED_S)
+    for _ in range(TRIES):
+        assert rig.last(Charge).charger == "CH2"
+        rig.failed(Charge, "occupied by ATV9")
+        rig.run(rig.now_s + SETTLE_S)
+    claim = published(rig.all, BerthClaimed)[-1]
+    assert claim.berth in PLANT.chargers
+    assert claim.berth != "CH2"
+    rig.run(rig.now_s + CONTEST_S)
+    assert rig.last(Drive).nodes[-1] == PLANT.node_of(claim.berth)
+
+
+def test_who_finds_neither_a_charger_nor_a_parking_place_waits_at_nobodys_dock() -> None:
+    dock = PLANT.node_of("M8")
+    rig = parked(node=dock, battery_frac=0.5)
+    rig.run(SETTLED_S)
+    for _ in PLANT.berths:
+        rig.run(rig.now_s + 0.1)
+        berth = published(rig.all, BerthClaimed)[-1].berth
+        rig.hear("ATV7", BerthClaimed(berth=berth, atv="ATV7", battery_frac=0.1, standing=True))
+    rig.run(rig.now_s + 0.1)
+    waits_at = rig.last(Drive).nodes[-1]
+    assert waits_at not in {PLANT.node_of(place) for place in PLANT.places}
+    rig.arrive()
+    rig.run(rig.now_s + 20.0)
+    assert rig.last(Drive).nodes[-1] == waits_at
+
+
+def test_who_must_charge_and_finds_no_charger_waits_at_a_parking_place_and_asks_again() -> None:
+    rig = parked(node=PLANT.node_of("M8"), battery_frac=0.2)
+    rig.run(SETTLED_S)
+    for _ in PLANT.chargers:
+        rig.run(rig.now_s + 0.1)
+        berth = published(rig.all, BerthClaimed)[-1].berth
+        rig.hear("ATV7", BerthClaimed(berth=berth, atv="ATV7", battery_frac=0.1, standing=True))
+    rig.run(rig.now_s + CONTEST_S + 0.1)
+    assert rig.last(Drive).nodes[-1] in {place.node for place in PLANT.parkings.values()}
+    rig.arrive()
+    claims = published(rig.run(rig.now_s + 120.0), BerthClaimed)
+    assert any(claim.berth in PLANT.chargers for claim in claims)
 
 
 def test_when_every_charger_is_taken_the_vehicle_asks_again_later_and_does_not_spin() -> None:
@@ -163,9 +247,9 @@ def test_a_vehicle_that_arrives_elsewhere_does_not_stand_in_the_berth_that_it_ha
 def test_a_nearly_full_vehicle_leaves_the_charger_to_others() -> None:
     rig = parked(node="ch2", battery_frac=0.5)
     rig.run(SETTLED_S)
-    rig.battery_frac = CHARGED_FRAC - 0.01
+    rig.battery_frac = 0.94
     assert instructed(rig.run(30.0), Drive) == []
-    rig.battery_frac = CHARGED_FRAC
+    rig.battery_frac = 0.95
     [drive] = instructed(rig.run(40.0), Drive)
     assert drive.nodes[-1] in {place.node for place in PLANT.parkings.values()}
     assert last_beat(rig).status is AtvStatus.IDLE

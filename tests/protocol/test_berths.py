@@ -7,7 +7,8 @@ import pytest
 from kit import KEYS, PLANT, listening, published
 
 from dray.messages import BerthClaimed
-from dray.protocol.berths import TAKEN_MEMORY_S, Berths, Hold
+from dray.plant import Plant
+from dray.protocol.berths import APPROACH_S, BLOCKED_S, TAKEN_MEMORY_S, Berths, Hold
 from dray.protocol.events import Effect, Publish, Subscribe
 
 
@@ -93,6 +94,66 @@ def test_an_occupant_objects_to_everybody_and_is_never_driven_out() -> None:
         assert not driver.berths.hear(claim, 10.0)
     assert driver.berths.hold is Hold.STANDING
     assert [claim.standing for claim in driver.claims] == [False, True, True]
+
+
+def held_off_s(*, standing: bool) -> float:
+    """How long a rival that never charges can keep a vehicle from the only charger by words."""
+    one = Plant(msgspec.structs.replace(PLANT.file, chargers=PLANT.file.chargers[:1]))
+    out: list[Effect] = []
+    berths = Berths("ATV5", one, "light", KEYS, out)
+    for now_s in range(0, 24 * 3600, 30):
+        if not berths.seek(charger=True, node="e3", battery_frac=0.5, now_s=float(now_s)):
+            continue
+        liar = rival(berths.berth, battery_frac=0.0, standing=standing)
+        if not berths.hear(liar, now_s + 0.5):
+            return float(now_s)
+    return float("inf")
+
+
+def test_a_claim_is_believed_for_as_long_as_it_can_be_true() -> None:
+    assert APPROACH_S < held_off_s(standing=False) < APPROACH_S + 120.0
+    full_s = max(kind.battery_wh / kind.charge_w for kind in PLANT.vehicle_types.values()) * 3600.0
+    assert 1.31 * full_s < held_off_s(standing=True) < 2.0 * full_s + APPROACH_S
+
+
+def test_a_parking_place_may_be_stood_in_for_ever() -> None:
+    driver = Driver()
+    assert driver.seek(charger=False, now_s=0.0)
+    first = driver.berths.berth
+    for day in range(30):
+        now_s = day * 86_400.0
+        while driver.seek(charger=False, now_s=now_s) and driver.berths.berth != first:
+            driver.berths.hear(rival(driver.berths.berth, standing=True), now_s)
+        assert driver.berths.hear(rival(first, standing=True), now_s)
+
+
+def test_a_berth_that_is_left_to_another_one_is_lost_without_a_word() -> None:
+    driver = Driver()
+    driver.berths.stand("CH2", 0.9)
+    said = len(driver.claims)
+    assert driver.berths.hear(rival("CH2", battery_frac=0.2), 1.0, plugged=True, gives_way=True)
+    assert len(driver.claims) == said
+    assert driver.berths.hold is Hold.NONE
+    assert driver.berths.is_taken("CH2", 2.0)
+
+
+def test_a_charger_of_no_use_is_not_asked_for_again_before_somebody_can_have_seen_to_it() -> None:
+    driver = Driver()
+    driver.seek(now_s=0.0)
+    useless = driver.berths.berth
+    driver.berths.block(0.0)
+    for now_s in (1.0, BLOCKED_S - 1.0):
+        driver.seek(now_s=now_s)
+        assert driver.berths.berth != useless
+    driver.seek(now_s=BLOCKED_S + 1.0)
+    assert driver.berths.berth == useless
+
+
+def test_where_no_way_leads_to_a_charger_there_is_none_to_ask_for() -> None:
+    lanes = tuple(lane for lane in PLANT.file.lanes if "e3" not in (lane.start, lane.end))
+    alone = Plant(msgspec.structs.replace(PLANT.file, lanes=lanes))
+    berths = Berths("ATV5", alone, "light", KEYS, [])
+    assert not berths.seek(charger=True, node="e3", battery_frac=0.5, now_s=0.0)
 
 
 def test_a_vehicle_that_begins_in_a_berth_stands_there() -> None:

@@ -11,6 +11,7 @@ from kit import PLANT, announcement, award, facts, production, sent, transport
 from dray.messages import Bid, Refusal, Role, TransportCost, Wait
 from dray.messages.fact import BidRefused, BidSent
 from dray.protocol.bidding import MAX_WATCHES, PLACES_TOLD, Bidder, Standing
+from dray.protocol.charging import Charging
 from dray.protocol.events import Effect, Record, Send
 from dray.protocol.pricing import Quote, Unable
 from dray.protocol.trial import Trial
@@ -33,15 +34,19 @@ def standing(**changes: Any) -> Standing:
     return msgspec.structs.replace(FREE, **changes)
 
 
+def bidder(kind: str, out: list[Effect]) -> Bidder:
+    return Bidder("ATV1", PLANT, kind, Trial(0), Charging(PLANT, kind), Waits(), out)
+
+
 def hear(circumstances: Standing = FREE, *, kind: str = "light", **changes: Any) -> list[Effect]:
     """What a vehicle does about an announcement."""
     out: list[Effect] = []
-    Bidder("ATV1", PLANT, kind, Trial(0), Waits(), out).hear(announcement(**changes), circumstances, 0.0)
+    bidder(kind, out).hear(announcement(**changes), circumstances, 0.0)
     return out
 
 
 def review(circumstances: Standing = FREE, **changes: Any) -> Quote | Unable:
-    return Bidder("ATV1", PLANT, "light", Trial(0), Waits(), []).review(award(**changes), circumstances, 0.0)
+    return bidder("light", []).review(award(**changes), circumstances, 0.0)
 
 
 def test_a_free_vehicle_bids_straight_to_the_coordinator_with_its_breakdown() -> None:
@@ -74,12 +79,39 @@ def test_a_vehicle_on_the_edge_of_the_circle_bids() -> None:
     assert sent(hear(x_m=SPOT.x_m + 25.0, y_m=SPOT.y_m, radius_m=25.0), Bid)
 
 
+def test_a_refusal_is_said_once_for_a_task_however_often_it_is_announced() -> None:
+    out: list[Effect] = []
+    one = bidder("light", out)
+    busy, empty = standing(busy_with="M7-1"), standing(battery_frac=0.05)
+    for number in range(1, 6):
+        one.hear(announcement(round=number), standing(busy_with=f"M7-{number}"), 0.0)
+    assert len(facts(out, BidRefused)) == 1
+    one.hear(announcement(round=6), empty, 0.0)
+    assert [fact.reason for fact in facts(out, BidRefused)] == [Refusal.BUSY, Refusal.BATTERY]
+    one.hear(announcement(task="M8-2"), empty, 0.0)
+    one.hear(announcement(epoch=2), empty, 0.0)
+    assert len(facts(out, BidRefused)) == 4
+    for number in (7, 9):
+        one.hear(announcement(round=number, epoch=2), FREE, 0.0)
+        one.hear(announcement(round=number + 1, epoch=2), busy, 0.0)
+    assert len(facts(out, BidRefused)) == 6, "who has bid meanwhile has news when it refuses"
+
+
+def test_one_that_must_charge_takes_work_again_when_it_has_charged() -> None:
+    out: list[Effect] = []
+    one = bidder("light", out)
+    for level, bids in ((0.3, 1), (0.2, 1), (0.39, 1), (0.4, 2)):
+        one.hear(announcement(), standing(battery_frac=level), 0.0)
+        assert len(sent(out, Bid)) == bids, level
+
+
 @pytest.mark.parametrize(
     ("circumstances", "changes", "reason", "detail"),
     [
         ({"unfit": "stopped by an operator"}, {}, Refusal.NOT_FIT, "stopped by an operator"),
         ({"busy_with": "M7-1"}, {}, Refusal.BUSY, "M7-1"),
-        ({"battery_frac": 0.05}, {}, Refusal.BATTERY, "are needed"),
+        ({"battery_frac": 0.05}, {}, Refusal.BATTERY, "must charge: 5% left"),
+        ({"battery_frac": 0.05}, {"role": Role.SECONDARY, "primary": "ATV2"}, Refusal.BATTERY, "must charge"),
         ({}, {"deadline_s": 5.0}, Refusal.DEADLINE, "too late"),
         ({}, {"work": transport(ability="pallet")}, Refusal.ABILITY, "pallet"),
         ({}, {"work": production()}, Refusal.ABILITY, "not a transport"),

@@ -10,13 +10,13 @@ from kit import PLANT, transport
 from dray.messages import Refusal
 from dray.protocol.pricing import (
     LOW_BATTERY_S,
-    RESERVE_FRAC,
     SPARE_ABILITY_S,
     Pricer,
     Quote,
     Unable,
     low_battery_s,
 )
+from dray.protocol.reserve import RESERVE_FRAC
 
 LIGHT = PLANT.vehicle_types["light"]
 ROUTES = PLANT.routes("light")

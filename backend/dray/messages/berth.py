@@ -4,6 +4,8 @@ A vehicle says which berth it wants on that berth's own key, waits a moment for 
 drives there. Whoever holds or wants the same berth listens on that key and objects with its own
 claim. Both sides then reach the same verdict alone: who stands there keeps it, else the emptier
 battery, else the smaller id. So the cost of finding a place does not grow with the fleet.
+
+Who stands at a charger and has enough leaves it to somebody who needs it more: it says nothing, and drives away.
 """
 
 from __future__ import annotations
@@ -19,4 +21,4 @@ class BerthClaimed(Message, frozen=True):
     battery_frac: Fraction
     """At the time of the first claim: it does not change while the claim stands."""
     standing: bool
-    """True once it has arrived: an occupant is never driven out."""
+    """True once it has arrived: it goes when it wants to."""

@@ -48,11 +48,16 @@ PLAUSIBLE = {
 """Lowest and highest value: beyond them somebody has mistaken the unit, and a simulation would hang."""
 
 
+LEAST_CHARGE_FRAC = 0.05
+"""Between two thresholds of charging: for less, the way to a charger is not worth it."""
+
+
 def faults(file: PlantFile) -> Iterator[Fault]:
     """Everything in a plant file that does not fit together; nothing for a good one."""
     yield from _ids(file)
     yield from _references(file)
     yield from _values(file)
+    yield from _charging(file)
     yield from _items(file)
     yield from _stocks(file)
     yield from _machines(file)
@@ -123,6 +128,21 @@ def _values(file: PlantFile) -> Iterator[Fault]:
             value = getattr(entry, field, low)
             if not low <= value <= high:
                 yield f"{where}.{field}", f"{value:g} is not within {low:g} to {high:g}: check the unit"
+
+
+def _charging(file: PlantFile) -> Iterator[Fault]:
+    """Thresholds that would send a vehicle to and from its charger for nothing."""
+    for index, kind in enumerate(file.vehicle_types):
+        where, rules = f"vehicle_types[{index}].charging", kind.charging
+        for low, high in (("must_below_frac", "below_frac"), ("below_frac", "up_to_frac")):
+            low_frac, high_frac = getattr(rules, low), getattr(rules, high)
+            if high_frac - low_frac < LEAST_CHARGE_FRAC - 1e-9:
+                reason = f"{high_frac:g} is not {LEAST_CHARGE_FRAC:g} above `{low}`, which is {low_frac:g}"
+                yield f"{where}.{high}", f"{reason}: raise this one or lower that one"
+        for at, hours in enumerate(rules.quiet_hours):
+            if hours.start_h == hours.end_h:
+                reason = f"begin and end at {hours.start_h:g}: write 0 and 24 for the whole day"
+                yield f"{where}.quiet_hours[{at}].end_h", reason
 
 
 def _items(file: PlantFile) -> Iterator[Fault]:

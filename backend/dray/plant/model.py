@@ -186,6 +186,29 @@ Dock = Warehouse | Storage | Charger | Parking | MachineSpec
 """Everything that has a node where vehicles dock."""
 
 
+class Hours(Item, frozen=True):
+    """A part of every day, in hours of the plant's clock: of UTC in service, from its beginning in a simulation."""
+
+    start_h: Annotated[float, Meta(ge=0, lt=24)]
+    end_h: Annotated[float, Meta(gt=0, le=24)]
+    """Not part of it any more. Before `start_h` it is an hour of the next day."""
+
+
+class Charging(Item, frozen=True):
+    """When vehicles of one type charge. Levels are parts of a full battery."""
+
+    must_below_frac: Fraction = 0.25
+    """A vehicle with less takes no more work before it has charged for a while (`dray.protocol.charging`)."""
+    below_frac: Fraction = 0.6
+    """With less, a vehicle that has no work goes to charge; with more, it leaves its charger to an emptier one."""
+    up_to_frac: Fraction = 0.95
+    """Then it leaves the charger: the rest would come slowly."""
+    opportunity: bool = True
+    """Whether it charges when it has no work; else only when it must."""
+    quiet_hours: Annotated[tuple[Hours, ...], Meta(max_length=24)] = ()
+    """Then it charges only when it must, and only up to `below_frac`."""
+
+
 class VehicleType(Item, frozen=True):
     """What all vehicles of one make have in common."""
 
@@ -208,6 +231,7 @@ class VehicleType(Item, frozen=True):
     charge_w: Positive = 600.0
     """Up to `charge_taper_frac`; then falling in a straight line to a tenth of it at full."""
     charge_taper_frac: Fraction = 0.8
+    charging: Charging = Charging()
 
 
 class VehicleSpec(Item, frozen=True):

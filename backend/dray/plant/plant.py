@@ -116,6 +116,11 @@ class Plant:
         """Whether vehicles can dock at something of this id."""
         return place in self._node_of
 
+    @property
+    def places(self) -> Iterable[str]:
+        """Everything where vehicles dock: machines, storages, warehouses, chargers and parking places."""
+        return self._node_of.keys()
+
     def position_of(self, place: str) -> tuple[float, float]:
         """Where vehicles dock at a place, as (x_m, y_m)."""
         node = self.nodes[self._node_of[place]]

@@ -12,11 +12,16 @@ from dray.messages import (
     Declined,
     ProductionCost,
     Refusal,
+    Role,
     TaskAnnounced,
     TransportCost,
 )
 from dray.messages.fact import BidRefused, BidSent
 from dray.protocol.events import Effect, Record, Send
+from dray.protocol.newest import Newest
+
+REFUSALS_KEPT = 256
+"""Tasks that one contractor has refused lately: more are not announced around it at one time."""
 
 
 def offer(
@@ -43,12 +48,33 @@ def offer(
     return Send(announced.coordinator, bid), Record(sent)
 
 
-def refuse(announced: TaskAnnounced, reason: Refusal, detail: str) -> Effect:
-    """Put on record why there is no bid; the coordinator is not bothered with it."""
-    refused = BidRefused(
-        task=announced.task, epoch=announced.epoch, role=announced.role, reason=reason, detail=detail
-    )
-    return Record(refused)
+class Refusals:
+    """Why one contractor did not bid, put on record once: the coordinator is not bothered with it.
+
+    A task is announced until somebody takes it. Who goes on refusing it for the same reason has said so.
+
+    Args:
+        out: where effects go.
+    """
+
+    def __init__(self, out: list[Effect]) -> None:
+        self._out = out
+        self._said: Newest[tuple[str, Role], tuple[int, Refusal]] = Newest(REFUSALS_KEPT)
+        """By task and role: the epoch and the reason of the last refusal."""
+
+    def note(self, announced: TaskAnnounced, reason: Refusal, detail: str) -> None:
+        """There is no bid for this."""
+        key, said = (announced.task, announced.role), (announced.epoch, reason)
+        if self._said.get(key) != said:
+            self._said[key] = said
+            refused = BidRefused(
+                task=announced.task, epoch=announced.epoch, role=announced.role, reason=reason, detail=detail
+            )
+            self._out.append(Record(refused))
+
+    def forget(self, announced: TaskAnnounced) -> None:
+        """There is a bid for this now: another refusal would be news."""
+        self._said.pop((announced.task, announced.role), None)
 
 
 def accept(coordinator: str, award: Award, finish_s: float) -> Effect:

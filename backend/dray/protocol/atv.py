@@ -64,6 +64,7 @@ from dray.protocol.answers import accept, decline
 from dray.protocol.authority import Authority, Trusts, trusts_nobody
 from dray.protocol.bidding import Bidder, Standing
 from dray.protocol.carriage import ASK, CLAIM_TASK, HANDED_OVER, Carriage
+from dray.protocol.charging import Charging
 from dray.protocol.core import Core
 from dray.protocol.driving import Driver
 from dray.protocol.earshot import Earshot
@@ -127,11 +128,14 @@ class Atv(Core):
         self._following = Following(self._keys.atv_heartbeat, self._out)
         self._watches = Watches(self._following, self._timers, self._out)
         self._trial = Trial(trial)
+        self._charging = Charging(plant, self._type)
         self._waits = Waits()
-        self._bidder = Bidder(atv, plant, self._type, self._trial, self._waits, self._out)
+        self._bidder = Bidder(atv, plant, self._type, self._trial, self._charging, self._waits, self._out)
         self._phase_s = 0.0
         """Since when its carriage has been in its present phase (plant clock)."""
-        self._rest = Rest(atv, plant, self._type, self._keys, self._driver, self._timers, self._out)
+        self._rest = Rest(
+            atv, plant, self._type, self._keys, self._charging, self._driver, self._timers, self._out
+        )
         self._seeking = Seeking(atv, plant, self._type, self._keys, self._timers, self._out)
         self._trouble = Trouble(self._out)
         self._obedience = Obedience(Authority(atv, plant, trusts), self._trouble, self._out)
@@ -190,6 +194,7 @@ class Atv(Core):
             self._bind(note.contract)
             self._go_on(lambda carriage: carriage.resume(state.load, now_s), now_s)
         self._bring_back(now_s)
+        self._charging.note(self._battery_frac, self._driver.next_node)
         if self._carriage is None:
             self._rest.start(self._battery_frac, now_s)
         self._update_status(now_s, "started")
@@ -239,6 +244,7 @@ class Atv(Core):
         self._say_status(now_s)
         interval_s = IDLE_INTERVAL_S if self._carriage is None else WORKING_INTERVAL_S
         self._pulse.go_on(interval_s, now_s)
+        self._charging.note(self._battery_frac, self._driver.next_node)
         if self._carriage is None:
             self._rest.check_battery(self._battery_frac, now_s)
             self._seek(now_s)
@@ -409,7 +415,7 @@ class Atv(Core):
 
     def _seek(self, now_s: float) -> None:
         """Ask for work that waits, if it can take any."""
-        if self._carriage is None and not self._unfit():
+        if self._carriage is None and not self._unfit() and not self._charging.is_needy:
             self._seeking.begin(self._battery_frac, now_s)
 
     def _seek_on(self, _about: None, now_s: float) -> None:
@@ -624,7 +630,9 @@ class Atv(Core):
         return self._obedience.stopped or bool(self._trouble.problem)
 
     def _hear_claim(self, _sender: str, message: BerthClaimed, now_s: float) -> None:
-        self._rest.hear_claim(message, now_s)
+        self._rest.hear_claim(
+            message, battery_frac=self._battery_frac, may_leave=self._may_rest(), now_s=now_s
+        )
 
     def _hear_command(self, sender: str, command: VehicleCommand, now_s: float) -> None:
         done = self._obedience.hear(sender, command, self._driver.position_m, now_s)

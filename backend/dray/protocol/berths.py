@@ -1,21 +1,25 @@
 """Finding a place to charge or to park, with nobody in the middle.
 
-    SEEKING   --claim uncontested for CONTEST_S--> DRIVING --arrived--> STANDING
-       |  ^                                          |
-       |  +---------------- lost to another ---------+
-       +-- no berth of the kind is left: stay where you are, and try again later
+    SEEKING   --claim uncontested for CONTEST_S--> DRIVING --arrived--> STANDING --left to another--+
+       |  ^                                          |                                              |
+       |  +---------------- lost to another ---------+----------------------------------------------+
+       +-- no berth of the kind is left: try again later
 
-See `dray.messages.berth` for the verdict that both sides of a contest reach alone.
+See `dray.messages.berth` for the verdict that both sides of a contest reach alone. A claim is its speaker's word: one
+that has kept this vehicle from a charger for longer than anybody needs to drive there or to charge is not believed
+any more, and the vehicle goes and looks.
 """
 
 from __future__ import annotations
 
 from enum import Enum
 
+from dray.errors import NoWay
 from dray.messages import BerthClaimed
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.events import Effect, Publish, Subscribe, Unsubscribe
+from dray.protocol.newest import Newest
 
 CONTEST_S = 1.0
 """How long an objection is waited for: many times the latency of a good WLAN. A later one is still
@@ -23,6 +27,25 @@ heard, on the way."""
 
 TAKEN_MEMORY_S = 60.0
 """How long a berth that was lost is not asked for again."""
+
+BLOCKED_S = 600.0
+"""How long a charger is not asked for again at which somebody else was found, or which gave no power: a person has seen
+to it by then, or nobody has."""
+
+OBJECTS_AGAIN_S = 0.5
+"""To one and the same rival: two that are both sure to stand in a berth must not argue as fast as the network can."""
+
+APPROACH_S = 600.0
+"""A claim of somebody who has not arrived by then is not believed: no way across a floor takes longer."""
+
+CHARGE_STRETCH = 1.5
+"""The longest stay at a charger against filling the battery at full power: with the taper it takes a third longer."""
+
+PAUSE_S = 300.0
+"""A rival that was not heard for so long has been elsewhere: its next claim is a new one."""
+
+RIVALS = 256
+"""Claims of others that are remembered: those of forty vehicles on half a dozen chargers."""
 
 COMPARED = 4
 """Berths whose ways are compared: the nearest by way is among the nearest as the crow flies."""
@@ -54,6 +77,13 @@ class Berths:
         self._keys = keys
         self._out = out
         self._taken_until_s: dict[str, float] = {}
+        self._stay_s = APPROACH_S + CHARGE_STRETCH * max(
+            kind.battery_wh / kind.charge_w * 3600.0 for kind in plant.vehicle_types.values()
+        )
+        self._opposed_s: Newest[tuple[str, str], tuple[float, float]] = Newest(RIVALS)
+        """By charger and rival: since when it has been in the way, and when it was heard last."""
+        self._objected_s: Newest[str, float] = Newest(RIVALS)
+        """By rival, when it was told last that this berth is held."""
         self._claim_battery_frac = 0.0
         self.berth = ""
         """The berth that is claimed or stood in; empty for none."""
@@ -91,7 +121,10 @@ class Berths:
         if not free:
             return False
         near = self._plant.closest(node, free, COMPARED)
-        nearest, _ = self._routes.nearest(node, near)
+        try:
+            nearest, _ = self._routes.nearest(node, near)
+        except NoWay:
+            return False
         self.leave()
         self._claim(nearest, battery_frac, Hold.CLAIMED)
         return True
@@ -106,20 +139,47 @@ class Berths:
             self._out.append(Unsubscribe(self._keys.berth(self.berth)))
             self.berth, self.hold = "", Hold.NONE
 
-    def hear(self, claim: BerthClaimed, now_s: float) -> bool:
+    def block(self, now_s: float) -> None:
+        """The charger where the vehicle stands is of no use: leave it, and ask for another one."""
+        self._taken_until_s[self.berth] = now_s + BLOCKED_S
+        self.leave()
+
+    def hear(
+        self, claim: BerthClaimed, now_s: float, *, plugged: bool = False, gives_way: bool = False
+    ) -> bool:
         """Somebody wants a berth.
 
+        Args:
+            claim: what it says.
+            now_s: the present time.
+            plugged: this vehicle is being charged there: nobody else can stand there too.
+            gives_way: this vehicle leaves its berth to that one.
+
         Returns:
-            True when this vehicle has just lost its own claim to it.
+            True when this vehicle has no claim to its berth any more.
         """
         if claim.berth != self.berth or claim.atv == self._atv:
             return False
-        if self._wins_over(claim):
-            self._object()
-            return False
+        if not gives_way:
+            if plugged or self._wins_over(claim):
+                self._object_to(claim.atv, now_s)
+                return False
+            if self.hold is Hold.CLAIMED and self._is_doubtful(claim, now_s):
+                return False
         self._taken_until_s[claim.berth] = now_s + TAKEN_MEMORY_S
         self.leave()
         return True
+
+    def _is_doubtful(self, claim: BerthClaimed, now_s: float) -> bool:
+        """Whether a rival has kept this vehicle from a charger for longer than can be."""
+        if not self.is_charger:
+            return False  # A parking place may be stood in for ever.
+        key = claim.berth, claim.atv
+        since_s, heard_s = self._opposed_s.get(key, (now_s, now_s))
+        if now_s - heard_s > PAUSE_S:
+            since_s = now_s
+        self._opposed_s[key] = since_s, now_s
+        return now_s - since_s > (self._stay_s if claim.standing else APPROACH_S)
 
     def _wins_over(self, claim: BerthClaimed) -> bool:
         stands = self.hold is Hold.STANDING
@@ -127,6 +187,12 @@ class Berths:
             return stands
         mine = (self._claim_battery_frac, self._atv)
         return mine < (claim.battery_frac, claim.atv)
+
+    def _object_to(self, rival: str, now_s: float) -> None:
+        if now_s - self._objected_s.get(rival, -OBJECTS_AGAIN_S) >= OBJECTS_AGAIN_S:
+            self._objected_s.pop(rival, None)
+            self._objected_s[rival] = now_s
+            self._object()
 
     def _claim(self, berth: str, battery_frac: float, hold: Hold) -> None:
         self.berth, self.hold, self._claim_battery_frac = berth, hold, battery_frac

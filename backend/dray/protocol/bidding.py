@@ -6,7 +6,8 @@ import msgspec
 
 from dray.messages import Award, Refusal, Role, TaskAnnounced, Transport, Work
 from dray.plant import Plant
-from dray.protocol.answers import offer, refuse
+from dray.protocol.answers import Refusals, offer
+from dray.protocol.charging import Charging
 from dray.protocol.events import Effect
 from dray.protocol.pricing import Pricer, Quote, Unable
 from dray.protocol.trial import ON_TRIAL, Trial
@@ -46,17 +47,27 @@ class Bidder:
         plant: where the ways are.
         vehicle_type: id of the vehicle's type.
         trial: of the vehicle.
+        charging: of the vehicle: whether its battery lets it work.
         waits: what the vehicle has learned of places; announcements tell of them, too.
         out: where effects go.
     """
 
     def __init__(
-        self, atv: str, plant: Plant, vehicle_type: str, trial: Trial, waits: Waits, out: list[Effect]
+        self,
+        atv: str,
+        plant: Plant,
+        vehicle_type: str,
+        trial: Trial,
+        charging: Charging,
+        waits: Waits,
+        out: list[Effect],
     ) -> None:
         self._atv = atv
         self._pricer = Pricer(plant, vehicle_type)
         self._trial = trial
         self._waits = waits
+        self._charging = charging
+        self._refusals = Refusals(out)
         self._out = out
 
     def hear(self, message: TaskAnnounced, standing: Standing, now_s: float) -> Refusal | None:
@@ -77,8 +88,10 @@ class Bidder:
             takes_s = answer.finish_s - now_s
             if self._trial.bars(short=takes_s <= SHORT_S, round_number=message.round):
                 answer = Unable(Refusal.NOT_FIT, f"{ON_TRIAL}: it would take {takes_s:.0f} s")
+            else:
+                self._refusals.forget(message)
         if isinstance(answer, Unable):
-            self._out.append(refuse(message, answer.reason, answer.detail))
+            self._refusals.note(message, answer.reason, answer.detail)
             return answer.reason
         self._out += offer(message, answer.cost, answer.finish_s, answer.source)
         return None
@@ -107,6 +120,9 @@ class Bidder:
             return Unable(Refusal.NOT_FIT, standing.unfit)
         if standing.busy_with:
             return Unable(Refusal.BUSY, standing.busy_with)
+        self._charging.note(standing.battery_frac, standing.node)
+        if must_charge := self._charging.why_no_work(standing.battery_frac):
+            return Unable(Refusal.BATTERY, must_charge)
         if not isinstance(work, Transport):
             return Unable(Refusal.ABILITY, "not a transport")
         if role is Role.SECONDARY:
@@ -119,7 +135,7 @@ class Bidder:
                 return Unable(Refusal.WATCHING_ENOUGH, f"{standing.watches} tasks")
             # A watch is taken over only when its primary fails, and late is better than never then.
             deadline_s = float("inf")
-        return self._pricer.quote(
+        quote = self._pricer.quote(
             work,
             node=standing.node,
             node_at_s=standing.node_at_s,
@@ -128,3 +144,6 @@ class Bidder:
             deadline_s=deadline_s,
             wait_s=lambda place: self._waits.expect_s(place, now_s),
         )
+        if isinstance(quote, Unable) and quote.reason is Refusal.BATTERY:
+            self._charging.note_short()
+        return quote

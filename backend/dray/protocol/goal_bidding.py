@@ -17,7 +17,7 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import ContractEnded, ContractTaken
-from dray.protocol.answers import decline, offer, refuse
+from dray.protocol.answers import Refusals, decline, offer
 from dray.protocol.events import Effect, Record
 from dray.protocol.insisting import Insistence
 from dray.protocol.newest import Newest
@@ -69,6 +69,7 @@ class GoalBidder:
         self._supply = supply
         self._trial = trial
         self._out = out
+        self._refusals = Refusals(out)
         self._commit = commit
         self._quoted_s: Newest[str, float] = Newest(QUOTES_KEPT)
         """By goal: when it was promised to be done."""
@@ -91,8 +92,9 @@ class GoalBidder:
         if not unfit and self._trial.bars(short=is_short, round_number=message.round):
             unfit = ON_TRIAL
         if unfit:
-            self._out.append(refuse(message, Refusal.NOT_FIT, unfit))
+            self._refusals.note(message, Refusal.NOT_FIT, unfit)
             return
+        self._refusals.forget(message)
         cost = self._goals.quote(work, self._supply.stock, self._supply.longest_lead_s(work.product))
         finish_s = now_s + cost.total_s
         self._quoted_s[message.task] = finish_s

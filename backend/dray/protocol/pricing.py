@@ -21,6 +21,7 @@ from dray.errors import NoWay
 from dray.messages import Refusal, Transport, TransportCost
 from dray.plant import Plant
 from dray.protocol.docks import dock_of
+from dray.protocol.reserve import Reserve
 
 ENERGY_S_PER_WH = 2.0
 """A second of charging at 600 W gives a sixth of a Wh: energy costs the time to get it back, and a
@@ -32,12 +33,6 @@ leave work to fuller ones near by, and still take it when they are alone."""
 
 SPARE_ABILITY_S = 10.0
 """A vehicle that can do rarer work is held back by a few lanes' worth."""
-
-RESERVE_FRAC = 0.10
-"""Battery that no promise may touch: ways around obstacles, and ageing."""
-
-COMPARED = 4
-"""Chargers whose ways are compared, the closest as the crow flies."""
 
 
 class Quote(msgspec.Struct, frozen=True):
@@ -68,7 +63,7 @@ class Pricer:
         self._plant = plant
         self._type = plant.vehicle_types[vehicle_type]
         self._routes = plant.routes(vehicle_type)
-        self._to_charger_wh: dict[str, float] = {}
+        self._reserve = Reserve(plant, vehicle_type)
 
     def quote(
         self,
@@ -131,7 +126,7 @@ class Pricer:
             offers.append((Quote(source=source, cost=cost, finish_s=now_s + took_s), left_frac))
         if not offers:
             return Unable(Refusal.NO_WAY, "no way leads there")
-        needed_frac = RESERVE_FRAC + self._charger_wh(there) / kind.battery_wh
+        needed_frac = self._reserve.needed_frac(there)
         # Of sources that cost the same the first one that the task names.
         offers.sort(key=lambda offer: offer[0].cost.total_s)
         for quote, left_frac in offers:
@@ -141,16 +136,6 @@ class Pricer:
         if left_frac < needed_frac:
             return Unable(Refusal.BATTERY, f"{left_frac:.0%} would be left, {needed_frac:.0%} are needed")
         return Unable(Refusal.DEADLINE, f"{quote.finish_s - deadline_s:.0f} s too late")
-
-    def _charger_wh(self, node: str) -> float:
-        """Energy to the nearest charger (Wh)."""
-        wh = self._to_charger_wh.get(node)
-        if wh is None:
-            near = self._plant.closest(node, self._plant.chargers, COMPARED)
-            _, way = self._routes.nearest(node, near)
-            wh = way.length_m * self._type.drive_wh_per_m
-            self._to_charger_wh[node] = wh
-        return wh
 
 
 def low_battery_s(left_frac: float) -> float:

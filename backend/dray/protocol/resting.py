@@ -2,7 +2,10 @@
 
     settle ----> berth claimed ----> driving there ----> standing, charging if it is a charger
        ^            (CONTEST_S)
-       +---- work ended, berth lost, charge ended, battery low
+       +---- work ended, berth lost, charge ended, charger left to another, battery low
+
+When all chargers are taken it waits at a parking place, and where there is none at a node where nobody docks: a vehicle
+that waits at a machine keeps others from it. When it charges, and to whom it leaves its charger, is told by `charging`.
 
 A vehicle that rests goes on bidding; `stop` ends the rest at once when it wins.
 """
@@ -13,7 +16,9 @@ from dray.body import Charge
 from dray.messages import BerthClaimed
 from dray.messages.keys import Keys
 from dray.plant import Plant
+from dray.protocol.aside import Aside
 from dray.protocol.berths import CONTEST_S, Berths, Hold
+from dray.protocol.charging import Charging
 from dray.protocol.driving import Driver
 from dray.protocol.events import Effect
 from dray.protocol.timers import Timers, spread_frac
@@ -27,11 +32,8 @@ SETTLE_S = 4.0
 SEEK_AGAIN_S = 30.0
 """When every berth was taken."""
 
-CHARGE_BELOW_FRAC = 0.6
-"""An idle vehicle charges early: a charge in a quiet minute costs nothing."""
-
-CHARGED_FRAC = 0.95
-"""It leaves the charger to others then: the rest would come slowly."""
+TRIES = 3
+"""Charges that fail at one charger before another one is looked for: who is leaving it may need a moment."""
 
 
 class Rest:
@@ -42,6 +44,7 @@ class Rest:
         plant: where the berths are.
         vehicle_type: id of the vehicle's type.
         keys: the plant's bus keys.
+        charging: of the vehicle: when it charges.
         driver: the vehicle's place on the lanes.
         timers: the vehicle's alarms; this class uses `SETTLE` and `CLAIM`.
         out: where effects go.
@@ -53,17 +56,22 @@ class Rest:
         plant: Plant,
         vehicle_type: str,
         keys: Keys,
+        charging: Charging,
         driver: Driver,
         timers: Timers,
         out: list[Effect],
     ) -> None:
         self._atv = atv
         self._plant = plant
+        self._charging = charging
+        self._aside = Aside(plant, vehicle_type)
         self._driver = driver
         self._timers = timers
         self._berths = Berths(atv, plant, vehicle_type, keys, out)
         self._charge_order = 0
         """The order number of the running charge; 0 for none."""
+        self._failed = 0
+        """Charges that have failed at this charger."""
 
     @property
     def berth(self) -> str:
@@ -95,7 +103,7 @@ class Rest:
     def stop(self) -> None:
         """There is work."""
         self._berths.leave()
-        self._charge_order = 0
+        self._charge_order = self._failed = 0
         self._timers.clear(SETTLE)
         self._timers.clear(CLAIM)
 
@@ -110,14 +118,14 @@ class Rest:
 
     def check_battery(self, battery_frac: float, now_s: float) -> None:
         """A parked vehicle looks for a charger in time, a charged one makes room for others."""
-        if self.charging and battery_frac >= CHARGED_FRAC:
-            self._charge_order = 0
-            self._timers.set(SETTLE, now_s)
+        if self.charging:
+            if self._charging.is_done(battery_frac, now_s):
+                self._end_charge(now_s)
             return
         seeking = (
             self._berths.hold is Hold.CLAIMED or self._timers.is_set(SETTLE) or self._timers.is_set(CLAIM)
         )
-        if self._wants_charge(battery_frac) and not seeking:
+        if not seeking and self._charging.wants(battery_frac, now_s):
             self._timers.set(SETTLE, now_s)
 
     # --- the body reports ---
@@ -133,8 +141,7 @@ class Rest:
         """A charge has filled the battery; False when the action was another."""
         if order != self._charge_order:
             return False
-        self._charge_order = 0
-        self._timers.set(SETTLE, now_s)
+        self._end_charge(now_s)
         return True
 
     def action_failed(self, order: int, now_s: float) -> bool:
@@ -142,48 +149,73 @@ class Rest:
         if order != self._charge_order:
             return False
         self._charge_order = 0
-        self._berths.leave()
+        self._failed += 1
+        if self._failed < TRIES:
+            self._berths.leave()
+        else:
+            self._failed = 0
+            self._berths.block(now_s)
         self.soon(now_s)
         return True
 
     # --- others ---
 
-    def hear_claim(self, claim: BerthClaimed, now_s: float) -> None:
-        """Somebody wants a berth, perhaps this one."""
-        if self._berths.hear(claim, now_s):
+    def hear_claim(self, claim: BerthClaimed, *, battery_frac: float, may_leave: bool, now_s: float) -> None:
+        """Somebody wants a berth, perhaps this one.
+
+        Args:
+            claim: what it says.
+            battery_frac: of this vehicle.
+            may_leave: whether this vehicle can drive away if it comes to that.
+            now_s: the present time.
+        """
+        gives_way = (
+            claim.berth == self._berths.berth
+            and may_leave
+            and self._berths.is_charger
+            and self._berths.hold is Hold.STANDING
+            and self._charging.gives_way(
+                claim.atv,
+                claim.battery_frac,
+                battery_frac=battery_frac,
+                charging=self.charging,
+                now_s=now_s,
+            )
+        )
+        if self._berths.hear(claim, now_s, plugged=self.charging, gives_way=gives_way):
+            self._charge_order = self._failed = 0
             self._timers.clear(CLAIM)
             self._timers.set(SETTLE, now_s)
 
     # --- how it is done ---
 
-    def _wants_charge(self, battery_frac: float) -> bool:
-        return battery_frac < CHARGE_BELOW_FRAC and not self.charging
-
     def _settle(self, battery_frac: float, now_s: float) -> None:
         if self.charging:
             return
-        if self._berths.hold is Hold.NONE and not self._driver.way:
+        berths, charging = self._berths, self._charging
+        if berths.hold is Hold.NONE and not self._driver.way:
             self._stand_here(battery_frac, now_s)
-        wants_charge = self._wants_charge(battery_frac)
-        if self._berths.hold is Hold.STANDING:
-            if self._berths.is_charger and battery_frac < CHARGED_FRAC:
-                self._charge()
-                return
-            if not self._berths.is_charger and not wants_charge:
-                return
-        found = self._berths.seek(
-            charger=wants_charge,
-            node=self._driver.next_node,
-            battery_frac=battery_frac,
-            now_s=now_s,
-        )
-        if found:
+        at_charger = berths.hold is Hold.STANDING and berths.is_charger
+        parked = berths.hold is Hold.STANDING and not berths.is_charger
+        if at_charger and charging.plugs_in(battery_frac, now_s):
+            self._charge()
+            return
+        wants_charge = not at_charger and charging.wants(battery_frac, now_s)
+        if parked and not wants_charge:
+            return
+        if (wants_charge and self._seek(True, battery_frac, now_s)) or (
+            not parked and self._seek(False, battery_frac, now_s)
+        ):
             self._timers.set(CLAIM, now_s + CONTEST_S)
-        else:
-            if self._driver.way:
-                # The place it is driving to belongs to another now: go no further.
-                self._driver.go(self._driver.next_node, now_s)
-            self._timers.set(SETTLE, now_s + SEEK_AGAIN_S)
+            return
+        if berths.hold is Hold.NONE:
+            self._step_aside(now_s)
+        self._timers.set(SETTLE, now_s + SEEK_AGAIN_S)
+
+    def _seek(self, charger: bool, battery_frac: float, now_s: float) -> bool:
+        return self._berths.seek(
+            charger=charger, node=self._driver.next_node, battery_frac=battery_frac, now_s=now_s
+        )
 
     def _stand_here(self, battery_frac: float, now_s: float) -> None:
         """Claim the berth in which the vehicle stands, unless another one has just won it."""
@@ -191,6 +223,10 @@ class Rest:
             if self._plant.node_of(berth) == self._driver.node and not self._berths.is_taken(berth, now_s):
                 self._berths.stand(berth, battery_frac)
                 return
+
+    def _step_aside(self, now_s: float) -> None:
+        """There is no berth, or the place it was driving to belongs to another now: do not wait at a dock."""
+        self._driver.go(self._aside.nearest(self._driver.next_node), now_s)
 
     def _take_berth(self, now_s: float) -> None:
         """Nobody has objected: drive there."""
@@ -201,3 +237,8 @@ class Rest:
         if self._berths.is_charger:
             self._charge_order = self._driver.next_order()
             self._driver.act(Charge(order=self._charge_order, charger=self._berths.berth))
+
+    def _end_charge(self, now_s: float) -> None:
+        """It has enough: look for another place, and keep this one until there is one or somebody asks for it."""
+        self._charge_order = self._failed = 0
+        self._timers.set(SETTLE, now_s)

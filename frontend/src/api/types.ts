@@ -213,6 +213,23 @@ export interface Charger {
   node: string;
 }
 /**
+ * When vehicles of one type charge. Levels are parts of a full battery.
+ */
+export interface Charging {
+  below_frac: number;
+  must_below_frac: number;
+  opportunity: boolean;
+  quiet_hours: Hours[];
+  up_to_frac: number;
+}
+/**
+ * A part of every day, in hours of the plant's clock: of UTC in service, from its beginning in a simulation.
+ */
+export interface Hours {
+  end_h: number;
+  start_h: number;
+}
+/**
  * What a person has asked of a vehicle, and the vehicle's word on it.
  */
 export interface CommandView {
@@ -677,6 +694,7 @@ export interface VehicleType {
   battery_wh: number;
   charge_taper_frac: number;
   charge_w: number;
+  charging: Charging;
   drive_wh_per_m: number;
   id: string;
   idle_w: number;

@@ -1,6 +1,7 @@
 """How long anything may take once all faults are over: pure arithmetic over a plant.
 
     settle_s      = NOTICE_S + HELP_S + vehicles * one duty of an operator, where there are any
+                    + 2 * vehicles / chargers * one full charge, where that takes minutes
     transport_s   = bidding + 2 * longest way + loading + unloading + ASKING_S
     task bound_s  = settle_s + transport_s * (1 + tasks that were done meanwhile / vehicles that are able)
     stall bound_s = settle_s + GOAL_BIDDING_S + transport_s + longest cycle
@@ -14,8 +15,11 @@ must come forward within it.
 
 from __future__ import annotations
 
+from math import ceil
+
 from dray.plant import Plant
 from dray.protocol.auction_rules import AuctionRules
+from dray_sim.battery import Battery
 from dray_sim.habits import Habits
 from dray_sim.people import LOOK_S
 from dray_sim.tablet import ANSWER_S, TRIES
@@ -32,6 +36,9 @@ ASKING_S = 20.0
 
 GOAL_BIDDING_S = 60.0
 """The strategist's rounds for a goal, at most."""
+
+QUICK_CHARGE_S = 1200.0
+"""A battery that is filled in less is emptied in an hour of driving, and counts in a trial."""
 
 
 class Patience:
@@ -52,7 +59,7 @@ class Patience:
         self._plant = plant
         # In the worst case every vehicle needs somebody, and all stand in one area.
         duties_s = 0.0 if habits is None else len(kinds) * _duty_s(habits)
-        self.settle_s = NOTICE_S + HELP_S + duties_s
+        self.settle_s = NOTICE_S + HELP_S + duties_s + _charging_s(plant)
         """Until everybody has noticed that the faults are over, and people have put everything right (s)."""
         handling_s = max(kind.load_s + kind.unload_s for kind in kinds)
         bidding_s = (
@@ -73,6 +80,18 @@ class Patience:
         """
         able = self._able.get(self._plant.ability_of(item), 1)
         return self.settle_s + self.transport_s * (1.0 + done_meanwhile / able)
+
+
+def _charging_s(plant: Plant) -> float:
+    """Until the last one of a fleet that is empty has charged, and once more for what it has used meanwhile.
+
+    Nothing where batteries outlast a trial by far.
+    """
+    kinds = [plant.vehicle_types[spec.type] for spec in plant.fleet.values()]
+    if min(kind.battery_wh / kind.charge_w for kind in kinds) * 3600.0 > QUICK_CHARGE_S:
+        return 0.0
+    charge_s = max(Battery(kind).charging_s(0.0) for kind in kinds)
+    return 2.0 * ceil(len(kinds) / len(plant.chargers)) * charge_s
 
 
 def _longest_way_s(plant: Plant) -> float:

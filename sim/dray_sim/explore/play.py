@@ -18,6 +18,7 @@ from dray_sim.explore.calm import Calm
 from dray_sim.explore.outcome import Outcome
 from dray_sim.explore.passerby import Passerby
 from dray_sim.explore.patience import Patience
+from dray_sim.explore.power import Powered
 from dray_sim.explore.regret import Regret
 from dray_sim.explore.revision import Revision
 from dray_sim.explore.standing import Standing
@@ -140,6 +141,8 @@ class _Game:
         faults = _Diary(factory, blame, self._story)
         self._faults = faults.begun
         let_happen(trial.schedule, faults)
+        if not trial.has_faults:
+            checks.add(Powered())
         ears.add(*(ear for ear in (self._story, self._trace) if ear is not None), self._tally, checks)
         life = asyncio.create_task(self._live(factory))
         broken = asyncio.create_task(checks.wait_broken())

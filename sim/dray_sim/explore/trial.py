@@ -14,7 +14,16 @@ from random import Random
 
 import msgspec
 
-from dray.plant import MachineSpec, Making, Material, Plant, Product, VehicleSpec
+from dray.plant import (
+    MachineSpec,
+    Making,
+    Material,
+    Plant,
+    PlantFile,
+    Product,
+    VehicleSpec,
+    VehicleType,
+)
 from dray_sim import demand
 from dray_sim.explore.revision import Revised
 from dray_sim.faults import (
@@ -56,6 +65,9 @@ LONGEST_REST_S = 120.0
 """How long an order rests before it is published again: long enough for its goals to be gone, and for goods
 that were on the way to have found the gate shut."""
 
+BATTERY_SHARE = (0.08, 0.25)
+"""Of the usual battery: it lasts for ten minutes to an hour, and is charged in three to a quarter of an hour."""
+
 LEAST_LOT = 2
 """Pieces in the smallest container of a trial."""
 
@@ -85,6 +97,8 @@ class Profile:
         revising_frac: the part of the trials in which managers take orders back and publish them again.
         revised_frac: in these, the part of the orders.
         insiders_frac: the part of the trials in which somebody lies who has a valid certificate.
+        scarce_power: whether batteries are so small that they are emptied and charged in minutes, and chargers and
+            parking places few; the chargers suffice.
     """
 
     machines: tuple[int, int] = (1, 6)
@@ -108,6 +122,7 @@ class Profile:
     revising_frac: float = 0.3
     revised_frac: float = 0.4
     insiders_frac: float = 0.0
+    scarce_power: bool = False
 
 
 PROFILES: Mapping[str, Profile] = {
@@ -136,6 +151,9 @@ PROFILES: Mapping[str, Profile] = {
     "clocks": Profile(intensity=(0.0, 1.0), waves_frac=0.5, clocks_frac=1.0),
     "liars": Profile(intensity=(0.0, 0.5), operators_frac=0.0, passerby_frac=0.0, insiders_frac=1.0),
     "calm": Profile(intensity=(0.0, 0.0), passerby_frac=0.0),
+    "batteries": Profile(
+        vehicles=(1, 10), battery_frac=(0.2, 0.9), intensity=(0.0, 0.0), passerby_frac=0.0, scarce_power=True
+    ),
 }
 """By name, as `dray sim explore --profile` takes them."""
 
@@ -174,6 +192,11 @@ class Trial:
     cancelled: tuple[tuple[float, str], ...] = field(repr=False)
     revised: tuple[Revised, ...] = field(repr=False)
     insider: str = ""
+
+    @property
+    def has_faults(self) -> bool:
+        """Whether anything goes wrong in it."""
+        return bool(self.schedule or self.passerby or self.insider)
 
     def __str__(self) -> str:
         """In one line, for a reader."""
@@ -315,6 +338,8 @@ def _small_plant(seed: int, ranges: Profile, random: Random) -> Plant:
     lot_frac, cycle_frac = random.uniform(*ranges.lot_frac), random.uniform(*ranges.cycle_frac)
     file = generate_plant(seed, machines, vehicles).file
     fleet = tuple(_charged(spec, random.uniform(*ranges.battery_frac)) for spec in file.fleet)
+    if ranges.scarce_power:
+        file = with_scarce_power(file, Random(f"{seed} power"))
     return Plant(
         msgspec.structs.replace(
             file,
@@ -324,6 +349,33 @@ def _small_plant(seed: int, ranges: Profile, random: Random) -> Plant:
             fleet=fleet,
         )
     )
+
+
+def with_scarce_power(file: PlantFile, random: Random) -> PlantFile:
+    """The same plant with small batteries, and with as few chargers and parking places as can do, or more.
+
+    Chargers suffice when they give what the whole fleet would need if it drove all the time: it does so for half of
+    its time at most, and the rest is for ways to chargers and waits.
+    """
+    share = random.uniform(*BATTERY_SHARE)
+    kinds = {kind.id: kind for kind in file.vehicle_types}
+    needs_w = sum(_driving_w(kinds[spec.type]) for spec in file.fleet)
+    least = ceil(needs_w / min(kind.charge_w for kind in kinds.values()))
+    chargers = random.randint(min(least, len(file.chargers)), len(file.chargers))
+    return msgspec.structs.replace(
+        file,
+        vehicle_types=tuple(
+            msgspec.structs.replace(kind, battery_wh=kind.battery_wh * share) for kind in file.vehicle_types
+        ),
+        chargers=file.chargers[:chargers],
+        parkings=file.parkings[: random.randint(0, len(file.parkings))],
+    )
+
+
+def _driving_w(kind: VehicleType) -> float:
+    """What a vehicle takes that drives all the time, half of it with a load (W)."""
+    wh_per_m = (kind.drive_wh_per_m + kind.loaded_wh_per_m) / 2.0
+    return kind.idle_w + wh_per_m * kind.max_speed_mps * 3600.0
 
 
 def _small_material(material: Material, frac: float) -> Material:

@@ -47,7 +47,7 @@ class Meter:
         self._messages = counter("bus_messages_heard", "Messages heard on the bus.", "kind")
         self._heartbeats = counter("heartbeats_heard", "Heartbeats heard.", "agent_kind", "link")
         self._facts = counter("facts_heard", "Facts heard for the first time.", "kind")
-        self._refused = counter("bids_refused", "Announcements for which somebody did not bid.", "reason")
+        self._refused = counter("bids_refused", "Tasks for which somebody did not bid, by reason.", "reason")
         self._changed = counter("carriers_changed", "Tasks that got another carrier.", "to")
         self._goods = counter("pieces_delivered", "Pieces that reached a delivery warehouse.")
         self._plain = {
