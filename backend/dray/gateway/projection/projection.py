@@ -177,7 +177,7 @@ class Projection:
             atvs_by_status=dict(+self.atvs.by_status),
             machines_by_status=dict(+self.machines.by_status),
             speed=self._time.speed,
-            behind_s=(self._time.to_plant_s(wall_s) - now_s) / self._time.speed,
+            behind_s=(self._time.to_plant_s(wall_s) - self._heard_until_s(wall_s)) / self._time.speed,
         )
 
     def totals(self, wall_s: float) -> KpiSample:

@@ -78,4 +78,4 @@ class FactoryView(View, kw_only=True):
     speed: float = 1.0
     """Factory seconds per real second."""
     behind_s: float = 0.0
-    """How old the newest is that was heard of the plant, in real seconds; 0 as long as it keeps up."""
+    """How old the newest is that was heard of the plant, in real seconds: who is older than that is silent."""
