@@ -179,7 +179,19 @@ class CloseDock(Part, frozen=True):
     vehicle: str
 
 
-WorkcellInstruction = StartCycle | OpenDock | CloseDock
+class Book(Part, frozen=True):
+    """A vehicle says that it has put pieces down or taken them: the only word there is for a body that does not count.
+
+    Answered with `StockChanged`, as if it had been seen.
+    """
+
+    vehicle: str
+    item: str
+    change: int
+    """Pieces; negative when something was taken."""
+
+
+WorkcellInstruction = StartCycle | OpenDock | CloseDock | Book
 
 
 class CycleDone(Part, frozen=True):
@@ -237,6 +249,9 @@ class WorkcellState(Part, frozen=True):
     """The product of the running cycle; empty for none."""
     broken: str
     """Why it stands; empty when it works."""
+    counts: bool = True
+    """Whether it counts what vehicles bring and take. One that does not tells of no transfer by itself: its agent
+    lets it `Book` what vehicles say, and its stock is as good as their word."""
 
 
 # --- a storage: instructions and state; it has a dock as a workcell has, and reports `StockChanged` -------
@@ -283,6 +298,8 @@ class GoodsArrived(Part, frozen=True):
     arrived: int
     admitted: int
     """How many may get in at all; 0 tells that the gate is shut and `arrived` the last word."""
+    vehicle: str = ""
+    """Who has brought the last ones; empty after an `Admit`, and where the gate cannot tell."""
 
 
 class GateState(Part, frozen=True):

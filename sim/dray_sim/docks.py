@@ -32,3 +32,8 @@ class OpenDocks:
     def refusal(self, vehicle: str, item: str, quantity: int) -> str:
         """Why a vehicle may not load or unload this; empty when it may."""
         return "" if self._open.get(vehicle) == (item, quantity) else SHUT
+
+    def refusal_of_part(self, vehicle: str, item: str, quantity: int) -> str:
+        """Why a vehicle may not load or unload as much, or less than the dock was opened for; empty when it may."""
+        opened = self._open.get(vehicle, ("", 0))
+        return "" if opened[0] == item and 0 < quantity <= opened[1] else SHUT

@@ -75,14 +75,16 @@ class Gate:
         permit = self._permits.get(goal)
         return 0 if permit is None else permit.arrived
 
-    def enter(self, goal: str, quantity: int) -> str:
+    def enter(self, goal: str, quantity: int, vehicle: str = "") -> str:
         """Let pieces of a goal in, wholly or not at all. Returns "" when they are in, else why not."""
         permit = self._permits.get(goal)
         if permit is None or permit.arrived + quantity > permit.admitted:
             return NOT_ADMITTED
         permit.arrived += quantity
         self._renew(goal, permit)
-        self._reporter.say(GoodsArrived(goal=goal, arrived=permit.arrived, admitted=permit.admitted))
+        self._reporter.say(
+            GoodsArrived(goal=goal, arrived=permit.arrived, admitted=permit.admitted, vehicle=vehicle)
+        )
         self._reporter.flush_soon()
         return ""
 

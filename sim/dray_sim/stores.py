@@ -125,7 +125,7 @@ class DeliveryWarehouse:
             if not goal:
                 self.aside[item] += quantity
                 return ""
-            reason = self._gate.enter(goal, quantity)
+            reason = self._gate.enter(goal, quantity, vehicle)
             if reason:
                 return reason
         self.arrived[item] += quantity

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from dray.body import (
+    Book,
     Broken,
     CloseDock,
     CycleDone,
@@ -88,6 +89,10 @@ class SimWorkcell:
         self._buffers = {material: plant.materials[material].buffer for material in materials}
         self._goods_capacity = spec.goods_capacity
         self._stock = dict.fromkeys((*materials, *self._cycle_s), 0) | dict(stock or {})
+        self._counts = spec.counts
+        self._unbooked: Counter[str] = Counter()
+        """Pieces that lie there and that a body which does not count knows nothing of; below 0 for those that it
+        believes in and that are not there."""
         self._seq = 0
         """Of the last change of the stock that a report tells of."""
         self._docks = OpenDocks()
@@ -114,12 +119,21 @@ class SimWorkcell:
             self._docks.open(instruction.vehicle, instruction.item, instruction.quantity)
         elif isinstance(instruction, CloseDock):
             self._docks.shut(instruction.vehicle)
+        elif isinstance(instruction, Book) and instruction.item in self._stock and not self._counts:
+            self._unbooked[instruction.item] -= instruction.change
+            self._tell_change(instruction.item, instruction.change, instruction.vehicle)
         self._reporter.flush_soon()
 
     def sense(self) -> WorkcellState:
         """See `dray.ports.Body`."""
         cycling = self._cycle.product if self._cycle is not None else ""
-        return WorkcellState(stock=dict(self._stock), seq=self._seq, cycling=cycling, broken=self._broken)
+        return WorkcellState(
+            stock={item: pieces - self._unbooked[item] for item, pieces in self._stock.items()},
+            seq=self._seq,
+            cycling=cycling,
+            broken=self._broken,
+            counts=self._counts,
+        )
 
     def attach(self, report: Callable[[Report], None]) -> None:
         """See `dray.ports.Body`."""
@@ -132,6 +146,8 @@ class SimWorkcell:
         reason = self._refusal(vehicle, item, quantity)
         if reason:
             return reason
+        if shut := self._docks.refusal(vehicle, item, quantity):
+            return shut
         if self._stock[item] < quantity:
             return TOO_LITTLE
         self._transfer(vehicle, item, -quantity)
@@ -261,6 +277,8 @@ class SimWorkcell:
         missing = [
             line.material for line in self._bills[product] if self._stock[line.material] < line.quantity
         ]
+        for material in missing:
+            del self._unbooked[material]  # Whoever reaches for a piece sees what lies there.
         return f"missing {', '.join(missing)}" if missing else ""
 
     def _schedule(self, cycle: _Cycle) -> None:
@@ -281,7 +299,9 @@ class SimWorkcell:
     def _refusal(self, vehicle: str, item: str, quantity: int) -> str:
         if self._off:
             return NO_POWER
-        return self._docks.refusal(vehicle, item, quantity) or ("" if item in self._stock else NOT_KEPT)
+        # Less may come than was opened for: the dock counts it.
+        shut = self._docks.refusal_of_part(vehicle, item, quantity)
+        return shut or ("" if item in self._stock else NOT_KEPT)
 
     def _transfer(self, vehicle: str, item: str, change: int) -> None:
         self._docks.shut(vehicle)
@@ -289,6 +309,12 @@ class SimWorkcell:
 
     def _change_stock(self, item: str, change: int, vehicle: str = "") -> None:
         self._stock[item] += change
+        if vehicle and not self._counts:
+            self._unbooked[item] += change
+        else:
+            self._tell_change(item, change, vehicle)
+
+    def _tell_change(self, item: str, change: int, vehicle: str) -> None:
         self._seq += 1
         self._reporter.say(StockChanged(item=item, change=change, seq=self._seq, vehicle=vehicle))
         self._reporter.flush_soon()

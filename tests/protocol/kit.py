@@ -104,9 +104,9 @@ class Credulous(Assessor):
     def __init__(self) -> None:
         super().__init__(PLANT, [])
 
-    def objection(self, bidder: str, work: Work, bid: Bid, now_s: float) -> str:
+    def refuses(self, bidder: str, work: Work, bid: Bid, now_s: float) -> bool:
         """Nothing is said against it."""
-        return ""
+        return False
 
     def progress(self, promised_s: float, now_s: float) -> Progress:
         """None is asked for."""
@@ -122,6 +122,9 @@ def believing(machine: Machine) -> Machine:
         task = tasks.get(message.task)
         if task is not None:
             task.witnessed = False
+            goal = machine._goals.get(task.work.goal) if isinstance(task.work, Transport) else None
+            if goal is not None:
+                goal.arrived = goal.delivered + message.quantity
         hear(sender, message, now_s)
 
     machine._on_message = {**machine._on_message, Handover: hear_handover}

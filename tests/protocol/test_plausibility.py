@@ -11,14 +11,21 @@ from msgspec.structs import replace
 from dray.messages import Bid, Transport
 from dray.protocol.plausibility import (
     BEFORE_NOW,
+    CLOCK,
+    CLOCK_WRONG_S,
+    LATE_S,
+    LATEST_GOAL_S,
     NEGATIVE,
     NOT_A_NUMBER,
     OTHER_SOURCE,
     OTHER_WORK,
     TOO_CHEAP,
+    TOO_LATE,
     TOO_SOON,
     UNDER_WAY_S,
     Plausibility,
+    by_our_clock,
+    clock_ahead_s,
 )
 from dray.protocol.pricing import Pricer, Quote
 
@@ -77,3 +84,49 @@ def test_a_promise_beyond_the_longest_way_buys_no_time() -> None:
     assert CHECK.believed_s(None, 1e11, NOW_S) == NOW_S + CHECK.longest_s
     assert CHECK.believed_s(bid(50.0), 1e11, NOW_S) < NOW_S + CHECK.longest_s
     assert CHECK.believed_s(None, 0.0, NOW_S) == NOW_S
+
+
+# --- clocks --------------------------------------------------------------------------------------
+
+
+def by_clock(ahead_s: float, **fields: float) -> Bid:
+    """A bid of a minute's work, made now by a clock that is ahead."""
+    honest = bid(200.0, finish_s=NOW_S + ahead_s + 260.0)
+    return replace(honest, at_s=NOW_S + ahead_s, **fields)
+
+
+@pytest.mark.parametrize("ahead_s", [0.0, 0.9, -1.0, -UNDER_WAY_S])
+def test_what_a_link_and_an_honest_clock_explain_is_no_wrong_clock(ahead_s: float) -> None:
+    assert clock_ahead_s(NOW_S + ahead_s, NOW_S) == 0.0
+    assert by_our_clock(by_clock(ahead_s), NOW_S) == by_clock(ahead_s)
+
+
+@pytest.mark.parametrize("ahead_s", [2.0, 60.0, CLOCK_WRONG_S, -10.0, -60.0, -CLOCK_WRONG_S])
+def test_a_clock_that_is_a_little_wrong_is_made_up_for(ahead_s: float) -> None:
+    righted = by_our_clock(by_clock(ahead_s), NOW_S)
+    assert righted.finish_s == pytest.approx(NOW_S + 260.0)
+    assert CHECK.objection(transport(), righted, NOW_S) == ""
+
+
+@pytest.mark.parametrize("ahead_s", [3600.0, -3600.0, -1.9e9, 1e11, -(CLOCK_WRONG_S + 1.0)])
+def test_a_clock_that_is_wrong_is_not_believed_in_anything(ahead_s: float) -> None:
+    offer = by_clock(ahead_s)
+    assert by_our_clock(offer, NOW_S) == offer
+    assert CHECK.objection(transport(), offer, NOW_S) == CLOCK
+    assert clock_ahead_s(offer.at_s, NOW_S) == pytest.approx(ahead_s)
+
+
+def test_who_does_not_tell_when_it_was_said_is_judged_by_what_it_promises() -> None:
+    honest = bid(200.0, finish_s=NOW_S + 260.0)
+    assert CHECK.objection(transport(), honest, NOW_S) == ""
+    late = replace(honest, finish_s=NOW_S + 1.5 * 200.0 + 2.0 * CHECK.handling_max_s + LATE_S + 1.0)
+    assert CHECK.objection(transport(), late, NOW_S) == TOO_LATE
+
+
+def test_a_goal_may_take_weeks_and_is_believed_as_long_as_it_takes() -> None:
+    goal = replace(goal_bid("G1", 1e6), finish_s=NOW_S + 1e6)
+    assert CHECK.objection(production(), goal, NOW_S) == ""
+    assert CHECK.believed_s(goal, goal.finish_s, NOW_S) == goal.finish_s
+    assert (
+        CHECK.objection(production(), replace(goal, finish_s=NOW_S + LATEST_GOAL_S + 1.0), NOW_S) == TOO_LATE
+    )

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import msgspec
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from yard import PLANT, Yard
 
 from dray.body import (
+    Book,
     Broken,
     CloseDock,
     CycleDone,
@@ -114,7 +116,7 @@ def test_the_dock_is_shut_for_everybody_it_was_not_opened_for(yard: Yard) -> Non
     yard.do(workcell, OpenDock(vehicle="ATV1", item="shaft", quantity=20))
     assert workcell.put("ATV2", "shaft", 20) == SHUT
     assert workcell.put("ATV1", "seal", 20) == SHUT
-    assert workcell.put("ATV1", "shaft", 10) == SHUT
+    assert workcell.put("ATV1", "shaft", 21) == SHUT
     assert workcell.sense().stock["shaft"] == 0
 
 
@@ -305,3 +307,41 @@ def test_what_is_put_in_without_power_is_sensed_later(yard: Yard) -> None:
     workcell.power_on()
     assert yard.do(workcell) == []
     assert workcell.sense().stock["shaft"] == 5
+
+
+# --- counting ------------------------------------------------------------------------------------
+
+
+def blind(yard: Yard, **stock: int) -> SimWorkcell:
+    """One that does not count what vehicles bring and take."""
+    spec = msgspec.structs.replace(PLANT.machines["M1"], counts=False)
+    workcell = SimWorkcell(spec, PLANT, yard.clock, stock)
+    yard.listen("M1", workcell)
+    return workcell
+
+
+def test_the_dock_counts_what_comes_and_not_what_it_was_opened_for(yard: Yard) -> None:
+    workcell = cell(yard)
+    yard.do(workcell, OpenDock(vehicle="ATV1", item="shaft", quantity=20))
+    assert workcell.put("ATV1", "shaft", 17) == ""
+    assert yard.do(workcell) == [StockChanged(item="shaft", change=17, seq=1, vehicle="ATV1")]
+
+
+def test_a_dock_that_does_not_count_tells_what_it_is_told(yard: Yard) -> None:
+    workcell = blind(yard)
+    yard.do(workcell, OpenDock(vehicle="ATV1", item="shaft", quantity=20))
+    assert workcell.put("ATV1", "shaft", 20) == ""
+    assert yard.do(workcell) == []
+    assert not workcell.sense().counts
+    assert workcell.sense().stock["shaft"] == 0
+    said = yard.do(workcell, Book(vehicle="ATV1", item="shaft", change=20))
+    assert said == [StockChanged(item="shaft", change=20, seq=1, vehicle="ATV1")]
+    assert workcell.sense().stock["shaft"] == 20
+
+
+def test_whoever_reaches_for_a_piece_that_was_only_booked_sees_that_it_is_not_there(yard: Yard) -> None:
+    workcell = blind(yard, seal=40)
+    yard.do(workcell, Book(vehicle="ATV1", item="shaft", change=20))
+    assert workcell.sense().stock["shaft"] == 20
+    assert [type(each) for each in yard.do(workcell, GEAR)] == [CycleFailed]
+    assert workcell.sense().stock["shaft"] == 0

@@ -15,9 +15,11 @@ from dray.messages.contract import (
     Accepted,
     Award,
     Bid,
+    Brought,
     Confirmed,
     Cost,
     Declined,
+    Disbelieved,
     Docked,
     DockHeld,
     DockOpened,
@@ -96,6 +98,7 @@ AnyMessage = (
     | Superseded
     | Withdrawn
     | GoalClosed
+    | Disbelieved
     | OrderReleased
     | OrderTaken
     | OrderCancelled
@@ -127,6 +130,7 @@ __all__ = [
     "BerthClaimed",
     "Bid",
     "Brief",
+    "Brought",
     "BufferLevel",
     "CancellationTaken",
     "CommandAnswered",
@@ -134,6 +138,7 @@ __all__ = [
     "Confirmed",
     "Cost",
     "Declined",
+    "Disbelieved",
     "DockHeld",
     "DockOpened",
     "Docked",

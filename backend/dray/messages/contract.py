@@ -143,6 +143,8 @@ class Bid(Message, frozen=True):
     """When it promises to be done (plant clock)."""
     source: IdOrNone = ""
     """The source it would fetch from."""
+    at_s: Seconds | None = None
+    """When it was said, by the same clock; times in it are understood from here. None where a software does not tell."""
 
 
 class Award(Message, frozen=True):
@@ -187,6 +189,16 @@ class Accepted(Message, frozen=True):
     finish_s: Seconds = 0.0
     number: Count = 1
     """Of the award that this answers."""
+    at_s: Seconds | None = None
+    """When it was said, by the same clock; times in it are understood from here. None where a software does not tell."""
+
+
+class Brought(Part, frozen=True):
+    """Pieces of a goal that the gate of the delivery warehouses has counted."""
+
+    vehicle: Id
+    """Who has brought them."""
+    pieces: Count
 
 
 class Confirmed(Message, frozen=True):
@@ -194,13 +206,15 @@ class Confirmed(Message, frozen=True):
 
     A machine begins a goal only then, and repeats `Accepted` until then. Otherwise a goal whose
     acceptance was lost would be made by it and by whoever was asked next. A machine that comes back
-    asks in the same way for the goals that it remembers.
+    asks in the same way for the goals that it remembers. It is also said whenever pieces of a goal have arrived.
     """
 
     task: Id
     epoch: Count
     arrived: Count = 0
     """Pieces of the goal that the delivery warehouse has counted."""
+    brought: tuple[Brought, ...] = ()
+    """The same by vehicle, as far as the strategist's present life has heard: the rest may be anybody's."""
 
 
 class Declined(Message, frozen=True):
@@ -252,6 +266,21 @@ class TakenOver(Message, frozen=True):
     """When it promises to be done (plant clock)."""
     source: IdOrNone = ""
     """Where it fetches the load."""
+    at_s: Seconds | None = None
+    """When it was said, by the same clock; times in it are understood from here. None where a software does not tell."""
+
+
+class Disbelieved(Message, frozen=True):
+    """The coordinator does not believe a bid, a promise or a handover, and says why, so that somebody can put it right.
+
+    It binds nobody and ends nothing.
+    """
+
+    task: Id
+    epoch: Count
+    reason: Text
+    clock_ahead_s: Seconds = 0.0
+    """How far the receiver's clock is ahead of the sender's, behind if negative; 0 where that is not the reason."""
 
 
 class Docked(Message, frozen=True):

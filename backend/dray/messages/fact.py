@@ -137,6 +137,31 @@ class ContractorRated(Fact, frozen=True):
     """It is given short tasks only."""
 
 
+class WordDisbelieved(Fact, frozen=True):
+    """A coordinator does not believe what a contractor has said: it cannot be. Told once a minute of each."""
+
+    contractor: Id
+    task: Id
+    reason: Text
+    clock_ahead_s: Seconds = 0.0
+    """How far the contractor's clock is ahead of the coordinator's, behind if negative; 0 where that is not the reason."""
+
+
+class HandoverDisputed(Fact, frozen=True):
+    """A contractor says that a load is down, and the dock where it was to go has counted something else."""
+
+    task: Id
+    epoch: Count
+    contractor: Id
+    item: Id
+    said: Count
+    """Pieces, by the contractor's word."""
+    counted: Count
+    """Pieces, by the dock's count: these are there, and no others."""
+    where: Id
+    """The place whose dock has counted."""
+
+
 # --- said by a contractor ------------------------------------------------------------------------
 
 
@@ -174,6 +199,14 @@ class ContractEnded(Fact, frozen=True):
     task: Id
     epoch: Count
     role: Role
+    reason: Text
+
+
+class NotBelieved(Fact, frozen=True):
+    """A coordinator has said that it does not believe this agent, and why. Told once a minute of each."""
+
+    by: Id
+    task: Id
     reason: Text
 
 
@@ -369,6 +402,9 @@ AnyFact = (
     | PrimarySuspected
     | CarrierChanged
     | ContractorRated
+    | WordDisbelieved
+    | HandoverDisputed
+    | NotBelieved
     | TookOver
     | LinkChanged
     | HelpAsked

@@ -40,7 +40,7 @@ class Advice(msgspec.Struct, frozen=True):
     """One warning."""
 
     kind: str
-    """berths, charger, material, dock, buffer, machine, vehicles, range, alone or trap."""
+    """berths, charger, material, dock, buffer, machine, vehicles, range, alone, trap or uncounted."""
     field: str
     """The section of the plant file."""
     text: str
@@ -52,7 +52,14 @@ class Advice(msgspec.Struct, frozen=True):
 def advice(plant: Plant) -> list[Advice]:
     """All warnings of a plant; none for one in which nothing is short."""
     flow = Flow(plant)
-    return [*_berths(plant), *_ranges(flow), *_limits(plant, flow), *_alone(plant), *_traps(plant)]
+    return [
+        *_berths(plant),
+        *_ranges(flow),
+        *_limits(plant, flow),
+        *_alone(plant),
+        *_traps(plant),
+        *_uncounted(plant),
+    ]
 
 
 def _berths(plant: Plant) -> Iterator[Advice]:
@@ -65,6 +72,17 @@ def _berths(plant: Plant) -> Iterator[Advice]:
             f"add {missing} parking place{'s' * (missing > 1)}"
         )
         yield Advice("berths", "parkings", text)
+
+
+def _uncounted(plant: Plant) -> Iterator[Advice]:
+    """Docks that do not count: what vehicles say to have brought or taken there is believed."""
+    blind = [spec.id for spec in plant.machines.values() if not spec.counts]
+    if blind:
+        text = (
+            f"{len(blind)} of {len(plant.machines)} machines do not count what vehicles bring and take "
+            f"({', '.join(blind[:MOST_OF_A_KIND])}): their word is believed there; give the docks a counter"
+        )
+        yield Advice("uncounted", "machines", text)
 
 
 def _ranges(flow: Flow) -> Iterator[Advice]:

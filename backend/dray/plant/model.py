@@ -158,6 +158,8 @@ class MachineSpec(Item, frozen=True):
     makes: Annotated[tuple[Making, ...], Meta(min_length=1)]
     goods_capacity: Count = 30
     """Finished pieces that wait at most; at least the lot of every product it makes."""
+    counts: bool = True
+    """Whether its dock counts what vehicles bring and take. Where it does not, their word is taken."""
 
 
 class WorkingStation(Item, frozen=True):

@@ -25,7 +25,11 @@ REFUSALS_KEPT = 256
 
 
 def offer(
-    announced: TaskAnnounced, cost: TransportCost | ProductionCost, finish_s: float, source: str = ""
+    announced: TaskAnnounced,
+    cost: TransportCost | ProductionCost,
+    finish_s: float,
+    now_s: float,
+    source: str = "",
 ) -> tuple[Effect, ...]:
     """Bid for what was announced.
 
@@ -33,6 +37,7 @@ def offer(
         announced: what, and by whom.
         cost: the price with its parts.
         finish_s: when it would be done (plant clock).
+        now_s: the present time.
         source: where the load would be fetched; empty for a goal.
     """
     bid = Bid(
@@ -43,6 +48,7 @@ def offer(
         cost=cost,
         finish_s=finish_s,
         source=source,
+        at_s=now_s,
     )
     sent = BidSent(task=announced.task, epoch=announced.epoch, role=announced.role, total_s=cost.total_s)
     return Send(announced.coordinator, bid), Record(sent)
@@ -77,10 +83,15 @@ class Refusals:
         self._said.pop((announced.task, announced.role), None)
 
 
-def accept(coordinator: str, award: Award, finish_s: float) -> Effect:
+def accept(coordinator: str, award: Award, finish_s: float, now_s: float) -> Effect:
     """Take what was awarded, and promise when it will be done (plant clock)."""
     accepted = Accepted(
-        task=award.task, epoch=award.epoch, role=award.role, finish_s=finish_s, number=award.number
+        task=award.task,
+        epoch=award.epoch,
+        role=award.role,
+        finish_s=finish_s,
+        number=award.number,
+        at_s=now_s,
     )
     return Send(coordinator, accepted)
 

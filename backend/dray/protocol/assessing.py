@@ -5,11 +5,12 @@ One place for what an auction asks of a bid beside its price: `plausibility` kno
 
 from __future__ import annotations
 
-from dray.messages import Bid, Work
+from dray.messages import Accepted, Bid, TakenOver, Work
 from dray.plant import Plant
 from dray.protocol.bidding import SHORT_S
-from dray.protocol.events import Effect
-from dray.protocol.plausibility import Plausibility
+from dray.protocol.disbelief import Disbelief
+from dray.protocol.events import Effect, Ignore
+from dray.protocol.plausibility import CLOCK, Plausibility, clock_ahead_s, is_clock_wrong
 from dray.protocol.progress import STALL_S, Progress
 from dray.protocol.reliability import Reliability
 from dray.protocol.trial import is_barred
@@ -33,14 +34,27 @@ class Assessor:
         self.reliability = Reliability(out)
         self.handling_max_s = self._plausibility.handling_max_s
         """The longest loading or unloading of the plant."""
+        self._out = out
+        self._disbelief = Disbelief(out)
 
-    def objection(self, bidder: str, work: Work, bid: Bid, now_s: float) -> str:
-        """Why a bid does not count; empty when it does. The reasons are few and fixed."""
-        reason = self._plausibility.objection(work, bid, now_s)
-        if not reason and self.reliability.on_probation(bidder, now_s):
+    def refuses(self, bidder: str, work: Work, bid: Bid, now_s: float) -> bool:
+        """Whether a bid does not count, by our clock; it is counted why, and said where it cannot be true."""
+        if objection := self._plausibility.objection(work, bid, now_s):
+            self._disbelief.tell(bidder, bid, objection, now_s, clock_ahead_s(bid.at_s, now_s))
+            return True
+        if self.reliability.on_probation(bidder, now_s):
             short = bid.finish_s - now_s <= SHORT_S
-            reason = ON_PROBATION if is_barred(short=short, round_number=bid.round) else ""
-        return reason
+            if is_barred(short=short, round_number=bid.round):
+                self._out.append(Ignore(ON_PROBATION))
+                return True
+        return False
+
+    def refuses_clock(self, speaker: str, said: Accepted | TakenOver, now_s: float) -> bool:
+        """Whether a promise was made by a clock that is not made up for; its speaker is told."""
+        if not is_clock_wrong(said, now_s):
+            return False
+        self._disbelief.tell(speaker, said, CLOCK, now_s, clock_ahead_s(said.at_s, now_s))
+        return True
 
     def surcharge_s(self, bidder: str, now_s: float) -> float:
         """What is added to a bid before it is ranked."""

@@ -43,6 +43,7 @@ from dray.messages import (
     BerthClaimed,
     CommandKind,
     Confirmed,
+    Disbelieved,
     DockHeld,
     DockOpened,
     HandoverAccepted,
@@ -66,6 +67,7 @@ from dray.protocol.bidding import Bidder, Standing
 from dray.protocol.carriage import ASK, CLAIM_TASK, HANDED_OVER, Carriage
 from dray.protocol.charging import Charging
 from dray.protocol.core import Core
+from dray.protocol.disbelief import Reproach
 from dray.protocol.driving import Driver
 from dray.protocol.earshot import Earshot
 from dray.protocol.events import (
@@ -158,6 +160,7 @@ class Atv(Core):
             Withdrawn: contract,
             VehicleCommand: self._hear_command,
             BerthClaimed: self._hear_claim,
+            Disbelieved: Reproach(self._out).hear,
         }
         self._on_report = {
             NodePassed: self._node_passed,
@@ -430,18 +433,18 @@ class Atv(Core):
         if self._holds(award):
             # Its answer was lost. From now on this award is the one that binds.
             self._renew(award)
-            self._out.append(accept(sender, award, self._promised_s))
+            self._out.append(accept(sender, award, self._promised_s, now_s))
             return
         answer = self._bidder.review(award, self._standing(award.task, now_s), now_s)
         if isinstance(answer, Unable):
             self._out.append(decline(sender, award, answer.reason))
         elif award.role is Role.SECONDARY:
             self._watches.begin(award, sender, now_s)
-            self._out.append(accept(sender, award, self._promised_s))
+            self._out.append(accept(sender, award, self._promised_s, now_s))
             self._pulse.at_once(now_s)
         else:
             contract = _contract(award, sender, answer)
-            accepted = accept(sender, award, contract.promised_s)
+            accepted = accept(sender, award, contract.promised_s, now_s)
             self._take(contract, accepted, lambda carriage: carriage.begin(now_s), now_s)
 
     def _holds(self, award: Award) -> bool:

@@ -46,6 +46,7 @@ from dray.protocol.assessing import Assessor
 from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.events import NEVER_S, Effect, Ignore, Publish, Record, Send
 from dray.protocol.newest import Newest
+from dray.protocol.plausibility import by_our_clock
 
 SPAN_MIN_S = 60.0
 """What is late already is given as much time as a quick transport takes, round after round more."""
@@ -218,8 +219,11 @@ class Auction:
 
     def hear_bid(self, bidder: str, bid: Bid, now_s: float) -> None:
         """Note a bid, if it can be true. One of a later round replaces the same bidder's first."""
-        if objection := self._objection(bidder, bid, now_s):
+        if objection := self._objection(bidder, bid):
             self._out.append(Ignore(objection))
+            return
+        bid = by_our_clock(bid, now_s)
+        if self._assessor.refuses(bidder, self.terms.work, bid, now_s):
             return
         terms = self.terms
         surcharge_s = self._assessor.surcharge_s(bidder, now_s)
@@ -290,15 +294,15 @@ class Auction:
         elif self.stage is Stage.RESTING:
             self._announce(now_s)
 
-    def _objection(self, bidder: str, bid: Bid, now_s: float) -> str:
-        """Why a bid counts for nothing; empty when it counts."""
+    def _objection(self, bidder: str, bid: Bid) -> str:
+        """Why a bid counts for nothing, whatever it says; empty when it is to be looked at."""
         if self.stage is Stage.DECIDED or bidder == self._asked:
             return "a bid after the award"
         if bid.round > self.round:
             return "a bid in a round that has not begun"
         if bid.round <= self._noted.get(bidder, (-1, 0.0))[0]:
             return "a second bid in one round"  # Nobody fills the history with bids.
-        return self._assessor.objection(bidder, self.terms.work, bid, now_s)
+        return ""
 
     def _announce(self, now_s: float) -> None:
         self.round += 1

@@ -93,7 +93,7 @@ class Bidder:
         if isinstance(answer, Unable):
             self._refusals.note(message, answer.reason, answer.detail)
             return answer.reason
-        self._out += offer(message, answer.cost, answer.finish_s, answer.source)
+        self._out += offer(message, answer.cost, answer.finish_s, now_s, answer.source)
         return None
 
     def review(self, award: Award, standing: Standing, now_s: float) -> Quote | Unable:

@@ -365,7 +365,12 @@ class Carriage:
             self._claim.say(self.task, self.coordinator, self._contract.claim, now_s)
             return
         accepted = Accepted(
-            task=self.task, epoch=self.epoch, role=Role.PRIMARY, finish_s=self.promised_s, number=self.number
+            task=self.task,
+            epoch=self.epoch,
+            role=Role.PRIMARY,
+            finish_s=self.promised_s,
+            number=self.number,
+            at_s=now_s,
         )
         self._out.append(Send(self.coordinator, accepted))
 

@@ -16,6 +16,7 @@ from dray.messages import (
     Accepted,
     Bid,
     Declined,
+    Refusal,
     Release,
     Role,
     TakenOver,
@@ -30,6 +31,7 @@ from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.auctions import Auctions
 from dray.protocol.events import Effect, Ignore, Record, Send
 from dray.protocol.newest import Newest
+from dray.protocol.plausibility import CLOCK, by_our_clock
 from dray.protocol.suspicion import Hearing
 from dray.protocol.tasks import ClosedTask, OpenTask, Outcome
 from dray.protocol.timers import Timers
@@ -146,7 +148,12 @@ class Coordinator:
             self._out.append(Ignore("accepted twice"))
         elif task.primary:
             self._release(sender, answer, "another one carries it")
+        elif self._assessor.refuses_clock(sender, answer, now_s):
+            self._release(sender, answer, CLOCK)
+            declined = Declined(answer.task, answer.epoch, answer.role, Refusal.NOT_FIT, answer.number)
+            self.hear_declined(sender, declined, now_s)
         else:
+            answer = by_our_clock(answer, now_s)
             task.auction.hear_accepted(sender, answer)
             if task.auction.winner == sender and not task.primary:
                 self._contract(task, sender, answer, now_s)

@@ -11,7 +11,7 @@ from typing import cast
 
 from dray.messages import Docked, Handover, HandoverAccepted, Transport
 from dray.protocol.door import Door
-from dray.protocol.events import NEVER_S, Effect, Ignore, Send
+from dray.protocol.events import NEVER_S, Effect, Send
 from dray.protocol.supply import Supply
 from dray.protocol.tasks import OpenTask
 from dray.protocol.transports import Transports
@@ -59,20 +59,14 @@ class Dock:
         """Somebody says that its load is down.
 
         Returns:
-            The task that has just been delivered by it, closed; None when this was no news.
+            The task that it carries, of which it says so; None for anybody else, who is answered.
         """
         task = self._tasks.get(message.task)
         if task is not None and message.epoch == task.epoch and sender == task.primary:
-            if task.witnessed and not (task.loaded if task.is_of_goods else task.unloaded):
-                # Its own body tells the coordinator of every load, and the carrier asks again.
-                self._out.append(Ignore("a handover of a load that was not seen"))
-                return None
-            self._accept(sender, message)
-            self._tasks.close(task, "delivered")
             return task
         closed = self._tasks.closed(message.task)
         if closed is not None and closed.carrier == sender and closed.outcome == "delivered":
-            self._accept(sender, message)
+            self._accept(sender, message.task, message.epoch)
         else:
             self._out.append(Send(sender, self._tasks.superseded(message.task, message.epoch)))
         return None
@@ -82,5 +76,10 @@ class Dock:
             return "" if self._supply.level(work.item) >= work.quantity else "the goods are not ready"
         return "" if self._supply.room(work.item) >= work.quantity else "the buffer is full"
 
-    def _accept(self, sender: str, message: Handover) -> None:
-        self._out.append(Send(sender, HandoverAccepted(task=message.task, epoch=message.epoch)))
+    def accept(self, task: OpenTask) -> None:
+        """A load is there: its carrier is free."""
+        self._accept(task.primary, task.id, task.epoch)
+        self._tasks.close(task, "delivered")
+
+    def _accept(self, carrier: str, task: str, epoch: int) -> None:
+        self._out.append(Send(carrier, HandoverAccepted(task=task, epoch=epoch)))

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import cast
 
 from dray.errors import ProtocolViolation
-from dray.messages import Accepted, Confirmed, GoalBrief, GoalClosed, Production, Withdrawn, Work
+from dray.messages import Accepted, Brought, Confirmed, GoalBrief, GoalClosed, Production, Withdrawn, Work
 from dray.messages.fact import GoalContracted, GoalWaits, TaskClosed
 from dray.messages.keys import Keys
 from dray.protocol.assessing import Assessor
@@ -130,7 +130,8 @@ class GoalAuctions(Coordinator):
 
     def confirm(self, goal: OpenGoal) -> None:
         """Tell a machine that a goal is its own, and how much of it has arrived."""
-        confirmed = Confirmed(task=goal.id, epoch=goal.epoch, arrived=goal.arrived)
+        brought = tuple(Brought(vehicle, pieces) for vehicle, pieces in goal.brought.items())
+        confirmed = Confirmed(task=goal.id, epoch=goal.epoch, arrived=goal.arrived, brought=brought)
         self._out.append(Send(goal.machine, confirmed))
 
     def withdraw(self, machine: str, goal: str, epoch: int) -> None:

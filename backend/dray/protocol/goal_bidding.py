@@ -98,7 +98,7 @@ class GoalBidder:
         cost = self._goals.quote(work, self._supply.stock, self._supply.longest_lead_s(work.product))
         finish_s = now_s + cost.total_s
         self._quoted_s[message.task] = finish_s
-        self._out += offer(message, cost, finish_s)
+        self._out += offer(message, cost, finish_s, now_s)
 
     def hear_award(self, sender: str, award: Award, unfit: str, now_s: float) -> bool:
         """Take a goal or decline it; True when it was taken just now."""
@@ -137,7 +137,7 @@ class GoalBidder:
         )
         self._unconfirmed.say(goal.id, goal.strategist, accepted, now_s)
 
-    def hear_confirmed(self, message: Confirmed) -> bool:
+    def hear_confirmed(self, message: Confirmed, now_s: float) -> bool:
         """The contract stands on both sides; True when that, or what has arrived, is news."""
         goal = self._goals.get(message.task)
         if goal is None:
@@ -146,6 +146,7 @@ class GoalBidder:
         self._unconfirmed.settle(goal.id)
         before = (goal.confirmed, goal.delivered, goal.astray)
         goal.confirmed = True
+        goal.hear_count(message, now_s)
         self._goals.add_spare(goal.work.product, goal.note_arrived(message.arrived))
         if before == (goal.confirmed, goal.delivered, goal.astray):
             return False

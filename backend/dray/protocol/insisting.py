@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dray.messages import Message
+import msgspec
+
+from dray.messages import Accepted, Message, TakenOver
 from dray.protocol.events import Effect, Send
 from dray.protocol.timers import Timers
 
@@ -42,6 +44,8 @@ class Insistence:
         said = self._said.get(task)
         if said is not None:
             to, message = said
+            if isinstance(message, Accepted | TakenOver):
+                message = msgspec.structs.replace(message, at_s=now_s)
             self._out.append(Send(to, message))
             self._timers.set((self._alarm, task), now_s + ASK_AGAIN_S)
 

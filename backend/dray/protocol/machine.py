@@ -18,6 +18,7 @@ from msgspec.structs import replace
 
 from dray.body import (
     BodyState,
+    Book,
     Broken,
     CycleDone,
     CycleFailed,
@@ -34,6 +35,7 @@ from dray.messages import (
     Bid,
     Confirmed,
     Declined,
+    Disbelieved,
     Docked,
     GoalClosed,
     Handover,
@@ -52,7 +54,7 @@ from dray.messages import (
     Work,
     WorkSought,
 )
-from dray.messages.fact import MachineStatusChanged
+from dray.messages.fact import HandoverDisputed, MachineStatusChanged
 from dray.messages.heartbeat import Making
 from dray.messages.keys import Keys
 from dray.plant import Plant
@@ -63,9 +65,12 @@ from dray.protocol.auction import Place
 from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.core import Core
 from dray.protocol.cycles import Cycle
+from dray.protocol.disbelief import Reproach
 from dray.protocol.docking import Dock
 from dray.protocol.events import (
+    NEVER_S,
     Ignore,
+    Instruct,
     Publish,
     Record,
     Subscribe,
@@ -74,7 +79,9 @@ from dray.protocol.goal_bidding import GoalBidder
 from dray.protocol.goods import Goods
 from dray.protocol.leaving import COORDINATOR_LEAVES_WITHIN_S, LEAVES
 from dray.protocol.production import Goal, GoalBook
+from dray.protocol.progress import NOT_COUNTED
 from dray.protocol.pulse import BEAT, Pulse
+from dray.protocol.receiving import Verdict, verdict_on
 from dray.protocol.sourcing import Need, Sourcing
 from dray.protocol.supervision import Following
 from dray.protocol.supply import Supply
@@ -177,6 +184,8 @@ class Machine(Core):
         self._problem = ""
         self._status = MachineStatus.IDLE
         self._task_count = 0
+        self._counts = True
+        """Whether its body counts what vehicles bring and take."""
         self._on_message = {
             AtvHeartbeat: self._hear_vehicle,
             Bid: self._tasks.hear_bid,
@@ -195,6 +204,7 @@ class Machine(Core):
             Withdrawn: self._hear_goal_over,
             GoalClosed: self._hear_goal_closed,
             WorkSought: self._hear_sought,
+            Disbelieved: Reproach(self._out).hear,
         }
         self._on_report = {
             CycleDone: self._cycle_done,
@@ -217,6 +227,7 @@ class Machine(Core):
         if not isinstance(body, WorkcellState):
             raise ProtocolViolation(f"{self.id}: a machine needs a workcell, not {body!r}")
         self._supply.begin(body.stock, body.seq)
+        self._counts = body.counts
         self._problem = body.broken
         self._cycle.product = body.cycling
         note = memory.get(WHOLE)
@@ -322,7 +333,7 @@ class Machine(Core):
     def _stock_changed(self, report: StockChanged, now_s: float) -> None:
         is_news = self._supply.change(report.item, report.change, report.seq)
         if report.item not in self._products:
-            self._material_came(report)
+            self._material_came(report, now_s)
         else:
             self._goods.moved(report, now_s)
             if not is_news:
@@ -330,10 +341,12 @@ class Machine(Core):
             self._commit()
         self._pursue(now_s)
 
-    def _material_came(self, report: StockChanged) -> None:
-        for task in self._tasks:
+    def _material_came(self, report: StockChanged, now_s: float) -> None:
+        for task in list(self._tasks):
             if task.primary == report.vehicle and task.work_item == report.item:
-                task.unloaded = True
+                task.counted += max(report.change, 0)
+                task.unloaded = task.counted > 0
+                self._receive(task, now_s)
 
     def _broken(self, report: Broken, now_s: float) -> None:
         self._problem = report.reason
@@ -417,6 +430,10 @@ class Machine(Core):
 
     def _hear_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
         self._tasks.hear_heartbeat(heartbeat, now_s)
+        if not self._counts:
+            for task in self._tasks:
+                if task.loaded and task.primary == heartbeat.atv:
+                    self._book(task)
         self._adoption.hear(heartbeat, now_s)
 
     def _hear_sought(self, sender: str, message: WorkSought, now_s: float) -> None:
@@ -504,17 +521,73 @@ class Machine(Core):
 
     def _hear_handover(self, sender: str, message: Handover, now_s: float) -> None:
         task = self._dock.hear_handover(sender, message)
-        if task is not None:
-            self._settle(task, now_s)
+        if task is None:
+            return
+        if task.said_s == NEVER_S:
+            task.said_s = now_s
+        task.said = message.quantity
+        if not self._counts:
+            self._book(task)
+        self._receive(task, now_s)
+
+    def _receive(self, task: OpenTask, now_s: float) -> None:
+        """See what was counted of a load that its carrier says to be down."""
+        if task.said_s == NEVER_S:
+            return
+        goal = self._goals.get(cast(Transport, task.work).goal)
+        verdict, counted = verdict_on(task, goal, self.id, now_s)
+        if verdict is Verdict.WAITS:
+            self._out.append(Ignore("a handover of a load that was not counted yet"))
+            if goal is not None and goal.heard_s < task.said_s:
+                self._bidder.ask(goal, now_s)
+            return
+        carrier, work = task.primary, cast(Transport, task.work)
+        if verdict is Verdict.SHORT or counted != task.said:
+            self._dispute(task, counted)
+        if not counted:
+            self._tasks.drop_uncounted(task, NOT_COUNTED, now_s)
+            return
+        self._dock.accept(task)
+        if counted < work.quantity:
+            self._tasks.reproach(carrier, task, NOT_COUNTED, now_s)
+        self._settle_counted(task, carrier, counted, now_s)
+
+    def _dispute(self, task: OpenTask, counted: int) -> None:
+        work = cast(Transport, task.work)
+        disputed = HandoverDisputed(
+            task=task.id,
+            epoch=task.epoch,
+            contractor=task.primary,
+            item=work.item,
+            said=task.said,
+            counted=counted,
+            where=work.destination,
+        )
+        self._out.append(Record(disputed))
+
+    def _book(self, task: OpenTask) -> None:
+        """The body does not count: it is told what the carrier says."""
+        work = cast(Transport, task.work)
+        comes = work.destination == self.id
+        if not task.booked and (comes or task.loaded):
+            task.booked = True
+            change = task.said if comes else -work.quantity
+            self._out.append(Instruct(Book(vehicle=task.primary, item=work.item, change=change)))
 
     def _settle(self, task: OpenTask, now_s: float) -> None:
-        """A transport was delivered."""
+        """A transport was delivered, though its carrier has not said so."""
+        self._settle_counted(task, "", cast(Transport, task.work).quantity, now_s)
+
+    def _settle_counted(self, task: OpenTask, carrier: str, counted: int, now_s: float) -> None:
+        """A transport was delivered, so many pieces of it."""
         self._trial.note_done()
         self._commit()
         work = cast(Transport, task.work)
         goal = self._goals.get(work.goal)
         if goal is not None:
-            goal.delivered += work.quantity
+            goal.deliver(carrier, work.quantity, min(counted, work.quantity))
+            if counted < work.quantity:
+                self._on_goal_short(goal, now_s)
         elif work.destination == self.id:
             self._supply.settled(work, now_s - task.opened_s)
         self._pulse.at_once(now_s)
@@ -535,10 +608,17 @@ class Machine(Core):
             self._goals_changed(now_s)
 
     def _hear_confirmed(self, _sender: str, message: Confirmed, now_s: float) -> None:
-        if self._bidder.hear_confirmed(message):
+        if self._bidder.hear_confirmed(message, now_s):
             self._goals_changed(now_s)
         else:
             self._out.append(Ignore("confirmed twice"))
+        self._receive_all(message.task, now_s)
+
+    def _receive_all(self, goal: str, now_s: float) -> None:
+        """The gate's count of a goal is known anew: carriers may wait for it."""
+        for task in list(self._tasks):
+            if cast(Transport, task.work).goal == goal:
+                self._receive(task, now_s)
 
     def _hear_goal_over(self, _sender: str, message: Release | Withdrawn, now_s: float) -> None:
         self._end_goal(self._bidder.hear_over(message), now_s)
@@ -552,6 +632,7 @@ class Machine(Core):
             return
         self._goods.keep_unwanted()
         self._goals_changed(now_s)
+        self._receive_all(goal.id, now_s)
 
     def _goals_changed(self, now_s: float) -> None:
         self._supply.goals_changed()

@@ -38,6 +38,7 @@ class OpenGoal:
 
     __slots__ = (
         "arrived",
+        "brought",
         "deadline_s",
         "epoch",
         "failure",
@@ -58,6 +59,8 @@ class OpenGoal:
         """Of its announcement: one that an earlier life has made is not answered to any more."""
         self.arrived = 0
         """Pieces that the gate has counted."""
+        self.brought: dict[str, int] = {}
+        """The same by vehicle, as far as this life has heard it."""
         self.named_s = 0.0
         """When its machine has last said that it has this goal (plant clock)."""
         self.failure = ""

@@ -6,17 +6,29 @@ fastest. So for a transport
     loaded way  >= crow flies from source to destination / top speed of the fastest
     done        >= now + that + the shortest loading and unloading
     no part of a price is negative, and nothing is not a number
+    done        <= now + what its price says that it takes, and LATE_S; a goal: within LATEST_GOAL_S
     the source is one of those that were asked for
 
 and what a contractor promises beyond the longest way of the plant is not believed: it would buy time with words.
+
+Every time was told by somebody's clock. A bid, an acceptance and a takeover tell when they were said, by the same
+clock as all that is in them. So a clock that is a little wrong is seen and made up for, whatever it promises by it:
+
+    ahead_s = at_s - now           0 within what a link may take, and CLOCKS_S
+    finish  = finish_s - ahead_s
+
+From CLOCK_WRONG_S on nothing is believed that goes by that clock: it is named, and put right by people.
 Ways are taken as the crow flies, for the plant file of the bidder may know lanes that this one does not.
 """
 
 from __future__ import annotations
 
 from math import hypot, isfinite
+from typing import TypeVar
 
-from dray.messages import Bid, Production, Transport, TransportCost, Work
+import msgspec
+
+from dray.messages import Accepted, Bid, Production, TakenOver, Transport, TransportCost, Work
 from dray.plant import Plant
 from dray.protocol.docks import dock_of
 from dray.protocol.suspicion import LATENESS_MAX_S
@@ -27,6 +39,16 @@ CLOCKS_S = 1.0
 
 UNDER_WAY_S = LATENESS_MAX_S + CLOCKS_S
 """A bid that comes now may have been made so long ago."""
+
+CLOCK_WRONG_S = 300.0
+"""A clock that is wrong by more is not made up for. Computers that ask NTP are right within milliseconds; one that was
+set by hand is a few minutes off; what is beyond that has lost its battery, or takes its time from elsewhere."""
+
+LATE_S = 1800.0
+"""Beside all that a bid tells of ways and queues: docks, people, whatever else it may know of."""
+
+LATEST_GOAL_S = 30 * 86_400.0
+"""A machine with more work than for a month takes no more."""
 
 ROUNDING_S = 0.01
 """Two agents add the same lengths in another order."""
@@ -40,6 +62,7 @@ LOOSE_S = 30.0
 DIAMETERS = 3.0
 """No way of a transport is believed to be longer than so many diagonals of the floor: there, and around the blocks."""
 
+CLOCK = "words by a clock that is wrong"
 NOT_A_NUMBER = "a bid that is not a number"
 NEGATIVE = "a bid with a negative part"
 OTHER_WORK = "a bid for another kind of work"
@@ -47,6 +70,34 @@ OTHER_SOURCE = "a bid with a source that was not asked for"
 TOO_CHEAP = "a bid below the way as the crow flies"
 TOO_SOON = "a bid that would be done sooner than any vehicle could"
 BEFORE_NOW = "a bid that would be done in the past"
+TOO_LATE = "a bid that would be done much later than its price tells"
+
+S = TypeVar("S", Bid, Accepted, TakenOver)
+
+
+def clock_ahead_s(at_s: float | None, now_s: float) -> float:
+    """How far a speaker's clock is ahead, behind if negative; 0 where its word may have been under way so long.
+
+    Args:
+        at_s: when it was said, by that clock; None where nobody has told.
+        now_s: the present time.
+    """
+    if at_s is None or now_s - UNDER_WAY_S <= at_s <= now_s + CLOCKS_S:
+        return 0.0
+    return at_s - now_s
+
+
+def by_our_clock(said: S, now_s: float) -> S:
+    """The same with its times as our clock would tell them; by a clock that is too wrong it stays as it is."""
+    ahead_s = clock_ahead_s(said.at_s, now_s)
+    if not ahead_s or abs(ahead_s) > CLOCK_WRONG_S:
+        return said
+    return msgspec.structs.replace(said, finish_s=said.finish_s - ahead_s, at_s=now_s)
+
+
+def is_clock_wrong(said: Bid | Accepted | TakenOver, now_s: float) -> bool:
+    """Whether something was said by a clock that is not made up for."""
+    return abs(clock_ahead_s(said.at_s, now_s)) > CLOCK_WRONG_S
 
 
 class Plausibility:
@@ -68,7 +119,15 @@ class Plausibility:
         """No transport takes longer, from wherever its vehicle is."""
 
     def objection(self, work: Work, bid: Bid, now_s: float) -> str:
-        """Why a bid cannot be true; empty when it can. The reasons are few and fixed."""
+        """Why a bid cannot be true; empty when it can. The reasons are few and fixed.
+
+        Args:
+            work: what it is for.
+            bid: by our clock, as far as that can be (`by_our_clock`).
+            now_s: the present time.
+        """
+        if is_clock_wrong(bid, now_s):
+            return CLOCK
         cost = bid.cost
         if isinstance(cost, TransportCost) is not isinstance(work, Transport):
             return OTHER_WORK
@@ -79,7 +138,11 @@ class Plausibility:
             return NEGATIVE
         if bid.finish_s < now_s - UNDER_WAY_S:
             return BEFORE_NOW
-        return self._transport_objection(work, bid, cost, now_s) if isinstance(cost, TransportCost) else ""
+        if isinstance(cost, TransportCost) and (said := self._transport_objection(work, bid, cost, now_s)):
+            return said
+        told_s = LOOSE_FRAC * sum(parts) + 2.0 * self.handling_max_s + LATE_S
+        latest_s = told_s if isinstance(cost, TransportCost) else LATEST_GOAL_S
+        return TOO_LATE if bid.finish_s > now_s + latest_s else ""
 
     def believed_s(self, bid: Bid | None, promised_s: float, now_s: float) -> float:
         """Until when a contractor is believed to be done, which has promised to be by `promised_s`.
@@ -95,6 +158,8 @@ class Plausibility:
             span_s = min(span_s, LOOSE_FRAC * ways_s + 2.0 * self.handling_max_s + LOOSE_S)
             # It pays for that with its price; and nobody is believed to wait for ever.
             span_s += min(bid.cost.waiting_s, WAIT_MAX_S)
+        elif bid is not None:
+            span_s = LOOSE_FRAC * bid.cost.total_s + LOOSE_S
         return min(max(promised_s, now_s), now_s + span_s)
 
     def _transport_objection(self, work: Work, bid: Bid, cost: TransportCost, now_s: float) -> str:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from dray.memory import GoalMemory
-from dray.messages import GoalBrief, Production, ProductionCost
+from dray.messages import Confirmed, GoalBrief, Production, ProductionCost
 from dray.plant import Plant
+from dray.protocol.events import NEVER_S
 
 
 class Goal:
@@ -21,12 +22,16 @@ class Goal:
     """
 
     __slots__ = (
+        "arrived",
         "astray",
+        "brought",
         "committed",
         "confirmed",
+        "credited",
         "deadline_s",
         "delivered",
         "epoch",
+        "heard_s",
         "id",
         "made",
         "number",
@@ -58,6 +63,14 @@ class Goal:
         """Pieces that were handed over at the delivery warehouse."""
         self.astray = 0
         """Pieces that were sent and will not arrive: they are made once more."""
+        self.arrived = 0
+        """Pieces that the gate has counted, by the strategist's last word."""
+        self.brought: dict[str, int] = {}
+        """The same by vehicle, as far as the gate has told."""
+        self.credited: dict[str, int] = {}
+        """Pieces of handovers that this life has accepted, by vehicle."""
+        self.heard_s = -NEVER_S
+        """When the strategist has last told what has arrived."""
 
     @property
     def to_make(self) -> int:
@@ -76,6 +89,30 @@ class Goal:
     def lose(self, pieces: int) -> None:
         """Pieces on the way will not arrive."""
         self.astray += pieces
+
+    def hear_count(self, confirmed: Confirmed, now_s: float) -> None:
+        """The strategist tells what the gate has counted; counts only ever grow."""
+        if confirmed.arrived >= self.arrived:
+            self.arrived = confirmed.arrived
+            self.brought = {each.vehicle: each.pieces for each in confirmed.brought}
+        self.heard_s = now_s
+
+    def arrived_by(self, vehicle: str) -> int:
+        """Pieces of a vehicle that have arrived and belong to no handover that was accepted.
+
+        What the gate cannot name a vehicle for may be anybody's.
+        """
+        named = self.brought.get(vehicle, 0) - self.credited.get(vehicle, 0)
+        unnamed = self.arrived - sum(self.brought.values())
+        covered = sum(min(pieces, self.brought.get(each, 0)) for each, pieces in self.credited.items())
+        used = max(0, self.delivered - covered)
+        return max(0, min(max(0, named) + max(0, unnamed - used), self.arrived - self.delivered))
+
+    def deliver(self, vehicle: str, sent: int, counted: int) -> None:
+        """A handover was accepted: so many of the pieces that were sent have arrived."""
+        self.delivered += counted
+        self.astray += sent - counted
+        self.credited[vehicle] = self.credited.get(vehicle, 0) + counted
 
     def note_arrived(self, arrived: int) -> int:
         """Believe the gate's count where it is not the machine's own.

@@ -17,6 +17,7 @@ from dray.protocol.events import NEVER_S
 
 STALLED = "does not come nearer"
 OVERDUE = "long past its promise"
+NOT_COUNTED = "its load was not counted where it was to go"
 
 STALL_S = 30.0
 """Beside the longest handling: a question that is asked again three times, a manoeuvre that is tried again."""

@@ -19,7 +19,7 @@ from collections.abc import Mapping
 from dray.messages.fact import ContractorRated
 from dray.protocol.events import Effect, Record
 from dray.protocol.newest import Newest
-from dray.protocol.progress import OVERDUE, STALLED
+from dray.protocol.progress import NOT_COUNTED, OVERDUE, STALLED
 from dray.protocol.supervision import IN_ERROR
 
 HALF_LIFE_S = 1800.0
@@ -32,9 +32,9 @@ middle in the default plant."""
 KEPT_FRAC = 0.75
 """What is left of the doubt after a contract that was kept."""
 
-BLAME: Mapping[str, float] = {IN_ERROR: 0.25, STALLED: 1.5, OVERDUE: 1.0}
+BLAME: Mapping[str, float] = {IN_ERROR: 0.25, STALLED: 1.5, OVERDUE: 1.0, NOT_COUNTED: 2.5}
 """Why a contract was dropped, and how much doubt that leaves. Who says itself that it cannot go on has told the
-truth; who says that all is well, and stands, has not."""
+truth; who says that all is well, and stands, has not; and who says that it has done what it has not is on probation."""
 
 DROPPED_BLAME = 1.0
 """For every other reason: silence, and having forgotten the contract."""

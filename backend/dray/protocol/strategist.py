@@ -281,7 +281,9 @@ class Strategist(Core):
         if goal is None:
             self._out.append(Ignore("goods of a goal that is closed"))
             return
-        self._note_arrived(goal, report.arrived)
+        news = self._note_arrived(goal, report.arrived)
+        if news and report.vehicle:
+            goal.brought[report.vehicle] = goal.brought.get(report.vehicle, 0) + news
         if goal.arrived >= goal.work.quantity:
             self._deliver(goal)
         elif goal.failure and not report.admitted:
@@ -290,11 +292,14 @@ class Strategist(Core):
                 self._auctions.ask_next(goal.work.product, now_s)
             else:
                 self._give_to_others(goal, now_s)
+        elif news and goal.machine:
+            self._auctions.confirm(goal)  # Its carrier waits for that word.
 
-    def _note_arrived(self, goal: OpenGoal, arrived: int) -> None:
+    def _note_arrived(self, goal: OpenGoal, arrived: int) -> int:
+        """Tell what has arrived; returns how many pieces are news."""
         news = arrived - goal.arrived
         if news <= 0:
-            return
+            return 0
         self._book.count(goal, arrived)
         work = goal.work
         delivered = GoodsDelivered(
@@ -306,6 +311,7 @@ class Strategist(Core):
             delivered=arrived,
         )
         self._out.append(Record(delivered))
+        return news
 
     def _deliver(self, goal: OpenGoal) -> None:
         self._out.append(Send(goal.machine, GoalClosed(goal=goal.id)))

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dray.messages import AtvHeartbeat, AtvStatus, Phase
 from dray.protocol.events import NEVER_S, Effect, Subscribe, Unsubscribe
 from dray.protocol.suspicion import LATENESS_MAX_S, Hearing, atv_interval_s, bound_s
+from dray.protocol.trouble import PROMISE_MAX_S
 
 SILENT = "silent"
 IN_ERROR = "in error, and not helped in time"
@@ -93,7 +94,9 @@ class Vigil:
         self.heard_s, self._deaf_s = now_s, self._prior.deaf_s
         self.bound_s = bound_s(atv_interval_s(heartbeat), self._hearing.loss_frac, self._hearing.deviation_s)
         if heartbeat.help is not None:
-            self._help_until_s = heartbeat.help.until_s
+            # By its own clock, which may be another one: what is left of the time counts, not the time.
+            left_s = heartbeat.help.until_s - heartbeat.at_s
+            self._help_until_s = now_s + min(left_s, PROMISE_MAX_S)
         else:
             self._help_until_s = now_s if heartbeat.status is AtvStatus.ERROR else NEVER_S
         return True

@@ -22,6 +22,8 @@ class OpenTask:
     __slots__ = (
         "adopted",
         "auction",
+        "booked",
+        "counted",
         "due_s",
         "epoch",
         "grace",
@@ -35,6 +37,8 @@ class OpenTask:
         "primary",
         "progress",
         "promised_s",
+        "said",
+        "said_s",
         "secondary",
         "source",
         "trouble",
@@ -82,6 +86,12 @@ class OpenTask:
         """Goods that have left this machine: nobody else can fetch them again."""
         self.unloaded = False
         """The coordinator has seen the load put down in its own buffer; the handover is still to come."""
+        self.counted = 0
+        """Pieces of it that the coordinator has seen put down in its own buffer."""
+        self.said, self.said_s = 0, NEVER_S
+        """Pieces that its carrier says to have put down, and when it has said so first."""
+        self.booked = False
+        """A body that does not count was told of it, on the carrier's word."""
         self.witnessed = True
         """This life of the coordinator has seen all of it: what a carrier says of the load is compared with that."""
         self.held_s = NEVER_S

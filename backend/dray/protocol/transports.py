@@ -39,6 +39,7 @@ from dray.protocol.auction_rules import AuctionRules
 from dray.protocol.coordinator import PRIMARY_AUCTION, Coordinator
 from dray.protocol.events import NEVER_S, Effect, Ignore, Record, Send
 from dray.protocol.failover import Failover
+from dray.protocol.plausibility import CLOCK, by_our_clock
 from dray.protocol.secondaries import Secondaries
 from dray.protocol.supervision import Following
 from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
@@ -165,6 +166,14 @@ class Transports(Coordinator):
         self._ended(task, outcome)
         super().close(task, outcome)
 
+    def drop_uncounted(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """The load of a task is not where its carrier says: somebody else brings another one."""
+        self._failover.replace(task, reason, now_s)
+
+    def reproach(self, carrier: str, task: OpenTask, reason: str, now_s: float) -> None:
+        """A carrier has delivered less than it says."""
+        self._assessor.reliability.note_dropped(carrier, task.id, reason, now_s)
+
     def note_loaded(self, task: OpenTask) -> None:
         """Goods have left with their carrier."""
         self._failover.note_loaded(task)
@@ -225,7 +234,7 @@ class Transports(Coordinator):
         task = self._open.get(answer.task)
         if answer.role is Role.PRIMARY and task is not None and self._may_be_carried(task, answer.epoch):
             # The award is in nobody's notes but the vehicle's, which has been started again too.
-            self._adopt(task, sender, answer.epoch, answer.finish_s, now_s)
+            self._adopt(task, sender, answer.epoch, by_our_clock(answer, now_s).finish_s, now_s)
             return
         task = self._present(answer)
         if task is not None and answer.role is Role.SECONDARY:
@@ -269,8 +278,10 @@ class Transports(Coordinator):
             self._out.append(Send(sender, self.superseded(message.task, message.epoch)))
         elif veto := self._failover.veto(task, sender, message, now_s):
             self._release(sender, message, veto)
+        elif self._assessor.refuses_clock(sender, message, now_s):
+            self._release(sender, message, CLOCK)
         else:
-            self._change_carrier(task, sender, message, now_s)
+            self._change_carrier(task, sender, by_our_clock(message, now_s), now_s)
 
     def hear_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """Note that a contracted vehicle lives, and whether it knows of its contract."""
@@ -381,6 +392,7 @@ class Transports(Coordinator):
             self._left(task.primary)
         task.primary, task.source, task.loaded, task.unloaded = "", "", False, False
         task.phase = None
+        task.counted, task.said, task.said_s, task.booked = 0, 0, NEVER_S, False
         task.held_s = NEVER_S
 
     def _bind(

@@ -9,6 +9,9 @@ from enum import Enum
 SILENT_S = 10.0
 """Just longer than anybody waits for a vehicle at work: the sooner it is back, the more it takes."""
 
+SINCE_1970_S = 1.8e9
+"""What a clock lacks that has lost its battery: unix time begins at zero."""
+
 
 class Price(Enum):
     """What it bids."""
@@ -50,7 +53,10 @@ class Behaviour:
         flood_hz: so many messages it sends a second, to all coordinators in turn.
         betrays_every: of so many tasks that it has taken it betrays one: it says that all is well, and stands.
         keeps_loads: it fetches what it betrays first, and never puts it down.
+        says_down: it says of what it betrays that the load is down, and keeps it.
         speed_frac: it drives at this part of the speed that it bids with.
+        bodiless: its software has nothing to act with: whatever it is told to do counts as done, and nothing moves.
+        clock_ahead_s: its computer's clock is wrong by so much; negative for behind.
     """
 
     name: str
@@ -67,7 +73,10 @@ class Behaviour:
     flood_hz: float = 0.0
     betrays_every: int = 0
     keeps_loads: bool = False
+    says_down: bool = False
     speed_frac: float = 1.0
+    bodiless: bool = False
+    clock_ahead_s: float = 0.0
 
 
 _ALL = (
@@ -129,6 +138,33 @@ _ALL = (
         price=Price.LEAST,
         betrays_every=4,
         keeps_loads=True,
+    ),
+    Behaviour(
+        "says-down-and-keeps",
+        "does three tasks well, and says of the fourth load that it is down",
+        drives=True,
+        price=Price.LEAST,
+        betrays_every=4,
+        keeps_loads=True,
+        says_down=True,
+    ),
+    Behaviour(
+        "no-body",
+        "honest software without a body: says that it loads, drives and unloads, and nothing moves",
+        price=Price.LEAST,
+        bodiless=True,
+    ),
+    Behaviour(
+        "clock-of-1970",
+        "an honest vehicle whose clock begins at zero",
+        drives=True,
+        clock_ahead_s=-SINCE_1970_S,
+    ),
+    Behaviour(
+        "clock-an-hour-ahead",
+        "an honest vehicle whose clock is an hour ahead",
+        drives=True,
+        clock_ahead_s=3600.0,
     ),
 )
 

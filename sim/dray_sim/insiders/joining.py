@@ -12,6 +12,7 @@ from dray.protocol.atv import Atv
 from dray.worker import Worker
 from dray_sim.factory import SimFactory
 from dray_sim.insiders.behaviour import Behaviour
+from dray_sim.insiders.bodiless import body_of
 from dray_sim.insiders.liar import Liar
 from dray_sim.insiders.turncoat import Turncoat
 from dray_sim.journal import HeldJournal
@@ -41,15 +42,6 @@ def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) 
     plant = factory.plant
     name = name_in(plant)
     factory.bus.kinds[name] = Kind.ATV
-    if not behaviour.drives:
-        return Worker(
-            Liar(name, plant, behaviour),
-            bus=bus or factory.bus,
-            clock=factory.clock,
-            keys=factory.keys,
-            body=None,
-            journal=HeldJournal(incarnation=1),
-        )
     kind = list(plant.vehicle_types)[-1]
     spec = VehicleSpec(name, kind, next(iter(plant.nodes)), 1.0)
 
@@ -65,5 +57,27 @@ def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) 
         )
         return Turncoat(atv, behaviour)
 
+    if behaviour.bodiless:
+        return Worker(
+            make(1, "", 0),
+            bus=bus or factory.bus,
+            clock=factory.clock,
+            keys=factory.keys,
+            body=body_of(spec, plant, factory.clock),
+            journal=HeldJournal(incarnation=1),
+        )
+    if not behaviour.drives:
+        return Worker(
+            Liar(name, plant, behaviour),
+            bus=bus or factory.bus,
+            clock=factory.clock,
+            keys=factory.keys,
+            body=None,
+            journal=HeldJournal(incarnation=1),
+        )
     factory.add_vehicle(spec, make)
+    if behaviour.clock_ahead_s:
+        # A process that is started begins with whatever its computer shows.
+        factory.set_clock(name, behaviour.clock_ahead_s)
+        factory.restart(name)
     return factory.workers[name]

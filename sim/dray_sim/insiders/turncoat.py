@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from msgspec.structs import replace
 
-from dray.body import Drive, Drop, Instruction, LimitSpeed
+from dray.body import ActionDone, Drive, Drop, Instruction, LimitSpeed, VehicleState
 from dray.messages import AtvHeartbeat, Bid, Phase, Role, TransportCost
 from dray.messages.fact import ContractEnded, ContractTaken
 from dray.protocol.atv import Atv
-from dray.protocol.events import Effect, Event, Instruct, Publish, Record, Send, Started
+from dray.protocol.events import Effect, Event, Instruct, Publish, Record, Reported, Send, Started, Woke
 from dray_sim.insiders.behaviour import Behaviour
 
 
@@ -27,6 +27,10 @@ class Turncoat:
         """Transports so far."""
         self._betrays = False
         """It will not finish the one that it has."""
+        self._down: Drop | None = None
+        """What its software is to believe to have put down, with the next step."""
+        self._hoards = False
+        """A load is on board of which its software knows nothing."""
         self.id, self.incarnation = atv.id, atv.incarnation
 
     @property
@@ -35,21 +39,41 @@ class Turncoat:
 
     def handle(self, event: Event, now_s: float) -> list[Effect]:
         """Take one step, as the honest one would, and do another thing."""
-        effects = self._atv.handle(event, now_s)
+        effects = self._atv.handle(self._hide(event), now_s)
         if isinstance(event, Started) and self._behaviour.speed_frac < 1.0:
             effects.append(Instruct(LimitSpeed(self._behaviour.speed_frac)))
-        return [each for effect in effects for each in self._twist(effect)]
+        twisted = [each for effect in effects for each in self._twist(effect)]
+        if self._down is not None:
+            done, self._down = Reported(ActionDone(self._down.order)), None
+            twisted += self.handle(done, now_s)
+        return twisted
 
     def _twist(self, effect: Effect) -> list[Effect]:
         if isinstance(effect, Record):
             self._note(effect)
         elif isinstance(effect, Send) and isinstance(effect.message, Bid):
             return [replace(effect, message=self._bid_low(effect.message))]
+        elif self._betrays and self._behaviour.says_down and isinstance(effect, Instruct):
+            return self._keep(effect)
         elif self._betrays and isinstance(effect, Instruct):
             return [] if isinstance(effect.instruction, self._withheld) else [effect]
         elif self._betrays and isinstance(effect, Publish) and isinstance(effect.message, AtvHeartbeat):
             return [replace(effect, message=self._look_well(effect.message))]
         return [effect]
+
+    def _keep(self, effect: Instruct) -> list[Effect]:
+        """Let its software believe that the load is down."""
+        if not isinstance(effect.instruction, Drop):
+            return [effect]
+        self._down, self._hoards = effect.instruction, True
+        return []
+
+    def _hide(self, event: Event) -> Event:
+        """Let its software not see what it keeps."""
+        body = event.body if isinstance(event, Woke) else None
+        if not self._hoards or not isinstance(body, VehicleState):
+            return event
+        return Woke(replace(body, load="", load_quantity=0))
 
     def _note(self, record: Record) -> None:
         fact = record.fact
@@ -72,10 +96,9 @@ class Turncoat:
             return bid
         return replace(bid, cost=replace(cost, empty_way_s=0.0, energy_s=0.0, suitability_s=0.0))
 
-    @staticmethod
-    def _look_well(heartbeat: AtvHeartbeat) -> AtvHeartbeat:
+    def _look_well(self, heartbeat: AtvHeartbeat) -> AtvHeartbeat:
         """Never say more of the phase than that it comes."""
         brief = heartbeat.task
-        if brief is None or brief.phase is not Phase.UNLOADING:
+        if self._behaviour.says_down or brief is None or brief.phase is not Phase.UNLOADING:
             return heartbeat
         return replace(heartbeat, task=replace(brief, phase=Phase.CARRYING))

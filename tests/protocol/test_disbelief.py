@@ -1,0 +1,132 @@
+"""Whoever is not believed hears why, and so does history: once a minute."""
+
+from __future__ import annotations
+
+import pytest
+from atv1 import parked
+from kit import PLANT, SOME_TIME_S, award, bid, facts, published, rhb, sent, transport
+from m7 import NO_HOUSINGS, m7
+from msgspec.structs import replace
+
+from dray.messages import Accepted, Bid, Disbelieved, HelpWanted, Release, Role, TakenOver, TaskAnnounced
+from dray.messages.fact import CarrierChanged, NotBelieved, WordDisbelieved
+from dray.protocol.assessing import Assessor
+from dray.protocol.disbelief import TOLD_EVERY_S
+from dray.protocol.events import Effect, Ignore
+from dray.protocol.plausibility import CLOCK
+from dray.protocol.supervision import IN_ERROR, Vigil
+from dray.protocol.trouble import PROMISE_MAX_S
+
+NOW_S = 5000.0
+
+
+def by_clock(ahead_s: float) -> Bid:
+    return replace(bid(200.0, finish_s=NOW_S + ahead_s + 260.0), at_s=NOW_S + ahead_s)
+
+
+@pytest.mark.parametrize(("ahead_s", "words"), [(3600.0, "+3600"), (-1.9e9, "-1900000000")])
+def test_a_bid_by_a_wrong_clock_is_refused_and_its_bidder_hears_by_how_much(
+    ahead_s: float, words: str
+) -> None:
+    out: list[Effect] = []
+    assert Assessor(PLANT, out).refuses("ATV1", transport(), by_clock(ahead_s), NOW_S)
+    [told] = sent(out, Disbelieved, to="ATV1")
+    assert (told.task, told.reason) == ("T1", f"clock wrong by {words} s")
+    assert told.clock_ahead_s == pytest.approx(ahead_s)
+    [fact] = facts(out, WordDisbelieved)
+    assert (fact.contractor, fact.task, fact.clock_ahead_s) == ("ATV1", "T1", told.clock_ahead_s)
+    assert [each.reason for each in out if isinstance(each, Ignore)] == [CLOCK]
+
+
+def test_whoever_is_not_believed_is_told_once_a_minute() -> None:
+    out: list[Effect] = []
+    assessor = Assessor(PLANT, out)
+    for second in range(int(TOLD_EVERY_S) + 1):
+        offer = replace(by_clock(3600.0), at_s=NOW_S + 3600.0 + second)
+        assert assessor.refuses("ATV1", transport(), offer, NOW_S + second)
+    assert assessor.refuses("ATV2", transport(), by_clock(3600.0), NOW_S)
+    assert len(sent(out, Disbelieved, to="ATV1")) == len(facts(out, WordDisbelieved)) - 1 == 2
+    assert len(sent(out, Disbelieved, to="ATV2")) == 1
+
+
+def test_an_acceptance_by_a_wrong_clock_makes_no_contract_and_the_next_one_is_asked() -> None:
+    rig = m7(NO_HOUSINGS, goal=24)
+    [announced] = [each for each in sent_to_all(rig.all) if each.task == "M7-1"]
+    for atv, cost_s in (("ATV1", 60.0), ("ATV2", 90.0)):
+        rig.hear(atv, bid(cost_s, task="M7-1", source=announced.work.sources[0]))
+    effects = rig.run(announced.bids_until_s)
+    [asked] = [effect for effect in effects if getattr(getattr(effect, "message", None), "number", 0)]
+    assert asked.to == "ATV1"
+    wrong = Accepted(
+        "M7-1", 1, Role.PRIMARY, rig.now_s + 3660.0, asked.message.number, at_s=rig.now_s + 3600.0
+    )
+    effects = rig.hear("ATV1", wrong)
+    assert [each.reason for each in sent(effects, Release, to="ATV1")] == [CLOCK]
+    assert len(sent(effects, Disbelieved, to="ATV1")) == 1
+    assert [effect.to for effect in effects if getattr(getattr(effect, "message", None), "work", None)] == [
+        "ATV2"
+    ]
+
+
+def test_a_promise_by_a_clock_that_is_a_little_wrong_is_understood_by_ours() -> None:
+    rig = m7(NO_HOUSINGS, goal=24)
+    [announced] = [each for each in sent_to_all(rig.all) if each.task == "M7-1"]
+    rig.hear("ATV1", bid(60.0, task="M7-1", source=announced.work.sources[0]))
+    rig.run(announced.bids_until_s)
+    ahead_s = 120.0
+    rig.hear(
+        "ATV1", Accepted("M7-1", 1, Role.PRIMARY, rig.now_s + ahead_s + 70.0, 1, at_s=rig.now_s + ahead_s)
+    )
+    [task] = [task for task in rig.agent._tasks if task.id == "M7-1"]
+    assert task.primary == "ATV1"
+    assert task.promised_s == pytest.approx(rig.now_s + 70.0)
+
+
+def test_a_takeover_by_a_wrong_clock_is_refused() -> None:
+    rig = m7(NO_HOUSINGS, goal=24)
+    rig.hire("M7-1", "ATV1")
+    [task] = [task for task in rig.agent._tasks if task.id == "M7-1"]
+    task.secondary = "ATV2"
+    rig.now_s += 60.0
+    said = TakenOver("M7-1", 2, "ATV1", "silent", rig.now_s - 3600.0 + 80.0, at_s=rig.now_s - 3600.0)
+    effects = rig.hear("ATV2", said)
+    assert [each.reason for each in sent(effects, Release, to="ATV2")] == [CLOCK]
+    assert facts(effects, CarrierChanged) == []
+    assert task.primary == "ATV1"
+
+
+def test_a_vehicle_that_is_not_believed_writes_it_down_once_a_minute_and_goes_on() -> None:
+    rig = parked()
+    said = Disbelieved(task="M8-1", epoch=1, reason="clock wrong by +3600 s", clock_ahead_s=3600.0)
+    effects = [each for _ in range(5) for each in rig.hear("M8", said)]
+    assert facts(effects, NotBelieved) == [NotBelieved(by="M8", task="M8-1", reason=said.reason)]
+    assert len(facts(rig.hear("M7", said), NotBelieved)) == 1
+    rig.hear("M8", award())
+    assert rig.agent._carriage is not None
+
+
+# --- help, by another clock ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ahead_s", [0.0, 3600.0, -3600.0, -1.9e9])
+def test_the_time_for_help_is_what_its_own_clock_has_left(ahead_s: float) -> None:
+    vigil = Vigil("ATV1", 1.0, 0.0)
+    wanted = HelpWanted(until_s=100.0 + ahead_s + 60.0)
+    for second in range(59):
+        beat = replace(rhb("ATV1", second + 1, 100.0 + second + ahead_s, task="T1"), help=wanted)
+        vigil.hear(beat, 100.0 + second)
+        assert vigil.failure(100.0 + second) == ""
+    beat = replace(rhb("ATV1", 61, 161.0 + ahead_s, task="T1"), help=wanted)
+    vigil.hear(beat, 161.0)
+    assert vigil.failure(161.0) == IN_ERROR
+
+
+def test_nobody_buys_time_with_a_call_for_help_that_never_ends() -> None:
+    vigil = Vigil("ATV1", 1.0, 0.0)
+    beat = replace(rhb("ATV1", 1, 0.0, task="T1"), help=HelpWanted(until_s=SOME_TIME_S))
+    vigil.hear(beat, 0.0)
+    assert vigil.fails_at_s <= PROMISE_MAX_S
+
+
+def sent_to_all(effects: list[Effect]) -> list[TaskAnnounced]:
+    return published(effects, TaskAnnounced)
