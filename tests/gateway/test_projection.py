@@ -120,15 +120,19 @@ def test_vehicles_and_machines_are_counted_by_status(projection: Projection) -> 
 def test_a_peer_that_invents_names_does_not_fill_the_memory(
     projection: Projection, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(atvs_module, "MAX_ATVS", 2)
-    monkeypatch.setattr(machines_module, "MAX_MACHINES", 2)
+    monkeypatch.setattr(atvs_module, "newcomers_max", lambda _known: 2)
+    monkeypatch.setattr(machines_module, "newcomers_max", lambda _known: 2)
     for number in range(5):
-        projection.fold(atv_heartbeat(f"ATV{number}"))
-        projection.fold(machine_heartbeat(f"M{number}"))
-    assert [view.id for view in projection.atvs.views()] == ["ATV0", "ATV1"]
-    assert [view.id for view in projection.machines.views()] == ["M0", "M1"]
-    projection.fold(atv_heartbeat("ATV1", seq=2, problem="known ones are still heard"))
-    assert projection.atvs.views()[1].problem
+        projection.fold(atv_heartbeat(f"X{number}"))
+        projection.fold(machine_heartbeat(f"Y{number}"))
+    assert [view.id for view in projection.atvs.views()] == ["X0", "X1"]
+    assert [view.id for view in projection.machines.views()] == ["Y0", "Y1"]
+    assert projection.atvs.strangers == projection.machines.strangers == 3
+    for known in ("ATV1", "X1"):
+        projection.fold(atv_heartbeat(known, seq=2, problem="known ones are still heard"))
+    assert [view.id for view in projection.atvs.views() if view.problem] == ["ATV1", "X1"]
+    projection.look(NOW_S)
+    assert [alert.kind for alert in projection.alerts.views()].count("strangers") == 1
 
 
 def test_starvation_is_the_part_of_time_with_a_goal_in_which_material_was_missing(

@@ -123,7 +123,7 @@ def test_what_a_machine_does_follows_from_its_status_and_its_goals(
 
 def drive(*legs: tuple[float, float, str]) -> Fleet:
     """A vehicle that is at a place (m) at a time (s), with this on board from there on."""
-    fleet, last = Fleet(), None
+    fleet, last = Fleet(top_mps=1.5), None
     for seq, (at_s, x_m, load) in enumerate(legs, 1):
         heartbeat: AtvHeartbeat = atv_heartbeat(seq=seq, at_s=at_s, pose=Pose(x_m, 0.0, 0.0), load=load)
         fleet.fold(last, heartbeat)

@@ -44,6 +44,7 @@ from dray.plant import Plant
 from dray.ports import Bus
 from dray.settings import Settings
 from dray.store import Historian, Store, open_store
+from dray.store.clocks import Clocks
 from dray_sim.bridge import BridgedBus, SimThread
 from dray_sim.factory import SimFactory
 from dray_sim.faults import Faults
@@ -229,6 +230,8 @@ def historian_of(
         bus=bus,
         keys=Keys(plant.id),
         to_wall_s=scale.to_wall_s,
+        clocks=Clocks(scale.speed),
+        to_plant_s=scale.to_plant_s,
         life=life,
         agents=(*plant.fleet, *plant.machines, *plant.storages, STRATEGIST),
         linger_s=settings.historian_linger_s,

@@ -106,7 +106,7 @@ def create_app(
         peer = Peer(bus, Keys(plant.plant), settings.gateway_name, incarnation, overhear)
         presence = Presence(peer.send)
         products = frozenset(product.id for product in plant.products)
-        projection = Projection(plant, time, trials=faults is not None)
+        projection = Projection(plant, time, trials=faults is not None, wall_s=wall_s)
         desk = Desk(send=peer.send, time=time, wall_s=wall_s, products=products)
         commands = Commands(
             peer.send,

@@ -21,6 +21,9 @@ from dray.store.events import EventFilter, EventRow
 ON_TIME_S = 5.0
 """Factory seconds after its promise within which a transport counts as on time: what it takes to dock."""
 
+IMPLAUSIBLE_S = 86_400.0
+"""No promise is missed by more: it would have been given to somebody else hours before."""
+
 KEPT = 5_000
 """Transports per vehicle that figures are made of, the newest: some weeks of work."""
 
@@ -137,6 +140,8 @@ class Ledger:
         elif fact.outcome == "delivered" and fact.promised_s > 0:
             if (account := self._account(fact.carrier)) is not None:
                 late_s = row.plant_s - fact.promised_s
+                if abs(late_s) > IMPLAUSIBLE_S:
+                    return  # By no clock of this plant.
                 account.delivered.append(_Delivered(late_s, fact.task, row.at_s))
 
     def _account(self, atv: str) -> _Account | None:

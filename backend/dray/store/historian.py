@@ -24,6 +24,7 @@ from dray.errors import UnavailableError
 from dray.messages import AtvHeartbeat, Event, EventsKept, Heartbeat, MachineHeartbeat, Message
 from dray.messages.keys import Keys
 from dray.ports import Bus, Session
+from dray.store.clocks import AGENTS_KEPT, Clocks
 from dray.store.gaps import Gaps
 from dray.store.progress import Goal, ToWall, accepted_order, goal_of, note, progress
 from dray.store.work import Store, Work
@@ -72,6 +73,9 @@ class Historian:
         queue_events: events that may wait.
         retry_s: see `RETRY_S`.
         wall_s: the wall clock.
+        clocks: what is known of agents' clocks: times by one that is wrong are kept as the right one tells them. None
+            where all of them are believed.
+        to_plant_s: wall clock to plant clock; needed with `clocks`.
     """
 
     def __init__(
@@ -89,11 +93,14 @@ class Historian:
         queue_events: int = QUEUE_EVENTS,
         retry_s: tuple[float, float] = RETRY_S,
         wall_s: Callable[[], float] = clock.time,
+        clocks: Clocks | None = None,
+        to_plant_s: ToWall | None = None,
     ) -> None:
         self._store, self._bus, self._keys = store, bus, keys
         self._to_wall_s, self._linger_s = to_wall_s, linger_s
         self._agents, self._life = agents, life
         self._wall_s = wall_s
+        self._clocks, self._to_plant_s = clocks, to_plant_s
         self._events_kept, self._samples_kept = events_kept, samples_kept
         self._queue_events, self._retry_s = queue_events, retry_s
         self._events: deque[tuple[float, Event]] = deque()
@@ -164,6 +171,12 @@ class Historian:
 
     def receive(self, sender: str, message: Message) -> None:
         """Take one message from the bus; never blocks."""
+        if (
+            self._clocks is not None
+            and self._to_plant_s is not None
+            and isinstance(message, Event | AtvHeartbeat | MachineHeartbeat)
+        ):
+            message = self._clocks.right(message, self._to_plant_s(self._wall_s()))
         match message:
             case Event():
                 self._take_event(message)
@@ -197,7 +210,10 @@ class Historian:
         last_s = self._sampled_at_s.get(agent)
         # A clock that went back is a new life of the plant.
         if last_s is None or not last_s <= heartbeat.at_s < last_s + SAMPLE_EVERY_S:
+            self._sampled_at_s.pop(agent, None)
             self._sampled_at_s[agent] = heartbeat.at_s
+            if len(self._sampled_at_s) > AGENTS_KEPT:
+                del self._sampled_at_s[next(iter(self._sampled_at_s))]
             self._samples.append(heartbeat)
             self._wake()
 

@@ -14,7 +14,7 @@ export function asksText(alert: AlertView): string {
 }
 
 function kindText(alert: AlertView, nowS: number, speed: number): string {
-  const { battery_frac, by, kind, seen_at_s, until_at_s } = alert;
+  const { battery_frac, by, clock_ahead_s, kind, seen_at_s, until_at_s } = alert;
   const leftS = ((until_at_s ?? nowS) - nowS) * speed;
   switch (kind) {
     case "plant_behind":
@@ -31,6 +31,10 @@ function kindText(alert: AlertView, nowS: number, speed: number): string {
     case "machine_shut_out":
     case "atv_shut_out":
       return t("alerts.what.shut_out", { by });
+    case "clock_wrong": {
+      const aheadS = clock_ahead_s ?? 0;
+      return t(aheadS < 0 ? "alerts.what.clock_behind" : "alerts.what.clock_ahead", { by: format.duration(Math.abs(aheadS)) });
+    }
     case "atv_battery":
       return t("alerts.what.atv_battery", { percent: format.percent(battery_frac ?? 0) });
     case "order_late":

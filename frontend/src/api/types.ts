@@ -11,6 +11,7 @@ export interface AlertView {
   behind_s: number | null;
   by: string;
   carried_frac: number | null;
+  clock_ahead_s: number | null;
   id: string;
   kind:
     | "atv_battery"
@@ -20,6 +21,8 @@ export interface AlertView {
     | "atv_promised"
     | "atv_shut_out"
     | "atv_stopped"
+    | "clock_wrong"
+    | "handover_disputed"
     | "machine_blocked"
     | "machine_error"
     | "machine_lost"
@@ -30,7 +33,9 @@ export interface AlertView {
     | "order_waits"
     | "overloaded"
     | "plant_behind"
-    | "task_trouble";
+    | "strangers"
+    | "task_trouble"
+    | "word_disbelieved";
   level: "alarm" | "warning";
   order: string;
   problem: string;
@@ -38,10 +43,12 @@ export interface AlertView {
     | "add_vehicles"
     | "bring_to_charger"
     | "cancel_order"
+    | "check_vehicle"
     | "find_vehicle"
     | "help"
     | "look_at_auction"
     | "look_at_machine"
+    | "look_at_network"
     | "look_at_server"
     | "promise_help"
     | "put_right_and_readmit"
@@ -50,6 +57,7 @@ export interface AlertView {
     | "resume"
     | "see_to_removal"
     | "see_to_supply"
+    | "set_clock"
     | "tell_customer";
   seen_at_s: number | null;
   since_at_s: number;
@@ -79,6 +87,7 @@ export interface AtvView {
   acknowledged: boolean;
   battery_frac: number;
   berth: string;
+  clock: ClockView | null;
   heading_rad: number;
   help: HelpView | null;
   id: string;
@@ -102,6 +111,13 @@ export interface AtvView {
   way: string[];
   x_m: number;
   y_m: number;
+}
+/**
+ * How far an agent's clock is off, as its heartbeats show it; factory seconds.
+ */
+export interface ClockView {
+  ahead_s: number;
+  bound_s: number;
 }
 /**
  * A problem that a person can solve, while its task waits for that.
@@ -312,6 +328,7 @@ export interface FaultView {
  */
 export interface MachineView {
   buffers: BufferView[];
+  clock: ClockView | null;
   goals: GoalView[];
   goods: BufferView[];
   id: string;
@@ -550,6 +567,7 @@ export interface MachineOffer {
  */
 export interface MachineSpec {
   box: Box;
+  counts: boolean;
   goods_capacity: number;
   id: string;
   makes: Making[];

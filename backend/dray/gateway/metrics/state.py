@@ -51,6 +51,21 @@ class State(Collector):
             "status",
             {s: machines[s.value] for s in MachineStatus},
         )
+        ahead_s = [offset.ahead_s for offset in projection.clocks.offsets().values()]
+        yield gauges(
+            "agents_clock_ahead_seconds",
+            "How far the clocks of agents are ahead, behind if negative, as their heartbeats show it.",
+            "extreme",
+            {"first": max(ahead_s, default=0.0), "last": min(ahead_s, default=0.0)},
+        )
+        now_s = projection.plant_s(self._parts.wall_s())
+        wrong = sum(1 for _ in projection.clocks.wrong(now_s))
+        yield gauge("agents_clock_wrong", "Agents whose clocks are wrong beyond doubt.", wrong)
+        yield counter(
+            "strangers_heartbeats",
+            "Heartbeats of names that are not of this plant, beyond those that may have joined.",
+            projection.atvs.strangers + projection.machines.strangers,
+        )
         yield gauge("factory_speed_ratio", "Factory seconds per second.", projection.speed)
 
     def _gateway(self) -> Iterator[Metric]:

@@ -9,13 +9,27 @@ from typing import Any
 from dray.gateway.projection.changes import Changes
 from dray.gateway.projection.fleet import Fleet
 from dray.gateway.projection.outsiders import Outsiders
-from dray.gateway.views import AtvView, BriefView, HelpView, TrialView
+from dray.gateway.views import AtvView, BriefView, ClockView, HelpView, TrialView
 from dray.messages import AtvHeartbeat, Brief, Heartbeat, HelpWanted
 from dray.plant.model import VehicleSpec
+from dray.store.clocks import Clocks
 from dray.store.progress import ToWall
 
-MAX_ATVS = 10_000
-"""Vehicles that are remembered: ten times the largest plant. A peer that invents ids ends here."""
+NEWCOMERS_LEAST = 64
+"""So many agents of a kind may join a plant of any size without a new plant file."""
+
+
+def newcomers_max(known: int) -> int:
+    """How many agents of a kind may join while everything runs: as many as there are. Who invents names ends here."""
+    return max(NEWCOMERS_LEAST, known)
+
+
+def clock_of(clocks: Clocks, agent: str) -> ClockView | None:
+    """How far an agent's clock is off, as panels are told."""
+    offset = clocks.offset(agent)
+    if offset is None:
+        return None
+    return ClockView(ahead_s=round(offset.ahead_s, 2), bound_s=round(offset.bound_s, 2))
 
 
 class Atvs:
@@ -25,16 +39,32 @@ class Atvs:
         fleet: the plant's vehicles; others may come.
         to_wall_s: plant clock to wall clock.
         outsiders: who is shut out.
+        clocks: of all agents.
+        top_mps: no vehicle is faster.
+
+    Attributes:
+        strangers: heartbeats of vehicles that the plant file does not know and that are more than could have joined.
     """
 
-    def __init__(self, fleet: Iterable[VehicleSpec], to_wall_s: ToWall, outsiders: Outsiders) -> None:
+    def __init__(
+        self,
+        fleet: Iterable[VehicleSpec],
+        to_wall_s: ToWall,
+        outsiders: Outsiders,
+        clocks: Clocks,
+        top_mps: float,
+    ) -> None:
         self._outsiders = outsiders
+        self._clocks = clocks
         self._types = {vehicle.id: vehicle.type for vehicle in fleet}
         self._to_wall_s = to_wall_s
         self._last: dict[str, AtvHeartbeat] = {}
         self.changes = Changes("atv")
         self.by_status: Counter[str] = Counter()
-        self.fleet = Fleet()
+        self.fleet = Fleet(top_mps)
+        self.strangers = 0
+        self._joined = 0
+        """Vehicles that were heard and are not in the plant file."""
 
     def __contains__(self, atv: object) -> bool:
         """Whether the plant has it, or it was heard of."""
@@ -44,12 +74,15 @@ class Atvs:
         """Take a heartbeat in.
 
         Returns:
-            False when it is older than the last one, or of one vehicle too many.
+            False when it is older than the last one, or of one vehicle too many that nobody knows.
         """
         last = self._last.get(heartbeat.atv)
         if last is None:
-            if len(self._last) >= MAX_ATVS:
-                return False
+            if heartbeat.atv not in self._types:
+                if self._joined >= newcomers_max(len(self._types)):
+                    self.strangers += 1
+                    return False
+                self._joined += 1
         elif (heartbeat.incarnation, heartbeat.seq) <= (last.incarnation, last.seq):
             return False
         if last is None or last.status is not heartbeat.status:
@@ -121,6 +154,7 @@ class Atvs:
             leaving=heartbeat.leaving,
             trial=trial_of(heartbeat),
             shut_out=self._outsiders.view(heartbeat.atv),
+            clock=clock_of(self._clocks, heartbeat.atv),
             seen_at_s=self._to_wall_s(heartbeat.at_s),
         )
 

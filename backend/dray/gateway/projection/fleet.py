@@ -15,8 +15,15 @@ DOINGS = (MOVING, WAITING, CHARGING, BLOCKED, IDLE)
 stopped, or has a problem."""
 
 
+LOOSE_FRAC, LOOSE_M = 1.5, 5.0
+"""What clocks, rounding and a push by hand add to the way of a vehicle at top speed."""
+
+
 class Fleet:
     """The use of all vehicles.
+
+    Args:
+        top_mps: no vehicle is faster: whoever tells of more has not driven it.
 
     Attributes:
         use: their time.
@@ -24,7 +31,8 @@ class Fleet:
         loaded_m: driven with one.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, top_mps: float) -> None:
+        self._top_mps = top_mps
         self.use = TimeUse(DOINGS)
         self.empty_m = self.loaded_m = 0.0
         self._empty, self._loaded = Window(*HOUR_SLOTS), Window(*HOUR_SLOTS)
@@ -48,7 +56,8 @@ class Fleet:
     def _drive(self, last: AtvHeartbeat, heartbeat: AtvHeartbeat) -> None:
         # Lanes are straight and heartbeats frequent: what a corner between two of them adds is little.
         way_m = hypot(heartbeat.pose.x_m - last.pose.x_m, heartbeat.pose.y_m - last.pose.y_m)
-        if not way_m:
+        most_m = LOOSE_FRAC * self._top_mps * (heartbeat.at_s - last.at_s) + LOOSE_M
+        if not 0.0 < way_m <= most_m:
             return
         if last.load:
             self.loaded_m += way_m

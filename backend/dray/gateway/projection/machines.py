@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator
 
-from dray.gateway.projection.atvs import plain, trial_of
+from dray.gateway.projection.atvs import clock_of, newcomers_max, plain, trial_of
 from dray.gateway.projection.changes import Changes
 from dray.gateway.projection.outsiders import Outsiders
 from dray.gateway.projection.site import Site
 from dray.gateway.projection.timeuse import TimeUse
 from dray.gateway.views import BufferView, GoalView, MachineView, OpenTaskView
 from dray.messages import BufferLevel, GoalBrief, MachineHeartbeat, MachineStatus, TaskBrief
+from dray.store.clocks import Clocks
 from dray.store.progress import ToWall
-
-MAX_MACHINES = 2_000
-"""Machines that are remembered: some times the largest plant. A peer that invents ids ends here."""
 
 MAKING, STARVED, IDLE, BROKEN, DOWN = "making", "starved", "idle", "broken", "down"
 
@@ -32,10 +30,17 @@ class Machines:
         site: knows their names.
         to_wall_s: plant clock to wall clock.
         outsiders: who is shut out.
+        clocks: of all agents.
     """
 
-    def __init__(self, site: Site, to_wall_s: ToWall, outsiders: Outsiders) -> None:
+    def __init__(self, site: Site, to_wall_s: ToWall, outsiders: Outsiders, clocks: Clocks) -> None:
         self._outsiders = outsiders
+        self._clocks = clocks
+        self._known = frozenset(site.plant.machines)
+        """Those of the plant file."""
+        self.strangers = 0
+        """Heartbeats of machines that the plant file does not know and that are more than could have joined."""
+        self._joined = 0
         self._site = site
         self._to_wall_s = to_wall_s
         self._last: dict[str, MachineHeartbeat] = {}
@@ -53,8 +58,11 @@ class Machines:
         """
         last = self._last.get(heartbeat.machine)
         if last is None:
-            if len(self._last) >= MAX_MACHINES:
-                return False
+            if heartbeat.machine not in self._known:
+                if self._joined >= newcomers_max(len(self._known)):
+                    self.strangers += 1
+                    return False
+                self._joined += 1
             self.by_status[heartbeat.status.value] += 1
         else:
             if (heartbeat.incarnation, heartbeat.seq) <= (last.incarnation, last.seq):
@@ -117,6 +125,7 @@ class Machines:
             leaving=heartbeat.leaving,
             trial=trial_of(heartbeat),
             shut_out=self._outsiders.view(heartbeat.machine),
+            clock=clock_of(self._clocks, heartbeat.machine),
             seen_at_s=self._to_wall_s(heartbeat.at_s),
         )
 

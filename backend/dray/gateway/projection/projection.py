@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from dray.gateway.frames import Delta, Snapshot
 from dray.gateway.projection import troubles
 from dray.gateway.projection.alerts import Alerts
 from dray.gateway.projection.atvs import Atvs
+from dray.gateway.projection.disputes import Disputes
 from dray.gateway.projection.fleet import BLOCKED
 from dray.gateway.projection.given import Given
 from dray.gateway.projection.interventions import Interventions
@@ -27,6 +28,7 @@ from dray.gateway.timescale import TimeScale
 from dray.gateway.views import FactoryView, UseView
 from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, Message, StationHeartbeat
 from dray.plant.model import PlantFile
+from dray.store.clocks import Clocks
 from dray.store.exclusions import Exclusion
 from dray.store.kpis import KpiSample
 
@@ -38,18 +40,28 @@ class Projection:
         plant: names and types of what stands in it.
         time: the two clocks.
         trials: whether faults can be begun by hand.
+        wall_s: the wall clock, by which times are judged that agents tell; None where all of them are believed.
 
     Attributes:
         plant: its id.
         site: what stands where.
     """
 
-    def __init__(self, plant: PlantFile, time: TimeScale, *, trials: bool = False) -> None:
-        self.plant, self._time = plant.plant, time
+    def __init__(
+        self,
+        plant: PlantFile,
+        time: TimeScale,
+        *,
+        trials: bool = False,
+        wall_s: Callable[[], float] | None = None,
+    ) -> None:
+        self.plant, self._time, self._wall_s = plant.plant, time, wall_s
         self.outsiders = Outsiders()
-        self.atvs = Atvs(plant.fleet, time.to_wall_s, self.outsiders)
+        self.clocks, self.disputes = Clocks(time.speed), Disputes()
+        top_mps = max(kind.max_speed_mps for kind in plant.vehicle_types)
+        self.atvs = Atvs(plant.fleet, time.to_wall_s, self.outsiders, self.clocks, top_mps)
         self.site = Site(plant)
-        self.machines = Machines(self.site, time.to_wall_s, self.outsiders)
+        self.machines = Machines(self.site, time.to_wall_s, self.outsiders, self.clocks)
         self.tasks = Tasks(time.to_wall_s)
         self.stations = Stations(time.to_wall_s)
         self.orders = Orders(
@@ -88,8 +100,14 @@ class Projection:
         """Whether there is something to tell since the last delta."""
         return any(self._all)
 
+    def plant_s(self, wall_s: float) -> float:
+        """A moment on the plant's clock."""
+        return self._time.to_plant_s(wall_s)
+
     def fold(self, message: Message) -> None:
         """Take one message in; never raises for what a peer may say."""
+        if self._wall_s is not None and isinstance(message, AtvHeartbeat | MachineHeartbeat | Event):
+            message = self.clocks.right(message, self._time.to_plant_s(self._wall_s()))
         match message:
             case AtvHeartbeat():
                 before = self.atvs.last(message.atv)
@@ -111,6 +129,7 @@ class Projection:
                     | self.orders.fold(message)
                     | self.news.fold(message)
                     | self.interventions.fold(message)
+                    | self.disputes.fold(message)
                 )
             case _:
                 told = False
@@ -136,10 +155,16 @@ class Projection:
         heard = [each for each in self.atvs.heartbeats() if each.atv not in self.outsiders]
         of_atvs = tuple(troubles.of_atvs(heard, now))
         machines = (each for each in self.machines.heartbeats() if each[0].machine not in self.outsiders)
+        clocks = {
+            agent: offset for agent, offset in self.clocks.wrong(now.plant_s) if agent not in self.outsiders
+        }
         wrong = (
             *troubles.of_the_plant(now),
             *self._overload.look(self.tasks, len(heard), now),
             *troubles.of_outsiders(self.outsiders, self.atvs),
+            *troubles.of_clocks(clocks.items()),
+            *troubles.of_disputes(self.disputes, clocks.keys(), now),
+            *troubles.of_strangers(self.atvs.strangers + self.machines.strangers),
             *troubles.of_machines(machines, now),
             *of_atvs,
             *troubles.of_transports(self.tasks.under_way(), of_atvs),

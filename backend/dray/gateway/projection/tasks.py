@@ -8,6 +8,7 @@ ignored.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -51,6 +52,9 @@ CLOSED_KEPT = 50
 MAX_OPEN = 5_000
 """Open tasks at once: five per vehicle of the largest plant. The oldest leaves first."""
 
+MAX_OPEN_EACH = 1_000
+"""Of one coordinator: many times what a machine's buffers, or a strategist's products, can ask for."""
+
 MAX_BOUND = 10_000
 """Contractors whose contract is remembered: as many as vehicles."""
 
@@ -65,6 +69,8 @@ class Tasks:
     def __init__(self, to_wall_s: ToWall) -> None:
         self._to_wall_s = to_wall_s
         self._open: dict[str, TaskView] = {}
+        self._opened_by: Counter[str] = Counter()
+        """How many of them each coordinator has opened."""
         self._closed: dict[str, TaskView] = {}
         """Oldest first."""
         self._early = Early()
@@ -152,6 +158,12 @@ class Tasks:
         """Those that have changed since the last call."""
         return tuple(task for name in self.changes.take_changed() if (task := self.view(name)))
 
+    def _leave(self, task: TaskView) -> None:
+        """A task is open no more."""
+        self._opened_by[task.coordinator] -= 1
+        if not self._opened_by[task.coordinator]:
+            del self._opened_by[task.coordinator]
+
     def _mark(self, task: str) -> None:
         self.changes.mark(task)
         self._unexplained.add(task)
@@ -191,14 +203,18 @@ class Tasks:
         return True
 
     def _born(self, event: Event, fact: TaskOpened) -> None:
-        if len(self._open) >= MAX_OPEN:
-            oldest = next(iter(self._open))
-            del self._open[oldest]
+        is_greedy = self._opened_by[event.agent] >= MAX_OPEN_EACH
+        if is_greedy or len(self._open) >= MAX_OPEN:
+            # Whoever opens tasks without end pushes out its own.
+            own = (name for name, each in self._open.items() if each.coordinator == event.agent)
+            oldest = next(own if is_greedy else iter(self._open))
+            self._leave(self._open.pop(oldest))
             self._lives.pop(oldest, None)
             self.transports.forget(oldest)
             self._forget(oldest)
         task = _new_task(event, fact, self._to_wall_s)
         self._open[fact.task] = task
+        self._opened_by[task.coordinator] += 1
         self._lives[fact.task] = event.incarnation
         self._mark(task.id)
         if task.kind == "transport":
@@ -307,6 +323,7 @@ class Tasks:
         if task.kind == "transport":
             self.transports.closed(task.id, event.at_s, delivered=task.state == "delivered")
         self._lives.pop(task.id, None)
+        self._leave(task)
         self._closed[task.id] = task
         self._mark(task.id)
         if len(self._closed) > CLOSED_KEPT:

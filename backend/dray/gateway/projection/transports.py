@@ -9,6 +9,9 @@ from dray.gateway.projection.window import Window
 DURATIONS_KEPT = 200
 """Transports over which quantiles are taken: some ten minutes of a plant with 200 vehicles."""
 
+LONGEST_S = 7 * 86_400.0
+"""No transport takes longer, and none ends before it begins: whoever tells of such a one has a wrong clock."""
+
 HANDOVER_SLOTS = (15.0, 240)
 """An hour of factory time: length of a slot in seconds, and how many. Twenty make five minutes."""
 
@@ -37,7 +40,7 @@ class Transports:
     def closed(self, task: str, at_s: float, *, delivered: bool) -> None:
         """A transport has ended (plant clock)."""
         opened_s = self._opened_s.pop(task, None)
-        if delivered and opened_s is not None:
+        if delivered and opened_s is not None and 0.0 <= at_s - opened_s <= LONGEST_S:
             self._durations_s.append(at_s - opened_s)
             self._sorted_s = None
             self.count += 1

@@ -9,9 +9,11 @@ from collections.abc import Container, Iterable, Iterator
 
 import msgspec
 
+from dray.gateway.projection.disputes import Dispute, Disputes
 from dray.gateway.projection.silence import bound_s
 from dray.gateway.views import AlertKind, OrderView, TaskView
 from dray.messages import AtvHeartbeat, AtvStatus, MachineHeartbeat, MachineStatus
+from dray.store.clocks import Offset
 from dray.store.exclusions import Exclusion
 from dray.store.progress import ToWall
 
@@ -39,6 +41,7 @@ class Trouble(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     behind_s: float | None = None
     waiting: int | None = None
     carried_frac: float | None = None
+    clock_ahead_s: float | None = None
 
     @property
     def id(self) -> str:
@@ -71,6 +74,37 @@ def of_outsiders(exclusions: Iterable[Exclusion], atvs: Container[str]) -> Itera
     for each in exclusions:
         kind: AlertKind = "atv_shut_out" if each.agent in atvs else "machine_shut_out"
         yield Trouble(kind=kind, agent=each.agent, problem=each.reason, by=each.by)
+
+
+def of_clocks(wrong: Iterable[tuple[str, Offset]]) -> Iterator[Trouble]:
+    """Agents whose clocks are wrong beyond doubt."""
+    for agent, offset in wrong:
+        yield Trouble(kind="clock_wrong", agent=agent, clock_ahead_s=round(offset.ahead_s))
+
+
+def of_disputes(disputes: Disputes, wrong: Container[str], now: Moment) -> Iterator[Trouble]:
+    """What coordinators do not believe.
+
+    Args:
+        disputes: of the last half hour.
+        wrong: agents of whose clock is told already.
+        now: when it is looked at.
+    """
+    for each in disputes.handovers(now.plant_s):
+        yield Trouble(kind="handover_disputed", agent=each.agent, problem=_told(each), by=each.by)
+    for each in disputes.words(now.plant_s):
+        if each.agent not in wrong:
+            yield Trouble(kind="word_disbelieved", agent=each.agent, problem=_told(each), by=each.by)
+
+
+def of_strangers(dropped: int) -> Iterator[Trouble]:
+    """Names that are not of this plant, and more than could have joined it."""
+    if dropped:
+        yield Trouble(kind="strangers")
+
+
+def _told(dispute: Dispute) -> str:
+    return dispute.what if dispute.times == 1 else f"{dispute.what} ({dispute.times} times)"
 
 
 def of_machines(heartbeats: Iterable[tuple[MachineHeartbeat, float]], now: Moment) -> Iterator[Trouble]:

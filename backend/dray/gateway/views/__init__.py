@@ -13,6 +13,7 @@ from __future__ import annotations
 from dray.gateway.views.alert import AlertKind, AlertResponse, AlertView
 from dray.gateway.views.atv import AtvView, BriefView, HelpView
 from dray.gateway.views.base import View
+from dray.gateway.views.clock import ClockView
 from dray.gateway.views.command import CommandState, CommandView
 from dray.gateway.views.factory import AudienceView, FactoryView, FaultView, UseView
 from dray.gateway.views.machine import BufferView, GoalView, MachineView, OpenTaskView
@@ -33,6 +34,7 @@ __all__ = [
     "BriefView",
     "BufferView",
     "CarrierView",
+    "ClockView",
     "CommandState",
     "CommandView",
     "FactoryView",

@@ -21,6 +21,10 @@ AlertKind = Literal[
     "atv_shut_out",
     "machine_starved",
     "machine_blocked",
+    "handover_disputed",
+    "clock_wrong",
+    "word_disbelieved",
+    "strangers",
     "task_trouble",
     "atv_promised",
     "atv_stopped",
@@ -45,6 +49,9 @@ AlertResponse = Literal[
     "cancel_order",
     "restore_machines",
     "tell_customer",
+    "check_vehicle",
+    "set_clock",
+    "look_at_network",
 ]
 """What an alert asks of people."""
 
@@ -77,6 +84,8 @@ class AlertView(View, kw_only=True):
     """Transports that have waited for a vehicle for longer than 5 factory minutes."""
     carried_frac: float | None = None
     """Part of the last factory hour's transports that were carried; None before any."""
+    clock_ahead_s: float | None = None
+    """Of a wrong clock: how far it is ahead, behind if below 0 (factory seconds)."""
     acknowledged_by: str = ""
     """The name of who has taken it on; empty while nobody has."""
     acknowledged_at_s: float | None = None

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from dray.gateway.views.base import View
+from dray.gateway.views.clock import ClockView
 from dray.gateway.views.shutout import ShutOutView
 from dray.gateway.views.trial import TrialView
 
@@ -66,4 +67,6 @@ class AtvView(View, kw_only=True):
     """While it is on trial and takes short tasks only."""
     shut_out: ShutOutView | None = None
     """Nobody hears it any more: all else here is what it said before."""
+    clock: ClockView | None = None
+    """None while nothing is known of it."""
     seen_at_s: float = 0.0

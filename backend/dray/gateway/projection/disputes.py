@@ -1,0 +1,74 @@
+"""Disputes: what coordinators do not believe of vehicles and machines, as long as it is worth a look."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import msgspec
+
+from dray.messages import Event
+from dray.messages.fact import HandoverDisputed, WordDisbelieved
+
+KEPT_S = 1800.0
+"""Factory seconds after the last one: as long as coordinators need to forget half of it (`reliability`)."""
+
+AGENTS_KEPT = 1_000
+"""More than anybody could look at."""
+
+
+class Dispute(msgspec.Struct):
+    """What is held against one agent."""
+
+    agent: str
+    by: str
+    """Whose word it is: the last coordinator."""
+    what: str
+    at_s: float
+    times: int = 1
+    task: str = ""
+
+
+class Disputes:
+    """The disputes of the last half hour, by agent."""
+
+    def __init__(self) -> None:
+        self._handovers: dict[str, Dispute] = {}
+        self._words: dict[str, Dispute] = {}
+
+    def fold(self, event: Event) -> bool:
+        """Take an event in; False when it is about something else."""
+        match event.fact:
+            case HandoverDisputed() as fact:
+                what = f"says {fact.said} of {fact.item} to {fact.where}, counted {fact.counted}"
+                _put(self._handovers, Dispute(fact.contractor, event.agent, what, event.at_s, task=fact.task))
+            case WordDisbelieved() as fact:
+                _put(
+                    self._words,
+                    Dispute(fact.contractor, event.agent, fact.reason, event.at_s, task=fact.task),
+                )
+            case _:
+                return False
+        return True
+
+    def handovers(self, now_s: float) -> Iterator[Dispute]:
+        """Vehicles whose handovers were not counted."""
+        return _lately(self._handovers, now_s)
+
+    def words(self, now_s: float) -> Iterator[Dispute]:
+        """Agents that have said what cannot be."""
+        return _lately(self._words, now_s)
+
+
+def _put(known: dict[str, Dispute], dispute: Dispute) -> None:
+    before = known.pop(dispute.agent, None)
+    if before is not None:
+        dispute.times = before.times + 1
+    known[dispute.agent] = dispute
+    if len(known) > AGENTS_KEPT:
+        del known[next(iter(known))]
+
+
+def _lately(known: dict[str, Dispute], now_s: float) -> Iterator[Dispute]:
+    for agent in [each.agent for each in known.values() if now_s - each.at_s > KEPT_S]:
+        del known[agent]
+    return iter(tuple(known.values()))

@@ -1,0 +1,194 @@
+"""The clocks of agents, as their heartbeats show them, and what is made of times by a clock that is wrong.
+
+Every heartbeat tells when it was said. It was under way for no less than nothing, so
+
+    behind_s   of one heartbeat: now - at_s, which is what the clock is behind and how long the link has taken
+    least_s    the least of the last HEARD_KEPT: the link at its best
+    common_s   the median of that over all agents: what is no agent's own, as the link, and an error of our own clock
+    ahead_s    common_s - least_s: how far the agent's clock is ahead, behind if negative
+    bound_s    how sure that is: what the link varies by, and what it takes
+
+A heartbeat that was held up says nothing wrong, only nothing; one agent, whatever it says, moves no other's figure
+and hardly the median. Where fewer than three are heard there is no common error to be seen, and only what no link
+explains is believed.
+
+Times by a clock that is wrong are told by the clock that is right, before anybody keeps or counts them. What cannot be
+even so (what has not happened yet, what is older than any history) counts as now.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+from statistics import median
+
+import msgspec
+
+from dray.messages import AtvHeartbeat, Event, MachineHeartbeat
+
+HEARD_KEPT = 8
+"""Heartbeats of each agent that are looked at: as the clock filter of NTP (RFC 5905, 10)."""
+
+LATELY_S = 60.0
+"""Plant seconds after its last heartbeat for which an agent's clock counts for what all have in common."""
+
+WRONG_S = 1.0
+"""Clocks of a plant agree within a second (`VehicleCommand`'s grants ask for it); what is beyond is told to people."""
+
+ALONE_S = 60.0
+"""The same where fewer than three are heard."""
+
+FUTURE_S = 300.0
+"""What is told to happen later than this has not happened: coordinators make up for no clock that is wrong by more."""
+
+WALL_SLACK_S = 2.0
+"""Wall seconds that a simulated plant at speed may be behind, or come in bursts."""
+
+MAJORITY = 3
+
+OLDEST_S = 400 * 86_400.0
+"""No history is older: a year and more."""
+
+AGENTS_KEPT = 20_000
+"""Agents whose clocks are looked at: twice the vehicles that a gateway remembers."""
+
+_TIMES = ("deadline_s", "bids_until_s", "finish_s", "next_round_s", "promised_s", "until_s")
+"""Fields of facts that are moments on the teller's clock; 0 stands for none."""
+
+
+class Offset(msgspec.Struct, frozen=True):
+    """How far a clock is off."""
+
+    ahead_s: float
+    """Behind if negative."""
+    bound_s: float
+    """It may be so much more or less."""
+
+
+class _Heard:
+    __slots__ = ("at_s", "behind_s")
+
+    def __init__(self) -> None:
+        self.behind_s: deque[float] = deque(maxlen=HEARD_KEPT)
+        self.at_s = 0.0
+
+
+class Clocks:
+    """The clocks of all agents that are heard.
+
+    Args:
+        speed: plant seconds per wall second.
+    """
+
+    def __init__(self, speed: float = 1.0) -> None:
+        self._heard: dict[str, _Heard] = {}
+        self._slack_s = WALL_SLACK_S * max(0.0, speed - 1.0)
+        self._common: tuple[float, float] | None = None
+        """What all have in common, and when it was looked at."""
+
+    def right(
+        self, message: AtvHeartbeat | MachineHeartbeat | Event, now_s: float
+    ) -> AtvHeartbeat | MachineHeartbeat | Event:
+        """A message with its times by the clock that is right; heartbeats are learned from.
+
+        Args:
+            message: as it was heard.
+            now_s: when it was heard (plant clock, by our own).
+        """
+        if isinstance(message, Event):
+            ahead_s = self._shift_s(message.agent, message.at_s, now_s, oldest_s=OLDEST_S)
+            return _event(message, ahead_s) if ahead_s else message
+        agent = message.atv if isinstance(message, AtvHeartbeat) else message.machine
+        self._note(agent, message.at_s, now_s)
+        ahead_s = self._shift_s(agent, message.at_s, now_s, oldest_s=FUTURE_S + self._slack_s)
+        if not ahead_s:
+            return message
+        return _atv(message, ahead_s) if isinstance(message, AtvHeartbeat) else _machine(message, ahead_s)
+
+    def offset(self, agent: str) -> Offset | None:
+        """How far an agent's clock is off; None when nothing is known."""
+        heard = self._heard.get(agent)
+        if heard is None or not heard.behind_s:
+            return None
+        least_s = min(heard.behind_s)
+        common_s = self._common_s(heard.at_s)
+        spread_s = median(heard.behind_s) - least_s
+        return Offset(common_s - least_s, spread_s + max(0.0, min(common_s, WRONG_S)) + self._slack_s)
+
+    def wrong(self, now_s: float) -> Iterator[tuple[str, Offset]]:
+        """The agents that were heard lately and whose clocks are wrong beyond doubt."""
+        for agent, heard in self._heard.items():
+            if now_s - heard.at_s <= LATELY_S + self._slack_s and (offset := self.offset(agent)) is not None:
+                if abs(offset.ahead_s) - offset.bound_s > self._threshold_s():
+                    yield agent, offset
+
+    def offsets(self) -> dict[str, Offset]:
+        """Those of all agents."""
+        known = ((agent, self.offset(agent)) for agent in self._heard)
+        return {agent: offset for agent, offset in known if offset is not None}
+
+    # --- how it is done --------------------------------------------------------------------------
+
+    def _note(self, agent: str, at_s: float, now_s: float) -> None:
+        heard = self._heard.get(agent)
+        if heard is None:
+            if len(self._heard) >= AGENTS_KEPT:
+                return
+            heard = self._heard[agent] = _Heard()
+            self._common = None
+        heard.behind_s.append(now_s - at_s)
+        heard.at_s = now_s
+
+    def _threshold_s(self) -> float:
+        return WRONG_S if len(self._heard) >= MAJORITY else ALONE_S
+
+    def _common_s(self, now_s: float) -> float:
+        """Looked at once a second: it changes slowly, and is asked for with every message."""
+        if self._common is None or not 0.0 <= now_s - self._common[1] < 1.0:
+            least_s = [
+                min(heard.behind_s)
+                for heard in self._heard.values()
+                if heard.behind_s and abs(now_s - heard.at_s) <= LATELY_S + self._slack_s
+            ]
+            self._common = (median(least_s) if len(least_s) >= MAJORITY else 0.0, now_s)
+        return self._common[0]
+
+    def _shift_s(self, agent: str, at_s: float, now_s: float, *, oldest_s: float) -> float:
+        """What is to be taken off an agent's times."""
+        offset, shift_s = self.offset(agent), 0.0
+        if offset is not None and abs(offset.ahead_s) - offset.bound_s > self._threshold_s():
+            shift_s = offset.ahead_s
+        by_now_s = at_s - shift_s - now_s
+        common_s = max(0.0, -self._common_s(now_s))
+        if by_now_s > FUTURE_S + self._slack_s + common_s or by_now_s < -oldest_s:
+            shift_s = at_s - now_s
+        return shift_s
+
+
+def _later(time_s: float | None, ahead_s: float) -> float | None:
+    return None if time_s is None else time_s - ahead_s
+
+
+def _event(event: Event, ahead_s: float) -> Event:
+    fact = event.fact
+    told = {name: value - ahead_s for name in _TIMES if (value := getattr(fact, name, 0.0))}
+    if told:
+        fact = msgspec.structs.replace(fact, **told)
+    return msgspec.structs.replace(event, at_s=event.at_s - ahead_s, fact=fact)
+
+
+def _atv(heartbeat: AtvHeartbeat, ahead_s: float) -> AtvHeartbeat:
+    task, wanted = heartbeat.task, heartbeat.help
+    return msgspec.structs.replace(
+        heartbeat,
+        at_s=heartbeat.at_s - ahead_s,
+        task=None if task is None else msgspec.structs.replace(task, due_s=_later(task.due_s, ahead_s)),
+        help=None if wanted is None else msgspec.structs.replace(wanted, until_s=wanted.until_s - ahead_s),
+    )
+
+
+def _machine(heartbeat: MachineHeartbeat, ahead_s: float) -> MachineHeartbeat:
+    tasks = tuple(
+        msgspec.structs.replace(task, deadline_s=task.deadline_s - ahead_s) for task in heartbeat.tasks
+    )
+    return msgspec.structs.replace(heartbeat, at_s=heartbeat.at_s - ahead_s, tasks=tasks)

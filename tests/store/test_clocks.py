@@ -1,0 +1,103 @@
+"""How far clocks are off, and what is made of times by one that is wrong."""
+
+from __future__ import annotations
+
+import pytest
+from msgspec.structs import replace
+
+from dray.messages import AtvHeartbeat, AtvStatus, Brief, Event, HelpWanted, Pose, Role
+from dray.messages.fact import GoalContracted, OrderFulfilled
+from dray.store.clocks import HEARD_KEPT, OLDEST_S, Clocks
+
+NOW_S = 1.9e9
+
+
+def beat(atv: str, at_s: float) -> AtvHeartbeat:
+    return AtvHeartbeat(
+        atv=atv,
+        incarnation=1,
+        seq=1,
+        at_s=at_s,
+        status=AtvStatus.IDLE,
+        pose=Pose(0.0, 0.0, 0.0),
+        node="n1",
+        speed_mps=0.0,
+        battery_frac=1.0,
+    )
+
+
+def heard(
+    ahead_s: dict[str, float], *, delays_s: tuple[float, ...] = (0.05,), rounds: int = HEARD_KEPT
+) -> Clocks:
+    """Everybody beats once a second, by a clock that is so far ahead; delays take turns."""
+    clocks = Clocks()
+    for second in range(rounds):
+        for place, (atv, ahead) in enumerate(ahead_s.items()):
+            at_s = NOW_S + second
+            delay_s = delays_s[(second + place) % len(delays_s)]
+            clocks.right(beat(atv, at_s + ahead), at_s + delay_s)
+    return clocks
+
+
+FLEET = dict.fromkeys(("ATV1", "ATV2", "ATV3", "ATV4"), 0.0)
+
+
+def test_honest_clocks_are_right_whatever_the_link_takes() -> None:
+    clocks = heard(FLEET, delays_s=(0.02, 3.0, 0.5, 4.5))
+    assert list(clocks.wrong(NOW_S + 8.0)) == []
+    assert all(abs(offset.ahead_s) <= 0.5 for offset in clocks.offsets().values())
+
+
+@pytest.mark.parametrize("ahead_s", [3.0, 60.0, 3600.0, -3.0, -3600.0, -1.8e9])
+def test_a_wrong_clock_is_named_with_its_offset_and_moves_no_other(ahead_s: float) -> None:
+    clocks = heard({**FLEET, "ATV9": ahead_s}, delays_s=(0.02, 0.4, 0.1))
+    [(agent, offset)] = clocks.wrong(NOW_S + 8.0)
+    assert agent == "ATV9"
+    assert abs(offset.ahead_s - ahead_s) <= offset.bound_s + 0.5
+    assert all(abs(clocks.offsets()[atv].ahead_s) < 0.5 for atv in FLEET)
+
+
+def test_a_gateway_whose_own_clock_is_wrong_blames_nobody() -> None:
+    clocks = heard(dict.fromkeys(FLEET, -500.0))
+    assert list(clocks.wrong(NOW_S + 8.0)) == []
+
+
+def test_times_by_a_wrong_clock_are_told_by_the_right_one() -> None:
+    clocks = heard({**FLEET, "ATV9": 3600.0})
+    ahead = beat("ATV9", NOW_S + 10.0 + 3600.0)
+    ahead = replace(
+        ahead,
+        help=HelpWanted(until_s=ahead.at_s + 60.0),
+        task=Brief("T1", 1, Role.PRIMARY, "M1", due_s=ahead.at_s + 30.0),
+    )
+    righted = clocks.right(ahead, NOW_S + 10.05)
+    assert isinstance(righted, AtvHeartbeat)
+    assert righted.at_s == pytest.approx(NOW_S + 10.0, abs=0.2)
+    assert righted.help is not None
+    assert righted.help.until_s - righted.at_s == pytest.approx(60.0)
+    assert righted.task is not None
+    assert righted.task.due_s is not None
+    assert righted.task.due_s - righted.at_s == pytest.approx(30.0)
+
+
+def test_facts_of_an_agent_with_a_wrong_clock_are_moved_as_a_whole() -> None:
+    clocks = heard({**FLEET, "ATV9": -1.8e9})
+    at_s = NOW_S + 10.0 - 1.8e9
+    fact = GoalContracted("G1", "O1", 0, "p", 1, "M1", finish_s=at_s + 90.0)
+    righted = clocks.right(Event("ATV9", 1, 1, at_s, fact), NOW_S + 10.05)
+    assert isinstance(righted, Event)
+    assert righted.at_s == pytest.approx(NOW_S + 10.0, abs=0.2)
+    assert isinstance(righted.fact, GoalContracted)
+    assert righted.fact.finish_s - righted.at_s == pytest.approx(90.0)
+
+
+@pytest.mark.parametrize("at_s", [NOW_S + 1e9, 1e11, -1e11, NOW_S - OLDEST_S - 1.0])
+def test_what_cannot_be_counts_as_now_also_of_agents_that_never_beat(at_s: float) -> None:
+    righted = Clocks().right(Event("strategist", 1, 1, at_s, OrderFulfilled("O1")), NOW_S)
+    assert isinstance(righted, Event)
+    assert righted.at_s == pytest.approx(NOW_S)
+
+
+def test_history_that_is_told_again_keeps_its_time() -> None:
+    event = Event("ATV1", 1, 1, NOW_S - 86_400.0, OrderFulfilled("O1"))
+    assert heard(FLEET).right(event, NOW_S + 8.0) == event
