@@ -251,7 +251,7 @@ def asking_machine() -> Played:
     actor = announcing_machine()
     for cost_s, atv in enumerate(("ATV1", "ATV2", "ATV3")):
         # A way and a source as they are in this plant: others would be no bid.
-        actor.told(atv, bid(100.0 + cost_s, task="M7-1", source="S1"))
+        actor.told(atv, bid(100.0 + cost_s, task="M7-1", source="S1", finish_s=600.0))
     return actor.until(lambda actor: actor.newest(Award))
 
 
