@@ -344,8 +344,8 @@ class Machine(Core):
     def _material_came(self, report: StockChanged, now_s: float) -> None:
         for task in list(self._tasks):
             if task.primary == report.vehicle and task.work_item == report.item:
-                task.counted += max(report.change, 0)
-                task.unloaded = task.counted > 0
+                task.receipt.counted += max(report.change, 0)
+                task.unloaded = task.receipt.counted > 0
                 self._receive(task, now_s)
 
     def _broken(self, report: Broken, now_s: float) -> None:
@@ -523,26 +523,26 @@ class Machine(Core):
         task = self._dock.hear_handover(sender, message)
         if task is None:
             return
-        if task.said_s == NEVER_S:
-            task.said_s = now_s
-        task.said = message.quantity
+        if task.receipt.said_s == NEVER_S:
+            task.receipt.said_s = now_s
+        task.receipt.said = message.quantity
         if not self._counts:
             self._book(task)
         self._receive(task, now_s)
 
     def _receive(self, task: OpenTask, now_s: float) -> None:
         """See what was counted of a load that its carrier says to be down."""
-        if task.said_s == NEVER_S:
+        if task.receipt.said_s == NEVER_S:
             return
         goal = self._goals.get(cast(Transport, task.work).goal)
         verdict, counted = verdict_on(task, goal, self.id, now_s)
         if verdict is Verdict.WAITS:
             self._out.append(Ignore("a handover of a load that was not counted yet"))
-            if goal is not None and goal.heard_s < task.said_s:
+            if goal is not None and goal.heard_s < task.receipt.said_s:
                 self._bidder.ask(goal, now_s)
             return
         carrier, work = task.primary, cast(Transport, task.work)
-        if verdict is Verdict.SHORT or counted != task.said:
+        if verdict is Verdict.SHORT or counted != task.receipt.said:
             self._dispute(task, counted)
         if not counted:
             self._tasks.drop_uncounted(task, NOT_COUNTED, now_s)
@@ -559,7 +559,7 @@ class Machine(Core):
             epoch=task.epoch,
             contractor=task.primary,
             item=work.item,
-            said=task.said,
+            said=task.receipt.said,
             counted=counted,
             where=work.destination,
         )
@@ -569,9 +569,9 @@ class Machine(Core):
         """The body does not count: it is told what the carrier says."""
         work = cast(Transport, task.work)
         comes = work.destination == self.id
-        if not task.booked and (comes or task.loaded):
-            task.booked = True
-            change = task.said if comes else -work.quantity
+        if not task.receipt.booked and (comes or task.loaded):
+            task.receipt.booked = True
+            change = task.receipt.said if comes else -work.quantity
             self._out.append(Instruct(Book(vehicle=task.primary, item=work.item, change=change)))
 
     def _settle(self, task: OpenTask, now_s: float) -> None:

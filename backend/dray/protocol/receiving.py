@@ -39,7 +39,7 @@ def verdict_on(task: OpenTask, goal: Goal | None, machine: str, now_s: float) ->
     """How much of a load that is said to be down has been counted.
 
     Args:
-        task: the transport; its carrier has said so (`OpenTask.said_s`).
+        task: the transport; its carrier has said so (`Receipt.said_s`).
         goal: whose goods these are; None for material, and for pieces that no goal wants.
         machine: its coordinator.
         now_s: the present time.
@@ -48,17 +48,17 @@ def verdict_on(task: OpenTask, goal: Goal | None, machine: str, now_s: float) ->
         The verdict, and the pieces that are there.
     """
     work = cast(Transport, task.work)
-    is_patient = now_s - task.said_s < COUNT_S
+    is_patient = now_s - task.receipt.said_s < COUNT_S
     if work.destination == machine:
         if not task.witnessed:
-            return Verdict.COUNTED, max(work.quantity, task.counted)
-        return _judged(task.counted, work.quantity, is_patient)
+            return Verdict.COUNTED, max(work.quantity, task.receipt.counted)
+        return _judged(task.receipt.counted, work.quantity, is_patient)
     if task.witnessed and not task.loaded:
         return _judged(0, work.quantity, is_patient)
     if goal is None:
         return Verdict.COUNTED, work.quantity
     arrived = goal.arrived_by(task.primary)
-    if arrived < work.quantity and not is_patient and goal.heard_s < task.said_s:
+    if arrived < work.quantity and not is_patient and goal.heard_s < task.receipt.said_s:
         return (
             Verdict.COUNTED,
             work.quantity,

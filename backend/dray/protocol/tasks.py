@@ -16,14 +16,26 @@ Outcome = Literal["delivered", "withdrawn"]
 _AT_THE_END = frozenset({Phase.UNLOADING, Phase.HANDING_OVER})
 
 
+class Receipt:
+    """What a carrier says of its load's end, and what the coordinator has counted of it."""
+
+    __slots__ = ("booked", "counted", "said", "said_s")
+
+    def __init__(self) -> None:
+        self.counted = 0
+        """Pieces that the coordinator has seen put down in its own buffer."""
+        self.said, self.said_s = 0, NEVER_S
+        """Pieces that its carrier says to have put down, and when it has said so first."""
+        self.booked = False
+        """A body that does not count was told of it, on the carrier's word."""
+
+
 class OpenTask:
     """A task that has not ended, as its coordinator knows it."""
 
     __slots__ = (
         "adopted",
         "auction",
-        "booked",
-        "counted",
         "due_s",
         "epoch",
         "grace",
@@ -37,8 +49,7 @@ class OpenTask:
         "primary",
         "progress",
         "promised_s",
-        "said",
-        "said_s",
+        "receipt",
         "secondary",
         "source",
         "trouble",
@@ -86,12 +97,8 @@ class OpenTask:
         """Goods that have left this machine: nobody else can fetch them again."""
         self.unloaded = False
         """The coordinator has seen the load put down in its own buffer; the handover is still to come."""
-        self.counted = 0
-        """Pieces of it that the coordinator has seen put down in its own buffer."""
-        self.said, self.said_s = 0, NEVER_S
-        """Pieces that its carrier says to have put down, and when it has said so first."""
-        self.booked = False
-        """A body that does not count was told of it, on the carrier's word."""
+        self.receipt = Receipt()
+        """What its carrier says of the load, and what was counted."""
         self.witnessed = True
         """This life of the coordinator has seen all of it: what a carrier says of the load is compared with that."""
         self.held_s = NEVER_S

@@ -43,7 +43,7 @@ from dray.protocol.plausibility import CLOCK, by_our_clock
 from dray.protocol.secondaries import Secondaries
 from dray.protocol.supervision import Following
 from dray.protocol.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
-from dray.protocol.tasks import OpenTask, Outcome
+from dray.protocol.tasks import OpenTask, Outcome, Receipt
 from dray.protocol.timers import Timers
 from dray.protocol.waits import Waits
 
@@ -392,7 +392,7 @@ class Transports(Coordinator):
             self._left(task.primary)
         task.primary, task.source, task.loaded, task.unloaded = "", "", False, False
         task.phase = None
-        task.counted, task.said, task.said_s, task.booked = 0, 0, NEVER_S, False
+        task.receipt = Receipt()
         task.held_s = NEVER_S
 
     def _bind(
