@@ -15,7 +15,7 @@ from dray.plant.model import VehicleSpec
 from dray.store.clocks import Clocks
 from dray.store.progress import ToWall
 
-NEWCOMERS_LEAST = 64
+NEWCOMERS_LEAST = 256
 """So many agents of a kind may join a plant of any size without a new plant file."""
 
 
