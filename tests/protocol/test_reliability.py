@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from kit import facts
+from kit import PLANT, bid, facts, transport
 
 from dray.messages.fact import ContractorRated
+from dray.protocol.assessing import Assessor
+from dray.protocol.bidding import SHORT_S
 from dray.protocol.events import Effect
 from dray.protocol.progress import STALLED
 from dray.protocol.reliability import (
@@ -15,6 +17,7 @@ from dray.protocol.reliability import (
     Reliability,
 )
 from dray.protocol.supervision import IN_ERROR, SILENT
+from dray.protocol.trial import PASSED_OVER_ROUNDS
 
 
 class School:
@@ -101,3 +104,20 @@ def test_no_more_contractors_are_remembered_than_there_is_room_for() -> None:
     for number in range(KNOWN_MAX + 100):
         school.reliability.note_dropped(f"X{number}", "T1", SILENT, 0.0)
     assert len(school.reliability._ratings) == KNOWN_MAX
+
+
+def test_on_probation_the_task_that_was_dropped_last_counts_as_long_however_short_its_bid() -> None:
+    assessor = Assessor(PLANT, [])
+    for _ in range(3):
+        assessor.reliability.note_given_back("ATV9", "T1", "changed its mind", 0.0)
+    assessor.reliability.note_dropped("ATV9", "T1", STALLED, 0.0)
+    assessor.reliability.note_dropped("ATV9", "T1", SILENT, 0.0)
+
+    def is_refused(task: str, round_number: int) -> bool:
+        short = bid(20.0, task=task, round=round_number, finish_s=SHORT_S)
+        return assessor.refuses("ATV9", transport(), short, 0.0)
+
+    assert not is_refused("T2", 1)
+    assert is_refused("T1", 1)
+    assert is_refused("T1", PASSED_OVER_ROUNDS)
+    assert not is_refused("T1", PASSED_OVER_ROUNDS + 1)

@@ -43,7 +43,8 @@ class Assessor:
             self._disbelief.tell(bidder, bid, objection, now_s, clock_ahead_s(bid.at_s, now_s))
             return True
         if self.reliability.on_probation(bidder, now_s):
-            short = bid.finish_s - now_s <= SHORT_S
+            # That it would be short is its own word, and for a task that it has dropped that is not good enough.
+            short = bid.finish_s - now_s <= SHORT_S and not self.reliability.has_dropped(bidder, bid.task)
             if is_barred(short=short, round_number=bid.round):
                 self._out.append(Ignore(ON_PROBATION))
                 return True

@@ -5,7 +5,7 @@
     surcharge_s  doubt * DROPPED_S: what a dropped contract costs, times how likely it is. It is added to every bid
                  before bids are ranked, so a contractor in doubt is asked when it is cheaper even so
     probation    from QUARANTINE of doubt down to HEALED: only short tasks are given to it, as to one on trial
-                 (`trial`), and what nobody else has taken
+                 (`trial`), and what nobody else has taken; the task that it has dropped last counts as long
 
 Nothing is heard from others: a lie about a rival would be too cheap. So every coordinator pays for its own lesson, and
 the lesson is short, for a contract has a progress deadline (`progress`). None of this is written down: a coordinator
@@ -63,9 +63,11 @@ forgotten begins without prejudice."""
 class Rating:
     """What is held against one contractor."""
 
-    __slots__ = ("_at_s", "_doubt", "on_probation")
+    __slots__ = ("_at_s", "_doubt", "dropped", "on_probation")
 
     def __init__(self) -> None:
+        self.dropped = ""
+        """The task that it has dropped or given back last."""
         self._doubt = 0.0
         self._at_s = 0.0
         self.on_probation = False
@@ -109,6 +111,11 @@ class Reliability:
         rating.look(now_s)
         return rating.on_probation
 
+    def has_dropped(self, contractor: str, task: str) -> bool:
+        """Whether this is the task that it has dropped or given back last."""
+        rating = self._ratings.get(contractor)
+        return rating is not None and rating.dropped == task
+
     def note_kept(self, contractor: str, task: str, late_s: float, now_s: float) -> None:
         """A contract came to its good end, so much later than promised."""
         lateness = min(max(late_s - LATE_FROM_S, 0.0) / DROPPED_S, 1.0)
@@ -121,13 +128,15 @@ class Reliability:
 
     def note_dropped(self, contractor: str, task: str, reason: str, now_s: float) -> None:
         """It carries a task no more, and has not finished it."""
-        self._rate(contractor, task, 1.0, BLAME.get(reason, DROPPED_BLAME), reason, now_s)
+        self._rate(contractor, task, 1.0, BLAME.get(reason, DROPPED_BLAME), reason, now_s).dropped = task
 
     def note_given_back(self, contractor: str, task: str, reason: str, now_s: float) -> None:
         """It gave a contract back."""
-        self._rate(contractor, task, 1.0, GIVEN_BACK_BLAME, reason, now_s)
+        self._rate(contractor, task, 1.0, GIVEN_BACK_BLAME, reason, now_s).dropped = task
 
-    def _rate(self, contractor: str, task: str, frac: float, more: float, reason: str, now_s: float) -> None:
+    def _rate(
+        self, contractor: str, task: str, frac: float, more: float, reason: str, now_s: float
+    ) -> Rating:
         rating = self._ratings.get(contractor)
         if rating is None:
             rating = self._ratings[contractor] = Rating()
@@ -144,3 +153,4 @@ class Reliability:
             on_probation=rating.on_probation,
         )
         self._out.append(Record(rated))
+        return rating
