@@ -6,7 +6,8 @@ import { chosenOf, inOrder, isOfPlant } from "./alerts";
 const alert = (more: Partial<AlertView>): AlertView => ({
   id: `${more.kind ?? "machine_error"}-${more.agent ?? "M8"}`, kind: "machine_error", level: "alarm", response: "repair",
   since_at_s: 100, agent: "M8", task: "", order: "", problem: "", by: "", seen_at_s: null, until_at_s: null,
-  battery_frac: null, behind_s: null, waiting: null, carried_frac: null, acknowledged_by: "", acknowledged_at_s: null, ...more,
+  battery_frac: null, behind_s: null, clock_ahead_s: null, waiting: null, carried_frac: null,
+  acknowledged_by: "", acknowledged_at_s: null, ...more,
 });
 
 describe("alerts", () => {
