@@ -31,6 +31,7 @@ from dray.protocol.authority import Authority
 from dray.protocol.coordinator import Coordinator
 from dray.protocol.docking import Dock
 from dray.protocol.events import Instruct, Send
+from dray.protocol.machine import Machine
 from dray.protocol.obedience import Obedience
 from dray.protocol.order_book import OrderInWork
 from dray.protocol.progress import Progress
@@ -66,15 +67,15 @@ def without_the_fence(patch: pytest.MonkeyPatch) -> None:
         opened = DockOpened(task=message.task, epoch=message.epoch, station=message.station)
         self._out.append(Send(sender, opened))
 
-    def take_from_all(self: Dock, sender: str, message: Handover) -> OpenTask | None:
-        self._accept(sender, message)
+    def take_from_all(self: Machine, sender: str, message: Handover, now_s: float) -> None:
+        self._dock._accept(sender, message.task, message.epoch)
         task = self._tasks.get(message.task)
         if task is not None:
             self._tasks.close(task, "delivered")
-        return task
+            self._settle(task, now_s)
 
     patch.setattr(Dock, "hear_docked", open_to_all)
-    patch.setattr(Dock, "hear_handover", take_from_all)
+    patch.setattr(Machine, "_hear_handover", take_from_all)
 
 
 def with_handovers_that_count_twice(patch: pytest.MonkeyPatch) -> None:
@@ -83,11 +84,14 @@ def with_handovers_that_count_twice(patch: pytest.MonkeyPatch) -> None:
     handed: dict[str, OpenTask] = {}
 
     def hear_again(self: Dock, sender: str, message: Handover) -> OpenTask | None:
-        task = self._tasks.get(message.task) or handed.get(message.task)
+        task = self._tasks.get(message.task)
+        if task is None and message.task in handed:
+            again = self._tasks._open[message.task] = handed[message.task]
+            again.primary = sender
+            self.accept(again)
+            return None
         if task is not None:
             handed[message.task] = task
-            self._tasks._open[message.task] = task
-            task.primary = sender
         return hear_handover(self, sender, message)
 
     patch.setattr(Dock, "hear_handover", hear_again)
