@@ -17,6 +17,7 @@ from dray import __version__
 from dray.messages import WIRE_VERSION
 from dray_sim import scenarios
 from dray_sim.evidence import Check, Evidence
+from dray_sim.site import Site
 
 PLANT_FILE = Path(str(files("dray.plant") / "default.yaml"))
 
@@ -170,7 +171,8 @@ class Stub:
     def __init__(self, held: bool, invariants: str) -> None:
         self._held, self._invariants = held, invariants
 
-    def run(self, seed: int) -> Evidence:
+    def run(self, seed: int, site: Site) -> Evidence:
+        assert not site.is_other
         return Evidence(
             scenario="stub",
             seed=seed,
