@@ -69,6 +69,7 @@ class Actor:
     def start(self, now_s: float) -> None:
         """A life begins."""
         self._move(now_s)
+        self._steps = 0
         self.incarnation += 1
         self.leaving = False
         self.agent = self._create(self.incarnation)

@@ -111,7 +111,8 @@ class Carrying(RuleBasedStateMachine):
         question = self.questions[-1]
         if isinstance(question, Docked):
             self.opened = 1
-            self.told("M8", DockOpened(task=TASK, epoch=1, station=question.station))
+            opened = DockOpened(task=TASK, epoch=1, station=question.station)
+            self.told(self.keeper(question.station), opened)
         elif isinstance(question, Handover):
             self.told("M8", HandoverAccepted(task=TASK, epoch=1))
 
@@ -119,7 +120,8 @@ class Carrying(RuleBasedStateMachine):
     def is_held(self) -> None:
         if self.questions and isinstance(self.questions[-1], Docked):
             station = self.questions[-1].station
-            self.told("M8", DockHeld(task=TASK, epoch=1, station=station, reason="the buffer is full"))
+            held = DockHeld(task=TASK, epoch=1, station=station, reason="the buffer is full")
+            self.told(self.keeper(station), held)
 
     @rule(message=st.sampled_from(STALE), sender=st.sampled_from(["M8", "M7"]))
     def hears_what_is_stale(self, message: Callable[[], Message], sender: str) -> None:
@@ -202,6 +204,10 @@ class Carrying(RuleBasedStateMachine):
     def told(self, sender: str, message: Message) -> None:
         self.actor.hear(sender, message, self.now_s)
 
+    def keeper(self, station: str) -> str:
+        """Who opens a dock: a storage's own station, and the coordinator everywhere else."""
+        return station if station == "S3" else "M8"
+
     def transfer(self, _atv: str, action: Pick | Drop, load: tuple[str, int]) -> str:
         if self.failing:
             self.failing -= 1
@@ -218,7 +224,8 @@ class Carrying(RuleBasedStateMachine):
 
     def see(self, effect: Effect) -> None:
         if isinstance(effect, Send) and isinstance(effect.message, Docked | Handover):
-            assert effect.to == "M8"
+            docks = isinstance(effect.message, Docked)
+            assert effect.to == (self.keeper(effect.message.station) if docks else "M8")
             self.questions.append(effect.message)
             self.handovers += isinstance(effect.message, Handover)
         elif isinstance(effect, Instruct) and isinstance(effect.instruction, Pick | Drop):

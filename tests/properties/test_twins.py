@@ -31,6 +31,7 @@ from dray.protocol.suspicion import (
     Hearing,
     allowed_misses,
 )
+from dray.protocol.trouble import PROMISE_MAX_S
 
 CLOSE = 1e-9
 """Two ways to add up the same numbers differ by rounding only."""
@@ -205,7 +206,8 @@ class NaiveVigil:
         if now_s >= heard_s + ear.bound_s(interval_s):
             return SILENT
         if beat.help is not None:
-            return IN_ERROR if now_s >= beat.help.until_s else ""
+            left_s = min(beat.help.until_s - beat.at_s, PROMISE_MAX_S)
+            return IN_ERROR if now_s >= heard_s + left_s else ""
         return IN_ERROR if beat.status is AtvStatus.ERROR else ""
 
 

@@ -220,7 +220,7 @@ MUTANTS = [
     pytest.param(
         that_asks_an_auction_for_standing_contracts, "restarts", 0, "invariant 6", id="contracts-at-restarts"
     ),
-    pytest.param(that_gives_epochs_of_which_it_has_no_notes, "all", 2, "invariant 2", id="epochs-unknown"),
+    pytest.param(that_gives_epochs_of_which_it_has_no_notes, "all", 324, "invariant 2", id="epochs-unknown"),
     pytest.param(that_obeys_everywhere, "hands", 0, "invariant 9", id="no-areas"),
     pytest.param(that_believes_every_signature, "hands", 0, "invariant 9", id="no-signature"),
 ]

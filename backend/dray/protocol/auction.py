@@ -385,7 +385,8 @@ class Auction:
         self._asked, self.winning_bid = bidder, bid
         self._rank += 1
         self.number = next(self._numbers)
-        self.wake_at_s = now_s + self._rules.answer_in_s(self.round)
+        # Who asks for what waits is answered without a new round: what was asked in vain has made us patient all the same.
+        self.wake_at_s = now_s + self._rules.answer_in_s(max(self.round, 1 + self._vain))
         fact = AwardGiven(task=terms.task, epoch=terms.epoch, role=terms.role, bidder=bidder, rank=self._rank)
         award = Award(
             task=terms.task,

@@ -6,6 +6,8 @@ of its own (protocol, step 4).
 
 from __future__ import annotations
 
+from msgspec.structs import replace
+
 from dray.messages import AtvHeartbeat, Award, Brief, Release, Resigned, Role, Transport
 from dray.messages.fact import ContractEnded, ContractTaken, PrimarySuspected
 from dray.protocol.events import Effect, Record, Send
@@ -105,7 +107,8 @@ class Watches:
 
     def renew(self, award: Award) -> None:
         """A watch that is kept was asked for once more; a release of the earlier award does not end it."""
-        self._watches[award.task].award = award
+        watch = self._watches[award.task]
+        watch.award = replace(award, primary=watch.award.primary)
 
     def release(self, message: Release) -> bool:
         """The coordinator lets a watch go; False when it was taken by another award."""
