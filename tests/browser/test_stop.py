@@ -35,6 +35,9 @@ Screenshot = Callable[..., Path]
 AWAY = (25.0, 35.0)
 """Outside of the area, by more than a stop reaches."""
 
+ELSEWHERE = ("M1", "M2")
+"""Machines outside of the area."""
+
 KEPT_MS, SETTLE_MS = 121_000, 600
 """Until a place may be given away, and until its new owner may be touched: some more than the panel waits."""
 
@@ -43,7 +46,9 @@ SHOWN_MS = 400
 
 
 async def crowd(house: House, count: int) -> dict[str, Puppet]:
-    """So many vehicles more, all over the area."""
+    """So many vehicles more, all over the area. Machines elsewhere go by the same clock: a single one is corrected."""
+    for machine in ELSEWHERE:
+        house.bus.say(machine_heartbeat(machine, at_s=LATER_S))
     places = [(f"ATV{n}", 16.0 + n % 10 * 3.0, 13.5 + n // 10 * 0.4) for n in range(10, 10 + count)]
     return {atv: await Puppet.join(house, atv, x_m, y_m) for atv, x_m, y_m in places}
 
