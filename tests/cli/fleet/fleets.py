@@ -34,7 +34,7 @@ NEW_MACHINE = WHOLE.file.machines[-1]
 PLANT = Plant(replace(WHOLE.file, machines=WHOLE.file.machines[:-1]))
 """As it was before the last machine was bought."""
 
-AGENTS = {*PLANT.machines, *PLANT.fleet, STRATEGIST, "historian", "gateway"}
+AGENTS = {*PLANT.machines, *PLANT.storages, *PLANT.fleet, STRATEGIST, "historian", "gateway"}
 
 SPEED = 10.0
 """An agent is suspected after 3 s of the plant; faster, and a busy computer makes all of them look silent."""

@@ -25,8 +25,8 @@ OPEN = 4
 
 DIES_WHEN_HIRED = {
     "protocol/answers.py": (
-        "def accept(coordinator: str, award: Award, finish_s: float) -> Effect:",
-        "def accept(coordinator: str, award: Award, finish_s: float) -> Effect:\n    raise ValueError(award)",
+        "def accept(coordinator: str, award: Award, finish_s: float, now_s: float) -> Effect:",
+        "def accept(coordinator: str, award: Award, finish_s: float, now_s: float) -> Effect:\n    raise ValueError(award)",
     )
 }
 DOES_NOT_START = {
