@@ -49,7 +49,7 @@ def assert_each_tells_its_own(told: dict[str, str]) -> None:
     for name, text in told.items():
         assert "process_resident_memory_bytes" in text, name
         assert ("dray_bus_messages_lost_total" in text) == (name != "floor"), name
-        acts = name in PLANT.machines or name in PLANT.fleet or name == STRATEGIST
+        acts = name in AGENTS - {"historian", "gateway"}
         assert ("dray_journal_write_seconds_count" in text) == acts, name
     assert 'dray_floor_bodies{state="free"} 0.0' in told["floor"]
     assert "dray_historian_up 1.0" in told["historian"]
