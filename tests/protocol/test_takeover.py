@@ -362,6 +362,24 @@ def test_when_nobody_takes_over_the_task_is_announced_anew() -> None:
     assert office.task.primary == "ATV4"
 
 
+def test_a_secondary_that_has_never_heard_the_primary_is_asked_and_not_waited_for() -> None:
+    office = watched()
+    office.run(20.0, "ATV1", "ATV2")
+    office.run(21.0, "ATV1")
+    office.resigns("ATV1")
+    office.bids(role=Role.SECONDARY, ATV4=60.0)
+    office.run(22.5)
+    office.accepts("ATV4", Role.SECONDARY)
+    assert (office.task.primary, office.task.secondary) == ("ATV2", "ATV4"), (
+        "it watches somebody who is silent already"
+    )
+    office.run(20.0 + BOUND_S + 0.1, "ATV4")
+    assert office.asked(Role.PRIMARY)[-1] == "ATV4"
+    assert not any(effect.to == "ATV4" for effect in office.out if sent([effect], Superseded))
+    office.accepts("ATV4", epoch=2)
+    assert (office.task.primary, office.task.epoch) == ("ATV4", 2)
+
+
 def test_without_a_secondary_it_is_announced_anew_at_once() -> None:
     office = contracted()
     office.run(20.0, "ATV2")

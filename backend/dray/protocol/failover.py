@@ -7,6 +7,7 @@ believes to be it.
     CARRIED --failed, with a secondary--> GRACE --TakenOver--> CARRIED by another, epoch + 1
        |  ^                                 |  |
        |  +------- heard again -------------+  +-- nobody takes over --> announced anew, epoch + 1
+       +-- failed, and was silent already when the secondary began --> that one is asked, epoch + 1
        +-- failed without a secondary, restarted without it --> announced anew, epoch + 1
        +-- given back, no progress --> the secondary is asked, epoch + 1; else announced anew
 
@@ -205,11 +206,15 @@ class Failover:
             self._timers.set((PRIMARY_VIGIL, task.id), task.vigil.fails_at_s)
             return
         self._note_suspicion(task, now_s)
-        if task.secondary and not task.grace:
+        if task.guard is None or task.grace:
+            self.replace(task, failure, now_s)
+        elif task.vigil.heard_s < task.guard.begun_s and not task.unloaded:
+            # The secondary has never heard the primary, and gives it longer than this coordinator has.
+            self.blame(task, failure, now_s)
+            self._remedies.pass_on(task, failure, now_s)
+        else:
             task.grace = True
             self._timers.set((PRIMARY_VIGIL, task.id), now_s + GRACE_S + task.vigil.delay_s)
-        else:
-            self.replace(task, failure, now_s)
 
     def _may_have_left(self, task: OpenTask) -> bool:
         """Whether goods may be on board, as their carrier says: this coordinator was away, or misses them."""

@@ -44,6 +44,7 @@ class Vigil:
         "_help_until_s",
         "_last",
         "_prior",
+        "begun_s",
         "bound_s",
         "heard_s",
         "last",
@@ -52,6 +53,7 @@ class Vigil:
 
     def __init__(self, subject: str, interval_s: float, now_s: float, prior: Hearing | None = None) -> None:
         self.subject = subject
+        self.begun_s = now_s
         self._prior = prior if prior is not None else Hearing()
         # The first heartbeat that can be heard is said only now, and may be under way for as long as others are.
         self.heard_s = now_s + (self._prior.delay_s if self._prior.heard else LATENESS_MAX_S)

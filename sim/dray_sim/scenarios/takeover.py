@@ -39,8 +39,12 @@ ORDERS = 3
 FIRST_S, LAST_S = 15.0, 90.0
 """A death comes at a random moment in between."""
 
-VICTIM_S = 900
-"""Seconds in which somebody is found who carries something and is watched."""
+LOOK_S = 20.0
+"""Where nobody is watched at that moment, another one is drawn within this time. To take the first at which somebody is
+would choose watches that have just begun."""
+
+LOOKS = 90
+"""Until somebody is found who carries something and is watched."""
 
 WAIT_S = 30.0
 """For what follows; far above any bound."""
@@ -150,11 +154,11 @@ async def _victim(stage: Stage) -> tuple[str, TaskBrief] | None:
     for product in random.choices(tuple(stage.plant.products), k=ORDERS):
         stage.order(product, stage.plant.products[product].lot)
     await stage.until_s(random.uniform(FIRST_S, LAST_S))
-    for _ in range(VICTIM_S):
+    for _ in range(LOOKS):
         found = _watched(stage, random)
         if found is not None:
             return found
-        await asyncio.sleep(1.0)
+        await asyncio.sleep(random.uniform(0.0, LOOK_S))
     return None
 
 
