@@ -11,12 +11,12 @@ from typing import Any
 
 import msgspec
 import pytest
-from gateway_kit import NOW_S, OTHER_PRODUCT, PLANT, PRODUCT, House, gateway, problem
+from gateway_kit import NOW_S, OTHER_PRODUCT, PLANT, PRODUCT, House, gateway, machine_heartbeat, problem
 from tracking_kit import GOAL, MACHINE, OTHER_MACHINE, PACE_S, VEHICLE, WAY_OUT, Story
 
 from dray.gateway.panels import Panels
 from dray.gateway.tracking.facts import KEPT_S
-from dray.messages import MachineHeartbeat
+from dray.messages import GoalBrief, MachineHeartbeat, MaterialWait
 from dray.messages.heartbeat import MachineStatus, TaskBrief
 from dray.store.links import Link
 
@@ -220,6 +220,48 @@ async def test_want_of_material_is_told_while_it_lasts(house: House) -> None:
     assert state["eta"] is not None
     story.beat(MACHINE, 240.0, MachineStatus.PRODUCING, made=12)
     assert (await story.state())["reasons"] == []
+
+
+MATERIAL = next(product.bill[0].material for product in PLANT.products if product.id == PRODUCT)
+WAIT = MaterialWait(item=MATERIAL, quantity=5, short=("S3",), silent=("S4",))
+NAME = next(material.name for material in PLANT.materials if material.id == MATERIAL)
+
+
+@pytest.mark.parametrize(
+    ("language", "words"),
+    [("en", "Production waits for material"), ("de", "Die Produktion wartet auf Material")],
+)
+async def test_the_material_is_told_by_name_and_nothing_of_its_storages(
+    house: House, language: str, words: str
+) -> None:
+    story = await Story.begin(house)
+    await story.planned()
+    now_s = await story.making(12, MachineStatus.STARVED)
+    story.beat(MACHINE, now_s, MachineStatus.STARVED, made=12, waits=(WAIT,))
+    state = await story.state()
+    assert (state["reasons"], state["materials"]) == (["material"], [NAME])
+    page = await story.page(**{"Accept-Language": language})
+    assert f"{words}: {NAME}." in page
+    assert not re.search(r"\bS[34]\b", page)
+    # What is still in front of the machine is used up first: nobody waits meanwhile.
+    story.beat(MACHINE, now_s, MachineStatus.PRODUCING, made=13, waits=(WAIT,))
+    state = await story.state()
+    assert (state["reasons"], state["materials"]) == ([], [])
+
+
+async def test_an_order_whose_turn_has_not_come_tells_what_its_machine_has_asked_for_in_vain(
+    house: House,
+) -> None:
+    story = await Story.begin(house)
+    await story.planned()
+    story.now(101.0)
+    other = GoalBrief("strategist.1-1", PRODUCT, 4, 0, 0)
+    own = GoalBrief(GOAL, PRODUCT, story.quantity, 0, 0)
+    house.bus.say(machine_heartbeat(MACHINE, 9, at_s=101.0, goals=(other, own), waits=(WAIT,)))
+    assert (await story.state())["materials"] == [NAME]
+    # Nothing is heard of the machine any more: what it has waited for is a memory.
+    story.now(3600.0)
+    assert (await story.state())["materials"] == []
 
 
 async def test_the_want_of_material_of_another_order_is_none_of_this_one(house: House) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 from gateway_kit import NOW_S, PRODUCT, House, events, machine_heartbeat
 
-from dray.messages import Event, Phase, Role, Transport
+from dray.messages import Event, MaterialWait, Phase, Role, Transport
 from dray.messages.fact import (
     AnyFact,
     GoalContracted,
@@ -95,12 +95,15 @@ class Story:
         status: MachineStatus = MachineStatus.PRODUCING,
         goal: str = GOAL,
         made: int = 0,
+        waits: tuple[MaterialWait, ...] = (),
     ) -> None:
-        """The machine's heartbeat, in which it is at this goal."""
+        """The machine's heartbeat, in which it is at this goal, and what it waits for."""
         self._beats[machine] = self._beats.get(machine, 0) + 1
         brief = GoalBrief(goal, PRODUCT, self.quantity, made, 0)
         self.house.bus.say(
-            machine_heartbeat(machine, self._beats[machine], at_s=at_s, status=status, goals=(brief,))
+            machine_heartbeat(
+                machine, self._beats[machine], at_s=at_s, status=status, goals=(brief,), waits=waits
+            )
         )
 
     async def leaving(self, at_s: float) -> None:

@@ -74,6 +74,7 @@ _STRUCTS = (
         eta=TrackEta("2030-01-01T01:25:00Z", "2030-01-01T01:45:00Z"),
         late="",
         reasons=(),
+        materials=(),
         created_at=ORDER.created_at,
         due_at=ORDER.due_at,
         delivered_at=None,

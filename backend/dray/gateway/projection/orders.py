@@ -8,7 +8,7 @@ from heapq import heappop, heappush
 
 from dray.gateway.projection.changes import Changes
 from dray.gateway.views import OrderItemView, OrderView
-from dray.messages import Event, MachineHeartbeat
+from dray.messages import Event, MachineHeartbeat, MaterialWait
 from dray.messages.fact import GoalContracted, GoalWaits
 from dray.store.orders import Order, OrderTotals
 from dray.store.progress import (
@@ -41,15 +41,23 @@ class Materials:
     def __init__(self, names: Mapping[str, str], bills: Mapping[str, Collection[str]]) -> None:
         self._names, self._bills = names, bills
 
-    def lacking(self, heartbeat: MachineHeartbeat) -> dict[str, str]:
-        """By goal of a machine that is not made and waits: for what, as "for rotor (storage S3 has none)"."""
-        told = {wait.item: wait.told(self._names.get(wait.item, wait.item)) for wait in heartbeat.waits}
-        lacking: dict[str, str] = {}
+    def lacking(self, heartbeat: MachineHeartbeat) -> dict[str, tuple[MaterialWait, ...]]:
+        """By goal of a machine that is not made and waits: for what."""
+        lacking: dict[str, tuple[MaterialWait, ...]] = {}
         for goal in heartbeat.goals:
-            items = [each for each in told if each in self._bills.get(goal.product, ())]
-            if goal.made < goal.quantity and items:
-                lacking[goal.goal] = f"for {'; '.join(told[each] for each in items)}"
+            bill = self._bills.get(goal.product, ())
+            waits = tuple(wait for wait in heartbeat.waits if wait.item in bill)
+            if goal.made < goal.quantity and waits:
+                lacking[goal.goal] = waits
         return lacking
+
+    def name(self, material: str) -> str:
+        """What people call a material."""
+        return self._names.get(material, material)
+
+    def told(self, waits: Iterable[MaterialWait]) -> str:
+        """For what somebody waits and why, as "for rotor (storage S3 has none)"."""
+        return f"for {'; '.join(wait.told(self.name(wait.item)) for wait in waits)}"
 
 
 class Orders:
@@ -73,7 +81,7 @@ class Orders:
         """Per goal that is kept here, its order."""
         self._waits: dict[str, dict[str, str]] = {}
         """Per order that waits, the goals that nobody can make now, and why."""
-        self._lacks: dict[str, dict[str, str]] = {}
+        self._lacks: dict[str, dict[str, tuple[MaterialWait, ...]]] = {}
         """Per machine that waits for material, the goals that wait with it, and for what."""
         self._strange: dict[str, list[str]] = {}
         """Per open order, products that this plant does not make: it had another plant file before."""
@@ -176,7 +184,12 @@ class Orders:
             return ""
         goals = self._goals.get(order, {})
         told = (lacks[goal] for lacks in self._lacks.values() for goal in lacks if goal in goals)
-        return next(told, "")
+        return next((self._materials.told(waits) for waits in told), "")
+
+    def lacking(self, goal: str, machine: str) -> tuple[str, ...]:
+        """The names of the materials for which a goal waits, as its machine has told; empty when it waits for none."""
+        waits = self._lacks.get(machine, {}).get(goal, ())
+        return tuple(self._materials.name(wait.item) for wait in waits)
 
     def why_waits(self, order: str) -> str:
         """Whatever an order waits for; empty when it goes on."""

@@ -39,6 +39,8 @@ class TrackAnswer(msgspec.Struct, frozen=True):
     """How it stands to `due_at`."""
     reasons: tuple[Literal["not_released", "no_machine", "repair", "handed_on", "material", "held_up"], ...]
     """Why it waits; empty when it goes on."""
+    materials: tuple[str, ...]
+    """The names of the materials for which it waits, with the reason `material`; empty where nobody has told which."""
     created_at: str
     due_at: str | None
     delivered_at: str | None
@@ -54,6 +56,7 @@ def answer(told: Track) -> TrackAnswer:
         eta=None if told.eta is None else TrackEta(Clock.iso(told.eta.from_s), Clock.iso(told.eta.to_s)),
         late=told.late.value,
         reasons=tuple(reason.value for reason in told.reasons),
+        materials=told.materials,
         created_at=Clock.iso(told.created_at_s),
         due_at=_iso(told.due_at_s),
         delivered_at=_iso(told.delivered_at_s),

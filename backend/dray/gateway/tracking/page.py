@@ -88,7 +88,7 @@ def page(told: Track, texts: Catalogue, clock: Clock, now_s: float) -> Page:
         now_s: wall clock.
     """
     label, answer, note = _answer(told, texts, clock, now_s)
-    reasons = tuple(texts.why[reason] for reason in told.reasons)
+    reasons = tuple(_reason(reason, told, texts) for reason in told.reasons)
     tag = _tag(told, texts)
     stage = texts.stages[told.stage]
     return Page(
@@ -137,6 +137,12 @@ def _answer(told: Track, texts: Catalogue, clock: Clock, now_s: float) -> tuple[
     if told.eta is None:
         return texts.expected, texts.cannot_say, texts.no_range_note
     return texts.expected, clock.range(told.eta, now_s), texts.range_note
+
+
+def _reason(reason: Reason, told: Track, texts: Catalogue) -> str:
+    if reason is Reason.MATERIAL and told.materials:
+        return texts.why_material.format(materials=", ".join(told.materials))
+    return texts.why[reason]
 
 
 def _tag(told: Track, texts: Catalogue) -> str:

@@ -22,7 +22,7 @@ class Reason(StrEnum):
     HANDED_ON = "handed_on"
     """A machine has failed with a part of it, which is or will be made by another one."""
     MATERIAL = "material"
-    """All machines that are at it lack material."""
+    """All machines that are at it lack material, or who is to make it next waits for some already."""
     HELD_UP = "held_up"
     """What is made of it is stuck on its way out."""
 
@@ -41,7 +41,7 @@ class Doing(StrEnum):
 
 
 def reasons(
-    *, released: bool, waits: bool, lost: bool, held_up: bool, doings: Sequence[Doing]
+    *, released: bool, waits: bool, lost: bool, held_up: bool, lacks: bool, doings: Sequence[Doing]
 ) -> tuple[Reason, ...]:
     """Why an order that has not ended waits; empty when it goes on.
 
@@ -50,6 +50,7 @@ def reasons(
         waits: whether the strategist has said that nobody can make a part of it.
         lost: whether a machine has failed with a part of it.
         held_up: whether a carriage of its goods has said that it does not go on.
+        lacks: whether one of the machines that have taken a part of it waits for material for that part.
         doings: what the machines do that have taken a part which is not made yet.
     """
     if not released:
@@ -61,7 +62,7 @@ def reasons(
             (Reason.REPAIR, Doing.BROKEN in doings),
             (Reason.HANDED_ON, lost),
             # One machine that lacks material while another makes pieces is no wait.
-            (Reason.MATERIAL, bool(at_it) and Doing.MAKING not in at_it),
+            (Reason.MATERIAL, (bool(at_it) or lacks) and Doing.MAKING not in at_it),
             (Reason.HELD_UP, held_up),
         )
     )

@@ -49,6 +49,8 @@ class Facts(msgspec.Struct, frozen=True, kw_only=True):
     """Per goal, when its last pieces were made, oldest first."""
     doings: dict[str, Doing] = {}
     """Per goal, what its machine does."""
+    lacking: dict[str, tuple[str, ...]] = {}
+    """Per goal, the names of the materials for which it waits, as its machine has told."""
     history: History = History()
     waits: bool = False
     """Whether the strategist has said that nobody can make a part of it."""
@@ -84,6 +86,9 @@ class Track(msgspec.Struct, frozen=True, kw_only=True):
     stages: tuple[Stage, ...]
     eta: Range | None
     reasons: tuple[Reason, ...]
+    materials: tuple[str, ...]
+    """The names of the materials for which it waits, where somebody has told them: a customer may know what goes into the
+    product, and nothing of where it is kept, how much of it there is, and who does not bring it."""
     late: Late
     created_at_s: float
     due_at_s: float | None
@@ -104,7 +109,7 @@ class Track(msgspec.Struct, frozen=True, kw_only=True):
 def track(facts: Facts) -> Track:
     """What a customer is told of these facts."""
     order = facts.order
-    expected = _eta(facts)
+    expected, why = _eta(facts), _reasons(facts)
     return Track(
         status=order.status,
         reference=order.reference,
@@ -114,7 +119,8 @@ def track(facts: Facts) -> Track:
         ),
         stages=_stages(facts),
         eta=expected,
-        reasons=_reasons(facts),
+        reasons=why,
+        materials=_lacking(facts) if Reason.MATERIAL in why else (),
         late=_late(order, expected, facts.now_s),
         created_at_s=order.created_at_s,
         due_at_s=order.due_at_s,
@@ -170,8 +176,15 @@ def _reasons(facts: Facts) -> tuple[Reason, ...]:
         waits=facts.waits,
         lost=any(goal.lost for goal in facts.goals),
         held_up=facts.held_up,
+        lacks=bool(_lacking(facts)),
         doings=[facts.doings.get(goal.id, Doing.SILENT) for goal in _making(facts)],
     )
+
+
+def _lacking(facts: Facts) -> tuple[str, ...]:
+    """Each material once. Who is silent or broken has told of it too long ago."""
+    waiting = [goal for goal in _making(facts) if facts.doings.get(goal.id) in {Doing.STARVED, Doing.BUSY}]
+    return tuple(dict.fromkeys(name for goal in waiting for name in facts.lacking.get(goal.id, ())))
 
 
 def _stages(facts: Facts) -> tuple[Stage, ...]:

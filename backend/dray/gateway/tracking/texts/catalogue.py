@@ -60,6 +60,8 @@ class Catalogue(msgspec.Struct, frozen=True, kw_only=True):
 
     why: dict[str, str]
     """Per `Reason`."""
+    why_material: str
+    """For want of material, where its names are known."""
 
     parts_title: str
     made: str

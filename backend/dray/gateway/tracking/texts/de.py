@@ -61,6 +61,7 @@ DE = Catalogue(
         "material": "Die Produktion wartet auf Material.",
         "held_up": "Fertige Stücke werden auf dem Weg hinaus aufgehalten.",
     },
+    why_material="Die Produktion wartet auf Material: {materials}.",
     parts_title="Was Sie bestellt haben",
     made="Gefertigt",
     delivered="Geliefert",

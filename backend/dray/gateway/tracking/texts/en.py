@@ -47,6 +47,7 @@ EN = Catalogue(
         "material": "Production waits for material.",
         "held_up": "Finished pieces are held up on their way out.",
     },
+    why_material="Production waits for material: {materials}.",
     parts_title="What you ordered",
     made="Made",
     delivered="Delivered",

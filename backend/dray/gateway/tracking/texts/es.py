@@ -47,6 +47,7 @@ ES = Catalogue(
         "material": "La producción espera material.",
         "held_up": "Hay piezas terminadas retenidas en su camino de salida.",
     },
+    why_material="La producción espera material: {materials}.",
     parts_title="Lo que ha pedido",
     made="Fabricado",
     delivered="Entregado",
