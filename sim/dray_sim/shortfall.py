@@ -27,7 +27,8 @@ from dray.messages import (
     TaskBrief,
 )
 from dray.messages.contract import DockHeld, Refusal
-from dray.messages.fact import BidRefused
+from dray.messages.fact import BidRefused, TaskOpened
+from dray.overload import Overload
 from dray.plant import Plant
 
 LOOK_S = 10.0
@@ -75,6 +76,8 @@ class Shortfall:
         left_s: what machines still have to make, in their own time, at the last look.
         working_s, charging_s, hungry_s: vehicles' time by vehicle: under contract, charging, idle with a low battery.
         docked_s: vehicles' time at docks under contract, by place; more than there is where several stand at one.
+        overloaded_s: time in which the vehicles could not carry what was asked for (`dray.overload`).
+        overloaded_waiting: transports that had waited too long for a vehicle then, at the worst look.
         empty_s: time in which no storage had a container of it, by material.
     """
 
@@ -97,6 +100,8 @@ class Shortfall:
         self.charging_s: dict[str, float] = defaultdict(float)
         self.hungry_s: dict[str, float] = defaultdict(float)
         self.docked_s: dict[str, float] = defaultdict(float)
+        self.overloaded_s = 0.0
+        self.overloaded_waiting = 0
         self.empty_s: dict[str, float] = defaultdict(float)
         self._machines: dict[str, MachineHeartbeat] = {}
         self._atvs: dict[str, AtvHeartbeat] = {}
@@ -108,6 +113,9 @@ class Shortfall:
         self._opened_s: dict[str, float] = {}
         self._waited: dict[str, dict[Cause, float]] = {}
         """By open transport, what it has waited for so far."""
+        self._overload = Overload()
+        self._announced_s: dict[str, float] = {}
+        """By open transport, when it was announced first."""
         self._look_s = 0.0
 
     def hear(self, at_s: float, _sender: str, address: str, message: Message) -> None:
@@ -120,6 +128,8 @@ class Shortfall:
             fact = message.fact
             if isinstance(fact, BidRefused) and fact.role is Role.PRIMARY:
                 self._refused.setdefault(fact.task, {})[message.agent] = fact.reason
+            elif isinstance(fact, TaskOpened):
+                self._announced_s.setdefault(fact.task, at_s)
         elif isinstance(message, DockHeld):
             self._held[address.removeprefix(">")] = at_s, message.station
         if at_s >= self._look_s:
@@ -150,7 +160,8 @@ class Shortfall:
                 open_tasks.add(task.task)
                 self._look_at_task(task, stock, now_s, span_s)
             self._look_at_machine(heard, stock, span_s)
-        for notes in (self._opened_s, self._waited, self._refused):
+        self._look_at_demand(now_s, span_s)
+        for notes in (self._opened_s, self._waited, self._refused, self._announced_s):
             for ended in [task for task in notes if task not in open_tasks]:
                 del notes[ended]
 
@@ -161,6 +172,17 @@ class Shortfall:
             for item, pieces in storage.stock.items():
                 found.setdefault(item, []).append(pieces)
         return found
+
+    def _look_at_demand(self, now_s: float, span_s: float) -> None:
+        waited_s = (
+            now_s - self._announced_s[task.task]
+            for heard in self._machines.values()
+            for task in heard.tasks
+            if task.task in self._announced_s and not task.primary and not task.trouble
+        )
+        if self._overload.look(waited_s, len(self._atvs)):
+            self.overloaded_s += span_s
+            self.overloaded_waiting = max(self.overloaded_waiting, self._overload.waiting)
 
     def _look_at_atv(self, beat: AtvHeartbeat, span_s: float) -> None:
         if beat.status is AtvStatus.CHARGING:

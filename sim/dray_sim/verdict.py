@@ -5,6 +5,7 @@ from __future__ import annotations
 import msgspec
 
 from dray.messages import MachineStatus
+from dray.overload import WAITED_S
 from dray.plant import Plant
 from dray_sim.shortfall import Cause, Shortfall
 
@@ -55,7 +56,11 @@ class Verdict(msgspec.Struct, frozen=True):
     name: str
     """Which; empty for nothing."""
     text: str
-    """In words: what is too few, how it shows, and what to do."""
+    """In words: what is too few, how it shows, and what to do; and for how long the plant was overloaded."""
+    overloaded_frac: float
+    """Of the time; by the rule of the alert `overloaded`."""
+    overloaded_waiting: int
+    """Transports that had waited too long for a vehicle, when there were most of them."""
     resources: tuple[Resource, ...]
     """The scarcest of every kind."""
 
@@ -96,9 +101,21 @@ def judge(
     left_frac = max(seen.left_s.values(), default=0.0) / max(seen.looked_s, 1.0)
     on_time = not due or on_time_frac >= SERVED_FRAC
     short = _bottleneck(found, on_time=on_time, left=left_frac >= LEFT_FRAC)
-    if short is None:
-        return Verdict(NOTHING, "", _nothing(found, placed, delivered, due, on_time_frac), tuple(kept))
-    return Verdict(short.kind, short.name, _too_few(plant, seen, short), tuple(kept))
+    kind, name = (NOTHING, "") if short is None else (short.kind, short.name)
+    text = (
+        _nothing(found, placed, delivered, due, on_time_frac)
+        if short is None
+        else _too_few(plant, seen, short)
+    )
+    overloaded_frac = seen.overloaded_s / max(seen.looked_s, 1.0)
+    return Verdict(
+        bottleneck=kind,
+        name=name,
+        text=text + _overloaded(overloaded_frac, seen.overloaded_waiting),
+        overloaded_frac=overloaded_frac,
+        overloaded_waiting=seen.overloaded_waiting,
+        resources=tuple(kept),
+    )
 
 
 def _bottleneck(found: list[Resource], *, on_time: bool, left: bool) -> Resource | None:
@@ -183,6 +200,15 @@ def _nothing(found: list[Resource], placed: int, delivered: int, due: int, on_ti
     )
     where = "all chargers" if busiest.kind == "charger" else f"{busiest.kind} {busiest.name}"
     return f"nothing is short: {delivered} of {placed} orders delivered; the busiest is {where}, {busiest.busy_frac:.0%}"
+
+
+def _overloaded(overloaded_frac: float, waiting: int) -> str:
+    if not overloaded_frac:
+        return ""
+    return (
+        f"; overloaded {overloaded_frac:.1%} of the time: up to {waiting} transports had waited for a vehicle for more than "
+        f"{WAITED_S / 60.0:.0f} min"
+    )
 
 
 def _too_few(plant: Plant, seen: Shortfall, short: Resource) -> str:

@@ -19,12 +19,12 @@ from gateway_kit import (
 from dray.errors import UnavailableError
 from dray.gateway.projection import Projection
 from dray.gateway.projection.alerts import LOOK_S, REMEMBERED_S, RESPONSES
-from dray.gateway.projection.overload import LEAST, WAITED_S
 from dray.gateway.projection.troubles import PATIENCE_S
 from dray.gateway.timescale import TimeScale
 from dray.gateway.views import AlertKind, AlertView
 from dray.messages import AtvStatus, Brief, HelpWanted, MachineStatus, Phase, Role, TaskBrief, Transport
 from dray.messages.fact import GoalWaits, PhaseEntered, TaskClosed, TaskOpened
+from dray.overload import LEAST, WAITED_S
 from dray.store.acknowledgements import Acknowledgement
 from dray.store.orders import Item, Order
 from dray.store.progress import OrderStatus

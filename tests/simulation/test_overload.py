@@ -5,6 +5,7 @@ from __future__ import annotations
 from msgspec import structs
 
 from dray.messages import MachineHeartbeat, MachineStatus, StationHeartbeat, WorkSought
+from dray.overload import LEAST
 from dray.plant import Plant, default_plant
 from dray_sim.evidence import HELD
 from dray_sim.observer import Observer
@@ -17,7 +18,7 @@ MESSAGES_MAX = 140
 """Per transport, in the first hour and a half of an overload. There were 178 when everything was announced again and again."""
 
 
-def test_an_overload_is_not_multiplied_by_words() -> None:
+def test_an_overload_is_told_and_not_multiplied_by_words() -> None:
     file = default_plant().file
     plant = Plant(structs.replace(file, fleet=tuple(spec for spec in file.fleet if spec.id in FLEET)))
     played = play(Shift(name="overload", duration_s=5400.0, load=0.85), plant, 1)
@@ -25,6 +26,10 @@ def test_an_overload_is_not_multiplied_by_words() -> None:
     assert report.invariants == HELD
     assert report.transports > 50
     assert report.messages_per_task < MESSAGES_MAX
+    assert report.verdict.overloaded_frac > 0.1
+    assert report.verdict.overloaded_waiting >= LEAST
+    said = f"; overloaded {report.verdict.overloaded_frac:.1%} of the time: up to {report.verdict.overloaded_waiting} transports"
+    assert said in report.describe()
     assert played.counts[WorkSought.__name__] > 20
 
 

@@ -105,6 +105,8 @@ def test_where_nothing_is_short_the_verdict_says_so() -> None:
     report = played(WORKSHOP, 0.4)
     assert report.verdict.bottleneck == NOTHING
     assert report.verdict.text.startswith("nothing is short")
+    assert (report.verdict.overloaded_frac, report.verdict.overloaded_waiting) == (0.0, 0)
+    assert "overloaded" not in report.describe()
     assert any(each.kind == "machine" and 0.0 < each.busy_frac < 0.85 for each in report.verdict.resources)
 
 

@@ -16,7 +16,6 @@ from dray.gateway.projection.machines import BROKEN, DOWN, Machines
 from dray.gateway.projection.news import News
 from dray.gateway.projection.orders import Materials, Orders
 from dray.gateway.projection.outsiders import Outsiders
-from dray.gateway.projection.overload import Overload
 from dray.gateway.projection.silence import bound_s, heard_until_s
 from dray.gateway.projection.site import Site
 from dray.gateway.projection.stations import Stations
@@ -27,6 +26,7 @@ from dray.gateway.projection.trials import Trials
 from dray.gateway.timescale import TimeScale
 from dray.gateway.views import FactoryView, UseView
 from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, Message, StationHeartbeat
+from dray.overload import Overload
 from dray.plant.model import PlantFile
 from dray.store.clocks import Clocks
 from dray.store.exclusions import Exclusion
@@ -160,7 +160,7 @@ class Projection:
         }
         wrong = (
             *troubles.of_the_plant(now),
-            *self._overload.look(self.tasks, len(heard), now),
+            *troubles.of_demand(self._overload, self.tasks, len(heard), now),
             *troubles.of_outsiders(self.outsiders, self.atvs),
             *troubles.of_clocks(clocks.items()),
             *troubles.of_disputes(self.disputes, clocks.keys(), now),

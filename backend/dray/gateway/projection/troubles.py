@@ -11,8 +11,10 @@ import msgspec
 
 from dray.gateway.projection.disputes import Dispute, Disputes
 from dray.gateway.projection.silence import bound_s
+from dray.gateway.projection.tasks import Tasks
 from dray.gateway.views import AlertKind, OrderView, TaskView
 from dray.messages import AtvHeartbeat, AtvStatus, MachineHeartbeat, MachineStatus
+from dray.overload import Overload
 from dray.store.clocks import Offset
 from dray.store.exclusions import Exclusion
 from dray.store.progress import ToWall
@@ -67,6 +69,30 @@ def of_the_plant(now: Moment) -> Iterator[Trouble]:
     behind_s = now.plant_s - now.heard_s
     if behind_s > bound_s(working=False, speed=now.speed):
         yield Trouble(kind="plant_behind", behind_s=round(behind_s / now.speed))
+
+
+def of_demand(overload: Overload, tasks: Tasks, vehicles: int, now: Moment) -> Iterator[Trouble]:
+    """What is wrong with what is asked for: it is more than the vehicles can carry.
+
+    Args:
+        overload: what was found at the last look.
+        tasks: all of them.
+        vehicles: that are heard and not shut out.
+        now: when it is looked at.
+    """
+    present_s = now.to_wall_s(min(now.plant_s, now.heard_s))
+    waited_s = (
+        (present_s - task.opened_at_s) * now.speed
+        for task in tasks.under_way()
+        if task.kind == "transport" and task.state == "bidding" and not task.trouble
+    )
+    if overload.look(waited_s, vehicles):
+        carried_frac = tasks.transports.carried_frac(now.heard_s)
+        yield Trouble(
+            kind="overloaded",
+            waiting=overload.waiting,
+            carried_frac=None if carried_frac is None else round(carried_frac, 2),
+        )
 
 
 def of_outsiders(exclusions: Iterable[Exclusion], atvs: Container[str]) -> Iterator[Trouble]:
