@@ -24,7 +24,7 @@ from dray.memory import WHOLE, AtvMemory, EndedOrder
 from dray.messages import AtvHeartbeat, AtvStatus, EventsAsked, EventsKept, OrderTaken, Pose
 from dray.messages.fact import OrderFulfilled
 from dray.messages.keys import Keys
-from dray.protocol.events import (
+from dray.protocol.runtime.events import (
     NEVER_S,
     Commit,
     Effect,

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, assert_never, cast
 
 from dray import messages
 from dray.errors import ProtocolViolation
-from dray.protocol.events import (
+from dray.protocol.runtime.events import (
     NEVER_S,
     Agent,
     Commit,

@@ -32,7 +32,7 @@ from dray.messages.fact import (
     TaskOpened,
     TookOver,
 )
-from dray.protocol.suspicion import IDLE_INTERVAL_S, LATENESS_MAX_S, MISSES_MAX, WORKING_INTERVAL_S
+from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, LATENESS_MAX_S, MISSES_MAX, WORKING_INTERVAL_S
 from dray_sim.broken import InvariantBroken
 from dray_sim.factory import SimFactory
 

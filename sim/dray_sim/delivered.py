@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from dray.messages import Event, Message, OrderReleased, OrderTaken, Production
 from dray.messages.fact import GoodsDelivered, OrderDropped, OrderFulfilled, TaskClosed, TaskOpened
-from dray.protocol.order_book import ENDED_KEPT
+from dray.protocol.strategist.order_book import ENDED_KEPT
 from dray_sim.broken import InvariantBroken
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from dray.messages import Message, OrderReleased, OrderTaken
 from dray.ports import Bus, Clock
-from dray.protocol.strategist import STRATEGIST
+from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.demand import Order
 
 DESK = "desk"

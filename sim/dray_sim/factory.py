@@ -20,12 +20,12 @@ from dray.messages.speakers import Kind
 from dray.plant import Plant, with_machine
 from dray.plant.model import MachineSpec, VehicleSpec
 from dray.ports import Body, Bus, Clock
-from dray.protocol.atv import Atv
-from dray.protocol.authority import Trusts
-from dray.protocol.events import Agent
-from dray.protocol.machine import Machine
-from dray.protocol.station import Station
-from dray.protocol.strategist import STRATEGIST, Strategist
+from dray.protocol.machine.machine import Machine
+from dray.protocol.runtime.events import Agent
+from dray.protocol.station.station import Station
+from dray.protocol.strategist.strategist import STRATEGIST, Strategist
+from dray.protocol.vehicle.atv import Atv
+from dray.protocol.vehicle.command_authorisation import Trusts
 from dray.worker import Worker
 from dray_sim.computer import ComputerClock
 from dray_sim.coverage import Coverage

@@ -16,7 +16,7 @@ from dray.errors import PlantError
 from dray.plant import Plant, with_machine
 from dray.plant.model import MachineSpec, VehicleSpec
 from dray.ports import Body, Clock
-from dray.protocol.strategist import STRATEGIST
+from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.chargers import Chargers
 from dray_sim.gate import Gate
 from dray_sim.stores import DeliveryWarehouse, Place, SourceWarehouse, Storage

@@ -31,7 +31,7 @@ from dray.messages.fact import (
     TaskClosed,
     TaskOpened,
 )
-from dray.protocol.carriage import HANDED_OVER
+from dray.protocol.vehicle.transport_job import HANDED_OVER
 from dray_sim.broken import InvariantBroken
 from dray_sim.company import ReplacedInTime, SpeaksOn
 from dray_sim.delivered import DeliveredExactly

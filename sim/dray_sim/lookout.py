@@ -22,7 +22,7 @@ from dray.adapters.zenoh_links import Identity, Links
 from dray.codec import decode, encode
 from dray.messages import Message, OrderItem
 from dray.messages.keys import Keys
-from dray.protocol.strategist import STRATEGIST
+from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.demand import Order
 from dray_sim.desk import DESK, Desk
 

@@ -2,7 +2,7 @@
 
 It works when told to and decides nothing. A cycle takes its whole bill out of the buffers when it
 starts and puts one piece into the goods when it ends. Vehicles load and unload only where the dock was
-opened for them; the rest of the negotiation is the agent's (`dray.protocol.machine`).
+opened for them; the rest of the negotiation is the agent's (`dray.protocol.machine.machine`).
 
 Pieces that came in = buffers + consumed; pieces that were made = goods + taken away. Both are counted,
 so that material can be balanced (invariant 2).

@@ -16,7 +16,7 @@ from dray.cli.meters.clock import ClockMeter
 from dray.cli.meters.factory import FactoryMeter
 from dray.messages.keys import Keys
 from dray.plant import default_plant
-from dray.protocol.machine import Machine
+from dray.protocol.machine.machine import Machine
 from dray.worker import Worker
 from dray_sim.bridge import BridgedBus
 from dray_sim.factory import SimFactory

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dray.adapters.system_clock import SLEW_FRAC, SystemClock
-from dray.protocol.suspicion import WORKING_INTERVAL_S, bound_s
+from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, bound_s
 from dray_sim.loop import run
 
 

@@ -36,10 +36,10 @@ from dray.messages import (
     Transport,
     VehicleCommand,
 )
-from dray.protocol.atv import Atv
-from dray.protocol.events import Effect, Publish, Send
-from dray.protocol.machine import Machine
-from dray.protocol.strategist import STRATEGIST, Strategist
+from dray.protocol.machine.machine import Machine
+from dray.protocol.runtime.events import Effect, Publish, Send
+from dray.protocol.strategist.strategist import STRATEGIST, Strategist
+from dray.protocol.vehicle.atv import Atv
 
 PRODUCT = "pump-p3"
 MATERIALS = tuple(line.material for line in PLANT.products[PRODUCT].bill)

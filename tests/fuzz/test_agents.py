@@ -17,8 +17,8 @@ from utterances import MESSAGE_TYPES, Utterances
 from dray.codec import decode, encode
 from dray.errors import WireError
 from dray.messages import Event, Message
-from dray.protocol.events import Effect, Publish, Record, Send
-from dray.protocol.leaving import CARRIER_LEAVES_WITHIN_S
+from dray.protocol.runtime.events import Effect, Publish, Record, Send
+from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S
 
 UTTERANCES = Utterances(NAMES)
 

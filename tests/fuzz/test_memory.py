@@ -32,7 +32,7 @@ from utterances import MESSAGE_TYPES
 
 from dray.messages import Award, Message, OrderReleased, VehicleCommand
 from dray.plant import Plant
-from dray.protocol.events import Agent, Heard, Woke
+from dray.protocol.runtime.events import Agent, Heard, Woke
 
 NEW_NAMES = frozenset({"task", "order", "goal", "command", "atv", "machine", "agent", "bidder", "berth"})
 """Fields that hold another name each time; the others mean something real."""
@@ -144,7 +144,7 @@ def test_an_agent_does_not_keep_all_that_it_hears(
     kind: type[Message], situation: Callable[[], Played], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # Its own bound would take a hundred thousand orders.
-    monkeypatch.setattr("dray.protocol.order_book.ENDED_KEPT", 1000)
+    monkeypatch.setattr("dray.protocol.strategist.order_book.ENDED_KEPT", 1000)
     actor = situation()
     agent = actor.agent
     assert agent is not None

@@ -37,9 +37,9 @@ from dray.messages import (
     TakenOver,
     Withdrawn,
 )
-from dray.protocol.events import Ignore, Send
-from dray.protocol.partners import Word, contract_of
-from dray.protocol.transports import ADOPT_S
+from dray.protocol.contract_net.parties import Word, contract_of
+from dray.protocol.machine.transports import ADOPT_S
+from dray.protocol.runtime.events import Ignore, Send
 
 CALM_S = 60.0
 """Longer than everything that a word could set off at once."""

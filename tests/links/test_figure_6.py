@@ -10,7 +10,7 @@ import pytest
 from forbidden import forbidden
 
 from dray.errors import UnavailableError
-from dray.protocol.suspicion import WORKING_INTERVAL_S, bound_s
+from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, bound_s
 from dray_sim.bench.computers import Computers
 from dray_sim.bench.field import LEASE_S, Field
 from dray_sim.bench.links import AGAIN_S, AIR_S, cut_wlan, switch_off

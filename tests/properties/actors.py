@@ -11,7 +11,7 @@ from bodies import PlainBody
 from dray.body import Report
 from dray.memory import Note
 from dray.messages import Message
-from dray.protocol.events import (
+from dray.protocol.runtime.events import (
     NEVER_S,
     Agent,
     Commit,

@@ -15,9 +15,9 @@ from kit import Credulous, accepted, bid, declined, facts, transport
 
 from dray.messages import Award, Release, Role
 from dray.messages.fact import AwardGiven
-from dray.protocol.auction import Auction, Place, Stage, Terms
-from dray.protocol.auction_rules import AuctionRules
-from dray.protocol.events import NEVER_S, Effect, Send
+from dray.protocol.contract_net.auction import Auction, Place, Stage, Terms
+from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.runtime.events import NEVER_S, Effect, Send
 
 BIDDERS = ("ATV1", "ATV2", "ATV3", "ATV4")
 WILLING = "ATV9"
@@ -80,7 +80,7 @@ class Hall:
     def step(self, kind: str, bidder: str, amount: float) -> None:
         auction = self.auction
         if kind == "bid":
-            auction.hear_bid(bidder, bid(amount, round=auction.round), self.now_s)
+            auction.on_bid(bidder, bid(amount, round=auction.round), self.now_s)
         elif kind == "wait":
             self.wait()
         elif kind == "early":
@@ -104,12 +104,12 @@ class Hall:
             self.under_way[bidder].append(number)
         elif kind == "decline":
             self.asked = ""
-            self.auction.hear_declined(bidder, declined(number=number), self.now_s)
+            self.auction.on_declined(bidder, declined(number=number), self.now_s)
 
     def says_accepted(self, bidder: str, number: int) -> None:
         if self.asked == bidder and self.awards[bidder] == number:
             self.asked = ""
-        self.auction.hear_accepted(bidder, accepted(number=number))
+        self.auction.on_accepted(bidder, accepted(number=number))
 
     def wait(self) -> None:
         if self.auction.wake_at_s < NEVER_S:
@@ -216,11 +216,11 @@ def test_bidders_are_asked_by_price_then_finish_then_name_however_their_bids_arr
     hall = Hall(AuctionRules())
     for bidder in data.draw(st.permutations(sorted(costs_s))):
         cost_s, finish_s = costs_s[bidder]
-        hall.auction.hear_bid(bidder, bid(cost_s, finish_s=finish_s), 0.5)
+        hall.auction.on_bid(bidder, bid(cost_s, finish_s=finish_s), 0.5)
     hall.wait()
     for _ in costs_s:
         hall.read()
         asked, hall.asked = hall.asked, ""
-        hall.auction.hear_declined(asked, declined(number=hall.awards[asked]), hall.now_s)
+        hall.auction.on_declined(asked, declined(number=hall.awards[asked]), hall.now_s)
     order = [fact.bidder for fact in facts(hall.out, AwardGiven)]
     assert order == sorted(costs_s, key=lambda each: (*costs_s[each], each))

@@ -34,11 +34,11 @@ from dray.messages import (
     TakenOver,
 )
 from dray.messages.fact import TaskClosed, TaskOpened, TookOver
-from dray.protocol.atv import Atv
-from dray.protocol.events import Effect, Instruct, Record, Send
-from dray.protocol.insisting import ASK_AGAIN_S
-from dray.protocol.machine import Machine
-from dray.protocol.strategist import STRATEGIST
+from dray.protocol.machine.machine import Machine
+from dray.protocol.runtime.events import Effect, Instruct, Record, Send
+from dray.protocol.runtime.retransmission import ASK_AGAIN_S
+from dray.protocol.strategist.strategist import STRATEGIST
+from dray.protocol.vehicle.atv import Atv
 
 ATVS = ("ATV1", "ATV2", "ATV3")
 TASKS = ("M7-1", "M7-2")
@@ -302,7 +302,7 @@ class Watching(RuleBasedStateMachine):
 
 
 SILENCE_S = 3.5
-"""The bound on a link that loses nothing (`dray.protocol.suspicion`)."""
+"""The bound on a link that loses nothing (`dray.protocol.liveness.suspicion`)."""
 
 
 def _light(life: int) -> Atv:

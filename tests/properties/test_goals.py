@@ -8,7 +8,7 @@ from kit import PLANT, MachineRig, StrategistRig, facts, production, published
 
 from dray.messages import Handover, OrderItem, OrderReleased, TaskAnnounced, Transport
 from dray.messages.fact import OrderAccepted
-from dray.protocol.replenishment import order_quantity, reorder_point
+from dray.protocol.machine.replenishment import order_quantity, reorder_point
 
 PUMP = PLANT.products["pump-p3"]
 MATERIALS = tuple(line.material for line in PUMP.bill)

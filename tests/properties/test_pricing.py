@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from kit import PLANT, transport
 
 from dray.messages import Refusal
-from dray.protocol.pricing import Pricer, Quote, Unable, low_battery_s
+from dray.protocol.vehicle.pricing import Pricer, Quote, Unable, low_battery_s
 
 LIGHT = Pricer(PLANT, "light")
 NODES = st.sampled_from(sorted(PLANT.nodes))

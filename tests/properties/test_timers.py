@@ -5,8 +5,8 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dray.protocol.events import NEVER_S
-from dray.protocol.timers import Timers
+from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.runtime.timers import Timers
 
 NAMES = st.sampled_from("abcd")
 TIMES_S = st.integers(min_value=0, max_value=8).map(float)

@@ -14,11 +14,10 @@ from kit import Credulous, accepted, bid, declined, facts, rhb, transport
 
 from dray.messages import AtvHeartbeat, AtvStatus, Bid, HelpWanted, Role
 from dray.messages.fact import AwardGiven
-from dray.protocol.auction import Auction, Place, Terms
-from dray.protocol.auction_rules import AuctionRules
-from dray.protocol.events import Effect
-from dray.protocol.supervision import IN_ERROR, SILENT, Vigil
-from dray.protocol.suspicion import (
+from dray.protocol.contract_net.auction import Auction, Place, Terms
+from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.liveness.failure_detector import IN_ERROR, PROMISE_MAX_S, SILENT, FailureDetector
+from dray.protocol.liveness.suspicion import (
     DEVIATIONS,
     FALSE_ALARM,
     GAIN,
@@ -28,10 +27,10 @@ from dray.protocol.suspicion import (
     MISSES,
     MISSES_MAX,
     WORKING_INTERVAL_S,
-    Hearing,
+    ArrivalStatistics,
     allowed_misses,
 )
-from dray.protocol.trouble import PROMISE_MAX_S
+from dray.protocol.runtime.events import Effect
 
 CLOSE = 1e-9
 """Two ways to add up the same numbers differ by rounding only."""
@@ -65,16 +64,16 @@ def test_the_ranking_is_the_naive_one_and_so_are_those_who_are_left(
     auction.open(0.0)
     told = [(bidder, bid(cost_s, finish_s=finish_s)) for bidder, cost_s, finish_s in offers]
     for bidder, offer in told:
-        auction.hear_bid(bidder, offer, 0.5)
+        auction.on_bid(bidder, offer, 0.5)
     auction.wake(auction.wake_at_s)
     asked: list[str] = []
     while expected := next_to_ask(told, asked):
         asked.append(expected)
         assert [fact.bidder for fact in facts(out, AwardGiven)] == asked
         if len(asked) > refusals:
-            auction.hear_accepted(expected, accepted(number=len(asked)))
+            auction.on_accepted(expected, accepted(number=len(asked)))
             break
-        auction.hear_declined(expected, declined(number=len(asked)), 1.0)
+        auction.on_declined(expected, declined(number=len(asked)), 1.0)
     left: list[str] = []
     if auction.winner:
         while expected := next_to_ask(told, asked + left):
@@ -86,7 +85,7 @@ def test_the_ranking_is_the_naive_one_and_so_are_those_who_are_left(
 
 
 class NaiveEar:
-    """The twin of `Hearing`: a list of everything, weighed anew for every answer."""
+    """The twin of `ArrivalStatistics`: a list of everything, weighed anew for every answer."""
 
     def __init__(self) -> None:
         self.notes: list[tuple[int, float]] = []
@@ -167,7 +166,7 @@ def _replaced(beat: AtvHeartbeat, changes: dict[str, object]) -> AtvHeartbeat:
 
 
 class NaiveVigil:
-    """The twin of `Vigil`: every heartbeat that ever came, and what follows from all of them."""
+    """The twin of `FailureDetector`: every heartbeat that ever came, and what follows from all of them."""
 
     def __init__(self, ear: NaiveEar, now_s: float) -> None:
         delays_s = [delay_s for _, delay_s in ear.notes]
@@ -212,21 +211,21 @@ class NaiveVigil:
 
 
 @given(before=BEATS, beats=BEATS, looks=st.lists(st.floats(0.0, 30.0), max_size=5))
-def test_a_vigil_suspects_exactly_when_its_naive_twin_does(
+def test_a_detector_suspects_exactly_when_its_naive_twin_does(
     before: list[Beat], beats: list[Beat], looks: list[float]
 ) -> None:
-    prior, ear, now_s = Hearing(), NaiveEar(), 100.0
-    first, naive_first = Vigil("ATV2", WORKING_INTERVAL_S, now_s, prior), NaiveVigil(ear, now_s)
+    prior, ear, now_s = ArrivalStatistics(), NaiveEar(), 100.0
+    first, naive_first = FailureDetector("ATV2", WORKING_INTERVAL_S, now_s, prior), NaiveVigil(ear, now_s)
     now_s = _play(first, naive_first, before, now_s)
     ear.notes = naive_first.notes()
-    vigil, twin = Vigil("ATV2", WORKING_INTERVAL_S, now_s, prior), NaiveVigil(ear, now_s)
-    now_s = _play(vigil, twin, beats, now_s)
-    for look_s in [*looks, vigil.fails_at_s - now_s - 1e-6, vigil.fails_at_s - now_s + 1e-6]:
+    detector, twin = FailureDetector("ATV2", WORKING_INTERVAL_S, now_s, prior), NaiveVigil(ear, now_s)
+    now_s = _play(detector, twin, beats, now_s)
+    for look_s in [*looks, detector.fails_at_s - now_s - 1e-6, detector.fails_at_s - now_s + 1e-6]:
         at_s = now_s + max(0.0, look_s)
-        assert vigil.failure(at_s) == twin.failure(at_s)
+        assert detector.failure(at_s) == twin.failure(at_s)
 
 
-def _play(vigil: Vigil, twin: NaiveVigil, beats: list[Beat], now_s: float) -> float:
+def _play(detector: FailureDetector, twin: NaiveVigil, beats: list[Beat], now_s: float) -> float:
     """Let both hear the same; returns when that is over."""
     seq = 10
     for life, step, pause_s, delay_s, status in beats:
@@ -234,5 +233,5 @@ def _play(vigil: Vigil, twin: NaiveVigil, beats: list[Beat], now_s: float) -> fl
         seq = max(1, seq + step)
         beat = _heartbeat(life, seq, now_s - delay_s, status)
         twin.heard.append((now_s, beat))
-        assert vigil.hear(beat, now_s) is (twin.news()[-1][1] is beat)
+        assert detector.on_heartbeat(beat, now_s) is (twin.news()[-1][1] is beat)
     return now_s

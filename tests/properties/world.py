@@ -38,10 +38,19 @@ from dray.messages import (
     VehicleCommand,
 )
 from dray.messages.fact import ContractEnded, ContractTaken, OrderFulfilled, TaskClosed, TaskOpened
-from dray.protocol.atv import Atv
-from dray.protocol.events import Effect, Instruct, Leave, Publish, Record, Send, Subscribe, Unsubscribe
-from dray.protocol.machine import Machine
-from dray.protocol.strategist import STRATEGIST, Strategist
+from dray.protocol.machine.machine import Machine
+from dray.protocol.runtime.events import (
+    Effect,
+    Instruct,
+    Leave,
+    Publish,
+    Record,
+    Send,
+    Subscribe,
+    Unsubscribe,
+)
+from dray.protocol.strategist.strategist import STRATEGIST, Strategist
+from dray.protocol.vehicle.atv import Atv
 
 LATENCY_S = 0.02
 

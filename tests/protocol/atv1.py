@@ -7,7 +7,7 @@ from seals import granted
 
 from dray.messages import AtvHeartbeat, CommandAnswered, CommandKind, DockOpened, Role, VehicleCommand
 from dray.messages.fact import CommandObeyed
-from dray.protocol.events import Effect
+from dray.protocol.runtime.events import Effect
 
 SETTLED_S = 7.0
 """By then ATV1 has looked for a place after it was switched on, and CONTEST_S have not passed yet."""

@@ -22,7 +22,7 @@ from dray.messages import (
     Production,
     TaskAnnounced,
 )
-from dray.protocol.events import Effect
+from dray.protocol.runtime.events import Effect
 
 
 def order(name: str = "O1", due_s: float = 7200.0, **quantities: int) -> OrderReleased:

@@ -60,9 +60,10 @@ from dray.messages import (
 )
 from dray.messages.keys import Keys
 from dray.plant import default_plant
-from dray.protocol.assessing import Assessor
-from dray.protocol.atv import Atv
-from dray.protocol.events import (
+from dray.protocol.contract_net.assessment import Assessor
+from dray.protocol.liveness.progress import Progress
+from dray.protocol.machine.machine import Machine
+from dray.protocol.runtime.events import (
     NEVER_S,
     Agent,
     Commit,
@@ -82,9 +83,8 @@ from dray.protocol.events import (
     Unsubscribe,
     Woke,
 )
-from dray.protocol.machine import Machine
-from dray.protocol.progress import Progress
-from dray.protocol.strategist import Strategist
+from dray.protocol.strategist.strategist import Strategist
+from dray.protocol.vehicle.atv import Atv
 
 PLANT = default_plant()
 KEYS = Keys(PLANT.id)
@@ -115,10 +115,10 @@ class Credulous(Assessor):
 
 def believing(machine: Machine) -> Machine:
     """Let a machine believe its bidders and its carriers: a load is down when its carrier says so."""
-    tasks, hear = machine._tasks, machine._on_message[Handover]
+    tasks, hear = machine._tasks, machine._message_handlers[Handover]
     tasks._auctions._assessor = tasks._failover._assessor = Credulous()
 
-    def hear_handover(sender: str, message: Handover, now_s: float) -> None:
+    def on_handover(sender: str, message: Handover, now_s: float) -> None:
         task = tasks.get(message.task)
         if task is not None:
             task.witnessed = False
@@ -127,7 +127,7 @@ def believing(machine: Machine) -> Machine:
                 goal.arrived = goal.delivered + message.quantity
         hear(sender, message, now_s)
 
-    machine._on_message = {**machine._on_message, Handover: hear_handover}
+    machine._message_handlers = {**machine._message_handlers, Handover: on_handover}
     return machine
 
 

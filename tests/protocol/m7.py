@@ -14,7 +14,7 @@ from dray.messages import (
     TaskAnnounced,
     Transport,
 )
-from dray.protocol.events import Effect
+from dray.protocol.runtime.events import Effect
 
 # M7 makes pumps alone: one housing, impeller and seal kit each, 50 s; lots of 24, room for 60.
 FULL = {"housing": 72, "impeller": 90, "seal-kit": 120}

@@ -26,13 +26,13 @@ from dray.messages import (
     Resigned,
     Role,
 )
-from dray.protocol.auction import Place
-from dray.protocol.auction_rules import AuctionRules
-from dray.protocol.events import Effect
-from dray.protocol.supervision import Following
-from dray.protocol.tasks import OpenTask
-from dray.protocol.timers import Timers
-from dray.protocol.transports import Transports
+from dray.protocol.contract_net.auction import Place
+from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.task import OpenTask
+from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
+from dray.protocol.machine.transports import Transports
+from dray.protocol.runtime.events import Effect
+from dray.protocol.runtime.timers import Timers
 
 
 class Office:
@@ -49,7 +49,7 @@ class Office:
             lambda _work, _radius_m: ("plant/task/0_0",),
             AuctionRules(),
             self.timers,
-            Following(KEYS.atv_heartbeat, self.out),
+            HeartbeatSubscriptions(KEYS.atv_heartbeat, self.out),
             Credulous(),
             self.out,
             contracted=lambda task, _now_s: self.contracted.append(task.id),
@@ -91,26 +91,26 @@ class Office:
                 self.now_s += 1.0
             self.seq += 1
             for atv in alive:
-                self.desk.hear_heartbeat(self.heartbeat(atv), self.now_s)
+                self.desk.on_heartbeat(self.heartbeat(atv), self.now_s)
         self.now_s = until_s
 
     def bids(self, task: str = "T1", role: Role = Role.PRIMARY, epoch: int = 1, **costs_s: float) -> None:
         for bidder, cost_s in costs_s.items():
             message = bid(cost_s, task=task, role=role, epoch=epoch)
-            self.desk.hear_bid(bidder, message, self.now_s)
+            self.desk.on_bid(bidder, message, self.now_s)
 
     def accepts(self, atv: str, role: Role = Role.PRIMARY, task: str = "T1", epoch: int = 1) -> None:
         """It answers the newest award of that role that it was sent."""
         answer = accepted(task, role=role, epoch=epoch, number=award_number(self.out, atv, task, role))
-        self.desk.hear_accepted(atv, answer, self.now_s)
+        self.desk.on_accepted(atv, answer, self.now_s)
 
     def declines(self, atv: str, role: Role = Role.PRIMARY) -> None:
         answer = declined(role=role, reason=Refusal.BUSY, number=award_number(self.out, atv, role=role))
-        self.desk.hear_declined(atv, answer, self.now_s)
+        self.desk.on_declined(atv, answer, self.now_s)
 
     def resigns(self, atv: str, task: str = "T1") -> None:
         message = Resigned(task=task, epoch=1, role=Role.SECONDARY, reason="has work of its own")
-        self.desk.hear_resigned(atv, message, self.now_s)
+        self.desk.on_resigned(atv, message, self.now_s)
 
     def asked(self, role: Role = Role.SECONDARY) -> list[str]:
         """Everybody who was asked for a role, in order."""

@@ -8,8 +8,8 @@ from kit import KEYS, announcement, award, deeds, facts, instructed, listening, 
 from dray.body import Drive, ProblemRaised
 from dray.messages import Accepted, AtvStatus, Bid, CommandKind, Declined, Refusal, Release, Resigned, Role
 from dray.messages.fact import ContractEnded, ContractTaken, PrimarySuspected
-from dray.protocol.bidding import MAX_WATCHES
-from dray.protocol.suspicion import WORKING_INTERVAL_S, bound_s
+from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, bound_s
+from dray.protocol.vehicle.bidding import MAX_WATCHES
 
 
 def test_a_secondary_is_not_reserved() -> None:

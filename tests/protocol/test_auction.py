@@ -10,9 +10,9 @@ from kit import Credulous, accepted, award_number, bid, declined, deeds, facts, 
 
 from dray.messages import Award, Bid, Refusal, Release, Role, TaskAnnounced
 from dray.messages.fact import AwardAnswered, AwardGiven, BidReceived, RoundFailed, TaskOpened
-from dray.protocol.auction import BIDS_KEPT, Auction, Place, Stage, Terms
-from dray.protocol.auction_rules import AuctionRules
-from dray.protocol.events import NEVER_S, Effect, Publish
+from dray.protocol.contract_net.auction import BIDS_KEPT, Auction, Place, Stage, Terms
+from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.runtime.events import NEVER_S, Effect, Publish
 
 RULES = AuctionRules()
 REACH_M = 80.0
@@ -52,18 +52,18 @@ class Hall:
 
     def bids(self, **costs_s: float) -> None:
         for bidder, cost_s in costs_s.items():
-            self.auction.hear_bid(bidder, bid(cost_s, round=self.auction.round), self.now_s)
+            self.auction.on_bid(bidder, bid(cost_s, round=self.auction.round), self.now_s)
 
     def accepts(self, bidder: str) -> None:
         """It answers the newest award that it was sent."""
         role = self.auction.terms.role
         answer = accepted(role=role, number=award_number(self.out, bidder, role=role))
-        self.auction.hear_accepted(bidder, answer)
+        self.auction.on_accepted(bidder, answer)
 
     def declines(self, bidder: str, reason: Refusal = Refusal.BUSY) -> None:
         role = self.auction.terms.role
         answer = declined(role=role, reason=reason, number=award_number(self.out, bidder, role=role))
-        self.auction.hear_declined(bidder, answer, self.now_s)
+        self.auction.on_declined(bidder, answer, self.now_s)
 
     def wait(self) -> None:
         """Until the auction wants to be woken."""
@@ -136,8 +136,8 @@ def test_the_cheapest_bidder_is_asked_when_the_window_closes() -> None:
 
 def test_of_two_with_one_price_the_one_that_is_done_earlier_is_asked() -> None:
     hall = Hall()
-    hall.auction.hear_bid("ATV1", bid(50.0, finish_s=90.0), 0.1)
-    hall.auction.hear_bid("ATV2", bid(50.0, finish_s=80.0), 0.2)
+    hall.auction.on_bid("ATV1", bid(50.0, finish_s=90.0), 0.1)
+    hall.auction.on_bid("ATV2", bid(50.0, finish_s=80.0), 0.2)
     hall.wait()
     assert hall.asked == ["ATV2"]
 
@@ -146,7 +146,7 @@ def test_of_two_equal_bids_the_smaller_id_is_asked_whoever_spoke_first() -> None
     for order in (("ATV1", "ATV2"), ("ATV2", "ATV1")):
         hall = Hall()
         for bidder in order:
-            hall.auction.hear_bid(bidder, bid(50.0), 0.1)
+            hall.auction.on_bid(bidder, bid(50.0), 0.1)
         hall.wait()
         assert hall.asked == ["ATV1"]
 
@@ -260,8 +260,8 @@ def test_awards_are_numbered_and_an_answer_to_an_earlier_one_does_not_count() ->
     hall.wait()
     assert [award.number for award in sent(hall.out, Award, to="ATV1")] == [1, 2]
     said = len(deeds(hall.out))
-    hall.auction.hear_accepted("ATV1", accepted(number=1))
-    hall.auction.hear_declined("ATV1", declined(number=1), hall.now_s)
+    hall.auction.on_accepted("ATV1", accepted(number=1))
+    hall.auction.on_declined("ATV1", declined(number=1), hall.now_s)
     assert len(deeds(hall.out)) == said
     assert (hall.auction.stage, hall.auction.winner) == (Stage.ASKING, "")
     hall.accepts("ATV1")
@@ -276,7 +276,7 @@ def test_a_late_acceptance_of_one_who_has_declined_since_is_not_a_contract() -> 
     hall.wait()
     hall.bids(ATV1=55.9)
     hall.wait()
-    hall.auction.hear_accepted("ATV1", accepted(number=1))
+    hall.auction.on_accepted("ATV1", accepted(number=1))
     hall.declines("ATV1")
     assert hall.auction.winner == ""
     assert hall.answers == ["silent", "busy"]
@@ -383,7 +383,7 @@ def test_a_bid_of_an_earlier_round_counts() -> None:
     hall = Hall()
     for _ in range(6):
         hall.wait()
-    hall.auction.hear_bid("ATV1", bid(50.0, round=1), hall.now_s)
+    hall.auction.on_bid("ATV1", bid(50.0, round=1), hall.now_s)
     while not hall.asked:
         hall.wait()
     assert hall.asked == ["ATV1"]
@@ -537,7 +537,7 @@ def test_the_epoch_is_in_everything_that_is_said() -> None:
 def test_bids_under_ever_new_names_are_not_kept_without_bound() -> None:
     hall = Hall()
     for number in range(2 * BIDS_KEPT):
-        hall.auction.hear_bid(f"X{number}", bid(50.0), hall.now_s)
+        hall.auction.on_bid(f"X{number}", bid(50.0), hall.now_s)
     hall.wait()
     hall.accepts(f"X{BIDS_KEPT}")
     assert len(hall.auction.left_over) < BIDS_KEPT

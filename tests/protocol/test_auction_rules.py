@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from dray.protocol.auction_rules import AuctionRules
-from dray.protocol.suspicion import JITTER_S
+from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.liveness.suspicion import JITTER_S
 
 RULES = AuctionRules()
 

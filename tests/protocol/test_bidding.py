@@ -10,12 +10,12 @@ from kit import PLANT, announcement, award, facts, production, sent, transport
 
 from dray.messages import Bid, Refusal, Role, TransportCost, Wait
 from dray.messages.fact import BidRefused, BidSent
-from dray.protocol.bidding import MAX_WATCHES, PLACES_TOLD, Bidder, Standing
-from dray.protocol.charging import Charging
-from dray.protocol.events import Effect, Record, Send
-from dray.protocol.pricing import Quote, Unable
-from dray.protocol.trial import Trial
-from dray.protocol.waits import Waits
+from dray.protocol.contract_net.probation import Probation
+from dray.protocol.contract_net.waits import Waits
+from dray.protocol.runtime.events import Effect, Record, Send
+from dray.protocol.vehicle.bidding import MAX_WATCHES, PLACES_TOLD, Bidder, Standing
+from dray.protocol.vehicle.charging import Charging
+from dray.protocol.vehicle.pricing import Quote, Unable
 
 SPOT = PLANT.nodes["p3"]
 FREE = Standing(
@@ -35,13 +35,13 @@ def standing(**changes: Any) -> Standing:
 
 
 def bidder(kind: str, out: list[Effect]) -> Bidder:
-    return Bidder("ATV1", PLANT, kind, Trial(0), Charging(PLANT, kind), Waits(), out)
+    return Bidder("ATV1", PLANT, kind, Probation(0), Charging(PLANT, kind), Waits(), out)
 
 
 def hear(circumstances: Standing = FREE, *, kind: str = "light", **changes: Any) -> list[Effect]:
     """What a vehicle does about an announcement."""
     out: list[Effect] = []
-    bidder(kind, out).hear(announcement(**changes), circumstances, 0.0)
+    bidder(kind, out).on_announced(announcement(**changes), circumstances, 0.0)
     return out
 
 
@@ -84,16 +84,16 @@ def test_a_refusal_is_said_once_for_a_task_however_often_it_is_announced() -> No
     one = bidder("light", out)
     busy, empty = standing(busy_with="M7-1"), standing(battery_frac=0.05)
     for number in range(1, 6):
-        one.hear(announcement(round=number), standing(busy_with=f"M7-{number}"), 0.0)
+        one.on_announced(announcement(round=number), standing(busy_with=f"M7-{number}"), 0.0)
     assert len(facts(out, BidRefused)) == 1
-    one.hear(announcement(round=6), empty, 0.0)
+    one.on_announced(announcement(round=6), empty, 0.0)
     assert [fact.reason for fact in facts(out, BidRefused)] == [Refusal.BUSY, Refusal.BATTERY]
-    one.hear(announcement(task="M8-2"), empty, 0.0)
-    one.hear(announcement(epoch=2), empty, 0.0)
+    one.on_announced(announcement(task="M8-2"), empty, 0.0)
+    one.on_announced(announcement(epoch=2), empty, 0.0)
     assert len(facts(out, BidRefused)) == 4
     for number in (7, 9):
-        one.hear(announcement(round=number, epoch=2), FREE, 0.0)
-        one.hear(announcement(round=number + 1, epoch=2), busy, 0.0)
+        one.on_announced(announcement(round=number, epoch=2), FREE, 0.0)
+        one.on_announced(announcement(round=number + 1, epoch=2), busy, 0.0)
     assert len(facts(out, BidRefused)) == 6, "who has bid meanwhile has news when it refuses"
 
 
@@ -101,7 +101,7 @@ def test_one_that_must_charge_takes_work_again_when_it_has_charged() -> None:
     out: list[Effect] = []
     one = bidder("light", out)
     for level, bids in ((0.3, 1), (0.2, 1), (0.39, 1), (0.4, 2)):
-        one.hear(announcement(), standing(battery_frac=level), 0.0)
+        one.on_announced(announcement(), standing(battery_frac=level), 0.0)
         assert len(sent(out, Bid)) == bids, level
 
 

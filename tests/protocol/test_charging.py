@@ -10,8 +10,8 @@ from kit import PLANT
 
 from dray.plant import Charging as Rules
 from dray.plant import Hours, Plant
-from dray.protocol.charging import GIVES_WAY_AGAIN_S, WORTH_FRAC, Charging
-from dray.protocol.reserve import NEVER_FRAC, RESERVE_FRAC, Reserve
+from dray.protocol.vehicle.charging import GIVES_WAY_AGAIN_S, WORTH_FRAC, Charging
+from dray.protocol.vehicle.reserve import NEVER_FRAC, RESERVE_FRAC, Reserve
 
 HERE = "ch2"
 NIGHT = (Hours(start_h=22.0, end_h=6.0),)

@@ -7,11 +7,11 @@ from kit import Credulous, accepted, bid, declined, deeds, listening, published,
 from office import Office, contracted, watched
 
 from dray.messages import Award, Role, TaskAnnounced, Withdrawn
-from dray.protocol.auction import Place
-from dray.protocol.auction_rules import AuctionRules
-from dray.protocol.coordinator import CLOSED_KEPT, Coordinator
-from dray.protocol.events import NEVER_S, Effect
-from dray.protocol.timers import Timers
+from dray.protocol.contract_net.auction import Place
+from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.coordinator import CLOSED_KEPT, Coordinator
+from dray.protocol.runtime.events import NEVER_S, Effect
+from dray.protocol.runtime.timers import Timers
 
 # --- the primary ---------------------------------------------------------------------------------
 
@@ -153,13 +153,13 @@ def test_where_contractors_are_not_watched_no_secondary_is_sought_and_nobody_is_
         Credulous(),
     )
     desk.open("T1", transport(), 300.0, 0.0)
-    desk.hear_bid("ATV2", bid(54.8), 0.5)
-    desk.hear_bid("ATV1", bid(55.9), 0.5)
+    desk.on_bid("ATV2", bid(54.8), 0.5)
+    desk.on_bid("ATV1", bid(55.9), 0.5)
     desk.alarms["primary auction"]("T1", timers.next_s)
-    desk.hear_bid("ATV4", bid(60.0, role=Role.SECONDARY), 1.5)
-    desk.hear_accepted("ATV2", accepted(), 2.0)
-    desk.hear_accepted("ATV1", accepted(role=Role.SECONDARY), 2.0)
-    desk.hear_declined("ATV1", declined(role=Role.SECONDARY), 2.0)
+    desk.on_bid("ATV4", bid(60.0, role=Role.SECONDARY), 1.5)
+    desk.on_accepted("ATV2", accepted(), 2.0)
+    desk.on_accepted("ATV1", accepted(role=Role.SECONDARY), 2.0)
+    desk.on_declined("ATV1", declined(role=Role.SECONDARY), 2.0)
     assert contracted == ["T1"]
     assert [award.role for award in sent(out, Award)] == [Role.PRIMARY]
     assert listening(out) == set()

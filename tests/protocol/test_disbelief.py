@@ -10,12 +10,11 @@ from msgspec.structs import replace
 
 from dray.messages import Accepted, Bid, Disbelieved, HelpWanted, Release, Role, TakenOver, TaskAnnounced
 from dray.messages.fact import CarrierChanged, NotBelieved, WordDisbelieved
-from dray.protocol.assessing import Assessor
-from dray.protocol.disbelief import TOLD_EVERY_S
-from dray.protocol.events import Effect, Ignore
-from dray.protocol.plausibility import CLOCK
-from dray.protocol.supervision import IN_ERROR, Vigil
-from dray.protocol.trouble import PROMISE_MAX_S
+from dray.protocol.contract_net.assessment import Assessor
+from dray.protocol.contract_net.disbelief import TOLD_EVERY_S
+from dray.protocol.contract_net.plausibility import CLOCK
+from dray.protocol.liveness.failure_detector import IN_ERROR, PROMISE_MAX_S, FailureDetector
+from dray.protocol.runtime.events import Effect, Ignore
 
 NOW_S = 5000.0
 
@@ -102,7 +101,7 @@ def test_a_vehicle_that_is_not_believed_writes_it_down_once_a_minute_and_goes_on
     assert facts(effects, NotBelieved) == [NotBelieved(by="M8", task="M8-1", reason=said.reason)]
     assert len(facts(rig.hear("M7", said), NotBelieved)) == 1
     rig.hear("M8", award())
-    assert rig.agent._carriage is not None
+    assert rig.agent._job is not None
 
 
 # --- help, by another clock ----------------------------------------------------------------------
@@ -110,22 +109,22 @@ def test_a_vehicle_that_is_not_believed_writes_it_down_once_a_minute_and_goes_on
 
 @pytest.mark.parametrize("ahead_s", [0.0, 3600.0, -3600.0, -1.9e9])
 def test_the_time_for_help_is_what_its_own_clock_has_left(ahead_s: float) -> None:
-    vigil = Vigil("ATV1", 1.0, 0.0)
+    detector = FailureDetector("ATV1", 1.0, 0.0)
     wanted = HelpWanted(until_s=100.0 + ahead_s + 60.0)
     for second in range(59):
         beat = replace(rhb("ATV1", second + 1, 100.0 + second + ahead_s, task="T1"), help=wanted)
-        vigil.hear(beat, 100.0 + second)
-        assert vigil.failure(100.0 + second) == ""
+        detector.on_heartbeat(beat, 100.0 + second)
+        assert detector.failure(100.0 + second) == ""
     beat = replace(rhb("ATV1", 61, 161.0 + ahead_s, task="T1"), help=wanted)
-    vigil.hear(beat, 161.0)
-    assert vigil.failure(161.0) == IN_ERROR
+    detector.on_heartbeat(beat, 161.0)
+    assert detector.failure(161.0) == IN_ERROR
 
 
 def test_nobody_buys_time_with_a_call_for_help_that_never_ends() -> None:
-    vigil = Vigil("ATV1", 1.0, 0.0)
+    detector = FailureDetector("ATV1", 1.0, 0.0)
     beat = replace(rhb("ATV1", 1, 0.0, task="T1"), help=HelpWanted(until_s=SOME_TIME_S))
-    vigil.hear(beat, 0.0)
-    assert vigil.fails_at_s <= PROMISE_MAX_S
+    detector.on_heartbeat(beat, 0.0)
+    assert detector.fails_at_s <= PROMISE_MAX_S
 
 
 def sent_to_all(effects: list[Effect]) -> list[TaskAnnounced]:

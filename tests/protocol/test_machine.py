@@ -35,7 +35,7 @@ from dray.messages import (
     VehicleCommand,
 )
 from dray.messages.fact import MachineStatusChanged
-from dray.protocol.events import Reported, Woke
+from dray.protocol.runtime.events import Reported, Woke
 
 # --- status and heartbeats --------------------------------------------------------------------------
 

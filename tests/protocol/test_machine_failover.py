@@ -39,9 +39,9 @@ from dray.messages import (
     Transport,
 )
 from dray.messages.fact import CarrierChanged, TaskClosed
-from dray.protocol.events import Woke
-from dray.protocol.suspicion import LATENESS_MAX_S
-from dray.protocol.transports import ADOPT_S
+from dray.protocol.liveness.suspicion import LATENESS_MAX_S
+from dray.protocol.machine.transports import ADOPT_S
+from dray.protocol.runtime.events import Woke
 
 STOCK = {"housing": 0, "impeller": 90, "seal-kit": 120}
 GONE_S = LATENESS_MAX_S + 60.0

@@ -42,9 +42,9 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import BidRefused, ContractEnded, ContractTaken, TaskClosed
-from dray.protocol.events import Ignore
-from dray.protocol.insisting import ASK_AGAIN_S
-from dray.protocol.partners import NO_PARTY
+from dray.protocol.contract_net.parties import NO_PARTY
+from dray.protocol.runtime.events import Ignore
+from dray.protocol.runtime.retransmission import ASK_AGAIN_S
 
 
 def test_a_machine_listens_for_the_goals_it_can_make() -> None:

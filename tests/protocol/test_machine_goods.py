@@ -33,8 +33,8 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import ContractEnded, PieceMade, TaskClosed
-from dray.protocol.events import Effect
-from dray.protocol.machine import HELD_MAX_S
+from dray.protocol.machine.machine import HELD_MAX_S
+from dray.protocol.runtime.events import Effect
 
 # --- making -----------------------------------------------------------------------------------------
 

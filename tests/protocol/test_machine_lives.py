@@ -52,8 +52,8 @@ from dray.messages import (
     TaskAnnounced,
 )
 from dray.messages.fact import PieceMade, TaskClosed
-from dray.protocol.events import Commit
-from dray.protocol.transports import ADOPT_S
+from dray.protocol.machine.transports import ADOPT_S
+from dray.protocol.runtime.events import Commit
 
 
 def reborn(rig: MachineRig, *, doubts: bool = False, **stock: int) -> MachineRig:

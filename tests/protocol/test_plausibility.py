@@ -9,7 +9,7 @@ from kit import PLANT, bid, goal_bid, production, transport
 from msgspec.structs import replace
 
 from dray.messages import Bid, Transport
-from dray.protocol.plausibility import (
+from dray.protocol.contract_net.plausibility import (
     BEFORE_NOW,
     CLOCK,
     CLOCK_WRONG_S,
@@ -27,7 +27,7 @@ from dray.protocol.plausibility import (
     by_our_clock,
     clock_ahead_s,
 )
-from dray.protocol.pricing import Pricer, Quote
+from dray.protocol.vehicle.pricing import Pricer, Quote
 
 CHECK = Plausibility(PLANT)
 NOW_S = 1000.0

@@ -8,7 +8,7 @@ import pytest
 from kit import PLANT, transport
 
 from dray.messages import Refusal
-from dray.protocol.pricing import (
+from dray.protocol.vehicle.pricing import (
     LOW_BATTERY_S,
     SPARE_ABILITY_S,
     Pricer,
@@ -16,7 +16,7 @@ from dray.protocol.pricing import (
     Unable,
     low_battery_s,
 )
-from dray.protocol.reserve import RESERVE_FRAC
+from dray.protocol.vehicle.reserve import RESERVE_FRAC
 
 LIGHT = PLANT.vehicle_types["light"]
 ROUTES = PLANT.routes("light")

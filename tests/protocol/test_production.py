@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from kit import PLANT, production
 
-from dray.protocol.production import Goal, GoalBook
+from dray.protocol.machine.production import Goal, GoalBook
 
 PLENTY = {"housing": 72, "impeller": 90, "seal-kit": 120, "shaft": 120, "bearing": 120}
 

@@ -6,7 +6,7 @@ from kit import rhb
 from msgspec.structs import replace
 
 from dray.messages import AtvHeartbeat, AtvStatus, HelpWanted, Phase, Pose
-from dray.protocol.progress import EXCUSED_MAX_S, OVERDUE, SLACK_MIN_S, STALL_S, STALLED, Progress
+from dray.protocol.liveness.progress import EXCUSED_MAX_S, OVERDUE, SLACK_MIN_S, STALL_S, STALLED, Progress
 
 PROMISED_S = 100.0
 
@@ -41,7 +41,7 @@ class Carrier:
                 help=HelpWanted(until_s=help_s) if help_s else None,
                 speed_limit_frac=limit,
             )
-            if failure := self.progress.hear(said, phase, held, self.now_s):
+            if failure := self.progress.on_heartbeat(said, phase, held, self.now_s):
                 return failure
         return ""
 

@@ -21,9 +21,9 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import ContractorRated, HandoverDisputed, TaskClosed
-from dray.protocol.events import Effect
-from dray.protocol.progress import NOT_COUNTED
-from dray.protocol.receiving import COUNT_S
+from dray.protocol.liveness.progress import NOT_COUNTED
+from dray.protocol.machine.receiving import COUNT_S
+from dray.protocol.runtime.events import Effect
 
 LOT = 24
 
@@ -31,7 +31,7 @@ LOT = 24
 def doubting(rig: MachineRig) -> MachineRig:
     """Let it look at handovers as it does in service; prices are plain numbers all the same."""
     machine = rig.agent
-    machine._on_message = {**machine._on_message, Handover: machine._hear_handover}
+    machine._message_handlers = {**machine._message_handlers, Handover: machine._on_handover}
     return rig
 
 

@@ -5,19 +5,18 @@ from __future__ import annotations
 from kit import PLANT, bid, facts, transport
 
 from dray.messages.fact import ContractorRated
-from dray.protocol.assessing import Assessor
-from dray.protocol.bidding import SHORT_S
-from dray.protocol.events import Effect
-from dray.protocol.progress import STALLED
-from dray.protocol.reliability import (
+from dray.protocol.contract_net.assessment import Assessor
+from dray.protocol.contract_net.probation import PASSED_OVER_ROUNDS, SHORT_S
+from dray.protocol.contract_net.reliability import (
     DOUBT_MAX,
     DROPPED_S,
     HALF_LIFE_S,
     KNOWN_MAX,
     Reliability,
 )
-from dray.protocol.supervision import IN_ERROR, SILENT
-from dray.protocol.trial import PASSED_OVER_ROUNDS
+from dray.protocol.liveness.failure_detector import IN_ERROR, SILENT
+from dray.protocol.liveness.progress import STALLED
+from dray.protocol.runtime.events import Effect
 
 
 class School:

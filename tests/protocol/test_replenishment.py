@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from dray.protocol.replenishment import LeadTime, order_quantity, reorder_point, runs_out_at_s
+from dray.protocol.machine.replenishment import LeadTime, order_quantity, reorder_point, runs_out_at_s
 
 
 def quantity(**changes: Any) -> int:

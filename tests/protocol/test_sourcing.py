@@ -19,9 +19,9 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import MachineStatusChanged, TaskClosed
-from dray.protocol.events import Effect
-from dray.protocol.machine import Machine
-from dray.protocol.sourcing import AGAIN_S, ANSWER_S, RENEW_S
+from dray.protocol.machine.machine import Machine
+from dray.protocol.machine.sourcing import AGAIN_S, ANSWER_S, RENEW_S
+from dray.protocol.runtime.events import Effect
 
 TASK = "M7-1"
 KEEPING = PLANT.storages_of("housing")

@@ -19,9 +19,9 @@ from dray.messages import (
     StockReserved,
     StockShort,
 )
-from dray.protocol.events import Effect, Ignore
-from dray.protocol.reservations import LEASE_S, MAX_ASKED, QUEUED_S
-from dray.protocol.station import Station
+from dray.protocol.runtime.events import Effect, Ignore
+from dray.protocol.station.reservations import LEASE_S, MAX_ASKED, QUEUED_S
+from dray.protocol.station.station import Station
 
 SPEC = PLANT.storages["S1"]
 ITEM = "shaft"

@@ -37,7 +37,7 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import GoodsDelivered, OrderAccepted, OrderFulfilled, TaskClosed
-from dray.protocol.events import NEVER_S, Started
+from dray.protocol.runtime.events import NEVER_S, Started
 
 # --- orders become goals ----------------------------------------------------------------------------
 

@@ -18,8 +18,8 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import GoalLost, GoodsDelivered, OrderAccepted, OrderFulfilled, TaskClosed
-from dray.protocol.events import Commit, Effect
-from dray.protocol.machine_watch import GOAL_SILENCE_S
+from dray.protocol.runtime.events import Commit, Effect
+from dray.protocol.strategist.machine_monitor import GOAL_SILENCE_S
 
 
 def test_what_binds_the_strategist_is_written_down_before_it_is_said() -> None:
@@ -143,7 +143,7 @@ def test_an_order_that_was_fulfilled_is_not_begun_again_however_many_have_ended_
 
 
 def test_what_is_forgotten_is_forgotten_on_the_disk_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("dray.protocol.order_book.ENDED_KEPT", 10)
+    monkeypatch.setattr("dray.protocol.strategist.order_book.ENDED_KEPT", 10)
     rig = StrategistRig()
     rig.start()
     for number in range(30):
@@ -171,7 +171,7 @@ def test_what_is_written_in_a_step_does_not_grow_with_the_orders_in_work() -> No
 
 
 def test_a_strategist_takes_no_more_orders_than_it_can_remember(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("dray.protocol.order_book.ORDERS_MAX", 2)
+    monkeypatch.setattr("dray.protocol.strategist.order_book.ORDERS_MAX", 2)
     rig = released(order("O1", pump=24))
     rig.hear("gateway", order("O2", pump=24))
     effects = rig.hear("gateway", order("O3", pump=24))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from kit import rhb
 
-from dray.protocol.suspicion import (
+from dray.protocol.liveness.suspicion import (
     IDLE_INTERVAL_S,
     JITTER_S,
     MISSES,

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dray.protocol.events import NEVER_S
-from dray.protocol.timers import Timers
+from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.runtime.timers import Timers
 
 
 def test_without_alarms_nobody_is_woken() -> None:

@@ -9,9 +9,9 @@ from office import Office, contracted, watched
 
 from dray.messages import Phase, Role, TaskAnnounced, Transport, Withdrawn
 from dray.messages.fact import PrimarySuspected, TaskClosed, WatchLost
-from dray.protocol.events import NEVER_S
-from dray.protocol.secondaries import WATCH_RULES
-from dray.protocol.suspicion import IDLE_INTERVAL_S, LATENESS_MAX_S, WORKING_INTERVAL_S, bound_s
+from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, LATENESS_MAX_S, WORKING_INTERVAL_S, bound_s
+from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.takeover.secondaries import WATCH_RULES
 
 # --- the secondary -------------------------------------------------------------------------------
 
@@ -178,7 +178,7 @@ def phase(office: Office, atv: str, phase: Phase) -> None:
     heartbeat = office.heartbeat(atv)
     assert heartbeat.task is not None
     said = msgspec.structs.replace(heartbeat, task=msgspec.structs.replace(heartbeat.task, phase=phase))
-    office.desk.hear_heartbeat(said, office.now_s)
+    office.desk.on_heartbeat(said, office.now_s)
 
 
 def told(office: Office) -> dict[str, float]:

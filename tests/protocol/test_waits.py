@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dray.messages import Wait
-from dray.protocol.waits import HALF_LIFE_S, KEPT, PLACES_MAX, WAIT_MAX_S, Waits
+from dray.protocol.contract_net.waits import HALF_LIFE_S, KEPT, PLACES_MAX, WAIT_MAX_S, Waits
 
 
 def test_of_a_place_that_nobody_has_seen_nothing_is_expected() -> None:

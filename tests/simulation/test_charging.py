@@ -17,8 +17,8 @@ from dray.body import VehicleState
 from dray.messages import BerthClaimed, Message
 from dray.messages.speakers import Kind
 from dray.plant import Plant, VehicleSpec, default_plant
-from dray.protocol.berths import BLOCKED_S
-from dray.protocol.charging import Charging
+from dray.protocol.vehicle.charging import Charging
+from dray.protocol.vehicle.dwell_points import BLOCKED_S
 from dray_sim.evidence import HELD
 from dray_sim.explore.play import play as play_trial
 from dray_sim.explore.trial import draw, with_scarce_power

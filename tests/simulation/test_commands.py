@@ -10,7 +10,7 @@ import pytest
 from dray.adapters.signing import SigningKey
 from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand
 from dray.plant import default_plant
-from dray.protocol.authority import NOT_GRANTED, NOT_HERE, NOT_TRUSTED
+from dray.protocol.vehicle.command_authorisation import NOT_GRANTED, NOT_HERE, NOT_TRUSTED
 from dray_sim import demand
 from dray_sim.desk import Desk
 from dray_sim.ears import Ears

@@ -11,7 +11,7 @@ import pytest
 from dray.messages import Heartbeat, Message, StationHeartbeat
 from dray.plant import default_plant
 from dray.plant.model import VehicleSpec
-from dray.protocol.strategist import STRATEGIST
+from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.factory import SimFactory
 from dray_sim.loop import clock, run
 from dray_sim.trace import Trace

@@ -13,7 +13,7 @@ import pytest
 from dray.messages import AtvHeartbeat, Event, Heartbeat, Message
 from dray.plant import default_plant
 from dray.ports import Receive, Session
-from dray.protocol.strategist import STRATEGIST
+from dray.protocol.strategist.strategist import STRATEGIST
 from dray.store import Historian, Store
 from dray.store.gaps import LIVES, MISSING_PER_LIFE, TAIL_S, Known
 from dray.store.goals import Goal

@@ -25,19 +25,19 @@ from dray.messages import (
     VehicleCommand,
     Work,
 )
-from dray.protocol.atv import Atv
-from dray.protocol.auction import Auction
-from dray.protocol.authority import Authority
-from dray.protocol.coordinator import Coordinator
-from dray.protocol.docking import Dock
-from dray.protocol.events import Instruct, Send
-from dray.protocol.machine import Machine
-from dray.protocol.obedience import Obedience
-from dray.protocol.order_book import OrderInWork
-from dray.protocol.progress import Progress
-from dray.protocol.strategist import Strategist
-from dray.protocol.tasks import OpenTask
-from dray.protocol.transports import Transports
+from dray.protocol.contract_net.auction import Auction
+from dray.protocol.contract_net.coordinator import Coordinator
+from dray.protocol.contract_net.task import OpenTask
+from dray.protocol.liveness.progress import Progress
+from dray.protocol.machine.dock import Dock
+from dray.protocol.machine.machine import Machine
+from dray.protocol.machine.transports import Transports
+from dray.protocol.runtime.events import Instruct, Send
+from dray.protocol.strategist.order_book import OrderInWork
+from dray.protocol.strategist.strategist import Strategist
+from dray.protocol.vehicle.atv import Atv
+from dray.protocol.vehicle.command_authorisation import CommandAuthorisation
+from dray.protocol.vehicle.command_handling import CommandHandling
 from dray_sim import computer
 from dray_sim.explore.play import play
 from dray_sim.explore.trial import draw
@@ -50,7 +50,7 @@ Mutant = Callable[[pytest.MonkeyPatch], None]
 
 def without_the_fence(patch: pytest.MonkeyPatch) -> None:
     """A dock takes the word of any carrier of a task, whatever its epoch, also when the task has ended."""
-    hear_docked = Dock.hear_docked
+    on_docked = Dock.on_docked
     works: dict[str, Transport] = {}
 
     def open_to_all(self: Dock, sender: str, message: Docked, now_s: float) -> None:
@@ -58,7 +58,7 @@ def without_the_fence(patch: pytest.MonkeyPatch) -> None:
         if task is not None and isinstance(task.work, Transport):
             works[message.task] = task.work
         if message.task not in works or (task is not None and task.primary == sender):
-            hear_docked(self, sender, message, now_s)
+            on_docked(self, sender, message, now_s)
             return
         work = works[message.task]
         if message.station == self._machine:
@@ -74,13 +74,13 @@ def without_the_fence(patch: pytest.MonkeyPatch) -> None:
             self._tasks.close(task, "delivered")
             self._settle(task, now_s)
 
-    patch.setattr(Dock, "hear_docked", open_to_all)
-    patch.setattr(Machine, "_hear_handover", take_from_all)
+    patch.setattr(Dock, "on_docked", open_to_all)
+    patch.setattr(Machine, "_on_handover", take_from_all)
 
 
 def with_handovers_that_count_twice(patch: pytest.MonkeyPatch) -> None:
     """A handover that is said again, since its answer was lost, is taken for another one."""
-    hear_handover = Dock.hear_handover
+    on_handover = Dock.on_handover
     handed: dict[str, OpenTask] = {}
 
     def hear_again(self: Dock, sender: str, message: Handover) -> OpenTask | None:
@@ -92,9 +92,9 @@ def with_handovers_that_count_twice(patch: pytest.MonkeyPatch) -> None:
             return None
         if task is not None:
             handed[message.task] = task
-        return hear_handover(self, sender, message)
+        return on_handover(self, sender, message)
 
-    patch.setattr(Dock, "hear_handover", hear_again)
+    patch.setattr(Dock, "on_handover", hear_again)
 
 
 def without_release_after_silence(patch: pytest.MonkeyPatch) -> None:
@@ -104,14 +104,14 @@ def without_release_after_silence(patch: pytest.MonkeyPatch) -> None:
 
 def that_resumes_unacknowledged(patch: pytest.MonkeyPatch) -> None:
     """A vehicle drives on at the word, whether or not anybody has seen to it before."""
-    try_command = Obedience._try
+    try_command = CommandHandling._try
 
-    def obey(self: Obedience, command: VehicleCommand, grant: Grant, now_s: float) -> str:
+    def obey(self: CommandHandling, command: VehicleCommand, grant: Grant, now_s: float) -> str:
         if command.kind is CommandKind.RESUME:
             self.acknowledged = True
         return try_command(self, command, grant, now_s)
 
-    patch.setattr(Obedience, "_try", obey)
+    patch.setattr(CommandHandling, "_try", obey)
 
 
 def that_gives_orders_back_with_an_open_gate(patch: pytest.MonkeyPatch) -> None:
@@ -129,12 +129,12 @@ def that_gives_orders_back_with_an_open_gate(patch: pytest.MonkeyPatch) -> None:
 
 def that_obeys_everywhere(patch: pytest.MonkeyPatch) -> None:
     """A vehicle does not ask for which areas a grant is."""
-    patch.setattr(Authority, "covers", lambda *_: True)
+    patch.setattr(CommandAuthorisation, "covers", lambda *_: True)
 
 
 def that_believes_every_signature(patch: pytest.MonkeyPatch) -> None:
     """A vehicle does not ask who has signed a grant."""
-    patch.setattr(Authority, "knows", lambda *_: True)
+    patch.setattr(CommandAuthorisation, "knows", lambda *_: True)
 
 
 def that_passes_tasks_on_within_an_epoch(patch: pytest.MonkeyPatch) -> None:
@@ -152,7 +152,7 @@ def that_leaves_with_a_load(patch: pytest.MonkeyPatch) -> None:
     """A vehicle that is asked to leave does so with a load on board."""
 
     def is_held(self: Atv) -> bool:
-        return self._carriage is not None and self._carriage.is_given_back
+        return self._job is not None and self._job.is_given_back
 
     patch.setattr(Atv, "_is_held", is_held)
 
@@ -160,16 +160,16 @@ def that_leaves_with_a_load(patch: pytest.MonkeyPatch) -> None:
 def that_asks_an_auction_for_standing_contracts(patch: pytest.MonkeyPatch) -> None:
     """A coordinator takes a carrier that starts again for the answer to an auction."""
 
-    def hear_accepted(self: Coordinator, sender: str, answer: Accepted, now_s: float) -> None:
+    def on_accepted(self: Coordinator, sender: str, answer: Accepted, now_s: float) -> None:
         task = self._present(answer)
         if task is None:
             self._release(sender, answer, "the task has ended")
         elif answer.role is Role.PRIMARY:
-            task.auction.hear_accepted(sender, answer)
+            task.auction.on_accepted(sender, answer)
             if task.auction.winner == sender and not task.primary:
                 self._contract(task, sender, answer, now_s)
 
-    patch.setattr(Coordinator, "hear_accepted", hear_accepted)
+    patch.setattr(Coordinator, "on_accepted", on_accepted)
 
 
 def that_gives_epochs_of_which_it_has_no_notes(patch: pytest.MonkeyPatch) -> None:
@@ -185,20 +185,20 @@ def that_gives_epochs_of_which_it_has_no_notes(patch: pytest.MonkeyPatch) -> Non
 
 def that_believes_every_handover(patch: pytest.MonkeyPatch) -> None:
     """A machine takes a carrier's word for it that a load is down."""
-    hear_handover = Dock.hear_handover
+    on_handover = Dock.on_handover
 
     def believe(self: Dock, sender: str, message: Handover) -> OpenTask | None:
         task = self._tasks.get(message.task)
         if task is not None:
             task.witnessed = False
-        return hear_handover(self, sender, message)
+        return on_handover(self, sender, message)
 
-    patch.setattr(Dock, "hear_handover", believe)
+    patch.setattr(Dock, "on_handover", believe)
 
 
 def that_waits_for_whoever_lives(patch: pytest.MonkeyPatch) -> None:
     """A machine does not ask whether its carrier comes nearer, as long as it is heard."""
-    patch.setattr(Progress, "hear", lambda *_: "")
+    patch.setattr(Progress, "on_heartbeat", lambda *_: "")
 
 
 def with_clocks_that_jump(patch: pytest.MonkeyPatch) -> None:

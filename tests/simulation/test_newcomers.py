@@ -11,7 +11,7 @@ from dray.errors import PlantError
 from dray.messages import MachineHeartbeat
 from dray.messages.fact import GoalContracted, GoalLost, GoodsDelivered, OrderFulfilled, TaskClosed
 from dray.plant import Plant, default_plant, with_machine
-from dray.protocol.strategist import STRATEGIST
+from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.evidence import HELD
 from dray_sim.floor import NEARLY_EMPTY_FRAC
 from dray_sim.stage import Shift, Stage, play

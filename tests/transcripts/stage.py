@@ -29,8 +29,8 @@ from dray.body import (
 )
 from dray.messages import AtvHeartbeat, Message, Pose
 from dray.plant import Plant, default_plant
-from dray.protocol.atv import Atv
-from dray.protocol.events import (
+from dray.protocol.machine.machine import Machine
+from dray.protocol.runtime.events import (
     Agent,
     Event,
     Heard,
@@ -46,7 +46,7 @@ from dray.protocol.events import (
     Unsubscribe,
     Woke,
 )
-from dray.protocol.machine import Machine
+from dray.protocol.vehicle.atv import Atv
 
 LATENCY_S = 0.010
 

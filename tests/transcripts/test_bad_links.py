@@ -26,9 +26,9 @@ from dray.messages import (
 )
 from dray.messages.fact import ContractEnded, ContractTaken, TaskClosed
 from dray.plant import default_plant
-from dray.protocol.atv import Atv
-from dray.protocol.events import Event, Heard
-from dray.protocol.machine import Machine
+from dray.protocol.machine.machine import Machine
+from dray.protocol.runtime.events import Event, Heard
+from dray.protocol.vehicle.atv import Atv
 
 sys.path.insert(0, str(Path(__file__).parent))
 from stage import ScriptedVehicle, ScriptedWorkcell, Stage

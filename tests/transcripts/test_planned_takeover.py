@@ -7,7 +7,7 @@ from pathlib import Path
 
 from dray.messages import Award, Confirmed, Production, Role
 from dray.messages.fact import CarrierChanged, PrimarySuspected, TaskClosed
-from dray.protocol.leaving import LEAVES
+from dray.protocol.runtime.shutdown import LEAVES
 
 sys.path.insert(0, str(Path(__file__).parent))
 from stage import Stage, rewritten, without_shafts

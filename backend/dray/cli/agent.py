@@ -51,7 +51,7 @@ def machine(
     from dray import __version__
     from dray.cli.output import one_of
     from dray.cli.process import run_agent
-    from dray.protocol.machine import Machine
+    from dray.protocol.machine.machine import Machine
 
     where = _surroundings(settings)
     plant = where.plant if newcomer is None else _grown(where.plant, newcomer, name)
@@ -86,7 +86,7 @@ def atv(
     from dray import __version__
     from dray.cli.output import one_of
     from dray.cli.process import run_agent
-    from dray.protocol.atv import Atv
+    from dray.protocol.vehicle.atv import Atv
 
     where = _surroundings(settings)
     newcomer = _newcomer(where.plant, name, type_, node)
@@ -118,7 +118,7 @@ def station(
     from dray import __version__
     from dray.cli.output import one_of
     from dray.cli.process import run_agent
-    from dray.protocol.station import Station
+    from dray.protocol.station.station import Station
 
     where = _surroundings(settings)
     one_of(where.plant.storages, name, "NAME")
@@ -134,7 +134,7 @@ def strategist(settings: SettingsFile = None) -> None:
     import asyncio
 
     from dray.cli.process import run_agent
-    from dray.protocol.strategist import STRATEGIST, Strategist
+    from dray.protocol.strategist.strategist import STRATEGIST, Strategist
 
     where = _surroundings(settings)
     asyncio.run(run_agent(where, STRATEGIST, lambda life: Strategist(where.plant, incarnation=life)))

@@ -34,8 +34,8 @@ from dray.errors import UnavailableError
 from dray.gateway.timescale import TimeScale
 from dray.messages.keys import Keys
 from dray.plant import Plant, default_plant, load_plant
-from dray.protocol.events import Agent
-from dray.protocol.strategist import STRATEGIST
+from dray.protocol.runtime.events import Agent
+from dray.protocol.strategist.strategist import STRATEGIST
 from dray.settings import Settings
 from dray.store.historian import AGENT as HISTORIAN
 from dray.worker import Worker

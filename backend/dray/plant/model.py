@@ -200,7 +200,7 @@ class Charging(Item, frozen=True):
     """When vehicles of one type charge. Levels are parts of a full battery."""
 
     must_below_frac: Fraction = 0.25
-    """A vehicle with less takes no more work before it has charged for a while (`dray.protocol.charging`)."""
+    """A vehicle with less takes no more work before it has charged for a while (`dray.protocol.vehicle.charging`)."""
     below_frac: Fraction = 0.6
     """With less, a vehicle that has no work goes to charge; with more, it leaves its charger to an emptier one."""
     up_to_frac: Fraction = 0.95

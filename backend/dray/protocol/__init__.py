@@ -1,4 +1,4 @@
 """The decisions: pure functions and state machines with no I/O, no clock and no chance.
 
-Every agent is `handle(event, now_s) -> effects`. See `events` for both.
+Every agent is `handle(event, now_s) -> effects`. See `runtime.events` for both, and README.md for where a rule is kept.
 """

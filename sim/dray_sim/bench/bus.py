@@ -18,7 +18,7 @@ from msgspec.structs import replace
 from dray.codec import decode, encode
 from dray.messages import AtvHeartbeat, AtvStatus, Brief, Message, Phase, Pose, Role
 from dray.messages.keys import Keys
-from dray.protocol.events import NEVER_S, Effect, Event, Publish, Subscribe, Woke
+from dray.protocol.runtime.events import NEVER_S, Effect, Event, Publish, Subscribe, Woke
 from dray.worker import Worker
 from dray_sim.bench.row import Row, rates
 from dray_sim.journal import HeldJournal

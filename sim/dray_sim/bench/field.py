@@ -23,7 +23,7 @@ from dray.messages.fact import CarrierChanged, PrimarySuspected, TookOver
 from dray.messages.speakers import Kind
 from dray.plant import Plant, plant_yaml
 from dray.plant.model import BillLine
-from dray.protocol.strategist import STRATEGIST
+from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.bench.computers import RADIO_NETWORK, Computers
 from dray_sim.bench.speaker import Speaker
 from dray_sim.lookout import AGENTS, LOOKOUT, Post, read, write

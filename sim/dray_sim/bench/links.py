@@ -18,7 +18,7 @@ from typing import TypeVar
 from dray.adapters.zenoh_links import RETRY_MS
 from dray.messages import AtvHeartbeat, Link, MachineHeartbeat, TaskBrief
 from dray.messages.fact import CarrierChanged, PrimarySuspected, TookOver
-from dray.protocol.suspicion import WORKING_INTERVAL_S, bound_s
+from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, bound_s
 from dray_sim.bench.field import LEASE_S, Field
 from dray_sim.bench.row import Row
 

@@ -14,7 +14,7 @@ from random import Random
 from dray.adapters.signing import SigningKey
 from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand
 from dray.ports import Bus, Clock
-from dray.protocol.obedience import NOT_STOPPED
+from dray.protocol.vehicle.command_handling import NOT_STOPPED
 from dray_sim.answers import Answers
 
 NAME = "passerby"

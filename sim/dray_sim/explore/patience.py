@@ -18,7 +18,7 @@ from __future__ import annotations
 from math import ceil
 
 from dray.plant import Plant
-from dray.protocol.auction_rules import AuctionRules
+from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray_sim.battery import Battery
 from dray_sim.habits import Habits
 from dray_sim.people import LOOK_S
@@ -29,7 +29,7 @@ NOTICE_S = 90.0
 suspicion, of an idle vehicle on the worst link (65 s), and what follows from it."""
 
 HELP_S = 180.0
-"""A task may wait so long for a person who does not come (`dray.protocol.trouble.PATIENCE_MAX_S`)."""
+"""A task may wait so long for a person who does not come (`dray.protocol.vehicle.assistance.PATIENCE_MAX_S`)."""
 
 ASKING_S = 20.0
 """Docks that are held for a moment, questions asked again, a handover answered."""

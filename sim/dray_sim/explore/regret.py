@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from dray.messages import CancellationTaken, Message, OrderCancelled
 from dray.ports import Bus
-from dray.protocol.strategist import STRATEGIST
+from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.loop import VirtualClock
 
 AGAIN_S = 5.0

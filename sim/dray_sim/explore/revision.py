@@ -15,7 +15,7 @@ from dray.messages import (
     RevocationTaken,
 )
 from dray.ports import Bus
-from dray.protocol.strategist import STRATEGIST
+from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.demand import Order
 from dray_sim.loop import VirtualClock
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from dray.errors import InputError
 from dray.plant import Plant
-from dray.protocol.strategist import STRATEGIST
+from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.coverage import access_points_of
 from dray_sim.faults.kinds import (
     AccessPointDown,

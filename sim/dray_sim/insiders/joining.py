@@ -8,7 +8,7 @@ from dray.messages.speakers import Kind
 from dray.plant import Plant
 from dray.plant.model import VehicleSpec
 from dray.ports import Bus
-from dray.protocol.atv import Atv
+from dray.protocol.vehicle.atv import Atv
 from dray.worker import Worker
 from dray_sim.factory import SimFactory
 from dray_sim.insiders.behaviour import Behaviour

@@ -36,8 +36,19 @@ from dray.messages import (
 )
 from dray.messages.keys import Keys
 from dray.plant import Plant
-from dray.protocol.docks import dock_of
-from dray.protocol.events import Effect, Event, Heard, Leave, Leaving, Publish, Send, Started, Subscribe, Woke
+from dray.protocol.contract_net.dock import dock_of
+from dray.protocol.runtime.events import (
+    Effect,
+    Event,
+    Heard,
+    Leave,
+    Leaving,
+    Publish,
+    Send,
+    Started,
+    Subscribe,
+    Woke,
+)
 from dray_sim.insiders.behaviour import Answer, Behaviour, Price
 
 BEAT_S = 1.0
@@ -69,7 +80,7 @@ class Held:
 
 
 class Liar:
-    """An insider without a body (see `dray.protocol.events.Agent`).
+    """An insider without a body (see `dray.protocol.runtime.events.Agent`).
 
     Args:
         atv: under whose name it is on the bus.

@@ -7,13 +7,23 @@ from msgspec.structs import replace
 from dray.body import ActionDone, Drive, Drop, Instruction, LimitSpeed, VehicleState
 from dray.messages import AtvHeartbeat, Bid, Phase, Role, TransportCost
 from dray.messages.fact import ContractEnded, ContractTaken
-from dray.protocol.atv import Atv
-from dray.protocol.events import Effect, Event, Instruct, Publish, Record, Reported, Send, Started, Woke
+from dray.protocol.runtime.events import (
+    Effect,
+    Event,
+    Instruct,
+    Publish,
+    Record,
+    Reported,
+    Send,
+    Started,
+    Woke,
+)
+from dray.protocol.vehicle.atv import Atv
 from dray_sim.insiders.behaviour import Behaviour
 
 
 class Turncoat:
-    """An insider that drives (see `dray.protocol.events.Agent`).
+    """An insider that drives (see `dray.protocol.runtime.events.Agent`).
 
     Args:
         atv: the vehicle as it should be.

@@ -11,8 +11,8 @@ from statistics import median
 from dray.messages import Phase
 from dray.messages.fact import CarrierChanged, GoalLost, PrimarySuspected, TaskClosed
 from dray.plant import default_plant
-from dray.protocol.leaving import LEAVES
-from dray.protocol.strategist import STRATEGIST
+from dray.protocol.runtime.shutdown import LEAVES
+from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.evidence import Check, Table
 from dray_sim.scenario import Findings, Scenario
 from dray_sim.scenarios.tally import SETTLE_S, Tally, all_delivered, tally

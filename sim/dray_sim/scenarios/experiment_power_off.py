@@ -6,7 +6,7 @@ import asyncio
 
 from dray.messages import Phase
 from dray.messages.fact import PhaseEntered, PrimarySuspected, TookOver
-from dray.protocol.suspicion import WORKING_INTERVAL_S, bound_s
+from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, bound_s
 from dray_sim.evidence import Check
 from dray_sim.faults import PoweredOff
 from dray_sim.habits import Habits

@@ -6,7 +6,7 @@ import asyncio
 
 from dray.messages import Bid, Link, Phase
 from dray.messages.fact import AwardAnswered, CarrierChanged, PrimarySuspected, TookOver
-from dray.protocol.suspicion import WORKING_INTERVAL_S, bound_s
+from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, bound_s
 from dray_sim.evidence import Check
 from dray_sim.faults import WlanCut
 from dray_sim.scenario import Findings, Scenario

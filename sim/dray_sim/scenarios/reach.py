@@ -7,8 +7,8 @@ from math import hypot
 
 from dray.messages import Link
 from dray.messages.fact import CarrierChanged, TookOver
-from dray.protocol.events import NEVER_S
-from dray.protocol.supervision import SILENT
+from dray.protocol.liveness.failure_detector import SILENT
+from dray.protocol.runtime.events import NEVER_S
 from dray_sim.radio import RADIO
 from dray_sim.stage import Stage
 

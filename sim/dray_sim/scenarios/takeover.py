@@ -9,7 +9,7 @@ from random import Random
 from dray.messages import Phase, Role, TaskBrief
 from dray.messages.fact import ContractTaken, PhaseEntered
 from dray.plant import default_plant
-from dray.protocol.suspicion import LATENESS_MAX_S, WORKING_INTERVAL_S, bound_s
+from dray.protocol.liveness.suspicion import LATENESS_MAX_S, WORKING_INTERVAL_S, bound_s
 from dray_sim.evidence import Check, Table
 from dray_sim.faults import Fault, PoweredOff, RadioCut, WlanCut
 from dray_sim.latency import WLAN

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from dray.protocol.events import NEVER_S
+from dray.protocol.runtime.events import NEVER_S
 from dray_sim.evidence import HELD, Check
 from dray_sim.stage import Played, Stage
 

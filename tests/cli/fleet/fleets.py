@@ -24,7 +24,7 @@ from dray.cli.fleet.roll import Roll, read_roll
 from dray.messages import Message
 from dray.messages.keys import Keys
 from dray.plant import Plant, plant_yaml
-from dray.protocol.strategist import STRATEGIST
+from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.generator import generate_plant
 
 WHOLE = generate_plant(1, machines=3, vehicles=2)

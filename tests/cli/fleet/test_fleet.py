@@ -18,7 +18,7 @@ from dray import __version__
 from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, OrderItem, TrialBrief
 from dray.messages.fact import OrderFulfilled
 from dray.plant import plant_yaml
-from dray.protocol.strategist import STRATEGIST
+from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.demand import Order
 from dray_sim.desk import Desk
 from dray_sim.loop import VirtualClock

@@ -24,15 +24,15 @@ OPEN = 4
 """Orders at a time, of one piece each: machines and vehicles always have something to do, and soon have done it."""
 
 DIES_WHEN_HIRED = {
-    "protocol/answers.py": (
+    "protocol/contract_net/replies.py": (
         "def accept(coordinator: str, award: Award, finish_s: float, now_s: float) -> Effect:",
         "def accept(coordinator: str, award: Award, finish_s: float, now_s: float) -> Effect:\n    raise ValueError(award)",
     )
 }
 DOES_NOT_START = {
-    "protocol/core.py": (
-        "from dray.protocol.timers import Timers",
-        "from dray.protocol.timers import Nothing",
+    "protocol/runtime/agent.py": (
+        "from dray.protocol.runtime.timers import Timers",
+        "from dray.protocol.runtime.timers import Nothing",
     )
 }
 

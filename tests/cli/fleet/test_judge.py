@@ -29,9 +29,9 @@ from dray.messages.fact import (
     GoalLost,
     TaskClosed,
 )
-from dray.protocol.carriage import HANDED_OVER
-from dray.protocol.strategist import STRATEGIST
-from dray.protocol.supervision import IN_ERROR, SILENT
+from dray.protocol.liveness.failure_detector import IN_ERROR, SILENT
+from dray.protocol.strategist.strategist import STRATEGIST
+from dray.protocol.vehicle.transport_job import HANDED_OVER
 
 NEW, LATE_S = "2.0", 10.0
 PROMISED_S = 100.0

@@ -19,7 +19,7 @@ def make_version(folder: Path, version: str, patches: Mapping[str, tuple[str, st
     Args:
         folder: made for it.
         version: what it says that it is.
-        patches: by module, as `protocol/atv.py`: a text that stands in it once, and what takes its place.
+        patches: by module, as `protocol/vehicle/atv.py`: a text that stands in it once, and what takes its place.
 
     Returns:
         Its interpreter.

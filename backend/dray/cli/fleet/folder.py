@@ -18,7 +18,7 @@ from dray.cli.roster import agents_of
 from dray.errors import UnavailableError
 from dray.messages.speakers import Kind, names_of
 from dray.plant import Plant
-from dray.protocol.strategist import STRATEGIST
+from dray.protocol.strategist.strategist import STRATEGIST
 from dray.settings import PREFIX, Settings
 
 ROLL, SETTINGS, CERTIFICATES, JOURNALS, LOGS = "fleet.json", "fleet.env", "certs", "journals", "logs"

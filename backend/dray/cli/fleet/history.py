@@ -13,8 +13,8 @@ import msgspec
 
 from dray.messages import AnyFact, MachineHeartbeat, Role, Transport
 from dray.messages.fact import CarrierChanged, ContractEnded, TaskClosed, TaskOpened
-from dray.protocol.carriage import HANDED_OVER
-from dray.protocol.strategist import STRATEGIST
+from dray.protocol.strategist.strategist import STRATEGIST
+from dray.protocol.vehicle.transport_job import HANDED_OVER
 
 WINDOW_S = 900.0
 """Over which a flow is measured: some fifteen transports of the default plant at its usual load. Chance alone

@@ -40,7 +40,7 @@ from dray.messages.fact import (
     TaskClosed,
 )
 from dray.messages.speakers import Kind
-from dray.protocol.carriage import HANDED_OVER
+from dray.protocol.vehicle.transport_job import HANDED_OVER
 
 BIDS_KEPT = 100
 """Bids of one vehicle of which nobody has told yet what became of them: it makes one every few seconds."""

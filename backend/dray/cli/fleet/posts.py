@@ -17,7 +17,7 @@ from dray.cli.process import FLOOR
 from dray.cli.roster import agents_of
 from dray.messages.speakers import Kind
 from dray.plant import Plant
-from dray.protocol.strategist import STRATEGIST
+from dray.protocol.strategist.strategist import STRATEGIST
 from dray.settings import PREFIX
 
 DISTANCES = (1, 2, 4)

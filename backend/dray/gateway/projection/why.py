@@ -1,6 +1,6 @@
 """Why this contractor? Answered from a task's own record: nothing is said that the bids do not show.
 
-A coordinator asks its bidders in the order of their prices until one accepts (`dray.protocol.auction`). So who
+A coordinator asks its bidders in the order of their prices until one accepts (`dray.protocol.contract_net.auction`). So who
 was chosen was the cheapest one that was left, and every cheaper one either gave no contract when it was
 asked, or was never asked, which means that its bid came after the window. Pure.
 """
@@ -131,7 +131,7 @@ def _passed(task: TaskView, bid: BidView, won: BidView) -> PassedView:
 def _bids(task: TaskView, epoch: int) -> list[BidView]:
     """The last bid of everybody for the contract itself, in the order in which they are asked.
 
-    That is `_rank_of` in `dray.protocol.auction`.
+    That is `_rank_of` in `dray.protocol.contract_net.auction`.
     """
     last = {bid.bidder: bid for bid in task.bids if bid.role == "primary" and bid.epoch == epoch}
     return sorted(last.values(), key=lambda bid: (bid.total_s, bid.finish_at_s, bid.bidder))

@@ -1,0 +1,73 @@
+"""How a coordinator assesses bids: what cannot be is refused, and who has broken promises must be cheaper for it.
+
+One place for what an auction asks of a bid beside its price: `plausibility` knows the plant, `reliability` the past.
+"""
+
+from __future__ import annotations
+
+from dray.messages import Accepted, Bid, TakenOver, Work
+from dray.plant import Plant
+from dray.protocol.contract_net.disbelief import Disbelief
+from dray.protocol.contract_net.plausibility import CLOCK, Plausibility, clock_ahead_s, is_clock_wrong
+from dray.protocol.contract_net.probation import SHORT_S, is_barred
+from dray.protocol.contract_net.reliability import Reliability
+from dray.protocol.liveness.progress import STALL_S, Progress
+from dray.protocol.runtime.events import Effect, Ignore
+
+ON_PROBATION = "a bid for a long task by one on probation"
+
+
+class Assessor:
+    """Assesses the bids of one coordinator.
+
+    Args:
+        plant: where the ways are.
+        out: where effects go.
+
+    Attributes:
+        reliability: what was learned of every contractor.
+    """
+
+    def __init__(self, plant: Plant, out: list[Effect]) -> None:
+        self._plausibility = Plausibility(plant)
+        self.reliability = Reliability(out)
+        self.handling_max_s = self._plausibility.handling_max_s
+        """The longest loading or unloading of the plant."""
+        self._out = out
+        self._disbelief = Disbelief(out)
+
+    def refuses(self, bidder: str, work: Work, bid: Bid, now_s: float) -> bool:
+        """Whether a bid does not count, by our clock; it is counted why, and said where it cannot be true."""
+        if objection := self._plausibility.objection(work, bid, now_s):
+            self._disbelief.tell(bidder, bid, objection, now_s, clock_ahead_s(bid.at_s, now_s))
+            return True
+        if self.reliability.on_probation(bidder, now_s):
+            # That it would be short is its own word, and for a task that it has dropped that is not good enough.
+            short = bid.finish_s - now_s <= SHORT_S and not self.reliability.has_dropped(bidder, bid.task)
+            if is_barred(short=short, round_number=bid.round):
+                self._out.append(Ignore(ON_PROBATION))
+                return True
+        return False
+
+    def refuses_clock(self, speaker: str, said: Accepted | TakenOver, now_s: float) -> bool:
+        """Whether a promise was made by a clock that is not made up for; its speaker is told."""
+        if not is_clock_wrong(said, now_s):
+            return False
+        self._disbelief.tell(speaker, said, CLOCK, now_s, clock_ahead_s(said.at_s, now_s))
+        return True
+
+    def surcharge_s(self, bidder: str, now_s: float) -> float:
+        """What is added to a bid before it is ranked."""
+        return self.reliability.surcharge_s(bidder, now_s)
+
+    def believed_s(self, bid: Bid | None, promised_s: float, now_s: float) -> float:
+        """Until when a contractor is believed to be done (see `Plausibility.believed_s`)."""
+        return self._plausibility.believed_s(bid, promised_s, now_s)
+
+    def latest_s(self, now_s: float) -> float:
+        """When a transport that is under way is done at the latest."""
+        return now_s + self._plausibility.longest_s
+
+    def progress(self, promised_s: float, now_s: float) -> Progress:
+        """The progress that is expected of a carrier that is believed to be done at `promised_s`."""
+        return Progress(promised_s, STALL_S + self._plausibility.handling_max_s, now_s)

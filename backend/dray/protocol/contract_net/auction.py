@@ -1,0 +1,442 @@
+"""The coordinator's side of the Contract Net: announce, collect, rank, award, confirm (paper, Figure 3).
+
+The rules
+---------
+1. A round begins with an announcement and collects bids until its window closes.
+2. A bid that cannot be true counts for nothing, and what the coordinator has seen of its bidder is added to
+   it (`assessment`). Then the cheapest bidder is asked, point to point. It accepts, or declines with a reason, or is
+   silent for `answer_s`; a silent one is released, so that no vehicle stays bound by an award that
+   its coordinator gave up on. Then the next cheapest is asked.
+3. When nobody is left the radius grows and the next round begins; at full radius rounds go on, with
+   a rest between them that grows to a limit. An auction never gives up by itself: its task is
+   delivered, withdrawn, or still announced (invariant 1).
+4. A bid counts in whatever round it arrives: on a bad link it may come late (paper, case 3). Windows
+   grow from round to round for the same reason.
+
+An auction for a SECONDARY begins with those who were left when the primary was found: it asks them
+before it announces anything.
+
+    COLLECTING --window closes--> ASKING --accepted--> DECIDED
+        ^                           |
+        +---- rest over -- RESTING <+ nobody left
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from enum import Enum
+from itertools import count
+
+import msgspec
+
+from dray.messages import (
+    Accepted,
+    Award,
+    Bid,
+    Declined,
+    Release,
+    Role,
+    TaskAnnounced,
+    Transport,
+    Wait,
+    Work,
+)
+from dray.messages.fact import AwardAnswered, AwardGiven, BidReceived, RoundFailed, TaskOpened
+from dray.protocol.contract_net.assessment import Assessor
+from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.plausibility import by_our_clock
+from dray.protocol.runtime.bounded_map import BoundedMap
+from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Publish, Record, Send
+
+SPAN_MIN_S = 60.0
+"""What is late already is given as much time as a quick transport takes, round after round more."""
+
+PATIENCE_S = 300.0
+"""What has waited so long is as urgent as what was needed by now."""
+
+SPAN_MAX_S = 7 * 86_400.0
+"""What has weeks is not refused for its deadline. One that is years away must not move beyond what can be said."""
+
+BIDS_KEPT = 1024
+"""In one round: more than any fleet has vehicles. Beyond that somebody bids under names that nobody has."""
+
+SPANS_MAX = 10
+"""After so many rounds it is not the deadline that keeps bidders away."""
+
+
+class Terms(msgspec.Struct, frozen=True):
+    """What is put up for auction."""
+
+    task: str
+    epoch: int
+    role: Role
+    work: Work
+    deadline_s: float
+    primary: str = ""
+    """Whom to watch, when the role is SECONDARY."""
+
+
+class Place(msgspec.Struct, frozen=True):
+    """Where the coordinator stands, and how far its plant reaches."""
+
+    x_m: float
+    y_m: float
+    reach_m: float
+    """The radius beyond which there is nobody."""
+
+
+class Stage(Enum):
+    """How far an auction is; the picture is above."""
+
+    COLLECTING = "collecting"
+    ASKING = "asking"
+    RESTING = "resting"
+    DECIDED = "decided"
+
+
+class Auction:
+    """One auction, from the first announcement until somebody has accepted.
+
+    Args:
+        coordinator: who asks.
+        terms: what for.
+        place: where the circle of those who are asked has its middle.
+        audience: the bus keys that reach everybody within a radius (m).
+        rules: patience and reach.
+        out: where effects go, in order.
+        assessor: what is asked of a bid beside its price.
+        candidates: bids to ask before announcing anything, cheapest first.
+        numbers: of its awards; by default from 1 on.
+        waits: what the coordinator knows of waits at the places of some work, at a time (s).
+    """
+
+    def __init__(
+        self,
+        coordinator: str,
+        terms: Terms,
+        place: Place,
+        audience: Callable[[float], tuple[str, ...]],
+        rules: AuctionRules,
+        out: list[Effect],
+        assessor: Assessor,
+        candidates: tuple[tuple[str, Bid], ...] = (),
+        numbers: Iterator[int] | None = None,
+        waits: Callable[[Work, float], tuple[Wait, ...]] = lambda _work, _now_s: (),
+    ) -> None:
+        self.coordinator = coordinator
+        self.terms = terms
+        self.round = 0
+        self.stage = Stage.RESTING
+        self.wake_at_s = NEVER_S
+        self.winner = ""
+        """Who accepted; empty until the stage is DECIDED."""
+        self.number = 0
+        """Of the newest award; 0 before the first."""
+        self.winning_bid: Bid | None = None
+        self.left_over: tuple[tuple[str, Bid], ...] = ()
+        """Those who bid and were never asked, cheapest first, once it is DECIDED."""
+        self._place = place
+        self._audience = audience
+        self._waits = waits
+        self._rules = rules
+        self._out = out
+        self._assessor = assessor
+        self._bids: BoundedMap[str, Bid] = BoundedMap(BIDS_KEPT)
+        self._noted: BoundedMap[str, tuple[int, float]] = BoundedMap(BIDS_KEPT)
+        """By bidder, the last round in which a bid of it was noted, and what was added to it (s)."""
+        self._queue: list[tuple[str, Bid]] = list(candidates)
+        self._span_s = self._opened_s = 0.0
+        self.needed_s = terms.deadline_s
+        """By when it is wanted, as it counts against what else waits (plant clock)."""
+        self._behind = False
+        """Nobody was asked in this round: something more urgent waits for the same vehicles."""
+        self._asked = ""
+        self._rank = 0
+        self._numbers = count(1) if numbers is None else numbers
+        self._vain = 0
+        """Rounds that have found nobody."""
+
+    @property
+    def has_asked(self) -> bool:
+        """Whether anybody was asked: all by an announcement, or a candidate before that."""
+        return self.round > 0 or self.number > 0
+
+    @property
+    def awaits_answers(self) -> bool:
+        """Whether bids are collected or somebody is asked."""
+        return self.stage is Stage.COLLECTING or self.stage is Stage.ASKING
+
+    @property
+    def radius_m(self) -> float:
+        """How far the present round reaches."""
+        return min(self._rules.radius_in_m(self.round), self._place.reach_m)
+
+    def open(self, now_s: float) -> None:
+        """Begin: ask the candidates if there are any, else announce."""
+        self._begin(now_s)
+        if self._queue:
+            self.stage = Stage.ASKING
+            self._ask_next(now_s)
+        else:
+            self._announce(now_s)
+
+    def open_later(self, at_s: float) -> None:
+        """Begin at `at_s`, unless it is cancelled before."""
+        self._begin(at_s)
+        self.stage, self.wake_at_s = Stage.RESTING, at_s
+
+    @property
+    def has_candidates(self) -> bool:
+        """Whether somebody is to be asked before anything is announced."""
+        return bool(self._queue)
+
+    def is_due(self, now_s: float) -> bool:
+        """Whether its next round is to begin now."""
+        return self.stage is Stage.RESTING and now_s >= self.wake_at_s
+
+    @property
+    def waits(self) -> bool:
+        """Whether everybody was asked in vain, for this or for what is more urgent, and the next round is still to come."""
+        if self.stage is not Stage.RESTING:
+            return False
+        return self._behind or (self._vain > 0 and self.radius_m >= self._place.reach_m)
+
+    def stand_behind(self, now_s: float) -> None:
+        """Announce nothing for now: the same vehicles are sought in vain for what is more urgent, and who is free asks."""
+        if not self.round:
+            self._begin(now_s)
+            self.round = 1
+            self._tell_opened(now_s)
+        self._behind = True
+        self.stage, self.wake_at_s = Stage.RESTING, now_s + self._rules.rest_aged_max_s
+
+    def offer(self, bidder: str, now_s: float) -> None:
+        """Announce what waits to one who asks for it; it may bid once more in this round."""
+        if self._rules.moves_deadline:
+            self._move_deadline(now_s)
+        self._noted.pop(bidder, None)
+        self._out.append(Send(bidder, self._announcement(self.wake_at_s, now_s)))
+
+    def on_bid(self, bidder: str, bid: Bid, now_s: float) -> None:
+        """Note a bid, if it can be true. One of a later round replaces the same bidder's first."""
+        if objection := self._objection(bidder, bid):
+            self._out.append(Ignore(objection))
+            return
+        bid = by_our_clock(bid, now_s)
+        if self._assessor.refuses(bidder, self.terms.work, bid, now_s):
+            return
+        terms = self.terms
+        surcharge_s = self._assessor.surcharge_s(bidder, now_s)
+        self._bids[bidder], self._noted[bidder] = bid, (bid.round, surcharge_s)
+        self._out.append(
+            Record(
+                BidReceived(
+                    task=terms.task,
+                    epoch=terms.epoch,
+                    role=terms.role,
+                    round=bid.round,
+                    bidder=bidder,
+                    cost=bid.cost,
+                    total_s=bid.cost.total_s,
+                    finish_s=bid.finish_s,
+                    source=bid.source,
+                    surcharge_s=surcharge_s,
+                )
+            )
+        )
+        if self.stage is Stage.RESTING:
+            # It came after its window: on a link like that nothing is won by waiting longer.
+            self._close_window(now_s)
+
+    def on_accepted(self, bidder: str, answer: Accepted) -> None:
+        """The contract stands, if this bidder is the one that was asked."""
+        if bidder == self.winner:
+            self._out.append(Ignore("accepted twice"))
+            return
+        if bidder != self._asked:
+            self._release(bidder, answer.number, "asked no more")
+            return
+        if answer.number != self.number:
+            self._out.append(Ignore("an answer to an earlier award"))
+            return
+        self._note_answer("accepted")
+        self.winner, self._asked = bidder, ""
+        self.stage, self.wake_at_s = Stage.DECIDED, NEVER_S
+        self.left_over = tuple(sorted((*self._queue, *self._bids.items()), key=self._rank_of))
+
+    def on_declined(self, bidder: str, answer: Declined, now_s: float) -> None:
+        """Ask the next one, if this bidder is the one that was asked."""
+        if bidder != self._asked or answer.number != self.number:
+            self._out.append(Ignore("declined without being asked"))
+            return
+        self._note_answer(answer.reason.value)
+        self._asked = ""
+        self._ask_next(now_s)
+
+    def cancel(self) -> None:
+        """End it without a winner; whoever was asked is released."""
+        if self._asked:
+            self._release(self._asked, self.number, "withdrawn")
+            self._asked = ""
+        self.stage, self.wake_at_s = Stage.DECIDED, NEVER_S
+
+    def wake(self, now_s: float) -> None:
+        """Do what is due."""
+        if now_s < self.wake_at_s:
+            return
+        if self.stage is Stage.COLLECTING:
+            self._close_window(now_s)
+        elif self.stage is Stage.ASKING:
+            self._note_answer("silent")
+            self._release(self._asked, self.number, "no answer")
+            self._asked = ""
+            self._ask_next(now_s)
+        elif self.stage is Stage.RESTING:
+            self._announce(now_s)
+
+    def _objection(self, bidder: str, bid: Bid) -> str:
+        """Why a bid counts for nothing, whatever it says; empty when it is to be looked at."""
+        if self.stage is Stage.DECIDED or bidder == self._asked:
+            return "a bid after the award"
+        if bid.round > self.round:
+            return "a bid in a round that has not begun"
+        if bid.round <= self._noted.get(bidder, (-1, 0.0))[0]:
+            return "a second bid in one round"  # Nobody fills the history with bids.
+        return ""
+
+    def _announce(self, now_s: float) -> None:
+        self.round += 1
+        if self._vain and self._rules.moves_deadline:
+            self._move_deadline(now_s)
+        self._behind = False
+        self.stage = Stage.COLLECTING
+        self.wake_at_s = now_s + self._rules.window_in_s(self.round)
+        self._tell_opened(self.wake_at_s)
+        announcement = self._announcement(self.wake_at_s, now_s)
+        self._out.extend(Publish(key, announcement) for key in self._audience(self.radius_m))
+
+    def _begin(self, now_s: float) -> None:
+        self._opened_s = now_s
+        self._span_s = self._span_from(now_s)
+        # What nothing presses must not stand back for ever behind what always presses.
+        self.needed_s = min(self.terms.deadline_s, now_s + PATIENCE_S)
+
+    def _tell_opened(self, until_s: float) -> None:
+        terms = self.terms
+        self._out.append(
+            Record(
+                TaskOpened(
+                    task=terms.task,
+                    epoch=terms.epoch,
+                    role=terms.role,
+                    round=self.round,
+                    work=terms.work,
+                    radius_m=self.radius_m,
+                    deadline_s=terms.deadline_s,
+                    bids_until_s=until_s,
+                )
+            )
+        )
+
+    def _announcement(self, until_s: float, now_s: float) -> TaskAnnounced:
+        terms = self.terms
+        return TaskAnnounced(
+            task=terms.task,
+            epoch=terms.epoch,
+            role=terms.role,
+            coordinator=self.coordinator,
+            work=terms.work,
+            deadline_s=terms.deadline_s,
+            x_m=self._place.x_m,
+            y_m=self._place.y_m,
+            radius_m=self.radius_m,
+            round=self.round,
+            bids_until_s=until_s,
+            primary=terms.primary,
+            needed_s=self.needed_s,
+            waits=self._waits(terms.work, now_s),
+        )
+
+    def _span_from(self, at_s: float) -> float:
+        return min(max(self.terms.deadline_s - at_s, SPAN_MIN_S), SPAN_MAX_S)
+
+    def _move_deadline(self, now_s: float) -> None:
+        # A deadline that nobody could keep would be refused for ever: late is better than never.
+        deadline_s = now_s + self._span_s * min(1 + self._vain, SPANS_MAX)
+        if deadline_s > self.terms.deadline_s:
+            self.terms = msgspec.structs.replace(self.terms, deadline_s=deadline_s)
+
+    def _close_window(self, now_s: float) -> None:
+        self._queue = sorted(self._bids.items(), key=self._rank_of)
+        self._bids = BoundedMap(BIDS_KEPT)
+        self._rank = 0
+        self.stage = Stage.ASKING
+        self._ask_next(now_s)
+
+    def _ask_next(self, now_s: float) -> None:
+        if not self._queue:
+            self._rest(now_s)
+            return
+        bidder, bid = self._queue.pop(0)
+        terms = self.terms
+        if isinstance(terms.work, Transport) and bid.source and bid.source not in terms.work.sources:
+            # It has bid when there was more to choose from.
+            bid = msgspec.structs.replace(bid, source=terms.work.sources[0])
+        self._asked, self.winning_bid = bidder, bid
+        self._rank += 1
+        self.number = next(self._numbers)
+        # Who asks for what waits is answered without a new round: what was asked in vain has made us patient all the same.
+        self.wake_at_s = now_s + self._rules.answer_in_s(max(self.round, 1 + self._vain))
+        fact = AwardGiven(task=terms.task, epoch=terms.epoch, role=terms.role, bidder=bidder, rank=self._rank)
+        award = Award(
+            task=terms.task,
+            epoch=terms.epoch,
+            role=terms.role,
+            work=terms.work,
+            deadline_s=terms.deadline_s,
+            source=bid.source,
+            primary=terms.primary,
+            number=self.number,
+        )
+        self._out += (Record(fact), Send(bidder, award))
+
+    def _rest(self, now_s: float) -> None:
+        reaches_all = self.radius_m >= self._place.reach_m
+        # A wider circle has not been asked yet, so there is nothing to wait for.
+        rest_s = self._rules.rest_in_s(self.round, now_s - self._opened_s) if reaches_all else 0.0
+        self.stage = Stage.RESTING
+        self.wake_at_s = now_s + rest_s
+        self.winning_bid = None
+        # Also when somebody has bid: who bids and takes nothing must not keep a deadline that nobody else can meet.
+        self._vain += 1
+        terms = self.terms
+        self._out.append(
+            Record(
+                RoundFailed(
+                    task=terms.task,
+                    epoch=terms.epoch,
+                    role=terms.role,
+                    round=self.round,
+                    bids=self._rank,
+                    next_round_s=self.wake_at_s,
+                )
+            )
+        )
+        self._rank = 0
+
+    def _note_answer(self, answer: str) -> None:
+        terms = self.terms
+        fact = AwardAnswered(
+            task=terms.task, epoch=terms.epoch, role=terms.role, bidder=self._asked, answer=answer
+        )
+        self._out.append(Record(fact))
+
+    def _release(self, bidder: str, number: int, reason: str) -> None:
+        terms = self.terms
+        release = Release(task=terms.task, epoch=terms.epoch, role=terms.role, reason=reason, number=number)
+        self._out.append(Send(bidder, release))
+
+    def _rank_of(self, bid: tuple[str, Bid]) -> tuple[float, float, str]:
+        """Cheapest first; then who is done earlier; then the smaller id, so that the order is total."""
+        _, surcharge_s = self._noted.get(bid[0], (0, 0.0))
+        return (bid[1].cost.total_s + surcharge_s, bid[1].finish_s, bid[0])

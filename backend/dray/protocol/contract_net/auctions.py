@@ -1,0 +1,88 @@
+"""The auctions of one coordinator: how they are set up, and when they want to be woken."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import count
+
+from dray.messages import Bid, Wait, Work
+from dray.protocol.contract_net.assessment import Assessor
+from dray.protocol.contract_net.auction import Auction, Place, Terms
+from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.liveness.suspicion import ArrivalStatistics
+from dray.protocol.runtime.events import NEVER_S, Effect
+from dray.protocol.runtime.timers import Timers
+
+AWARDS_PER_LIFE = 1_000_000
+"""Numbers of awards, so that an answer to an earlier life's is recognised: more than one life gives."""
+
+
+class Auctions:
+    """What all auctions of one coordinator share.
+
+    Args:
+        coordinator: who asks.
+        place: where it stands.
+        audience: for a task's work and a radius (m), the bus keys of those to ask.
+        timers: the coordinator's alarms.
+        out: where effects go.
+        arrivals: how heartbeats arrive at the coordinator; None where it follows nobody.
+        incarnation: how often the coordinator was started.
+        assessor: what is asked of bids beside their price.
+    """
+
+    def __init__(
+        self,
+        coordinator: str,
+        place: Place,
+        audience: Callable[[Work, float], tuple[str, ...]],
+        timers: Timers,
+        out: list[Effect],
+        arrivals: ArrivalStatistics | None,
+        incarnation: int,
+        assessor: Assessor,
+    ) -> None:
+        self._coordinator = coordinator
+        self._place = place
+        self._audience = audience
+        self._timers = timers
+        self._out = out
+        self._arrivals = arrivals
+        self._numbers = count((incarnation - 1) * AWARDS_PER_LIFE + 1)
+        self._assessor = assessor
+        self.waits: Callable[[Work, float], tuple[Wait, ...]] = lambda _work, _now_s: ()
+        """What the coordinator knows of waits at the places of some work, at a time (s)."""
+
+    def prepare(
+        self, terms: Terms, rules: AuctionRules, candidates: tuple[tuple[str, Bid], ...] = ()
+    ) -> Auction:
+        """An auction that is not open yet; `candidates` are asked before anything is announced.
+
+        On links that are known to be slow it is patient from the beginning.
+        """
+        if self._arrivals is not None:
+            rules = rules.on_links(self._arrivals.delay_s)
+
+        def audience(radius_m: float) -> tuple[str, ...]:
+            return self._audience(terms.work, radius_m)
+
+        return Auction(
+            self._coordinator,
+            terms,
+            self._place,
+            audience,
+            rules,
+            self._out,
+            self._assessor,
+            candidates,
+            self._numbers,
+            self.waits,
+        )
+
+    def arm(self, kind: str, auction: Auction) -> None:
+        """Set or clear the alarm ``(kind, task)`` as the auction wants it now."""
+        name = (kind, auction.terms.task)
+        if auction.wake_at_s < NEVER_S:
+            self._timers.set(name, auction.wake_at_s)
+        else:
+            self._timers.clear(name)

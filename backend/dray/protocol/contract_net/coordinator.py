@@ -1,0 +1,226 @@
+"""The coordinator of tasks: announced, contracted, closed; several at a time.
+
+A machine coordinates its transports (`transports`), the strategist its goals (`goal_auctions`). What they have in
+common is here; what becomes of a task while its contractor works at it is left to them.
+
+    AUCTION --accepted--> CONTRACTED --delivered, withdrawn--> closed
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from msgspec.structs import replace
+
+from dray.messages import (
+    Accepted,
+    Bid,
+    Declined,
+    Refusal,
+    Release,
+    Role,
+    TakenOver,
+    Transport,
+    Withdrawn,
+    Work,
+)
+from dray.messages.fact import TaskClosed
+from dray.protocol.contract_net.assessment import Assessor
+from dray.protocol.contract_net.auction import Auction, Place, Terms
+from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.auctions import Auctions
+from dray.protocol.contract_net.plausibility import CLOCK, by_our_clock
+from dray.protocol.contract_net.task import ClosedTask, OpenTask, Outcome
+from dray.protocol.liveness.suspicion import ArrivalStatistics
+from dray.protocol.runtime.bounded_map import BoundedMap
+from dray.protocol.runtime.events import Effect, Ignore, Record, Send
+from dray.protocol.runtime.timers import Timers
+
+CLOSED_KEPT = 1024
+"""Closed tasks that late questions are still answered for: a day of one machine's work."""
+
+PRIMARY_AUCTION = "primary auction"
+
+
+class Coordinator:
+    """All open tasks of one coordinating agent.
+
+    Args:
+        agent: the coordinator's id.
+        place: where it stands.
+        audience: for a task's work and a radius (m), the bus keys of those to ask.
+        rules: the auction's patience and reach.
+        timers: the agent's alarms; this class uses names ``(PRIMARY_AUCTION, task)``.
+        out: where effects go.
+        contracted: called when a task has got its contractor.
+        assessor: what it asks of bids beside their price.
+        arrivals: how heartbeats arrive at the agent; None where it follows nobody.
+        incarnation: how often the agent was started.
+
+    Attributes:
+        alarms: what its agent calls when an alarm of this class has come, with (task, now_s).
+    """
+
+    def __init__(
+        self,
+        agent: str,
+        place: Place,
+        audience: Callable[[Work, float], tuple[str, ...]],
+        rules: AuctionRules,
+        timers: Timers,
+        out: list[Effect],
+        contracted: Callable[[OpenTask, float], None],
+        assessor: Assessor,
+        arrivals: ArrivalStatistics | None = None,
+        *,
+        incarnation: int = 1,
+    ) -> None:
+        self._rules = rules
+        self._timers = timers
+        self._out = out
+        self._contracted = contracted
+        self._open: dict[str, OpenTask] = {}
+        self._closed: BoundedMap[str, ClosedTask] = BoundedMap(CLOSED_KEPT)
+        self._assessor = assessor
+        self._auctions = Auctions(agent, place, audience, timers, out, arrivals, incarnation, assessor)
+        self.alarms: dict[str, Callable[[str, float], None]] = {PRIMARY_AUCTION: self._wake_auction}
+
+    def __iter__(self) -> Iterator[OpenTask]:
+        return iter(self._open.values())
+
+    def __len__(self) -> int:
+        return len(self._open)
+
+    @property
+    def awaits_answers(self) -> bool:
+        """Whether a contractor is sought for any task, and somebody may be about to answer."""
+        return any(task.auction.awaits_answers for task in self)
+
+    def get(self, task: str) -> OpenTask | None:
+        return self._open.get(task)
+
+    def closed(self, task: str) -> ClosedTask | None:
+        return self._closed.get(task)
+
+    # --- the life of a task ---
+
+    def open(self, task: str, work: Work, deadline_s: float, now_s: float, *, epoch: int = 1) -> OpenTask:
+        """Put a task up for auction."""
+        opened = OpenTask(task, work, self._auction(task, epoch, work, deadline_s), now_s)
+        self._open[task] = opened
+        self._announce(opened, now_s)
+        return opened
+
+    def close(self, task: OpenTask, outcome: Outcome) -> None:
+        """End a task; whoever is bound by it, except a contractor that has delivered, is let go."""
+        carrier = task.primary
+        task.auction.cancel()
+        self._timers.clear((PRIMARY_AUCTION, task.id))
+        self._let_go(task, "the task has ended")
+        if carrier and outcome == "withdrawn":
+            withdrawn = Withdrawn(task=task.id, epoch=task.epoch, reason="not needed any more")
+            self._out.append(Send(carrier, withdrawn))
+        fact = TaskClosed(
+            task=task.id, epoch=task.epoch, outcome=outcome, carrier=carrier, promised_s=task.promised_s
+        )
+        self._out.append(Record(fact))
+        del self._open[task.id]
+        self._closed[task.id] = ClosedTask(carrier, task.epoch, outcome)
+
+    # --- what is heard ---
+
+    def on_bid(self, sender: str, bid: Bid, now_s: float) -> None:
+        task = self._present(bid)
+        if task is None:
+            self._out.append(Ignore("a bid for a task that has ended or moved on"))
+        elif bid.role is Role.PRIMARY:
+            task.auction.on_bid(sender, bid, now_s)
+            self._auctions.arm(PRIMARY_AUCTION, task.auction)
+
+    def on_accepted(self, sender: str, answer: Accepted, now_s: float) -> None:
+        task = self._present(answer)
+        if task is None:
+            self._release(sender, answer, "the task has ended")
+        elif answer.role is not Role.PRIMARY:
+            return
+        elif task.primary == sender:
+            # The contract stands, whichever life of either side has made it: a restarted carrier says so again.
+            self._out.append(Ignore("accepted twice"))
+        elif task.primary:
+            self._release(sender, answer, "another one carries it")
+        elif self._assessor.refuses_clock(sender, answer, now_s):
+            self._release(sender, answer, CLOCK)
+            declined = Declined(answer.task, answer.epoch, answer.role, Refusal.NOT_FIT, answer.number)
+            self.on_declined(sender, declined, now_s)
+        else:
+            answer = by_our_clock(answer, now_s)
+            task.auction.on_accepted(sender, answer)
+            if task.auction.winner == sender and not task.primary:
+                self._contract(task, sender, answer, now_s)
+
+    def on_declined(self, sender: str, answer: Declined, now_s: float) -> None:
+        task = self._present(answer)
+        if task is None:
+            self._out.append(Ignore("declined a task that has ended or moved on"))
+        elif answer.role is Role.PRIMARY:
+            task.auction.on_declined(sender, answer, now_s)
+            self._auctions.arm(PRIMARY_AUCTION, task.auction)
+
+    # --- what else follows from a contract ---
+
+    def _bound(self, task: OpenTask, runners_up: tuple[tuple[str, Bid], ...], now_s: float) -> None:
+        """A task has got its contractor, for which `runners_up` have bid too, cheapest first."""
+
+    def _let_go(self, task: OpenTask, reason: str) -> None:
+        """Nobody is to be bound by a task any more."""
+
+    # --- how it is done ---
+
+    def _present(self, message: Bid | Accepted | Declined) -> OpenTask | None:
+        """The task that is spoken of, if it is open and this is its epoch."""
+        task = self._open.get(message.task)
+        return task if task is not None and task.epoch == message.epoch else None
+
+    def _auction(
+        self,
+        task: str,
+        epoch: int,
+        work: Work,
+        deadline_s: float,
+        candidates: tuple[tuple[str, Bid], ...] = (),
+    ) -> Auction:
+        terms = Terms(task=task, epoch=epoch, role=Role.PRIMARY, work=work, deadline_s=deadline_s)
+        return self._auctions.prepare(terms, self._rules, candidates)
+
+    def _announce(self, task: OpenTask, now_s: float) -> None:
+        task.auction.open(now_s)
+        self._auctions.arm(PRIMARY_AUCTION, task.auction)
+
+    def _wake_auction(self, task_id: str, now_s: float) -> None:
+        task = self._open.get(task_id)
+        if task is not None:
+            task.auction.wake(now_s)
+            self._auctions.arm(PRIMARY_AUCTION, task.auction)
+
+    def _contract(self, task: OpenTask, contractor: str, answer: Accepted, now_s: float) -> None:
+        auction = task.auction
+        bid = auction.winning_bid
+        # What was bid long ago, to watch, tells nothing of ways from where the contractor is now.
+        fresh = bid if auction.round else None
+        task.primary = contractor
+        task.promised_s = self._assessor.believed_s(fresh, answer.finish_s, now_s)
+        task.source = bid.source if bid is not None else ""
+        if task.source and isinstance(task.work, Transport):
+            # From now on the load is there and nowhere else: whoever takes over fetches it there, too.
+            task.work = replace(task.work, sources=(task.source,))
+        # Whoever is awarded a task by this life loads under its eyes, whatever an earlier life may have missed.
+        task.witnessed = True
+        self._timers.clear((PRIMARY_AUCTION, task.id))
+        self._bound(task, auction.left_over, now_s)
+        self._contracted(task, now_s)
+
+    def _release(self, to: str, said: Accepted | TakenOver, reason: str) -> None:
+        """Nobody counts on what a contractor has taken."""
+        role, number = (said.role, said.number) if isinstance(said, Accepted) else (Role.PRIMARY, 0)
+        release = Release(task=said.task, epoch=said.epoch, role=role, reason=reason, number=number)
+        self._out.append(Send(to, release))

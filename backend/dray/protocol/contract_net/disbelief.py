@@ -1,0 +1,81 @@
+"""What becomes of words that are not believed: the speaker hears why, and history keeps it.
+
+Once a minute of every speaker: whoever says nonsense all the time must not fill anybody's history, and whoever has
+a wrong clock says the same wrong thing with every bid.
+"""
+
+from __future__ import annotations
+
+from dray.messages import Accepted, Bid, Disbelieved, TakenOver
+from dray.messages.fact import NotBelieved, WordDisbelieved
+from dray.protocol.runtime.bounded_map import BoundedMap
+from dray.protocol.runtime.events import Effect, Ignore, Record, Send
+
+TOLD_EVERY_S = 60.0
+"""People look once a minute at most, and a software that could do something about it needs no more."""
+
+SPEAKERS_KEPT = 1024
+"""More than any coordinator negotiates with; whoever is forgotten is told once more."""
+
+
+class Disbelief:
+    """Tells contractors that they are not believed.
+
+    Args:
+        out: where effects go.
+    """
+
+    def __init__(self, out: list[Effect]) -> None:
+        self._out = out
+        self._told_s: BoundedMap[str, float] = BoundedMap(SPEAKERS_KEPT)
+
+    def tell(
+        self,
+        speaker: str,
+        said: Bid | Accepted | TakenOver,
+        reason: str,
+        now_s: float,
+        clock_ahead_s: float = 0.0,
+    ) -> None:
+        """Note that something said cannot be true, and let its speaker know.
+
+        Args:
+            speaker: who has said it.
+            said: what.
+            reason: why it is not believed, as it is counted.
+            now_s: the present time.
+            clock_ahead_s: how far the speaker's clock is ahead, if that is the reason.
+        """
+        self._out.append(Ignore(reason))
+        told_s = self._told_s.pop(speaker, None)
+        if told_s is not None and 0.0 <= now_s - told_s < TOLD_EVERY_S:
+            self._told_s[speaker] = told_s
+            return
+        self._told_s[speaker] = now_s
+        words = f"clock wrong by {clock_ahead_s:+.0f} s" if clock_ahead_s else reason
+        self._out += (
+            Send(speaker, Disbelieved(said.task, said.epoch, words, clock_ahead_s)),
+            Record(WordDisbelieved(speaker, said.task, words, clock_ahead_s)),
+        )
+
+
+class Reproach:
+    """What a contractor does when it hears that it is not believed: it goes on, and leaves it to people.
+
+    Args:
+        out: where effects go.
+    """
+
+    def __init__(self, out: list[Effect]) -> None:
+        self._out = out
+        self._noted_s: BoundedMap[str, float] = BoundedMap(SPEAKERS_KEPT)
+
+    def on_disbelieved(self, sender: str, message: Disbelieved, now_s: float) -> None:
+        """Write it down, once a minute of every coordinator."""
+        noted_s = self._noted_s.pop(sender, None)
+        if noted_s is not None and 0.0 <= now_s - noted_s < TOLD_EVERY_S:
+            self._noted_s[sender] = noted_s
+            self._out.append(Ignore("a reproach that was noted"))
+            return
+        self._noted_s[sender] = now_s
+        self._out.append(Record(NotBelieved(by=sender, task=message.task, reason=message.reason)))

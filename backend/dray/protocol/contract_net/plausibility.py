@@ -1,0 +1,189 @@
+"""What cannot be: offers that no contractor could keep, whoever makes them. Pure arithmetic over the plant.
+
+A coordinator does not know where a bidder stands, but it knows the plant, and no vehicle is faster than the
+fastest. So for a transport
+
+    loaded way  >= crow flies from source to destination / top speed of the fastest
+    done        >= now + that + the shortest loading and unloading
+    no part of a price is negative, and nothing is not a number
+    done        <= now + what its price says that it takes, and LATE_S; a goal: within LATEST_GOAL_S
+    the source is one of those that were asked for
+
+and what a contractor promises beyond the longest way of the plant is not believed: it would buy time with words.
+
+Every time was told by somebody's clock. A bid, an acceptance and a takeover tell when they were said, by the same
+clock as all that is in them. So a clock that is a little wrong is seen and made up for, whatever it promises by it:
+
+    ahead_s = at_s - now           0 within what a link may take, and CLOCKS_S
+    finish  = finish_s - ahead_s
+
+From CLOCK_WRONG_S on nothing is believed that goes by that clock: it is named, and put right by people.
+Ways are taken as the crow flies, for the plant file of the bidder may know lanes that this one does not.
+"""
+
+from __future__ import annotations
+
+from math import hypot, isfinite
+from typing import TypeVar
+
+import msgspec
+
+from dray.messages import Accepted, Bid, Production, TakenOver, Transport, TransportCost, Work
+from dray.plant import Plant
+from dray.protocol.contract_net.dock import dock_of
+from dray.protocol.contract_net.waits import WAIT_MAX_S
+from dray.protocol.liveness.suspicion import LATENESS_MAX_S
+
+CLOCKS_S = 1.0
+"""Clocks of the plant agree within this."""
+
+UNDER_WAY_S = LATENESS_MAX_S + CLOCKS_S
+"""A bid that comes now may have been made so long ago."""
+
+CLOCK_WRONG_S = 300.0
+"""A clock that is wrong by more is not made up for. Computers that ask NTP are right within milliseconds; one that was
+set by hand is a few minutes off; what is beyond that has lost its battery, or takes its time from elsewhere."""
+
+LATE_S = 1800.0
+"""Beside all that a bid tells of ways and queues: docks, people, whatever else it may know of."""
+
+LATEST_GOAL_S = 30 * 86_400.0
+"""A machine with more work than for a month takes no more."""
+
+ROUNDING_S = 0.01
+"""Two agents add the same lengths in another order."""
+
+LOOSE_FRAC = 1.5
+"""A promise may be so many times what the bid has told of its ways: the vehicle has driven on since."""
+
+LOOSE_S = 30.0
+"""And so much more than that: a turn, a lane that was to be finished first."""
+
+DIAMETERS = 3.0
+"""No way of a transport is believed to be longer than so many diagonals of the floor: there, and around the blocks."""
+
+CLOCK = "words by a clock that is wrong"
+NOT_A_NUMBER = "a bid that is not a number"
+NEGATIVE = "a bid with a negative part"
+OTHER_WORK = "a bid for another kind of work"
+OTHER_SOURCE = "a bid with a source that was not asked for"
+TOO_CHEAP = "a bid below the way as the crow flies"
+TOO_SOON = "a bid that would be done sooner than any vehicle could"
+BEFORE_NOW = "a bid that would be done in the past"
+TOO_LATE = "a bid that would be done much later than its price tells"
+
+S = TypeVar("S", Bid, Accepted, TakenOver)
+
+
+def clock_ahead_s(at_s: float | None, now_s: float) -> float:
+    """How far a speaker's clock is ahead, behind if negative; 0 where its word may have been under way so long.
+
+    Args:
+        at_s: when it was said, by that clock; None where nobody has told.
+        now_s: the present time.
+    """
+    if at_s is None or now_s - UNDER_WAY_S <= at_s <= now_s + CLOCKS_S:
+        return 0.0
+    return at_s - now_s
+
+
+def by_our_clock(said: S, now_s: float) -> S:
+    """The same with its times as our clock would tell them; by a clock that is too wrong it stays as it is."""
+    ahead_s = clock_ahead_s(said.at_s, now_s)
+    if not ahead_s or abs(ahead_s) > CLOCK_WRONG_S:
+        return said
+    return msgspec.structs.replace(said, finish_s=said.finish_s - ahead_s, at_s=now_s)
+
+
+def is_clock_wrong(said: Bid | Accepted | TakenOver, now_s: float) -> bool:
+    """Whether something was said by a clock that is not made up for."""
+    return abs(clock_ahead_s(said.at_s, now_s)) > CLOCK_WRONG_S
+
+
+class Plausibility:
+    """What contractors of one plant could do at best, and at worst.
+
+    Args:
+        plant: its places, and its types of vehicles.
+    """
+
+    def __init__(self, plant: Plant) -> None:
+        self._plant = plant
+        kinds = tuple(plant.vehicle_types.values())
+        self._top_mps = max((kind.max_speed_mps for kind in kinds), default=1.0)
+        self._handling_s = min((kind.load_s + kind.unload_s for kind in kinds), default=0.0)
+        self.handling_max_s = max((max(kind.load_s, kind.unload_s) for kind in kinds), default=0.0)
+        """The longest loading or unloading."""
+        slowest_mps = min((kind.max_speed_mps for kind in kinds), default=1.0)
+        self.longest_s = DIAMETERS * plant.diameter_m / slowest_mps + 2.0 * self.handling_max_s
+        """No transport takes longer, from wherever its vehicle is."""
+
+    def objection(self, work: Work, bid: Bid, now_s: float) -> str:
+        """Why a bid cannot be true; empty when it can. The reasons are few and fixed.
+
+        Args:
+            work: what it is for.
+            bid: by our clock, as far as that can be (`by_our_clock`).
+            now_s: the present time.
+        """
+        if is_clock_wrong(bid, now_s):
+            return CLOCK
+        cost = bid.cost
+        if isinstance(cost, TransportCost) is not isinstance(work, Transport):
+            return OTHER_WORK
+        parts = _parts_s(bid)
+        if not all(map(isfinite, (*parts, bid.finish_s))):
+            return NOT_A_NUMBER
+        if min(parts) < 0.0:
+            return NEGATIVE
+        if bid.finish_s < now_s - UNDER_WAY_S:
+            return BEFORE_NOW
+        if isinstance(cost, TransportCost) and (said := self._transport_objection(work, bid, cost, now_s)):
+            return said
+        told_s = LOOSE_FRAC * sum(parts) + 2.0 * self.handling_max_s + LATE_S
+        latest_s = told_s if isinstance(cost, TransportCost) else LATEST_GOAL_S
+        return TOO_LATE if bid.finish_s > now_s + latest_s else ""
+
+    def believed_s(self, bid: Bid | None, promised_s: float, now_s: float) -> float:
+        """Until when a contractor is believed to be done, which has promised to be by `promised_s`.
+
+        Args:
+            bid: what it has bid just now; None when that is long ago, or nobody has.
+            promised_s: its word with the contract (plant clock).
+            now_s: the present time.
+        """
+        span_s = self.longest_s
+        if bid is not None and isinstance(bid.cost, TransportCost):
+            ways_s = bid.cost.empty_way_s + bid.cost.loaded_way_s
+            span_s = min(span_s, LOOSE_FRAC * ways_s + 2.0 * self.handling_max_s + LOOSE_S)
+            # It pays for that with its price; and nobody is believed to wait for ever.
+            span_s += min(bid.cost.waiting_s, WAIT_MAX_S)
+        elif bid is not None:
+            span_s = LOOSE_FRAC * bid.cost.total_s + LOOSE_S
+        return min(max(promised_s, now_s), now_s + span_s)
+
+    def _transport_objection(self, work: Work, bid: Bid, cost: TransportCost, now_s: float) -> str:
+        if isinstance(work, Production) or (bid.source and bid.source not in work.sources):
+            return OTHER_SOURCE
+        least_s = min(self._way_s(work, source) for source in ((bid.source,) if bid.source else work.sources))
+        if cost.loaded_way_s < least_s - ROUNDING_S:
+            return TOO_CHEAP
+        takes_s = cost.empty_way_s + least_s + self._handling_s
+        if bid.finish_s < now_s + takes_s - UNDER_WAY_S:
+            return TOO_SOON
+        return ""
+
+    def _way_s(self, work: Transport, source: str) -> float:
+        """The loaded way as the crow flies at the fastest vehicle's top speed; 0 where somebody is not known."""
+        nodes = self._plant.nodes
+        here, there = (nodes.get(dock_of(self._plant, work, place)) for place in (source, work.destination))
+        if here is None or there is None:
+            return 0.0
+        return hypot(there.x_m - here.x_m, there.y_m - here.y_m) / self._top_mps
+
+
+def _parts_s(bid: Bid) -> tuple[float, ...]:
+    cost = bid.cost
+    if isinstance(cost, TransportCost):
+        return cost.empty_way_s, cost.loaded_way_s, cost.energy_s, cost.suitability_s, cost.waiting_s
+    return cost.queue_s, cost.material_s, cost.making_s

@@ -1,0 +1,130 @@
+"""The progress deadline of a contract: a carrier that lives, and does not come nearer, has failed too.
+
+Its heartbeats say how far it is. Two things must be so:
+
+    STALLED   it moves, or its phase goes on, at least every STALL_S and the longest handling of the plant
+    OVERDUE   it is done by its own promise and SLACK_FRAC of the time that it had, at least SLACK_MIN_S
+
+Whoever only tells of ways and phases runs into the second one. What keeps an honest vehicle counts
+for neither: its coordinator holds the dock, a person has stopped it or limits its speed, it is in error and asks for help.
+All of that together is at most EXCUSED_MAX_S in one contract, for it is said by the carrier itself.
+"""
+
+from __future__ import annotations
+
+from dray.messages import AtvHeartbeat, AtvStatus, Phase, Pose
+from dray.protocol.runtime.events import NEVER_S
+
+STALLED = "does not come nearer"
+OVERDUE = "long past its promise"
+NOT_COUNTED = "its load was not counted where it was to go"
+
+STALL_S = 30.0
+"""Beside the longest handling: a question that is asked again three times, a manoeuvre that is tried again."""
+
+MOVED_M = 0.5
+"""Less than this is a vehicle that stands; at a twelfth of its speed it drives as much in five seconds."""
+
+SLACK_FRAC = 0.5
+SLACK_MIN_S = 60.0
+"""What chance adds to a way: handshakes on a bad link, a dock that is busy."""
+
+EXCUSED_MAX_S = 900.0
+"""As long as a person who has promised to come is waited for (`failure_detector.PROMISE_MAX_S`)."""
+
+_RANK = {phase: rank for rank, phase in enumerate(Phase)}
+
+
+class Progress:
+    """How one carrier comes on with one task.
+
+    Args:
+        promised_s: when it is believed to be done (plant clock).
+        stall_s: how long it may stand.
+        now_s: when the contract begins.
+
+    Attributes:
+        heard_s: when it was heard last.
+        failed_s: since when it has failed; `NEVER_S` while it has not.
+        blamed: it was noted that it has dropped its contract.
+    """
+
+    __slots__ = (
+        "_due_s",
+        "_excused_s",
+        "_moved_s",
+        "_pose",
+        "_promised_s",
+        "_rank",
+        "_stall_s",
+        "blamed",
+        "failed_s",
+        "heard_s",
+    )
+
+    def __init__(self, promised_s: float, stall_s: float, now_s: float) -> None:
+        self._promised_s = promised_s
+        self._due_s = promised_s + max(SLACK_MIN_S, SLACK_FRAC * (promised_s - now_s))
+        self._stall_s = stall_s
+        self.heard_s = self._moved_s = now_s
+        self._excused_s = 0.0
+        self._rank = -1
+        self._pose: Pose | None = None
+        self.failed_s = NEVER_S
+        self.blamed = False
+
+    def on_heartbeat(self, heartbeat: AtvHeartbeat, phase: Phase | None, held: bool, now_s: float) -> str:
+        """Note a heartbeat that names the task.
+
+        Args:
+            heartbeat: the newest.
+            phase: how far the task has come.
+            held: its coordinator keeps it waiting.
+            now_s: the present time.
+
+        Returns:
+            `STALLED` or `OVERDUE`; empty while it comes nearer.
+        """
+        if held or heartbeat.help is not None or heartbeat.speed_limit_frac < 1.0:
+            self._excuse(heartbeat, held, now_s - self.heard_s)
+        self.heard_s = now_s
+        if self._comes_nearer(heartbeat.pose, phase):
+            self._moved_s = now_s
+        failure = ""
+        if now_s > self._moved_s + self._stall_s:
+            failure = STALLED
+        elif now_s > self._due_s:
+            failure = OVERDUE
+        if not failure:
+            self.failed_s = NEVER_S
+        elif self.failed_s == NEVER_S:
+            self.failed_s = now_s
+        return failure
+
+    @property
+    def late_s(self) -> float:
+        """How much later than promised it was heard last, without what it could not help; negative before that."""
+        return self.heard_s - self._promised_s
+
+    def _excuse(self, heartbeat: AtvHeartbeat, held: bool, elapsed_s: float) -> None:
+        stands = held or (
+            heartbeat.help is not None and heartbeat.status in (AtvStatus.STOPPED, AtvStatus.ERROR)
+        )
+        frac = 1.0 if stands else 1.0 - heartbeat.speed_limit_frac
+        excused_s = min(frac * elapsed_s, EXCUSED_MAX_S - self._excused_s)
+        if excused_s > 0.0:
+            self._excused_s += excused_s
+            self._promised_s += excused_s
+            self._due_s += excused_s
+            self._moved_s += excused_s
+
+    def _comes_nearer(self, pose: Pose, phase: Phase | None) -> bool:
+        rank = -1 if phase is None else _RANK[phase]
+        before, self._rank = self._rank, max(rank, self._rank)
+        moved = self._pose is None or (
+            abs(pose.x_m - self._pose.x_m) + abs(pose.y_m - self._pose.y_m) >= MOVED_M
+        )
+        if moved or rank > before:
+            self._pose = pose
+            return True
+        return False

@@ -1,0 +1,110 @@
+"""When silence becomes failure: pure arithmetic.
+
+An agent says itself how often it speaks (by its status), so its silence can be judged by anybody
+who hears it. The bound follows from how its heartbeats have arrived so far:
+
+    bound_s = misses * interval_s + lateness_s
+
+    misses       so many losses in a row that chance alone makes them once in 1 / FALSE_ALARM
+                 heartbeats, at the loss that was seen: 3 up to 4.6 % loss, 6 at 20 %, 11 at 40 %
+    lateness_s   four mean deviations of the delay, as in RFC 6298, and never below JITTER_S
+
+On a good link a working vehicle is suspected after 3.5 s. No link is so bad that the bound exceeds
+MISSES_MAX intervals and LATENESS_MAX_S: what is worse than that is no link.
+"""
+
+from __future__ import annotations
+
+from math import ceil, log
+
+from dray.messages import AtvHeartbeat
+
+WORKING_INTERVAL_S = 1.0
+"""A working agent beats at 1 Hz: a takeover is due within a few seconds of its death."""
+
+IDLE_INTERVAL_S = 5.0
+"""An idle one at 0.2 Hz: nobody waits for it, so it need not load the network (paper, 3.2)."""
+
+FALSE_ALARM = 1e-4
+"""One heartbeat in so many may be followed by a silence that looks like death: at 1 Hz, nearly three
+hours of work between two takeovers for nothing."""
+
+MISSES = 3
+"""Allowed on a link that loses nothing, too: the first losses come unannounced."""
+
+MISSES_MAX = 12
+
+JITTER_S = 0.5
+"""More than the latency of a loaded WLAN, less than half a working interval."""
+
+LATENESS_MAX_S = 5.0
+"""The worst link that is still a link (paper, case 3)."""
+
+GAIN = 1.0 / 32.0
+"""Weight of the newest heartbeat: half a minute of work is remembered, and one loss changes little."""
+
+DEVIATIONS = 4.0
+
+
+def atv_interval_s(heartbeat: AtvHeartbeat) -> float:
+    """How long after this heartbeat the next one is due."""
+    return WORKING_INTERVAL_S if heartbeat.task is not None else IDLE_INTERVAL_S
+
+
+def allowed_misses(loss_frac: float) -> int:
+    """How many heartbeats in a row may be lost without a suspicion, when this part of them is lost."""
+    if loss_frac <= 0.0:
+        return MISSES
+    if loss_frac >= 1.0:
+        return MISSES_MAX
+    return min(max(ceil(log(FALSE_ALARM) / log(loss_frac)), MISSES), MISSES_MAX)
+
+
+def bound_s(interval_s: float, loss_frac: float = 0.0, deviation_s: float = 0.0) -> float:
+    """How long somebody who beats every `interval_s` may be silent without being suspected.
+
+    Args:
+        interval_s: between two heartbeats.
+        loss_frac: the part of the heartbeats that is lost.
+        deviation_s: the mean deviation of their delays.
+    """
+    lateness_s = min(max(DEVIATIONS * deviation_s, JITTER_S), LATENESS_MAX_S)
+    return allowed_misses(loss_frac) * interval_s + lateness_s
+
+
+class ArrivalStatistics:
+    """How heartbeats arrive: running estimates of their loss and their delay.
+
+    Args:
+        prior: what to begin with: how others' heartbeats arrive at the same agent.
+    """
+
+    __slots__ = ("deaf_s", "delay_s", "deviation_s", "heard", "loss_frac")
+
+    def __init__(self, prior: ArrivalStatistics | None = None) -> None:
+        self.heard: int = 0 if prior is None else prior.heard
+        """Heartbeats so far."""
+        self.loss_frac: float = 0.0 if prior is None else prior.loss_frac
+        self.delay_s: float = 0.0 if prior is None else prior.delay_s
+        """The mean delay."""
+        self.deviation_s: float = 0.0 if prior is None else prior.deviation_s
+        """The mean deviation from it."""
+        self.deaf_s = 0.0
+        """How long the agent that listens was held up itself, all told: silence in that time is its own."""
+
+    def note(self, missed: int, delay_s: float) -> None:
+        """One heartbeat has come.
+
+        Args:
+            missed: how many before it have not.
+            delay_s: how long it was under way, by the plant's clock.
+        """
+        # Beyond these bounds it is not the link: one of two clocks is wrong.
+        delay_s = min(max(delay_s, 0.0), LATENESS_MAX_S)
+        for _ in range(min(missed, MISSES_MAX)):
+            self.loss_frac += GAIN * (1.0 - self.loss_frac)
+        self.loss_frac -= GAIN * self.loss_frac
+        off_s = delay_s - self.delay_s if self.heard else 0.0
+        self.deviation_s += GAIN * (abs(off_s) - self.deviation_s)
+        self.delay_s = self.delay_s + GAIN * off_s if self.heard else delay_s
+        self.heard += 1

@@ -1,0 +1,1 @@
+"""The machine agent (paper, 3.2 and 4.1)."""

@@ -1,0 +1,85 @@
+"""A coordinator's dock: who may load or unload now, and whose handover counts.
+
+This is where the epoch fences. A carrier asks before every transfer (`Docked`), and its word that the
+load is down (`Handover`) is taken once per task, from the carrier of the present epoch. Whoever is not
+that carrier hears `Superseded` with the epoch that is right, and brings its load back.
+"""
+
+from __future__ import annotations
+
+from typing import cast
+
+from dray.messages import Docked, Handover, HandoverAccepted, Transport
+from dray.protocol.contract_net.dock import Door
+from dray.protocol.contract_net.task import OpenTask
+from dray.protocol.machine.supply import Supply
+from dray.protocol.machine.transports import Transports
+from dray.protocol.runtime.events import NEVER_S, Effect, Send
+
+
+class Dock:
+    """The dock of one machine.
+
+    Args:
+        machine: whose dock.
+        tasks: its open transports.
+        supply: its buffers and goods.
+        out: where effects go.
+    """
+
+    def __init__(self, machine: str, tasks: Transports, supply: Supply, out: list[Effect]) -> None:
+        self._machine = machine
+        self._tasks = tasks
+        self._supply = supply
+        self._out = out
+        self._door = Door(out)
+
+    def on_docked(self, sender: str, message: Docked, now_s: float) -> None:
+        """Somebody asks to load or to unload."""
+        task = self._tasks.get(message.task)
+        if task is None or message.epoch != task.epoch or sender != task.primary:
+            self._out.append(Send(sender, self._tasks.superseded(message.task, message.epoch)))
+            return
+        work = cast(Transport, task.work)
+        here = message.station == self._machine
+        held = self._why_held(work) if here else ""
+        task.held_s = min(task.held_s, now_s) if held else NEVER_S
+        if held:
+            self._door.hold(sender, message, held)
+        elif here:
+            self._door.open(sender, message, work.item, work.quantity)
+        else:
+            self._door.agree(sender, message)
+
+    def shut(self, vehicle: str) -> None:
+        """A vehicle carries for this machine no more: a manoeuvre that it has begun ends without effect."""
+        self._door.shut(vehicle)
+
+    def on_handover(self, sender: str, message: Handover) -> OpenTask | None:
+        """Somebody says that its load is down.
+
+        Returns:
+            The task that it carries, of which it says so; None for anybody else, who is answered.
+        """
+        task = self._tasks.get(message.task)
+        if task is not None and message.epoch == task.epoch and sender == task.primary:
+            return task
+        closed = self._tasks.closed(message.task)
+        if closed is not None and closed.carrier == sender and closed.outcome == "delivered":
+            self._accept(sender, message.task, message.epoch)
+        else:
+            self._out.append(Send(sender, self._tasks.superseded(message.task, message.epoch)))
+        return None
+
+    def _why_held(self, work: Transport) -> str:
+        if work.destination != self._machine:
+            return "" if self._supply.level(work.item) >= work.quantity else "the goods are not ready"
+        return "" if self._supply.room(work.item) >= work.quantity else "the buffer is full"
+
+    def accept(self, task: OpenTask) -> None:
+        """A load is there: its carrier is free."""
+        self._accept(task.primary, task.id, task.epoch)
+        self._tasks.close(task, "delivered")
+
+    def _accept(self, carrier: str, task: str, epoch: int) -> None:
+        self._out.append(Send(carrier, HandoverAccepted(task=task, epoch=epoch)))

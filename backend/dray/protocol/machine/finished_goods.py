@@ -1,0 +1,196 @@
+"""A machine's finished goods: what lies there, what is sent away, and what becomes of pieces that get lost.
+
+Every piece exists once. It is ready for its goal, waits for a vehicle, is on board, has arrived, or is
+spare because its goal has ended. What vanishes on the way is made once more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import cast
+
+from dray.body import StockChanged
+from dray.messages import BufferLevel, Transport
+from dray.plant import Plant
+from dray.protocol.contract_net.task import OpenTask
+from dray.protocol.machine.production import Goal, GoalBook
+from dray.protocol.machine.supply import Supply
+from dray.protocol.machine.transports import Transports
+
+
+class FinishedGoods:
+    """The goods of one machine.
+
+    Args:
+        machine: whose goods.
+        plant: lots, and where the delivery warehouses are.
+        goals: what is made.
+        supply: what lies there.
+        tasks: the machine's transports.
+        send: announces a transport; called with (work, deadline_s, now_s).
+        lose: called with a goal some of whose pieces will not arrive, and now_s.
+    """
+
+    def __init__(
+        self,
+        machine: str,
+        plant: Plant,
+        goals: GoalBook,
+        supply: Supply,
+        tasks: Transports,
+        *,
+        send: Callable[[Transport, float, float], None],
+        lose: Callable[[Goal | None, float], None],
+    ) -> None:
+        self._machine = machine
+        self._plant = plant
+        self._goals = goals
+        self._supply = supply
+        self._tasks = tasks
+        self._send = send
+        self._lose = lose
+        self._capacity = plant.machines[machine].goods_capacity
+        self._products = tuple(making.product for making in plant.machines[machine].makes)
+        self._delivery = plant.closest(plant.node_of(machine), plant.delivery_warehouses, 1)[0]
+
+    @property
+    def full(self) -> bool:
+        """Whether there is no room for another piece."""
+        return sum(self._supply.level(product) for product in self._products) >= self._capacity
+
+    def levels(self) -> tuple[BufferLevel, ...]:
+        """What lies there of every product, for the heartbeat."""
+        return tuple(
+            BufferLevel(
+                item=product,
+                level=self._supply.level(product),
+                capacity=self._capacity,
+                spare=self._goals.spare(product),
+            )
+            for product in self._products
+        )
+
+    def count(self) -> None:
+        """At the start: what lies there and belongs to nothing is spare."""
+        for product in self._products:
+            self._goals.add_spare(product, max(0, self._supply.level(product) - self._claimed(product)))
+
+    def recount(self, now_s: float) -> None:
+        """Put the books right by what lies there: what is gone is made anew, what is left over is spare.
+
+        A lot that waits for its vehicle is there as a whole, or it has gone with another one.
+        """
+        gone: list[OpenTask] = []
+        for product in self._products:
+            left = self._supply.level(product)
+            for task in self._waiting(product):
+                quantity = cast(Transport, task.work).quantity
+                if quantity <= left:
+                    left -= quantity
+                else:
+                    gone.append(task)
+            for goal in self._goals:
+                if goal.work.product == product:
+                    goal.made -= max(0, goal.ready - left)
+                    left -= goal.ready
+            self._goals.set_spare(product, left)
+        for task in gone:
+            self._tasks.close(task, "withdrawn")
+            self.lost(task, now_s)
+
+    # --- sending them away ---
+
+    def dispatch(self, now_s: float) -> None:
+        """Have fetched what is ready."""
+        for goal in self._goals:
+            self._dispatch(goal, now_s)
+        if self.full:
+            self._clear_spare(now_s)
+
+    def _dispatch(self, goal: Goal, now_s: float) -> None:
+        product = self._plant.products[goal.work.product]
+        # FinishedGoods of goals that more urgent ones have interrupted must not fill the machine for ever.
+        whole = goal.to_make > 0 and not self.full
+        while goal.ready >= product.lot or (goal.ready > 0 and not whole):
+            quantity = min(goal.ready, product.lot)
+            goal.committed += quantity
+            deadline_s = max(goal.deadline_s, now_s + self._supply.patience_s())
+            self._send(self._way_out(product.id, quantity, goal.id), deadline_s, now_s)
+
+    def _clear_spare(self, now_s: float) -> None:
+        """Pieces that no goal wants must not fill the machine for ever: they are set aside."""
+        for product in self._products:
+            quantity = min(self._goals.spare(product), self._plant.products[product].lot)
+            if quantity:
+                self._goals.take_spare(product, quantity)
+                deadline_s = now_s + self._supply.patience_s()
+                self._send(self._way_out(product, quantity, ""), deadline_s, now_s)
+
+    def _way_out(self, product: str, quantity: int, goal: str) -> Transport:
+        return Transport(
+            item=product,
+            quantity=quantity,
+            sources=(self._machine,),
+            destination=self._delivery,
+            ability=self._plant.products[product].ability,
+            goal=goal,
+        )
+
+    # --- what becomes of them ---
+
+    def lack(self, task: OpenTask) -> bool:
+        """Whether the load of a transport does not lie there, though nobody has fetched it."""
+        work = cast(Transport, task.work)
+        if work.item not in self._products or task.loaded:
+            return False
+        return self._supply.level(work.item) < work.quantity
+
+    def moved(self, report: StockChanged, now_s: float) -> None:
+        """Pieces went, or came back."""
+        if report.change < 0:
+            self._left(report, now_s)
+        else:
+            self._came_back(report, now_s)
+
+    def lost(self, task: OpenTask, now_s: float) -> None:
+        """A transport has ended, and its pieces will not arrive: they are made anew."""
+        work = cast(Transport, task.work)
+        goal = self._goals.get(work.goal)
+        if goal is not None:
+            goal.lose(work.quantity)
+        self._lose(goal, now_s)
+
+    def keep_unwanted(self) -> None:
+        """Pieces that nobody wants any more and nobody has fetched yet stay here, as spare."""
+        for task in list(self._tasks):
+            work = cast(Transport, task.work)
+            if work.goal and not task.loaded and self._goals.get(work.goal) is None:
+                self._tasks.close(task, "withdrawn")
+                lie_there = self._supply.level(work.item) - self._claimed(work.item)
+                unbooked = max(0, lie_there - self._goals.spare(work.item))
+                self._goals.add_spare(work.item, min(work.quantity, unbooked))
+
+    def _left(self, report: StockChanged, now_s: float) -> None:
+        for task in self._tasks:
+            if task.primary == report.vehicle and task.work_item == report.item:
+                self._tasks.note_loaded(task)
+                return
+        self.recount(now_s)
+
+    def _came_back(self, report: StockChanged, now_s: float) -> None:
+        """A person has brought them, from a vehicle that has failed."""
+        for task in list(self._tasks):
+            work = cast(Transport, task.work)
+            if task.loaded and work.item == report.item and work.quantity == report.change:
+                self._tasks.reopen(task, "its load was brought back", now_s)
+                return
+        self._goals.add_spare(report.item, report.change)
+
+    def _waiting(self, product: str) -> list[OpenTask]:
+        """Transports of a product whose load has not been fetched."""
+        return [task for task in self._tasks if not task.loaded and task.work_item == product]
+
+    def _claimed(self, product: str) -> int:
+        """Pieces in the goods that belong to a goal or wait for a vehicle."""
+        ready = sum(goal.ready for goal in self._goals if goal.work.product == product)
+        return ready + sum(cast(Transport, task.work).quantity for task in self._waiting(product))

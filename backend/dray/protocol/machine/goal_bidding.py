@@ -1,0 +1,194 @@
+"""A machine as a contractor of the strategist: hear of goals, quote them, take them, give them back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from dray.messages import (
+    Accepted,
+    Award,
+    Confirmed,
+    GoalClosed,
+    Production,
+    Refusal,
+    Release,
+    Role,
+    TaskAnnounced,
+    Withdrawn,
+)
+from dray.messages.fact import ContractEnded, ContractTaken
+from dray.protocol.contract_net.probation import ON_TRIAL, Probation
+from dray.protocol.contract_net.replies import Refusals, decline, offer
+from dray.protocol.machine.production import Goal, GoalBook
+from dray.protocol.machine.supply import Supply
+from dray.protocol.runtime.bounded_map import BoundedMap
+from dray.protocol.runtime.events import Effect, Record
+from dray.protocol.runtime.retransmission import Retransmitter
+from dray.protocol.runtime.timers import Timers
+
+CONFIRM = "confirm"
+
+QUOTES_KEPT = 64
+"""Bids for goals whose award may still come: more than a strategist has open at a time."""
+
+GOALS_MAX = 4096
+"""Goals of one machine at a time: weeks of work. Beyond that somebody gives out what no order asks for."""
+
+QUOTE_TOLERANCE_S = 60.0
+"""How much later than it bid a machine may end and still take an award."""
+
+
+class GoalBidder:
+    """Bids for one machine.
+
+    Args:
+        lots: pieces in a container of each product that the machine can make.
+        goals: what it has taken.
+        supply: what is at hand.
+        trial: of the machine. A goal of one container is short: more is not spoilt by a bad one.
+        timers: the machine's alarms; this class uses names ``(CONFIRM, goal)``.
+        out: where effects go.
+        commit: called when the machine is bound to something else than before.
+
+    Attributes:
+        alarms: what to call when an alarm of this class has come, with (goal, now_s).
+    """
+
+    def __init__(
+        self,
+        lots: Mapping[str, int],
+        goals: GoalBook,
+        supply: Supply,
+        trial: Probation,
+        timers: Timers,
+        out: list[Effect],
+        commit: Callable[[], None],
+    ) -> None:
+        self._lots = lots
+        self._goals = goals
+        self._supply = supply
+        self._trial = trial
+        self._out = out
+        self._refusals = Refusals(out)
+        self._commit = commit
+        self._quoted_s: BoundedMap[str, float] = BoundedMap(QUOTES_KEPT)
+        """By goal: when it was promised to be done."""
+        self._unconfirmed = Retransmitter(CONFIRM, timers, out)
+        """Acceptances, said until their strategist has confirmed the goal. A Release would end it too."""
+        self.alarms = {CONFIRM: self._unconfirmed.wake}
+
+    def on_announced(self, message: TaskAnnounced, unfit: str, now_s: float) -> None:
+        """Answer an announcement with a bid, or note why not.
+
+        Args:
+            message: the announcement.
+            unfit: why the machine takes no goals at all; empty when it does.
+            now_s: the present time.
+        """
+        work = message.work
+        if not isinstance(work, Production) or work.product not in self._lots:
+            return
+        is_short = work.quantity <= self._lots[work.product]
+        if not unfit and self._trial.bars(short=is_short, round_number=message.round):
+            unfit = ON_TRIAL
+        if unfit:
+            self._refusals.note(message, Refusal.NOT_FIT, unfit)
+            return
+        self._refusals.forget(message)
+        cost = self._goals.quote(work, self._supply.stock, self._supply.longest_lead_s(work.product))
+        finish_s = now_s + cost.total_s
+        self._quoted_s[message.task] = finish_s
+        self._out += offer(message, cost, finish_s, now_s)
+
+    def on_award(self, sender: str, award: Award, unfit: str, now_s: float) -> bool:
+        """Take a goal or decline it; True when it was taken just now."""
+        work = award.work
+        if not isinstance(work, Production) or work.product not in self._lots:
+            self._out.append(decline(sender, award, Refusal.ABILITY))
+            return False
+        known = self._goals.get(award.task)
+        if known is not None:
+            # Its first answer was lost, or the strategist has lost it with an earlier life.
+            if award.epoch >= known.epoch:
+                known.epoch, known.number = award.epoch, award.number
+                self._commit()
+            self.ask(known, now_s)
+            return False
+        reason = self._why_not(award.task, work, unfit, now_s)
+        if reason is not None:
+            self._out.append(decline(sender, award, reason))
+            return False
+        goal = Goal(award.task, work, award.deadline_s, sender, award.epoch, award.number)
+        self._goals.add(goal)
+        self._commit()
+        self.ask(goal, now_s)
+        taken = ContractTaken(task=award.task, epoch=award.epoch, role=award.role, coordinator=sender)
+        self._out.append(Record(taken))
+        return True
+
+    def ask(self, goal: Goal, now_s: float) -> None:
+        """Say that a goal was taken until it is confirmed; whether it still is this machine's, and what has arrived."""
+        accepted = Accepted(
+            task=goal.id,
+            epoch=goal.epoch,
+            role=Role.PRIMARY,
+            finish_s=self._quoted_s.get(goal.id, now_s),
+            number=goal.number,
+        )
+        self._unconfirmed.say(goal.id, goal.strategist, accepted, now_s)
+
+    def on_confirmed(self, message: Confirmed, now_s: float) -> bool:
+        """The contract stands on both sides; True when that, or what has arrived, is news."""
+        goal = self._goals.get(message.task)
+        if goal is None:
+            return False
+        # Also when it was confirmed before: a doubled award has made the machine ask again.
+        self._unconfirmed.settle(goal.id)
+        before = (goal.confirmed, goal.delivered, goal.astray)
+        goal.confirmed = True
+        goal.on_count(message, now_s)
+        self._goals.add_spare(goal.work.product, goal.note_arrived(message.arrived))
+        if before == (goal.confirmed, goal.delivered, goal.astray):
+            return False
+        self._commit()
+        return True
+
+    def on_over(self, message: Release | Withdrawn) -> Goal | None:
+        """The goal is not this machine's any more: it stops, and what is ready is spare.
+
+        Returns:
+            The goal, if it was known; None for words that change nothing. A Release answers a machine
+            that asks: to one whose goal is confirmed, or was given by another award, it comes too late.
+        """
+        goal = self._goals.get(message.task)
+        if goal is None:
+            return None
+        if isinstance(message, Release) and (
+            goal.id not in self._unconfirmed or message.number != goal.number
+        ):
+            return None
+        return self._end(goal, message.reason)
+
+    def on_closed(self, message: GoalClosed) -> Goal | None:
+        """All of a goal is delivered: the gate has counted it. Returns the goal, if it was known."""
+        goal = self._goals.get(message.goal)
+        return None if goal is None else self._end(goal, "delivered")
+
+    def _end(self, goal: Goal, reason: str) -> Goal:
+        self._goals.remove(goal.id)
+        self._unconfirmed.settle(goal.id)
+        self._commit()
+        ended = ContractEnded(task=goal.id, epoch=goal.epoch, role=Role.PRIMARY, reason=reason)
+        self._out.append(Record(ended))
+        return goal
+
+    def _why_not(self, goal: str, work: Production, unfit: str, now_s: float) -> Refusal | None:
+        """A goal that was taken since the bid may have made its promise empty."""
+        if unfit:
+            return Refusal.NOT_FIT
+        if len(self._goals) >= GOALS_MAX:
+            return Refusal.BUSY
+        cost = self._goals.quote(work, self._supply.stock, self._supply.longest_lead_s(work.product))
+        finish_s = now_s + cost.total_s
+        promised_s = self._quoted_s[goal] = self._quoted_s.get(goal, finish_s)
+        return Refusal.BUSY if finish_s - promised_s > QUOTE_TOLERANCE_S else None

@@ -1,0 +1,100 @@
+"""After a restart: a machine listens for vehicles that work for it, and that it does not know of.
+
+Its own notes tell what it had announced, and nearly always who carries it. An award that was accepted
+while it was away is in nobody's notes but the vehicle's, and so is everything when the notes are lost.
+"""
+
+from __future__ import annotations
+
+from dray.messages import AtvHeartbeat, Brief, Phase, Transport
+from dray.messages.keys import Keys
+from dray.plant import Plant
+from dray.protocol.machine.supply import Supply
+from dray.protocol.machine.transports import ADOPT_S, Transports
+from dray.protocol.runtime.events import Effect, Subscribe, Unsubscribe
+from dray.protocol.runtime.timers import Timers
+
+ADOPT = "adopt"
+
+ON_THE_WAY = frozenset({Phase.APPROACHING, Phase.LOADING, Phase.CARRYING, Phase.UNLOADING})
+"""Phases of a transport that has not been handed over: only such a one is news to a machine that forgot all."""
+
+
+class Recovery:
+    """The first seconds of a machine's later lives.
+
+    Args:
+        machine: who was started again.
+        plant: its materials, and where they come from.
+        keys: the plant's bus keys.
+        tasks: its transports.
+        supply: its buffers.
+        timers: its alarms; this class uses `ADOPT`.
+        out: where effects go.
+    """
+
+    def __init__(
+        self,
+        machine: str,
+        plant: Plant,
+        keys: Keys,
+        tasks: Transports,
+        supply: Supply,
+        timers: Timers,
+        out: list[Effect],
+    ) -> None:
+        self._machine = machine
+        self._plant = plant
+        self._key = keys.all_atv_heartbeats
+        self._tasks = tasks
+        self._supply = supply
+        self._timers = timers
+        self._out = out
+        self._forgetful = False
+        """It has no notes of the life before."""
+
+    def begin(self, forgetful: bool, now_s: float) -> None:
+        """Listen to all vehicles for a while."""
+        self._forgetful = forgetful
+        self._out.append(Subscribe(self._key))
+        self._timers.set(ADOPT, now_s + ADOPT_S)
+
+    def end(self) -> None:
+        """The alarm has come: listen to all vehicles no longer."""
+        self._out.append(Unsubscribe(self._key))
+
+    def waits_for_word_on(self, task: str) -> bool:
+        """Whether a task that is not known may be one of an earlier life, of which its carrier's heartbeat tells."""
+        if not self._forgetful or not self._timers.is_set(ADOPT):
+            return False
+        return self._tasks.get(task) is None and self._tasks.closed(task) is None
+
+    def on_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
+        """A vehicle may name this machine as the one that it carries for."""
+        brief = heartbeat.task
+        if brief is None or brief.coordinator != self._machine or not self._timers.is_set(ADOPT):
+            return
+        known = self._tasks.get(brief.task)
+        if known is not None:
+            self._tasks.adopt(heartbeat.atv, brief, now_s)
+        elif (
+            self.waits_for_word_on(brief.task)
+            and self._is_ours(brief)
+            and not self._carries_already(heartbeat.atv)
+        ):
+            work = Transport(
+                item=brief.item,
+                quantity=brief.quantity,
+                sources=self._plant.storages_of(brief.item),
+                destination=self._machine,
+                ability=self._plant.materials[brief.item].ability,
+            )
+            self._tasks.adopt_unknown(heartbeat.atv, brief, work, now_s)
+            self._supply.ordered(work)
+
+    def _carries_already(self, atv: str) -> bool:
+        """Whether the word of a vehicle was taken before: it has one contract, whatever it says."""
+        return any(task.primary == atv for task in self._tasks)
+
+    def _is_ours(self, brief: Brief) -> bool:
+        return brief.item in self._plant.materials_of(self._machine) and brief.phase in ON_THE_WAY

@@ -1,0 +1,294 @@
+"""Where a machine gets its material: it asks the stations of storages to set it aside before it hires anybody.
+
+    ASKING --all have answered, one has it--> announced, from those that have it --contracted--> one of them
+       |                                          ^
+       +--nobody has it--> WAITING --its turn-----+
+
+Until a station has set the material aside nobody is hired for it, and the machine tells what it waits for. It is in the
+queue of every station that it has asked. The first that has it is taken; what others set aside is given back, at
+the latest when a vehicle has chosen where to fetch it. A reservation is renewed until the load is on board.
+
+A station that does not answer is one that has nothing: without it the dock would not open. It is asked again until
+it does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import cast
+
+from msgspec.structs import replace
+
+from dray.messages import MaterialWait, Phase, StockAsked, StockFreed, StockReserved, StockShort, Transport
+from dray.plant import Plant
+from dray.protocol.contract_net.task import OpenTask
+from dray.protocol.runtime.events import Effect, Ignore, Send
+from dray.protocol.runtime.timers import Timers
+
+SOURCE = "source"
+RENEW = "renew"
+
+ANSWER_S = 2.0
+"""So long all stations are waited for before a task is announced from those that have answered."""
+
+AGAIN_S = 10.0
+"""Who waits for material asks again so often: a station that was silent may be back."""
+
+RENEW_S = 60.0
+"""A reservation is renewed so often, until the load is on board: most are fetched before the first time."""
+
+ASKED_MAX = 4
+"""Storages that are asked for one task, the closest: as many as a vehicle compares chargers."""
+
+_NOT_YET_FETCHED = frozenset({Phase.APPROACHING, Phase.LOADING})
+
+
+class Need:
+    """Material that is needed, and for which nobody is hired yet.
+
+    Attributes:
+        task: the name that its transport will have.
+        work: from all storages that are asked.
+        deadline_s: when it should be there.
+        since_s: when it was asked for first.
+        waits: it was not to be had when it was asked for first.
+    """
+
+    __slots__ = ("answered", "deadline_s", "reserved", "short", "since_s", "task", "waits", "work")
+
+    def __init__(self, task: str, work: Transport, deadline_s: float, since_s: float) -> None:
+        self.task, self.work, self.deadline_s, self.since_s = task, work, deadline_s, since_s
+        self.reserved: dict[str, None] = {}
+        """Stations that have set it aside."""
+        self.short: dict[str, None] = {}
+        """Stations that have said that they cannot."""
+        self.answered: dict[str, None] = {}
+        """Stations that have answered since they were asked last."""
+        self.waits = False
+
+    @property
+    def silent(self) -> tuple[str, ...]:
+        """Stations that have not answered."""
+        return tuple(
+            each for each in self.work.sources if each not in self.reserved and each not in self.short
+        )
+
+    def wait(self) -> MaterialWait:
+        """What the heartbeat tells of it."""
+        return MaterialWait(
+            item=self.work.item,
+            quantity=self.work.quantity,
+            short=tuple(self.short),
+            silent=self.silent,
+            since_s=self.since_s,
+        )
+
+
+class Sourcing:
+    """The material that one machine has asked for.
+
+    Args:
+        machine: whose.
+        plant: its storages.
+        timers: its alarms; this class uses names ``(SOURCE, task)`` and ``(RENEW, task)``.
+        out: where effects go.
+        announce: called with a need for which material is set aside in all of its sources, and now_s.
+        task_of: an open task by its name.
+        starve: called with an open task whose material is not there any more, before anybody was hired, and now_s.
+        changed: called with now_s when something is waited for.
+
+    Attributes:
+        alarms: what to call when an alarm of this class has come, with (task, now_s).
+    """
+
+    def __init__(
+        self,
+        machine: str,
+        plant: Plant,
+        timers: Timers,
+        out: list[Effect],
+        *,
+        announce: Callable[[Need, float], None],
+        task_of: Callable[[str], OpenTask | None],
+        starve: Callable[[OpenTask, float], None],
+        changed: Callable[[float], None],
+    ) -> None:
+        self._machine = machine
+        self._plant = plant
+        self._timers = timers
+        self._out = out
+        self._announce = announce
+        self._task_of = task_of
+        self._starve = starve
+        self._changed = changed
+        self._needs: dict[str, Need] = {}
+        self._held: dict[str, dict[str, None]] = {}
+        """By open task, the stations that have set its material aside, as far as is known."""
+        self.alarms: dict[str, Callable[[str, float], None]] = {SOURCE: self._ask_again, RENEW: self._renew}
+
+    def __iter__(self) -> Iterator[Need]:
+        """What is needed and not announced yet, the oldest first."""
+        return iter(self._needs.values())
+
+    def waits(self) -> tuple[MaterialWait, ...]:
+        """For the heartbeat: what nobody is hired for, because it is not to be had."""
+        return tuple(need.wait() for need in self if need.waits)
+
+    def told(self) -> str:
+        """The same in words; empty when nothing is waited for."""
+        by_item = {wait.item: wait.told(wait.item) for wait in self.waits()}
+        return "waits for " + ", ".join(by_item.values()) if by_item else ""
+
+    def holds(self, task: str, station: str) -> bool:
+        """Whether a station has set material aside for an open task, as far as is known."""
+        return station in self._held.get(task, ())
+
+    # --- before anybody is hired ---
+
+    def seek(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
+        """Have material set aside for a task that is to be announced."""
+        node = self._plant.node_of(self._machine)
+        near = self._plant.closest(node, work.sources, ASKED_MAX)
+        work = replace(work, sources=tuple(each for each in work.sources if each in near))
+        need = self._needs[task] = Need(task, work, deadline_s, now_s)
+        self._ask(need.task, 1, need.work, need.work.sources)
+        self._timers.set((SOURCE, task), now_s + ANSWER_S)
+
+    def drop(self, need: Need) -> None:
+        """It is not needed any more."""
+        del self._needs[need.task]
+        self._timers.clear((SOURCE, need.task))
+        self._free(need.task, need.work.sources)
+
+    def on_reserved(self, sender: str, message: StockReserved, now_s: float) -> None:
+        need = self._needs.get(message.task)
+        if need is not None and sender in need.work.sources:
+            need.short.pop(sender, None)
+            need.reserved[sender] = need.answered[sender] = None
+            self._settle(need, now_s)
+            return
+        task = self._task_of(message.task)
+        if task is not None and sender in _sources(task):
+            self._hold(task, sender)
+        else:
+            self._free(message.task, (sender,))
+
+    def on_short(self, sender: str, message: StockShort, now_s: float) -> None:
+        need = self._needs.get(message.task)
+        if need is not None and sender in need.work.sources:
+            need.reserved.pop(sender, None)
+            need.short[sender] = need.answered[sender] = None
+            self._settle(need, now_s)
+            return
+        task = self._task_of(message.task)
+        if task is None or sender not in _sources(task):
+            self._out.append(Ignore("short of what was not asked for"))
+            return
+        held = self._held.get(task.id, {})
+        held.pop(sender, None)
+        if not held and not task.primary:
+            self._starve(task, now_s)
+
+    # --- while somebody carries it ---
+
+    def follow(self, task: OpenTask, now_s: float) -> None:
+        """An open task has got its carrier, has lost it, or is one of an earlier life."""
+        if not _is_material(task, self._machine):
+            return
+        if task.primary:
+            if task.source:
+                # Those that were not chosen.
+                others = [each for each in self._held.get(task.id, ()) if each != task.source]
+                self._free(task.id, others)
+                self._held[task.id] = {task.source: None} if self.holds(task.id, task.source) else {}
+        else:
+            self._held.pop(task.id, None)
+        if not self._held.get(task.id):
+            # Nothing is set aside for this epoch yet, as far as is known.
+            self._ask(task.id, task.epoch, _work(task), _sources(task))
+        self._timers.set((RENEW, task.id), now_s + RENEW_S)
+
+    def end(self, task: OpenTask, *, fetched: bool) -> None:
+        """A task has ended; what was set aside for it and not fetched is given back."""
+        held = self._held.pop(task.id, None)
+        self._timers.clear((RENEW, task.id))
+        if _is_material(task, self._machine) and not fetched:
+            self._free(task.id, tuple(held or _sources(task)))
+
+    # --- how it is done ---
+
+    def _settle(self, need: Need, now_s: float) -> None:
+        """Announce what can be fetched, when all have answered or were waited for."""
+        if need.silent and not need.waits:
+            return
+        if not need.reserved:
+            if not need.waits:
+                need.waits = True
+                self._timers.set((SOURCE, need.task), now_s + AGAIN_S)
+                self._changed(now_s)
+            return
+        del self._needs[need.task]
+        self._timers.clear((SOURCE, need.task))
+        # Whoever has none keeps nobody in its queue who has found another.
+        self._free(need.task, (*need.short, *need.silent))
+        there = tuple(each for each in need.work.sources if each in need.reserved)
+        need.work = replace(need.work, sources=there)
+        self._held[need.task] = dict.fromkeys(there)
+        self._timers.set((RENEW, need.task), now_s + RENEW_S)
+        self._announce(need, now_s)
+
+    def _ask_again(self, task_id: str, now_s: float) -> None:
+        need = self._needs.get(task_id)
+        if need is None:
+            return
+        if not need.waits:
+            need.waits = True
+            self._changed(now_s)
+        self._settle(need, now_s)
+        if task_id in self._needs:
+            # Whoever has not answered the last time may not be there any more.
+            need.short = {each: None for each in need.short if each in need.answered}
+            need.answered.clear()
+            self._ask(need.task, 1, need.work, need.work.sources)
+            self._timers.set((SOURCE, task_id), now_s + AGAIN_S)
+
+    def _renew(self, task_id: str, now_s: float) -> None:
+        task = self._task_of(task_id)
+        if task is None or _was_fetched(task):
+            return
+        self._ask(task_id, task.epoch, _work(task), tuple(self._held.get(task_id) or _sources(task)))
+        self._timers.set((RENEW, task_id), now_s + RENEW_S)
+
+    def _hold(self, task: OpenTask, station: str) -> None:
+        if task.primary and task.source not in ("", station):
+            self._free(task.id, (station,))
+        else:
+            self._held.setdefault(task.id, {})[station] = None
+
+    def _ask(self, task: str, epoch: int, work: Transport, stations: tuple[str, ...]) -> None:
+        asked = StockAsked(task=task, epoch=epoch, item=work.item, quantity=work.quantity)
+        self._out.extend(Send(station, asked) for station in stations)
+
+    def _free(self, task: str, stations: tuple[str, ...] | list[str]) -> None:
+        self._out.extend(Send(station, StockFreed(task=task)) for station in stations)
+
+
+def _is_material(task: OpenTask, machine: str) -> bool:
+    work = task.work
+    return isinstance(work, Transport) and work.destination == machine
+
+
+def _work(task: OpenTask) -> Transport:
+    return cast(Transport, task.work)
+
+
+def _sources(task: OpenTask) -> tuple[str, ...]:
+    """Where the load of a task is to be fetched, by all that is known."""
+    return (task.source,) if task.source else _work(task).sources
+
+
+def _was_fetched(task: OpenTask) -> bool:
+    """Whether the load is on board, as its carrier has told last."""
+    last = task.detector.last if task.detector is not None else None
+    brief = last.task if last is not None else None
+    return brief is not None and brief.task == task.id and brief.phase not in _NOT_YET_FETCHED

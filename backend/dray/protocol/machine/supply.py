@@ -1,0 +1,191 @@
+"""A machine's buffers: what is in them, what is on its way, and what to ask for next."""
+
+from __future__ import annotations
+
+from dray.messages import BufferLevel, Transport
+from dray.plant import Plant
+from dray.protocol.machine.production import GoalBook
+from dray.protocol.machine.replenishment import LeadTime, order_quantity, reorder_point, runs_out_at_s
+
+TYPICAL_APPROACH_S = 45.0
+"""A first guess of how long a vehicle needs to reach a storage, until lead times are measured."""
+
+
+class Supply:
+    """The materials of one machine.
+
+    Args:
+        machine: whose buffers.
+        plant: storages, lots and sizes of buffers.
+        goals: what the machine has to make.
+    """
+
+    def __init__(self, machine: str, plant: Plant, goals: GoalBook) -> None:
+        self._machine = machine
+        self._plant = plant
+        self._goals = goals
+        self._materials = plant.materials_of(machine)
+        products = [making.product for making in plant.machines[machine].makes]
+        self._per_cycle = {
+            material: max(
+                line.quantity
+                for product in products
+                for line in plant.products[product].bill
+                if line.material == material
+            )
+            for material in self._materials
+        }
+        self._lead = {material: LeadTime(self._first_lead_s(material)) for material in self._materials}
+        self._on_order = dict.fromkeys(self._materials, 0)
+        self._levels: tuple[BufferLevel, ...] | None = None
+        self.stock: dict[str, int] = {}
+        """Pieces at hand of every material and product; only this class changes it."""
+        self._seq = 0
+        """Of the last change that is in `stock` (`dray.body.WorkcellState.seq`)."""
+
+    # --- what is there ---
+
+    def begin(self, stock: dict[str, int], seq: int) -> None:
+        """Take the workcell's count at the start, which tells all that was reported to earlier lives, too."""
+        self.stock, self._seq, self._levels = dict(stock), seq, None
+
+    def sense(self, stock: dict[str, int], seq: int) -> bool:
+        """Take the workcell's count, unless it is of another moment: what it has reported since is still to come.
+
+        Returns:
+            True when it is not what was believed.
+        """
+        if seq != self._seq or stock == self.stock:
+            return False
+        self.stock, self._levels = dict(stock), None
+        return True
+
+    def change(self, item: str, pieces: int, seq: int) -> bool:
+        """Pieces came, or went if negative, as the workcell reports.
+
+        Returns:
+            False when the count at the start told so already, and nothing changes.
+        """
+        if seq <= self._seq:
+            return False
+        self._seq = seq
+        self._move(item, pieces)
+        return True
+
+    def use(self, item: str, pieces: int) -> None:
+        """A cycle takes pieces out."""
+        self._move(item, -pieces)
+
+    def level(self, item: str) -> int:
+        return self.stock.get(item, 0)
+
+    def levels(self) -> tuple[BufferLevel, ...]:
+        """Every material's buffer, for the heartbeat. Counted again only after a change."""
+        if self._levels is None:
+            self._levels = tuple(
+                BufferLevel(
+                    item=material,
+                    level=self.level(material),
+                    capacity=self._plant.materials[material].buffer,
+                    reorder_point=self._reorder_point(material),
+                    on_order=self._on_order[material],
+                )
+                for material in self._materials
+            )
+        return self._levels
+
+    def room(self, material: str) -> int:
+        """Pieces that the buffer can still take."""
+        return self._plant.materials[material].buffer - self.level(material)
+
+    # --- what is missing ---
+
+    def next_order(self, cycling: str, now_s: float) -> tuple[Transport, float] | None:
+        """What to ask for now, and by when it is needed (plant clock); None when nothing runs low.
+
+        Args:
+            cycling: the product of the running cycle; empty for none.
+            now_s: the present time.
+        """
+        for material in self._materials:
+            quantity = self._missing(material, cycling)
+            if quantity:
+                work = Transport(
+                    item=material,
+                    quantity=quantity,
+                    sources=self._plant.storages_of(material),
+                    destination=self._machine,
+                    ability=self._plant.materials[material].ability,
+                )
+                return work, self._needed_at_s(material, now_s)
+        return None
+
+    def latest_s(self, work: Transport, planned_s: float, now_s: float) -> float:
+        """By when it should be there if it can be fetched only now (plant clock)."""
+        return max(planned_s, now_s + self._lead[work.item].mean_s)
+
+    def needs(self, material: str, cycling: str) -> bool:
+        """Whether any goal still takes some of it."""
+        return self._goals.need(material, cycling) > 0
+
+    def ordered(self, work: Transport) -> None:
+        """A transport was announced."""
+        self._on_order[work.item] += work.quantity
+        self._levels = None
+
+    def settled(self, work: Transport, took_s: float | None) -> None:
+        """An announced transport has ended; `took_s` is its lead time if it was delivered."""
+        self._on_order[work.item] -= work.quantity
+        self._levels = None
+        if took_s is not None:
+            self._lead[work.item].note(took_s)
+
+    def longest_lead_s(self, product: str) -> float:
+        """The longest lead time of what a product is made of (s)."""
+        return max(self._lead[line.material].mean_s for line in self._plant.products[product].bill)
+
+    def patience_s(self) -> float:
+        """How long a transport may take that nothing presses (s): twice what the slowest material takes."""
+        return 2.0 * max(lead.mean_s for lead in self._lead.values())
+
+    def goals_changed(self) -> None:
+        """The reorder points follow from the goals."""
+        self._levels = None
+
+    def _move(self, item: str, pieces: int) -> None:
+        self.stock[item] = self.stock.get(item, 0) + pieces
+        self._levels = None
+
+    def _missing(self, material: str, cycling: str) -> int:
+        need = self._goals.need(material, cycling)
+        if not need:
+            return 0
+        spec = self._plant.materials[material]
+        return order_quantity(
+            level=self.level(material),
+            on_order=self._on_order[material],
+            need=need,
+            point=self._reorder_point(material),
+            lot=spec.lot,
+            capacity=spec.buffer,
+        )
+
+    def _needed_at_s(self, material: str, now_s: float) -> float:
+        expected = self.level(material) + self._on_order[material]
+        use_per_s = self._goals.use_per_s(material)
+        return max(runs_out_at_s(now_s, expected, use_per_s), now_s + self._lead[material].mean_s)
+
+    def _reorder_point(self, material: str) -> int:
+        spec, per_cycle = self._plant.materials[material], self._per_cycle[material]
+        ceiling = max(per_cycle, spec.buffer - spec.lot)
+        return reorder_point(self._goals.use_per_s(material), self._lead[material].mean_s, per_cycle, ceiling)
+
+    def _first_lead_s(self, material: str) -> float:
+        node = self._plant.node_of(self._machine)
+        ways_s = [
+            self._plant.routes(kind).duration_s(self._plant.node_of(storage), node)
+            for storage in self._plant.storages_of(material)
+            for kind in self._plant.vehicle_types
+        ]
+        handling_s = max(kind.load_s + kind.unload_s for kind in self._plant.vehicle_types.values())
+        return TYPICAL_APPROACH_S + min(ways_s) + handling_s

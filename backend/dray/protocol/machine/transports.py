@@ -1,0 +1,462 @@
+"""A machine's transports: from the first announcement to the end, with a watch over whoever carries them.
+
+Beyond what every coordinator does (`coordinator`), a transport has a secondary as long as it can be taken over
+(`secondaries`), its primary is replaced when it fails (`failover`), and it outlives a restart of its machine.
+
+    AUCTION --accepted--> CARRIED --delivered, withdrawn--> closed
+       ^                    |  ^
+       |                    |  +-- taken over: epoch + 1, another carrier
+       +--- epoch + 1 ------+ nobody carries it any more; where its primary has given it
+                              back, the secondary is asked before anything is announced
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from typing import cast
+
+from dray.memory import TaskMemory
+from dray.messages import (
+    Accepted,
+    AtvHeartbeat,
+    Bid,
+    Brief,
+    Confirmed,
+    Declined,
+    Phase,
+    Resigned,
+    Role,
+    Superseded,
+    TakenOver,
+    Transport,
+    Wait,
+    Work,
+)
+from dray.messages.fact import CarrierChanged
+from dray.protocol.contract_net.assessment import Assessor
+from dray.protocol.contract_net.auction import Place
+from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.coordinator import PRIMARY_AUCTION, Coordinator
+from dray.protocol.contract_net.plausibility import CLOCK, by_our_clock
+from dray.protocol.contract_net.task import OpenTask, Outcome, Receipt
+from dray.protocol.contract_net.waits import Waits
+from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
+from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
+from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Record, Send
+from dray.protocol.runtime.timers import Timers
+from dray.protocol.takeover.failover import Failover
+from dray.protocol.takeover.secondaries import Secondaries
+
+ADOPT_S = 10.0
+"""How long a coordinator that was started again listens for vehicles that work for it: many heartbeats."""
+
+
+class Transports(Coordinator):
+    """All open transports of one machine.
+
+    Args:
+        machine: the coordinator's id.
+        place: where it stands.
+        audience: for a task's work and a radius (m), the bus keys of those to ask.
+        rules: the auction's patience and reach.
+        timers: the machine's alarms; this class and what it consists of use names ``(kind, task)``.
+        subscriptions: which heartbeats the machine hears.
+        assessor: what it asks of bids beside their price, and what it has learned of its carriers.
+        out: where effects go.
+        contracted: called when a task has got its primary, another one, or is without one again.
+        lost: called when a task is given up with the vehicle that has carried it.
+        is_missing: whether the load of a task lies at the machine no more, by its own senses.
+        left: called with a vehicle that does not carry a task any more.
+        unloaded: called when a task has ended because its load is down, though nobody has said so.
+        commit: called when the next life must know of something else.
+        ended: called with a task that has ended, before that is forgotten, and how.
+        incarnation: how often the machine was started.
+    """
+
+    def __init__(
+        self,
+        machine: str,
+        place: Place,
+        audience: Callable[[Work, float], tuple[str, ...]],
+        rules: AuctionRules,
+        timers: Timers,
+        subscriptions: HeartbeatSubscriptions,
+        assessor: Assessor,
+        out: list[Effect],
+        *,
+        contracted: Callable[[OpenTask, float], None],
+        lost: Callable[[OpenTask, float], None],
+        is_missing: Callable[[OpenTask], bool],
+        left: Callable[[str], None],
+        unloaded: Callable[[OpenTask, float], None],
+        commit: Callable[[], None],
+        ended: Callable[[OpenTask, Outcome], None],
+        incarnation: int = 1,
+    ) -> None:
+        super().__init__(
+            machine,
+            place,
+            audience,
+            rules,
+            timers,
+            out,
+            contracted,
+            assessor,
+            subscriptions.arrivals,
+            incarnation=incarnation,
+        )
+        self.agent = machine
+        self._commit = commit
+        self._ended = ended
+        self._lost = lost
+        self._left = left
+        self._unloaded = unloaded
+        self._waits = Waits()
+        self._auctions.waits = self.told_waits
+        self._secondaries = Secondaries(self._open, self._auctions, subscriptions, timers, out)
+        self._failover = Failover(
+            self._open, self._secondaries, subscriptions, timers, out, self, assessor, is_missing
+        )
+        self.alarms |= self._secondaries.alarms | self._failover.alarms
+
+    def superseded(self, task_id: str, epoch: int) -> Superseded:
+        """What to tell somebody who believes to carry a task in this epoch, and does not."""
+        task, closed = self._open.get(task_id), self._closed.get(task_id)
+        if task is not None:
+            return Superseded(task=task_id, epoch=task.epoch)
+        # Of a task that has ended no epoch is right any more, also not one that was never heard of.
+        return Superseded(task=task_id, epoch=max(closed.epoch, epoch) if closed is not None else 0)
+
+    # --- without a carrier (`dray.protocol.takeover.failover.Remedies`) ---
+
+    def reopen(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """Announce a task anew, with a higher epoch; whoever carried it is superseded."""
+        if task.adopted:
+            self.give_up(task, now_s)
+        else:
+            self._replace(task, (), reason, now_s)
+
+    def pass_on(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """Ask the secondary of a task to carry it, with a higher epoch; announce it when that will not."""
+        if task.adopted:
+            self.give_up(task, now_s)
+        else:
+            self._replace(task, self._secondaries.standby_candidate(task), reason, now_s)
+
+    def wait(self, task: OpenTask, trouble: str, now_s: float) -> None:
+        """Let a task wait for its carrier, and say why."""
+        task.trouble = trouble
+        self._contracted(task, now_s)
+
+    def give_up(self, task: OpenTask, now_s: float) -> None:
+        """FinishedGoods are lost with their carrier, or it has left nothing that others could go on with."""
+        self.close(task, "withdrawn")
+        self._lost(task, now_s)
+
+    def conclude(self, task: OpenTask, now_s: float) -> None:
+        """The load is down, though nobody has said so."""
+        self.close(task, "delivered")
+        self._unloaded(task, now_s)
+
+    def close(self, task: OpenTask, outcome: Outcome) -> None:
+        """End a task; who has delivered it has kept its word, or was late."""
+        if outcome == "delivered" and task.progress is not None:
+            now_s, late_s = task.progress.heard_s, task.progress.late_s
+            self._assessor.reliability.note_kept(task.primary, task.id, late_s, now_s)
+        self._ended(task, outcome)
+        super().close(task, outcome)
+
+    def drop_uncounted(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """The load of a task is not where its carrier says: somebody else brings another one."""
+        self._failover.replace(task, reason, now_s)
+
+    def reproach(self, carrier: str, task: OpenTask, reason: str, now_s: float) -> None:
+        """A carrier has delivered less than it says."""
+        self._assessor.reliability.note_dropped(carrier, task.id, reason, now_s)
+
+    def note_loaded(self, task: OpenTask) -> None:
+        """FinishedGoods have left with their carrier."""
+        self._failover.note_loaded(task)
+
+    def note_given_back(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """A carrier has given its task back, and need not have."""
+        self._failover.note_given_back(task, reason, now_s)
+
+    # --- after a restart ---
+
+    def restore(self, memory: TaskMemory, now_s: float) -> OpenTask:
+        """Go on with a task of an earlier life.
+
+        One that had a primary is followed as if nothing had been: the vehicle's own heartbeat shows soon
+        enough whether it still carries it. One that had none may have been accepted while nobody listened:
+        it is announced after ADOPT_S, with a higher epoch, unless a vehicle has named it by then.
+        """
+        epoch = memory.epoch + 1 if memory.offered and not memory.primary else memory.epoch
+        deadline_s = _prolonged_s(memory.deadline_s, memory.opened_s, now_s)
+        auction = self._auction(memory.task, epoch, memory.work, deadline_s)
+        task = self._open[memory.task] = OpenTask(memory.task, memory.work, auction, memory.opened_s)
+        task.due_s, task.witnessed = memory.deadline_s, False
+        if memory.primary:
+            auction.cancel()
+            task.loaded, task.adopted = memory.loaded, memory.adopted
+            self._restore_carrier(task, memory, now_s)
+        else:
+            auction.open_later(now_s + ADOPT_S)
+            self._auctions.arm(PRIMARY_AUCTION, auction)
+        return task
+
+    def adopt(self, atv: str, brief: Brief, now_s: float) -> None:
+        """Acknowledge the contract of a vehicle that names this coordinator, after a restart, if it may have it."""
+        task = self._open.get(brief.task)
+        if task is not None and self._may_be_carried(task, brief.epoch):
+            self._adopt(task, atv, brief.epoch, brief.due_s or 0.0, now_s)
+
+    def adopt_unknown(self, atv: str, brief: Brief, work: Work, now_s: float) -> None:
+        """Acknowledge the contract of a vehicle for a task that no notes tell of."""
+        deadline_s = brief.due_s if brief.due_s is not None else now_s
+        auction = self._auction(brief.task, brief.epoch, work, deadline_s)
+        task = self._open[brief.task] = OpenTask(brief.task, work, auction, now_s)
+        task.adopted, task.witnessed = True, False
+        self._adopt(task, atv, brief.epoch, deadline_s, now_s)
+
+    # --- what is heard ---
+
+    def on_bid(self, sender: str, bid: Bid, now_s: float) -> None:
+        task = self._present(bid)
+        if any(other.primary == sender for other in self):
+            self._out.append(Ignore("a bid by one that carries for this machine"))
+        elif task is not None and bid.role is Role.SECONDARY:
+            self._secondaries.on_bid(task, sender, bid, now_s)
+        else:
+            super().on_bid(sender, bid, now_s)
+
+    def on_accepted(self, sender: str, answer: Accepted, now_s: float) -> None:
+        task = self._open.get(answer.task)
+        if answer.role is Role.PRIMARY and task is not None and self._may_be_carried(task, answer.epoch):
+            # The award is in nobody's notes but the vehicle's, which has been started again too.
+            self._adopt(task, sender, answer.epoch, by_our_clock(answer, now_s).finish_s, now_s)
+            return
+        task = self._present(answer)
+        if task is not None and answer.role is Role.SECONDARY:
+            before = task.secondary
+            self._secondaries.on_accepted(task, sender, answer, now_s)
+            if task.secondary != before:
+                self._commit()
+        else:
+            super().on_accepted(sender, answer, now_s)
+
+    def on_declined(self, sender: str, answer: Declined, now_s: float) -> None:
+        task = self._present(answer)
+        if task is not None and answer.role is Role.SECONDARY:
+            self._secondaries.on_declined(task, sender, answer, now_s)
+        else:
+            super().on_declined(sender, answer, now_s)
+
+    def on_resigned(self, sender: str, message: Resigned, now_s: float) -> None:
+        """A secondary leaves, or a primary gives its task back: another one is sought at once.
+
+        A primary may say so until it hears that its contract is over.
+        """
+        task = self._open.get(message.task)
+        if task is None or message.epoch != task.epoch:
+            self._out.append(Ignore("resigned from a contract that has ended"))
+            if message.role is Role.PRIMARY:
+                self._out.append(Send(sender, self.superseded(message.task, message.epoch)))
+        elif message.role is Role.SECONDARY and sender == task.secondary:
+            self._secondaries.lose(task, message.reason, now_s)
+        elif message.role is Role.PRIMARY and sender == task.primary:
+            self._failover.give_back(task, message.reason, now_s)
+        else:
+            self._out.append(Ignore("resigned from a contract that it does not have"))
+
+    def on_taken_over(self, sender: str, message: TakenOver, now_s: float) -> None:
+        """A secondary carries a task from now on, because its primary has failed."""
+        task = self._open.get(message.task)
+        if task is not None and task.primary == sender and task.epoch == message.epoch:
+            self._confirm(task)
+        elif task is None or message.epoch <= task.epoch:
+            self._out.append(Send(sender, self.superseded(message.task, message.epoch)))
+        elif veto := self._failover.objection(task, sender, message, now_s):
+            self._release(sender, message, veto)
+        elif self._assessor.refuses_clock(sender, message, now_s):
+            self._release(sender, message, CLOCK)
+        else:
+            self._change_carrier(task, sender, by_our_clock(message, now_s), now_s)
+
+    def on_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
+        """Note that a contracted vehicle lives, and whether it knows of its contract."""
+        for task in list(self._open.values()):
+            if task.primary == heartbeat.atv:
+                self._note_phase(task, heartbeat, now_s)
+                self._failover.on_heartbeat(task, heartbeat, now_s)
+            elif task.secondary == heartbeat.atv:
+                self._secondaries.on_heartbeat(task, heartbeat, now_s)
+
+    def offer(self, atv: str, abilities: Collection[str], now_s: float) -> bool:
+        """Offer the most urgent transport that waits to a vehicle that asks for work; False when none does."""
+        if any(task.primary == atv for task in self):
+            return False
+        waiting = [
+            task for task in self if task.auction.waits and cast(Transport, task.work).ability in abilities
+        ]
+        if not waiting:
+            return False
+        min(waiting, key=_urgency).auction.offer(atv, now_s)
+        return True
+
+    # --- how it is done ---
+
+    def _note_phase(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
+        """See how far a carrier has come, and learn how long it had to wait."""
+        brief = heartbeat.task
+        if brief is None or brief.task != task.id or brief.phase is task.phase:
+            return
+        waited_s = now_s - task.phase_s - self._assessor.handling_max_s
+        if task.phase is Phase.LOADING and brief.phase is Phase.CARRYING:
+            self._waits.note(task.source, task.primary, waited_s, now_s)
+        elif task.phase is Phase.UNLOADING and brief.phase is Phase.HANDING_OVER:
+            self._waits.note(cast(Transport, task.work).destination, task.primary, waited_s, now_s)
+        task.phase, task.phase_s = brief.phase, now_s
+
+    def told_waits(self, work: Work, now_s: float) -> tuple[Wait, ...]:
+        """What is known of waits at the places of a transport: lately, and of who stands there now."""
+        transport = cast(Transport, work)
+        for task in self:
+            if task.held_s < NEVER_S:
+                self._waits.note(self.agent, task.primary, now_s - task.held_s, now_s)
+        return self._waits.told((*transport.sources, transport.destination), now_s)
+
+    def _wake_auction(self, task_id: str, now_s: float) -> None:
+        task = self._open.get(task_id)
+        was_offered = task is not None and task.is_offered
+        if task is not None and task.auction.is_due(now_s) and self._is_behind(task):
+            task.auction.stand_behind(now_s)
+            self._auctions.arm(PRIMARY_AUCTION, task.auction)
+        else:
+            super()._wake_auction(task_id, now_s)
+        if not was_offered:
+            self._commit()  # Somebody may accept from now on: another life must use a higher epoch.
+
+    def _announce(self, task: OpenTask, now_s: float) -> None:
+        if task.auction.has_candidates or not self._is_behind(task):
+            super()._announce(task, now_s)
+            return
+        task.auction.stand_behind(now_s)
+        self._auctions.arm(PRIMARY_AUCTION, task.auction)
+
+    def _is_behind(self, task: OpenTask) -> bool:
+        """Whether something more urgent is known to wait for the same vehicles."""
+        ability, urgency = cast(Transport, task.work).ability, _urgency(task)
+        return any(
+            other.auction.waits
+            and cast(Transport, other.work).ability == ability
+            and _urgency(other) < urgency
+            for other in self
+        )
+
+    def _may_be_carried(self, task: OpenTask, epoch: int) -> bool:
+        """Whether somebody may have accepted a task of an earlier life in this epoch, and nobody since.
+
+        Once others were asked, in this life or before, the epoch must not fall.
+        """
+        return not task.primary and not task.is_offered and task.epoch - 1 <= epoch <= task.epoch
+
+    def _adopt(self, task: OpenTask, atv: str, epoch: int, promised_s: float, now_s: float) -> None:
+        task.auction.cancel()
+        task.epoch = epoch
+        self._timers.clear((PRIMARY_AUCTION, task.id))
+        self._bind(task, atv, "", promised_s, now_s)
+        self._contracted(task, now_s)
+
+    def _restore_carrier(self, task: OpenTask, memory: TaskMemory, now_s: float) -> None:
+        task.primary, task.source, task.promised_s = memory.primary, memory.source, memory.promised_s
+        self._failover.follow(task, IDLE_INTERVAL_S, now_s)
+        if memory.secondary:
+            self._secondaries.restore(task, memory.secondary, memory.watch_number, now_s)
+        else:
+            self._secondaries.seek(task, (), now_s)
+
+    def _bound(
+        self,
+        task: OpenTask,
+        runners_up: tuple[tuple[str, Bid], ...],
+        now_s: float,
+    ) -> None:
+        self._failover.follow(task, WORKING_INTERVAL_S, now_s)
+        self._secondaries.seek(task, runners_up, now_s)
+
+    def _let_go(self, task: OpenTask, reason: str) -> None:
+        self._secondaries.drop(task, reason)
+        self._failover.leave(task)
+        if task.primary:
+            self._left(task.primary)
+        task.primary, task.source, task.loaded, task.unloaded = "", "", False, False
+        task.phase = None
+        task.receipt = Receipt()
+        task.held_s = NEVER_S
+
+    def _bind(
+        self,
+        task: OpenTask,
+        atv: str,
+        source: str,
+        promised_s: float,
+        now_s: float,
+    ) -> None:
+        """A vehicle carries a task, though no auction of this life has found it."""
+        task.primary, task.source = atv, source
+        task.promised_s = self._assessor.believed_s(None, promised_s, now_s) if task.witnessed else promised_s
+        self._bound(task, (), now_s)
+
+    def _change_carrier(self, task: OpenTask, atv: str, message: TakenOver, now_s: float) -> None:
+        failure = task.detector.failure(now_s) if task.detector is not None else ""
+        self._failover.blame(task, failure or message.reason, now_s)
+        if task.secondary == atv:
+            self._secondaries.end(task)
+        replaced, silent_s = self._supersede(task, message.epoch, "another one has taken over", now_s)
+        self._bind(task, atv, message.source, message.finish_s, now_s)
+        self._confirm(task)
+        self._note_change(task, replaced, failure or message.reason, silent_s)
+        self._contracted(task, now_s)
+
+    def _replace(
+        self, task: OpenTask, candidates: tuple[tuple[str, Bid], ...], reason: str, now_s: float
+    ) -> None:
+        replaced, silent_s = self._supersede(task, task.epoch + 1, reason, now_s)
+        deadline_s = _prolonged_s(task.due_s, task.opened_s, now_s)
+        task.auction = self._auction(task.id, task.epoch, task.work, deadline_s, candidates)
+        self._note_change(task, replaced, reason, silent_s)
+        self._announce(task, now_s)
+        self._contracted(task, now_s)
+
+    def _supersede(self, task: OpenTask, epoch: int, reason: str, now_s: float) -> tuple[str, float]:
+        """Fence the carrier off; who it was, and how long nothing had been heard of it (s)."""
+        replaced = task.primary
+        silent_s = self._failover.silent_s(task, now_s)
+        self._let_go(task, reason)
+        task.epoch = epoch
+        self._out.append(Send(replaced, Superseded(task=task.id, epoch=epoch)))
+        return replaced, silent_s
+
+    def _confirm(self, task: OpenTask) -> None:
+        self._out.append(Send(task.primary, Confirmed(task=task.id, epoch=task.epoch)))
+
+    def _note_change(self, task: OpenTask, replaced: str, reason: str, silent_s: float) -> None:
+        changed = CarrierChanged(
+            task=task.id,
+            epoch=task.epoch,
+            replaced=replaced,
+            carrier=task.primary,
+            reason=reason,
+            silent_s=silent_s,
+        )
+        self._out.append(Record(changed))
+
+
+def _urgency(task: OpenTask) -> tuple[float, str]:
+    return task.auction.needed_s, task.id
+
+
+def _prolonged_s(due_s: float, opened_s: float, now_s: float) -> float:
+    """A deadline for who begins now: as much time as the task was given at first, and no earlier than then."""
+    return max(due_s, now_s + due_s - opened_s)

@@ -1,0 +1,1 @@
+"""How every agent runs: one step at a time, from an event to effects. Knows no negotiation."""

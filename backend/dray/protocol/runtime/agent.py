@@ -1,0 +1,171 @@
+"""What all agents have in common: one step at a time, from an event to effects."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, cast
+
+from dray.body import BodyState, Report
+from dray.errors import ProtocolViolation
+from dray.memory import Memory, Note
+from dray.messages import Message
+from dray.messages.fact import MemoryLost
+from dray.protocol.runtime.events import (
+    NOT_FOR_US,
+    Commit,
+    Effect,
+    Event,
+    Heard,
+    Ignore,
+    Leave,
+    Leaving,
+    Record,
+    Reported,
+    Started,
+    Woke,
+)
+from dray.protocol.runtime.shutdown import GracefulShutdown
+from dray.protocol.runtime.timers import Timers
+
+Handler = Callable[[str, Any, float], None]
+"""Called with (sender, message, now_s)."""
+
+Alarm = Callable[[Any, float], None]
+"""Called with the second part of the alarm's name, or None, and now_s."""
+
+
+DEAF_S = 0.5
+"""An alarm that comes so much later than it was set was held up by the agent's own process. Less is within what every
+suspicion allows for (`liveness.suspicion.JITTER_S`)."""
+
+
+class AgentBase:
+    """The base of an agent: implements `dray.protocol.runtime.events.Agent`.
+
+    What an agent does is written in three tables, filled by the subclass: which message, which report
+    of its body and which alarm is seen to by which method. Alarms are named by a word, or by a word
+    and what it is about: ``"beat"``, ``("watched silence", task)``.
+
+    Args:
+        agent: its name on the bus.
+        incarnation: how often it has been started, 1 for the first time.
+        leaves_within_s: so long after it was asked to leave it does, whatever holds it.
+    """
+
+    def __init__(self, agent: str, incarnation: int, *, leaves_within_s: float) -> None:
+        self.id = agent
+        self.incarnation = incarnation
+        self._out: list[Effect] = []
+        self._unwritten = False
+        self._timers = Timers()
+        self._shutdown = GracefulShutdown(leaves_within_s)
+        self._message_handlers: Mapping[type[Message], Handler] = {}
+        self._report_handlers: Mapping[type[Report], Callable[[Any, float], None]] = {}
+        self._alarm_handlers: Mapping[str, Alarm] = {}
+
+    @property
+    def wake_at_s(self) -> float:
+        return min(self._timers.next_s, self._shutdown.latest_s)
+
+    def handle(self, event: Event, now_s: float) -> list[Effect]:
+        """Take one step; see `dray.protocol.runtime.events.Agent`."""
+        kind = type(event)
+        if kind is Heard:
+            heard = cast(Heard, event)
+            if heard.body is not None:
+                self._sense(heard.body, now_s)
+            self._hear(heard, now_s)
+        elif kind is Woke:
+            woke = cast(Woke, event)
+            if woke.late_s > DEAF_S:
+                self._was_deaf(woke.late_s)
+            self._sense(woke.body, now_s)
+            self._sound_alarms(now_s)
+        elif kind is Reported:
+            self._on_report(cast(Reported, event).report, now_s)
+        elif kind is Leaving:
+            self._on_leaving(now_s)
+        else:
+            started = cast(Started, event)
+            if started.lost:
+                self._out.append(Record(MemoryLost(reason=started.lost)))
+            self._start(started.body, started.memory, now_s)
+        if self._shutdown.lasts:
+            self._leave_if_free(now_s)
+        effects = [*self._commits(), *self._out]
+        self._out.clear()
+        return effects
+
+    def _commit(self) -> None:
+        """What the agent is bound by has changed: write it down before this step's other effects.
+
+        Called as often as anything changes; what is written is how things stand when the step ends.
+        """
+        self._unwritten = True
+
+    def _commits(self) -> Sequence[Commit]:
+        """What is to be written down now that a step has ended."""
+        if not self._unwritten:
+            return ()
+        self._unwritten = False
+        return (Commit(self._memory()),)
+
+    def _memory(self) -> Note:
+        """What the agent is bound by at this moment, when that is one note."""
+        raise NotImplementedError
+
+    def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
+        """The agent's life begins, and goes on from what its last one has committed."""
+        raise NotImplementedError
+
+    def _sense(self, body: BodyState | None, now_s: float) -> None:
+        """Take note of what the body senses, before anything else is done."""
+
+    def _was_deaf(self, span_s: float) -> None:
+        """The agent's own process was held up for so long: nobody is to be suspected of silence in that time."""
+
+    def _prepare_to_leave(self, now_s: float) -> None:
+        """The agent was asked to leave: give back what others can do as well."""
+
+    def _is_held(self) -> bool:
+        """Whether the agent has something in hand that nobody else can finish, or waits to be let go."""
+        return False
+
+    def _take_leave(self, now_s: float) -> None:
+        """Say how things stand, for the last time in this life."""
+
+    def _hear(self, heard: Heard, now_s: float) -> None:
+        handle = self._message_handlers.get(type(heard.message))
+        if handle is None:
+            self._out.append(Ignore(NOT_FOR_US))
+        elif objection := self._objection(heard.sender, heard.message):
+            self._out.append(Ignore(objection))
+        else:
+            handle(heard.sender, heard.message, now_s)
+
+    def _objection(self, sender: str, message: Message) -> str:
+        """Why a message is ignored, whatever it says; empty when it is heard."""
+        return ""
+
+    def _on_report(self, report: Report, now_s: float) -> None:
+        handle = self._report_handlers.get(type(report))
+        if handle is None:
+            raise ProtocolViolation(f"{self.id} has no body that could report {report}")
+        handle(report, now_s)
+
+    def _on_leaving(self, now_s: float) -> None:
+        if not self._shutdown.begun:
+            self._shutdown.begin(now_s)
+            self._prepare_to_leave(now_s)
+
+    def _leave_if_free(self, now_s: float) -> None:
+        if now_s < self._shutdown.latest_s and self._is_held():
+            return
+        self._shutdown.end()
+        self._take_leave(now_s)
+        self._out.append(Leave())
+
+    def _sound_alarms(self, now_s: float) -> None:
+        for name in self._timers.due(now_s):
+            kind, about = name if isinstance(name, tuple) else (name, None)
+            self._alarm_handlers[kind](about, now_s)

@@ -1,0 +1,39 @@
+"""An agent's pulse: when it says how it is, and how often it has."""
+
+from __future__ import annotations
+
+from dray.protocol.runtime.timers import Timers, spread_frac
+
+BEAT = "beat"
+
+
+class HeartbeatTimer:
+    """The rhythm of one agent's heartbeats.
+
+    Args:
+        agent: whose.
+        timers: its alarms; this class uses `BEAT`.
+    """
+
+    __slots__ = ("_agent", "_timers", "seq")
+
+    def __init__(self, agent: str, timers: Timers) -> None:
+        self._agent = agent
+        self._timers = timers
+        self.seq = 0
+        """The number of the newest heartbeat of this life."""
+
+    def at_once(self, now_s: float) -> None:
+        """Something has changed: beat when this step is over."""
+        self._timers.set(BEAT, now_s)
+
+    def count(self) -> int:
+        """The number of another heartbeat."""
+        self.seq += 1
+        return self.seq
+
+    def go_on(self, interval_s: float, now_s: float) -> None:
+        """It has beaten: do it again after an interval; the first time earlier, by a part that its name gives."""
+        if self.seq == 1:
+            interval_s *= 0.5 + spread_frac(self._agent) / 2
+        self._timers.set(BEAT, now_s + interval_s)

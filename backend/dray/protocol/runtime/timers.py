@@ -1,0 +1,60 @@
+"""An agent's own alarms: what it waits for, and until when."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from zlib import crc32
+
+from dray.protocol.runtime.events import NEVER_S
+
+
+class Timers:
+    """Named alarms of one agent, in one place, so that it has a single `next_s` to be woken at.
+
+    Setting an alarm again moves it. Alarms that are due together come in the order of their times,
+    then in the order in which they were set.
+    """
+
+    __slots__ = ("_at_s", "next_s")
+
+    def __init__(self) -> None:
+        self._at_s: dict[Hashable, float] = {}
+        self.next_s = NEVER_S
+        """The earliest of all alarms; `NEVER_S` when none is set."""
+
+    def set(self, name: Hashable, at_s: float) -> None:
+        """Sound `name` at `at_s`."""
+        before_s = self._at_s.pop(name, NEVER_S)
+        self._at_s[name] = at_s
+        if at_s <= self.next_s:
+            self.next_s = at_s
+        elif before_s == self.next_s:
+            self.next_s = min(self._at_s.values())
+
+    def clear(self, name: Hashable) -> None:
+        """Forget `name`; harmless when it was not set."""
+        before_s = self._at_s.pop(name, NEVER_S)
+        if before_s == self.next_s:
+            self.next_s = min(self._at_s.values(), default=NEVER_S)
+
+    def is_set(self, name: Hashable) -> bool:
+        return name in self._at_s
+
+    def due(self, now_s: float) -> list[Hashable]:
+        """Take out and return all alarms whose time has come."""
+        if now_s < self.next_s:
+            return []
+        names = [name for name, at_s in self._at_s.items() if at_s <= now_s]
+        names.sort(key=self._at_s.__getitem__)
+        for name in names:
+            del self._at_s[name]
+        self.next_s = min(self._at_s.values(), default=NEVER_S)
+        return names
+
+
+def spread_frac(agent: str) -> float:
+    """A part of a span, from none to nearly all of it, that follows from an agent's name.
+
+    Agents that are started together must not do everything together for ever.
+    """
+    return crc32(agent.encode()) % 1000 / 1000

@@ -1,0 +1,198 @@
+"""How a strategist gives goals out: those of one product one after another, different products at the same time.
+
+So every machine bids with its real queue (`goal_bidding` is its side). What becomes of a goal that a machine
+has taken is left to the `strategist`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import cast
+
+from dray.errors import ProtocolViolation
+from dray.messages import Accepted, Brought, Confirmed, GoalBrief, GoalClosed, Production, Withdrawn, Work
+from dray.messages.fact import GoalContracted, GoalWaits, TaskClosed
+from dray.messages.keys import Keys
+from dray.protocol.contract_net.assessment import Assessor
+from dray.protocol.contract_net.auction import Place
+from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.coordinator import Coordinator
+from dray.protocol.contract_net.task import OpenTask, Outcome
+from dray.protocol.runtime.events import Effect, Record, Send
+from dray.protocol.runtime.shutdown import GracefulShutdown
+from dray.protocol.runtime.timers import Timers
+from dray.protocol.strategist.machine_monitor import GOAL_SILENCE_S, MachineMonitor
+from dray.protocol.strategist.order_book import OpenGoal, OrderBook
+
+GOAL_RULES = AuctionRules(window_s=0.5, rest_s=5.0, rest_growth=1.5, rest_aged_frac=0.0, moves_deadline=False)
+"""Machines are wired and few: the window may be shorter than for vehicles."""
+
+NOWHERE = Place(x_m=0.0, y_m=0.0, reach_m=0.0)
+"""A goal's audience has no place: whoever can make the product is asked."""
+
+NOT_NEEDED = "not needed any more"
+
+REASON_CHARS = 500
+"""Words for people; a large plant has more machines than anybody reads."""
+
+TAKERS = "takers"
+"""The alarm for looking whether anybody could take a goal, by product."""
+
+
+class GoalAuctions(Coordinator):
+    """The goals of one strategist, put up for auction.
+
+    Args:
+        strategist: who asks.
+        keys: the plant's bus keys.
+        book: all goals.
+        watch: which machines can work.
+        timers: the strategist's alarms; this class uses names ``(TAKERS, product)`` beside those of its base.
+        out: where effects go.
+        assessor: what it asks of bids beside their price.
+        departure: of the strategist: one that was asked to leave puts nothing up.
+        taken: called when a machine has taken a goal.
+        incarnation: how often the strategist was started.
+    """
+
+    def __init__(
+        self,
+        strategist: str,
+        keys: Keys,
+        book: OrderBook,
+        watch: MachineMonitor,
+        timers: Timers,
+        out: list[Effect],
+        assessor: Assessor,
+        departure: GracefulShutdown,
+        taken: Callable[[OpenGoal, float], None],
+        *,
+        incarnation: int,
+    ) -> None:
+        super().__init__(
+            strategist,
+            NOWHERE,
+            self._audience,
+            GOAL_RULES,
+            timers,
+            out,
+            self._on_contracted,
+            assessor,
+            incarnation=incarnation,
+        )
+        self._strategist = strategist
+        self._keys = keys
+        self._book = book
+        self._watch = watch
+        self._shutdown = departure
+        self._taken = taken
+        self._asking: dict[str, str] = {}
+        """By product: the goal that is up for auction."""
+        self.alarms[TAKERS] = self._check_takers
+
+    def ask_next(self, product: str, now_s: float) -> None:
+        """Put the next goal of a product up for auction, unless one is, or it would be left alone."""
+        if product in self._asking or self._shutdown.begun:
+            return
+        goal = next(self._book.unclaimed(product), None)
+        if goal is None:
+            self._timers.clear((TAKERS, product))
+            return
+        self._asking[product] = goal.id
+        self.open(goal.id, goal.work, goal.deadline_s, now_s, epoch=goal.epoch)
+        if not self._timers.is_set((TAKERS, product)):
+            self._check_takers(product, now_s)
+
+    def end(self, goal: OpenGoal, outcome: Outcome) -> None:
+        """A goal has ended, whether it was put up or not."""
+        if self._asking.get(goal.work.product) == goal.id:
+            del self._asking[goal.work.product]
+        task = self.get(goal.id)
+        if task is not None:
+            self.close(task, outcome)
+        elif goal.machine:
+            # It was contracted in an earlier life, whose auctions are forgotten.
+            if outcome == "withdrawn":
+                self.withdraw(goal.machine, goal.id, goal.epoch)
+            ended = TaskClosed(task=goal.id, epoch=goal.epoch, outcome=outcome, carrier=goal.machine)
+            self._out.append(Record(ended))
+
+    def on_accepted(self, sender: str, answer: Accepted, now_s: float) -> None:
+        """Bind the machine, and confirm as often as it asks: it begins only then."""
+        goal = self._book.goal(answer.task)
+        if goal is None or goal.machine != sender:
+            super().on_accepted(sender, answer, now_s)
+        if goal is not None and goal.machine == sender and goal.epoch == answer.epoch:
+            goal.named_s = now_s
+            self.confirm(goal)
+
+    # --- what machines are told ---
+
+    def confirm(self, goal: OpenGoal) -> None:
+        """Tell a machine that a goal is its own, and how much of it has arrived."""
+        brought = tuple(Brought(vehicle, pieces) for vehicle, pieces in goal.brought.items())
+        confirmed = Confirmed(task=goal.id, epoch=goal.epoch, arrived=goal.arrived, brought=brought)
+        self._out.append(Send(goal.machine, confirmed))
+
+    def withdraw(self, machine: str, goal: str, epoch: int) -> None:
+        """Tell a machine that a goal is not its own any more."""
+        self._out.append(Send(machine, Withdrawn(task=goal, epoch=epoch, reason=NOT_NEEDED)))
+
+    def say_over(self, machine: str, brief: GoalBrief) -> None:
+        """Tell a machine that names a goal which has ended how it did."""
+        closed = self.closed(brief.goal)
+        # What an earlier life has closed is not known here; the machine's own word will do for its end.
+        delivered = brief.delivered >= brief.quantity if closed is None else closed.outcome == "delivered"
+        if delivered:
+            self._out.append(Send(machine, GoalClosed(goal=brief.goal)))
+        else:
+            self.withdraw(machine, brief.goal, 1 if closed is None else closed.epoch)
+
+    # --- when nobody could take them ---
+
+    def say_waits(self, goal: OpenGoal, now_s: float) -> None:
+        """Put on record, once, that nobody can make a goal, and what is the matter with all who could."""
+        if goal.waits:
+            return
+        goal.waits = True
+        reason = self._watch.troubles(goal.work.product, now_s)[:REASON_CHARS]
+        self._out.append(Record(GoalWaits(goal=goal.id, order=goal.work.order, reason=reason)))
+
+    def _check_takers(self, product: str, now_s: float) -> None:
+        """Say so when nobody lives who could take the goals of a product, and look again."""
+        waiting = list(self._book.unclaimed(product))
+        if not waiting:
+            return
+        if self._watch.anybody_fit(product, now_s):
+            for goal in waiting:
+                goal.waits = False
+        else:
+            for goal in waiting:
+                self.say_waits(goal, now_s)
+        self._timers.set((TAKERS, product), now_s + GOAL_SILENCE_S)
+
+    # --- how it is done ---
+
+    def _audience(self, work: Work, _radius_m: float) -> tuple[str, ...]:
+        return (self._keys.goals(cast(Production, work).product),)
+
+    def _on_contracted(self, task: OpenTask, now_s: float) -> None:
+        goal = self._book.goal(task.id)
+        if goal is None:
+            raise ProtocolViolation(f"{self._strategist}: {task.id} was put up and is in no order")
+        self._book.contract(goal, task.primary)
+        work = goal.work
+        contracted = GoalContracted(
+            goal=goal.id,
+            order=work.order,
+            item=work.item,
+            product=work.product,
+            quantity=work.quantity,
+            machine=goal.machine,
+            finish_s=task.promised_s,
+        )
+        self._out.append(Record(contracted))
+        # The auction is over; from now on the goal is followed, not its task.
+        self._taken(goal, now_s)
+        del self._asking[work.product]
+        self.ask_next(work.product, now_s)

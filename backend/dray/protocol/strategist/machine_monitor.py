@@ -1,0 +1,111 @@
+"""Which machines can work, as their heartbeats tell it to the strategist (paper, case 1).
+
+A machine has failed for its goals when it is silent, or when it has said for long that it is broken.
+Nothing is lost by a wrong verdict but work: the gate lets every piece in once, whoever made it.
+"""
+
+from __future__ import annotations
+
+from dray.messages import MachineHeartbeat, MachineStatus, Newcomer
+from dray.plant import Plant
+
+GOAL_SILENCE_S = 15.0
+"""How long a machine may not name a goal before it has lost it. A machine that holds goals beats at 1 Hz,
+so fifteen heartbeats are missing in a row; and its software starts again in less."""
+
+BREAKDOWN_S = 600.0
+"""How long a machine may be broken and keep its goals. A technician mends most breakdowns in less, and
+what was made before is carried away meanwhile."""
+
+MAX_NEWCOMERS = 100
+"""Machines that have come to a plant whose file did not know them: more than anybody sets up before writing
+them into it."""
+
+
+class Seen:
+    """What was last heard of one machine."""
+
+    __slots__ = ("broken_s", "heard_s", "newest")
+
+    def __init__(self, heard_s: float) -> None:
+        self.heard_s = heard_s
+        self.newest = (0, 0)
+        """Incarnation and number of the newest heartbeat."""
+        self.broken_s: float | None = None
+        """Since when it says that it is broken; None while it works."""
+
+
+class MachineMonitor:
+    """All machines of one plant, and those that have come since its file was written.
+
+    Args:
+        plant: who can make what, by its file.
+    """
+
+    def __init__(self, plant: Plant) -> None:
+        self._plant = plant
+        self._seen: dict[str, Seen] = {}
+        self._newcomers: dict[str, Newcomer] = {}
+
+    def begin(self, now_s: float) -> None:
+        """Watch the machines of the plant file; until they have had time to speak all are believed to live."""
+        self._seen = {machine: Seen(now_s) for machine in self._plant.machines}
+
+    def on_heartbeat(self, heartbeat: MachineHeartbeat, now_s: float) -> bool:
+        """Note a heartbeat; False when it is older than one that was heard, or of no machine here."""
+        seen = self._seen.get(heartbeat.machine) or self._welcome(heartbeat, now_s)
+        order = (heartbeat.incarnation, heartbeat.seq)
+        if seen is None or order <= seen.newest:
+            return False
+        seen.newest, seen.heard_s = order, now_s
+        if heartbeat.status is not MachineStatus.ERROR:
+            seen.broken_s = None
+        elif seen.broken_s is None:
+            seen.broken_s = now_s
+        return True
+
+    def excuse(self, span_s: float) -> None:
+        """The strategist was held up itself for so long: nobody was silent in that time."""
+        for seen in self._seen.values():
+            seen.heard_s += span_s
+
+    def machines_for(self, product: str) -> tuple[str, ...]:
+        """All that can make a product, those included that the plant file does not know."""
+        newcomers = (
+            machine
+            for machine, newcomer in self._newcomers.items()
+            if any(making.product == product for making in newcomer.makes)
+        )
+        return (*self._plant.machines_for(product), *newcomers)
+
+    def anybody_fit(self, product: str, now_s: float) -> bool:
+        """Whether anybody lives and works who can make a product."""
+        return any(not self.trouble(machine, now_s) for machine in self.machines_for(product))
+
+    def troubles(self, product: str, now_s: float) -> str:
+        """What is the matter with all that can make a product, in words."""
+        machines = self.machines_for(product)
+        return ", ".join(f"{machine} is {self.trouble(machine, now_s)}" for machine in machines)
+
+    def trouble(self, machine: str, now_s: float) -> str:
+        """What is the matter with a machine, in words; empty when it lives and works."""
+        seen = self._seen.get(machine)
+        # A newcomer that took a goal in an earlier life of the strategist may never have been heard in this one.
+        if seen is None or now_s >= seen.heard_s + GOAL_SILENCE_S:
+            return "silent"
+        return "broken" if seen.broken_s is not None else ""
+
+    def is_broken_for_long(self, machine: str, now_s: float) -> bool:
+        """Whether it has been broken for longer than anybody waits for."""
+        seen = self._seen.get(machine)
+        broken_s = None if seen is None else seen.broken_s
+        return broken_s is not None and now_s >= broken_s + BREAKDOWN_S
+
+    def _welcome(self, heartbeat: MachineHeartbeat, now_s: float) -> Seen | None:
+        """Begin to watch a machine that the plant file does not know, if it says what it is."""
+        newcomer = heartbeat.newcomer
+        if newcomer is None or len(self._newcomers) >= MAX_NEWCOMERS:
+            return None
+        self._newcomers[heartbeat.machine] = newcomer
+        seen = self._seen[heartbeat.machine] = Seen(now_s)
+        return seen

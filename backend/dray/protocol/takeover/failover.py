@@ -1,0 +1,261 @@
+"""The primaries of a coordinator's tasks: whether they live, and what follows when one does not.
+
+A primary that has failed is replaced by its secondary, which has TAKEOVER_TIMEOUT_S for that; else its task is
+announced anew. Either way the epoch rises, and that is the fence: there is one carrier, whoever else
+believes to be it.
+
+    CARRIED --failed, with a secondary--> GRACE --TakenOver--> CARRIED by another, epoch + 1
+       |  ^                                 |  |
+       |  +------- heard again -------------+  +-- nobody takes over --> announced anew, epoch + 1
+       +-- failed, and was silent already when the secondary began --> that one is asked, epoch + 1
+       +-- failed without a secondary, restarted without it --> announced anew, epoch + 1
+       +-- given back, no progress --> the secondary is asked, epoch + 1; else announced anew
+
+A carrier that lives and does not come nearer has failed too (`progress`), but its secondary does not see that: it is asked.
+
+FinishedGoods that have left their machine exist only once: nobody else can carry them, so their task waits for
+its carrier, and is given up after LOST_IN_TRANSIT_S. A load that was seen in the buffer is delivered, whether or
+not its carrier lives to say so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Protocol, cast
+
+from dray.messages import AtvHeartbeat, TakenOver
+from dray.messages.fact import PrimarySuspected
+from dray.protocol.contract_net.assessment import Assessor
+from dray.protocol.contract_net.task import OpenTask
+from dray.protocol.liveness.failure_detector import (
+    GOODS_ABOARD,
+    UNNAMED_S,
+    FailureDetector,
+    HeartbeatSubscriptions,
+)
+from dray.protocol.runtime.events import NEVER_S, Effect, Record
+from dray.protocol.runtime.timers import Timers
+from dray.protocol.takeover.secondaries import Secondaries
+
+TAKEOVER_TIMEOUT_S = 2.0
+"""How long a secondary may take after its primary has failed, beside the delay of one message: both judge
+by the same heartbeats, which reach them within each other's lateness."""
+
+LOST_IN_TRANSIT_S = 600.0
+"""How long goods on board of a silent vehicle are waited for before they are made anew."""
+
+PRIMARY_SILENCE = "primary silence"
+
+
+class Remedies(Protocol):
+    """What a coordinator can do for a task that is without a carrier."""
+
+    def reopen(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """Announce it anew, with a higher epoch."""
+        ...
+
+    def pass_on(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """Ask its secondary to carry it, with a higher epoch."""
+        ...
+
+    def wait(self, task: OpenTask, trouble: str, now_s: float) -> None:
+        """Say in the heartbeat why it does not go on."""
+        ...
+
+    def give_up(self, task: OpenTask, now_s: float) -> None:
+        """Its goods are lost."""
+        ...
+
+    def conclude(self, task: OpenTask, now_s: float) -> None:
+        """Its load is down, though nobody has said so."""
+        ...
+
+
+class Failover:
+    """The watch over the primaries of one coordinator.
+
+    Args:
+        tasks: the coordinator's open tasks, by id.
+        secondaries: who watches them too.
+        subscriptions: which heartbeats the coordinator hears.
+        timers: its alarms; this class uses names ``(PRIMARY_SILENCE, task)``.
+        out: where effects go.
+        remedies: the coordinator.
+        assessor: what it expects of its carriers, and has learned of them.
+        is_missing: whether the load of a task lies at the coordinator no more, by its own senses.
+
+    Attributes:
+        alarms: what to call when an alarm of this class has come, with (task, now_s).
+    """
+
+    def __init__(
+        self,
+        tasks: Mapping[str, OpenTask],
+        secondaries: Secondaries,
+        subscriptions: HeartbeatSubscriptions,
+        timers: Timers,
+        out: list[Effect],
+        remedies: Remedies,
+        assessor: Assessor,
+        is_missing: Callable[[OpenTask], bool],
+    ) -> None:
+        self._tasks = tasks
+        self._secondaries = secondaries
+        self._subscriptions = subscriptions
+        self._timers = timers
+        self._out = out
+        self._remedies = remedies
+        self._assessor = assessor
+        self._is_missing = is_missing
+        self.alarms = {PRIMARY_SILENCE: self._check}
+
+    def follow(self, task: OpenTask, interval_s: float, now_s: float) -> None:
+        """A task has got its primary, which is expected to beat every `interval_s`."""
+        task.unnamed_s, task.awaits_takeover, task.trouble = NEVER_S, False, ""
+        self._subscriptions.begin(task.primary)
+        task.detector = FailureDetector(task.primary, interval_s, now_s, self._subscriptions.arrivals)
+        self._timers.set((PRIMARY_SILENCE, task.id), task.detector.fails_at_s)
+        # Of a contract of an earlier life nobody knows how far it should be.
+        promised_s = task.promised_s if task.witnessed else self._assessor.latest_s(now_s)
+        task.progress = self._assessor.progress(promised_s, now_s)
+
+    def leave(self, task: OpenTask) -> None:
+        """A task has ended, or its primary is one no more."""
+        if task.detector is not None:
+            self._subscriptions.end(task.detector.subject)
+            task.detector = task.progress = None
+        self._timers.clear((PRIMARY_SILENCE, task.id))
+        task.awaits_takeover, task.trouble = False, ""
+
+    def note_loaded(self, task: OpenTask) -> None:
+        """FinishedGoods have left with their carrier: nobody else could fetch them, so nobody needs to watch."""
+        if not task.loaded:
+            task.loaded = True
+            self._secondaries.drop(task, "the load is on board")
+
+    def on_heartbeat(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
+        """The primary lives; it may have lost its contract."""
+        detector = task.detector
+        if detector is None or not detector.on_heartbeat(heartbeat, now_s):
+            return
+        task.awaits_takeover, task.trouble = False, heartbeat.problem
+        self._timers.set((PRIMARY_SILENCE, task.id), detector.fails_at_s)
+        brief = heartbeat.task
+        if brief is not None and brief.task == task.id and brief.epoch == task.epoch:
+            task.unnamed_s = NEVER_S
+            if task.is_of_goods and brief.phase in GOODS_ABOARD and self._may_have_left(task):
+                self.note_loaded(task)
+            self._look_at_progress(task, heartbeat, now_s)
+        elif task.unnamed_s == NEVER_S:
+            task.unnamed_s = now_s
+        elif now_s - task.unnamed_s > UNNAMED_S:
+            self.replace(task, "does not carry it any more", now_s)
+
+    def objection(self, task: OpenTask, sender: str, message: TakenOver, now_s: float) -> str:
+        """Why somebody may not take a task over; empty when it is right."""
+        if sender != task.secondary:
+            return "another one watches"
+        if message.primary != task.primary:
+            return "another one carries it"
+        if task.unloaded:
+            return f"{task.primary} has put the load down"
+        if task.loaded:
+            return f"the load is on board of {task.primary}"
+        detector = task.detector
+        if detector is not None and detector.heard_lately(now_s) and not detector.failure(now_s):
+            return f"{task.primary} is heard"
+        return ""
+
+    def replace(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """The primary carries a task no more, and nobody has taken it over."""
+        if task.unloaded:
+            self._remedies.conclude(task, now_s)
+            return
+        self.blame(task, reason, now_s)
+        if not task.loaded:
+            self._remedies.reopen(task, reason, now_s)
+        else:
+            self._wait_for_goods(task, reason, now_s)
+
+    def note_given_back(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """The primary has given a task back, and need not have."""
+        self._assessor.reliability.note_given_back(task.primary, task.id, reason, now_s)
+
+    def give_back(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """The primary has said that it carries a task no more: it is there to be relieved."""
+        if task.unloaded or task.loaded:
+            self.replace(task, reason, now_s)
+        else:
+            self.note_given_back(task, reason, now_s)
+            self._remedies.pass_on(task, reason, now_s)
+
+    def blame(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """The primary has dropped its contract; that is noted once."""
+        if task.progress is not None and not task.progress.blamed:
+            task.progress.blamed = True
+            self._assessor.reliability.note_dropped(task.primary, task.id, reason, now_s)
+
+    def silent_s(self, task: OpenTask, now_s: float) -> float:
+        """How long nothing has been heard of the primary."""
+        return max(0.0, now_s - task.detector.heard_s) if task.detector is not None else 0.0
+
+    # --- how it is done ---
+
+    def _check(self, task_id: str, now_s: float) -> None:
+        task = self._tasks.get(task_id)
+        if task is None or task.detector is None:
+            return
+        failure = task.detector.failure(now_s)
+        if not failure:
+            task.awaits_takeover = False
+            self._timers.set((PRIMARY_SILENCE, task.id), task.detector.fails_at_s)
+            return
+        self._note_suspicion(task, now_s)
+        if task.standby_detector is None or task.awaits_takeover:
+            self.replace(task, failure, now_s)
+        elif task.detector.heard_s < task.standby_detector.begun_s and not task.unloaded:
+            # The secondary has never heard the primary, and gives it longer than this coordinator has.
+            self.blame(task, failure, now_s)
+            self._remedies.pass_on(task, failure, now_s)
+        else:
+            task.awaits_takeover = True
+            self._timers.set((PRIMARY_SILENCE, task.id), now_s + TAKEOVER_TIMEOUT_S + task.detector.delay_s)
+
+    def _may_have_left(self, task: OpenTask) -> bool:
+        """Whether goods may be on board, as their carrier says: this coordinator was away, or misses them."""
+        return not task.witnessed or self._is_missing(task)
+
+    def _look_at_progress(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
+        progress, brief = task.progress, heartbeat.task
+        if progress is None or brief is None:
+            return
+        failure = progress.on_heartbeat(heartbeat, brief.phase, task.held_s < NEVER_S, now_s)
+        if not failure:
+            return
+        if task.unloaded:
+            self._remedies.conclude(task, now_s)
+            return
+        self.blame(task, failure, now_s)
+        if not task.loaded:
+            self._remedies.pass_on(task, failure, now_s)
+        elif now_s >= progress.failed_s + LOST_IN_TRANSIT_S:
+            self._remedies.give_up(task, now_s)
+        else:
+            task.trouble = f"{task.primary} {failure}, with the load on board"
+
+    def _note_suspicion(self, task: OpenTask, now_s: float) -> None:
+        if task.awaits_takeover or task.trouble:
+            return  # It is in the history already.
+        suspected = PrimarySuspected(
+            task=task.id, epoch=task.epoch, primary=task.primary, silent_s=self.silent_s(task, now_s)
+        )
+        self._out.append(Record(suspected))
+
+    def _wait_for_goods(self, task: OpenTask, reason: str, now_s: float) -> None:
+        detector = cast(FailureDetector, task.detector)
+        lost_at_s = detector.fails_at_s + LOST_IN_TRANSIT_S
+        if detector.failure(now_s) and now_s < lost_at_s:
+            self._timers.set((PRIMARY_SILENCE, task.id), lost_at_s)
+            self._remedies.wait(task, f"{task.primary} is {reason}, with the load on board", now_s)
+        else:
+            self._remedies.give_up(task, now_s)

@@ -1,0 +1,185 @@
+"""The secondaries of a coordinator's tasks: one is kept elected for as long as its task can be taken over.
+
+A secondary is not reserved (protocol, step 4): it resigns when it wins work of its own, it may fail, or
+its resignation may be lost; whenever a task is without one, another is sought.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from dray.messages import Accepted, AtvHeartbeat, Bid, Declined, Release, Role
+from dray.messages.fact import WatchLost
+from dray.protocol.contract_net.auction import Auction, Terms
+from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.auctions import Auctions
+from dray.protocol.contract_net.task import OpenTask
+from dray.protocol.liveness.failure_detector import UNNAMED_S, FailureDetector, HeartbeatSubscriptions
+from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S
+from dray.protocol.runtime.events import NEVER_S, Effect, Record, Send
+from dray.protocol.runtime.timers import Timers
+
+WATCH_RULES = AuctionRules(radius_m=50.0, rest_s=10.0, rest_growth=1.0, rest_max_s=10.0, rest_aged_max_s=60.0)
+"""A missing watch is less urgent than a missing primary, so it asks wider and rests longer; and ever longer where all are
+at work, who watch nobody."""
+
+WATCH_AUCTION = "watch auction"
+SECONDARY_SILENCE = "secondary silence"
+
+
+class Secondaries:
+    """Who watches the primaries of one coordinator.
+
+    Args:
+        tasks: the coordinator's open tasks, by id.
+        auctions: how its auctions are set up.
+        subscriptions: which heartbeats it hears.
+        timers: its alarms; this class uses names ``(WATCH_AUCTION, task)`` and ``(SECONDARY_SILENCE, task)``.
+        out: where effects go.
+
+    Attributes:
+        alarms: what to call when an alarm of this class has come, with (task, now_s).
+    """
+
+    def __init__(
+        self,
+        tasks: Mapping[str, OpenTask],
+        auctions: Auctions,
+        subscriptions: HeartbeatSubscriptions,
+        timers: Timers,
+        out: list[Effect],
+    ) -> None:
+        self._tasks = tasks
+        self._auctions = auctions
+        self._subscriptions = subscriptions
+        self._timers = timers
+        self._out = out
+        self.alarms = {WATCH_AUCTION: self._wake_auction, SECONDARY_SILENCE: self._check}
+
+    def restore(self, task: OpenTask, atv: str, number: int, now_s: float) -> None:
+        """Go on with a secondary that an earlier life has elected."""
+        self._follow(task, atv, number, now_s)
+
+    def seek(self, task: OpenTask, candidates: tuple[tuple[str, Bid], ...], now_s: float) -> None:
+        """Elect a secondary, of these candidates first; nobody is needed for what nobody could take over."""
+        if task.loaded or task.adopted:
+            return
+        terms = Terms(
+            task=task.id,
+            epoch=task.epoch,
+            role=Role.SECONDARY,
+            work=task.work,
+            deadline_s=task.deadline_s,
+            primary=task.primary,
+        )
+        task.watch = self._auctions.prepare(terms, WATCH_RULES, candidates)
+        if not candidates and self._all_are_busy:
+            task.watch.stand_behind(now_s)
+        else:
+            task.watch.open(now_s)
+        self._auctions.arm(WATCH_AUCTION, task.watch)
+
+    def drop(self, task: OpenTask, reason: str) -> None:
+        """A task needs no secondary any more."""
+        if task.watch is not None:
+            task.watch.cancel()
+            task.watch = None
+            self._timers.clear((WATCH_AUCTION, task.id))
+        if task.secondary:
+            self._release(task, task.secondary, task.watch_number, reason)
+            self.end(task)
+
+    def lose(self, task: OpenTask, reason: str, now_s: float) -> None:
+        """A secondary is one no more: elect another."""
+        fact = WatchLost(task=task.id, epoch=task.epoch, secondary=task.secondary, reason=reason)
+        self._out.append(Record(fact))
+        self.end(task)
+        self.seek(task, (), now_s)
+
+    def standby_candidate(self, task: OpenTask) -> tuple[tuple[str, Bid], ...]:
+        """Whom to ask first when the primary gives a task back: its secondary, if there is one, with its bid."""
+        return () if task.watch_bid is None else ((task.secondary, task.watch_bid),)
+
+    def end(self, task: OpenTask) -> None:
+        """Follow a task's secondary no longer, and say nothing: it knows."""
+        self._subscriptions.end(task.secondary)
+        self._timers.clear((SECONDARY_SILENCE, task.id))
+        task.secondary, task.watch_bid, task.watch_number, task.standby_detector = "", None, 0, None
+
+    # --- what is heard ---
+
+    def on_bid(self, task: OpenTask, sender: str, bid: Bid, now_s: float) -> None:
+        if task.watch is not None and sender != task.primary:
+            task.watch.on_bid(sender, bid, now_s)
+            self._auctions.arm(WATCH_AUCTION, task.watch)
+
+    def on_accepted(self, task: OpenTask, sender: str, answer: Accepted, now_s: float) -> None:
+        if task.watch is not None:
+            task.watch.on_accepted(sender, answer)
+            if task.watch.winner == sender:
+                self._bind(task, task.watch, now_s)
+        elif sender != task.secondary:
+            self._release(task, sender, answer.number, "another one watches")
+
+    def on_declined(self, task: OpenTask, sender: str, answer: Declined, now_s: float) -> None:
+        if task.watch is not None:
+            task.watch.on_declined(sender, answer, now_s)
+            self._auctions.arm(WATCH_AUCTION, task.watch)
+
+    def on_heartbeat(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
+        """The secondary lives; it may have forgotten that it watches."""
+        detector = task.standby_detector
+        if detector is None or not detector.on_heartbeat(heartbeat, now_s):
+            return
+        self._timers.set((SECONDARY_SILENCE, task.id), detector.fails_at_s)
+        if any(brief.task == task.id and brief.epoch == task.epoch for brief in heartbeat.watches):
+            task.unwatched_s = NEVER_S
+        elif task.unwatched_s == NEVER_S:
+            task.unwatched_s = now_s
+        elif now_s - task.unwatched_s > UNNAMED_S:
+            self.lose(task, "does not watch any more", now_s)
+
+    # --- time passes ---
+
+    def _wake_auction(self, task_id: str, now_s: float) -> None:
+        task = self._tasks.get(task_id)
+        if task is None or task.watch is None:
+            return
+        if task.watch.is_due(now_s) and self._all_are_busy:
+            task.watch.stand_behind(now_s)
+        else:
+            task.watch.wake(now_s)
+        self._auctions.arm(WATCH_AUCTION, task.watch)
+
+    @property
+    def _all_are_busy(self) -> bool:
+        """Whether transports wait for a vehicle: then nobody has time to watch either."""
+        return any(task.auction.waits for task in self._tasks.values())
+
+    def _check(self, task_id: str, now_s: float) -> None:
+        task = self._tasks.get(task_id)
+        if task is None or task.standby_detector is None:
+            return
+        failure = task.standby_detector.failure(now_s)
+        if failure:
+            self._release(task, task.secondary, task.watch_number, failure)
+            self.lose(task, failure, now_s)
+        else:
+            self._timers.set((SECONDARY_SILENCE, task.id), task.standby_detector.fails_at_s)
+
+    # --- how it is done ---
+
+    def _bind(self, task: OpenTask, watch: Auction, now_s: float) -> None:
+        task.watch, task.watch_bid = None, watch.winning_bid
+        self._timers.clear((WATCH_AUCTION, task.id))
+        self._follow(task, watch.winner, watch.number, now_s)
+
+    def _follow(self, task: OpenTask, atv: str, number: int, now_s: float) -> None:
+        task.secondary, task.watch_number, task.unwatched_s = atv, number, NEVER_S
+        self._subscriptions.begin(atv)
+        task.standby_detector = FailureDetector(atv, IDLE_INTERVAL_S, now_s, self._subscriptions.arrivals)
+        self._timers.set((SECONDARY_SILENCE, task.id), task.standby_detector.fails_at_s)
+
+    def _release(self, task: OpenTask, atv: str, number: int, reason: str) -> None:
+        release = Release(task=task.id, epoch=task.epoch, role=Role.SECONDARY, reason=reason, number=number)
+        self._out.append(Send(atv, release))

@@ -1,0 +1,183 @@
+"""A secondary's watches: whom it guards, for which tasks, and when their failure is noticed.
+
+A watch reserves nothing: the vehicle goes on bidding, and gives every watch back when it wins work
+of its own (protocol, step 4).
+"""
+
+from __future__ import annotations
+
+from msgspec.structs import replace
+
+from dray.messages import AtvHeartbeat, Award, Brief, Release, Resigned, Role, Transport
+from dray.messages.fact import ContractEnded, ContractTaken, PrimarySuspected
+from dray.protocol.liveness.failure_detector import GOODS_ABOARD, FailureDetector, HeartbeatSubscriptions
+from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S
+from dray.protocol.runtime.events import Effect, Record, Send
+from dray.protocol.runtime.timers import Timers
+
+WATCHED_SILENCE = "watched silence"
+
+OVER_AFTER_S = 15.0
+"""A primary that has named another task, or none, for this long has finished the one that is
+watched: the coordinator's release was lost on the way."""
+
+
+class Watch:
+    """One task that this vehicle is secondary of."""
+
+    __slots__ = ("award", "coordinator", "detector", "named_s", "reported")
+
+    def __init__(self, award: Award, coordinator: str, detector: FailureDetector, now_s: float) -> None:
+        self.award = award
+        self.coordinator = coordinator
+        self.detector = detector
+        self.named_s = now_s
+        """When the primary last named this task as its own."""
+        self.reported = False
+        """The present failure of the primary is in the history."""
+
+    @property
+    def can_be_taken_over(self) -> bool:
+        """Whether the load can still be fetched: goods that have left their machine exist only once."""
+        work, last = self.award.work, self.detector.last
+        if not isinstance(work, Transport) or not work.goal:
+            return True
+        brief = last.task if last is not None else None
+        return brief is None or brief.task != self.award.task or brief.phase not in GOODS_ABOARD
+
+    def brief(self) -> Brief:
+        work = self.award.work
+        item, quantity = (work.item, work.quantity) if isinstance(work, Transport) else ("", 0)
+        return Brief(
+            task=self.award.task,
+            epoch=self.award.epoch,
+            role=Role.SECONDARY,
+            coordinator=self.coordinator,
+            item=item,
+            quantity=quantity,
+        )
+
+
+class Standby:
+    """All watches of one vehicle.
+
+    Args:
+        subscriptions: which heartbeats the vehicle hears.
+        timers: the vehicle's alarms; this class uses names ``(WATCHED_SILENCE, task)``.
+        out: where effects go.
+    """
+
+    def __init__(self, subscriptions: HeartbeatSubscriptions, timers: Timers, out: list[Effect]) -> None:
+        self._subscriptions = subscriptions
+        self._timers = timers
+        self._out = out
+        self._watches: dict[str, Watch] = {}
+
+    def __len__(self) -> int:
+        return len(self._watches)
+
+    def __contains__(self, task: str) -> bool:
+        return task in self._watches
+
+    def holds(self, task: str, epoch: int) -> bool:
+        """Whether exactly this watch was taken already."""
+        watch = self._watches.get(task)
+        return watch is not None and watch.award.epoch == epoch
+
+    def coordinator_of(self, task: str) -> str:
+        """Who has asked for a watch that is kept; empty when none is."""
+        watch = self._watches.get(task)
+        return "" if watch is None else watch.coordinator
+
+    def briefs(self) -> tuple[Brief, ...]:
+        return tuple(watch.brief() for watch in self._watches.values())
+
+    def begin(self, award: Award, coordinator: str, now_s: float) -> None:
+        """Guard the primary of an award; a newer epoch of the same task replaces the older one."""
+        if award.task in self._watches:
+            self.end(award.task, "renewed")
+        detector = FailureDetector(award.primary, WORKING_INTERVAL_S, now_s, self._subscriptions.arrivals)
+        self._watches[award.task] = Watch(award, coordinator, detector, now_s)
+        self._subscriptions.begin(award.primary)
+        self._timers.set((WATCHED_SILENCE, award.task), detector.fails_at_s)
+        taken = ContractTaken(
+            task=award.task, epoch=award.epoch, role=Role.SECONDARY, coordinator=coordinator
+        )
+        self._out.append(Record(taken))
+
+    def renew(self, award: Award) -> None:
+        """A watch that is kept was asked for once more; a release of the earlier award does not end it."""
+        watch = self._watches[award.task]
+        watch.award = replace(award, primary=watch.award.primary)
+
+    def release(self, message: Release) -> bool:
+        """The coordinator lets a watch go; False when it was taken by another award."""
+        watch = self._watches.get(message.task)
+        if watch is None or watch.award.number != message.number:
+            return False
+        self.end(message.task, message.reason)
+        return True
+
+    def end(self, task: str, reason: str) -> None:
+        """Guard it no longer; harmless when it was not guarded."""
+        watch = self._watches.pop(task, None)
+        if watch is None:
+            return
+        self._subscriptions.end(watch.award.primary)
+        self._timers.clear((WATCHED_SILENCE, task))
+        ended = ContractEnded(task=task, epoch=watch.award.epoch, role=Role.SECONDARY, reason=reason)
+        self._out.append(Record(ended))
+
+    def resign(self, reason: str) -> None:
+        """Give every watch back to its coordinator, who elects another."""
+        for task in list(self._watches):
+            self.resign_from(task, reason)
+
+    def resign_from(self, task: str, reason: str) -> None:
+        """Give one watch back."""
+        watch = self._watches[task]
+        resigned = Resigned(task=task, epoch=watch.award.epoch, role=Role.SECONDARY, reason=reason)
+        self._out.append(Send(watch.coordinator, resigned))
+        self.end(task, "resigned")
+
+    def on_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
+        """A followed vehicle lives."""
+        for task, watch in list(self._watches.items()):
+            if watch.award.primary != heartbeat.atv or not watch.detector.on_heartbeat(heartbeat, now_s):
+                continue
+            watch.reported = False
+            # A heartbeat may bring the failure nearer: the time for help is over, or was cut short.
+            self._timers.set((WATCHED_SILENCE, task), watch.detector.fails_at_s)
+            if heartbeat.task is not None and heartbeat.task.task == task:
+                watch.named_s = now_s
+            elif now_s - watch.named_s > OVER_AFTER_S:
+                self.end(task, "over")
+
+    def failed(self, task: str, now_s: float) -> Watch | None:
+        """Look after a primary whose time may have come.
+
+        Returns:
+            Its watch when it has failed and the task can be taken over; None otherwise.
+        """
+        watch = self._watches.get(task)
+        if watch is None:
+            return None
+        detector = watch.detector
+        reason = detector.failure(now_s)
+        if not reason:
+            self._timers.set((WATCHED_SILENCE, task), detector.fails_at_s)
+            return None
+        if not watch.reported:
+            watch.reported = True
+            suspected = PrimarySuspected(
+                task=task,
+                epoch=watch.award.epoch,
+                primary=watch.award.primary,
+                silent_s=now_s - detector.heard_s,
+            )
+            self._out.append(Record(suspected))
+        if watch.can_be_taken_over:
+            return watch
+        # Its coordinator waits for it too. It may speak up again, and that sets the alarm anew.
+        self._timers.clear((WATCHED_SILENCE, task))
+        return None

@@ -1,0 +1,146 @@
+"""The contractor's side of the Contract Net: hear, price, bid, or say why not (paper, 4.1)."""
+
+from __future__ import annotations
+
+import msgspec
+
+from dray.messages import Award, Refusal, Role, TaskAnnounced, Transport, Work
+from dray.plant import Plant
+from dray.protocol.contract_net.probation import ON_TRIAL, SHORT_S, Probation
+from dray.protocol.contract_net.replies import Refusals, offer
+from dray.protocol.contract_net.waits import Waits
+from dray.protocol.runtime.events import Effect
+from dray.protocol.vehicle.charging import Charging
+from dray.protocol.vehicle.pricing import Pricer, Quote, Unable
+
+MAX_WATCHES = 3
+"""Tasks that one vehicle watches at most: it can take over only one of them."""
+
+PLACES_TOLD = 32
+"""Places of which one announcement tells: its sources, and its destination."""
+
+
+class Standing(msgspec.Struct, frozen=True):
+    """A vehicle's circumstances at the moment of an announcement or an award."""
+
+    node: str
+    """Where it is, or will be next."""
+    node_at_s: float
+    x_m: float
+    y_m: float
+    battery_frac: float
+    unfit: str
+    """Why it may not work at all: stopped, in error, on the mesh; empty when it may."""
+    busy_with: str
+    """The task it is primary of; empty for none."""
+    watches: int
+
+
+class Bidder:
+    """Decides for one vehicle whether to bid, and at what price.
+
+    Args:
+        atv: the vehicle.
+        plant: where the ways are.
+        vehicle_type: id of the vehicle's type.
+        trial: of the vehicle.
+        charging: of the vehicle: whether its battery lets it work.
+        waits: what the vehicle has learned of places; announcements tell of them, too.
+        out: where effects go.
+    """
+
+    def __init__(
+        self,
+        atv: str,
+        plant: Plant,
+        vehicle_type: str,
+        trial: Probation,
+        charging: Charging,
+        waits: Waits,
+        out: list[Effect],
+    ) -> None:
+        self._atv = atv
+        self._pricer = Pricer(plant, vehicle_type)
+        self._trial = trial
+        self._waits = waits
+        self._charging = charging
+        self._refusals = Refusals(out)
+        self._out = out
+
+    def on_announced(self, message: TaskAnnounced, standing: Standing, now_s: float) -> Refusal | None:
+        """Answer an announcement with a bid, or note the refusal and its reason.
+
+        Returns:
+            The reason of a refusal; None for a bid, and for an announcement that is for others.
+        """
+        dx_m, dy_m = message.x_m - standing.x_m, message.y_m - standing.y_m
+        if dx_m * dx_m + dy_m * dy_m > message.radius_m * message.radius_m:
+            return None  # A neighbour of those who were asked: its cell only touches the circle.
+        for told in message.waits[:PLACES_TOLD]:
+            self._waits.note(told.place, message.coordinator, told.wait_s, now_s)
+        answer = self._consider(
+            message.work, message.role, message.primary, message.deadline_s, standing, now_s
+        )
+        if isinstance(answer, Quote):
+            takes_s = answer.finish_s - now_s
+            if self._trial.bars(short=takes_s <= SHORT_S, round_number=message.round):
+                answer = Unable(Refusal.NOT_FIT, f"{ON_TRIAL}: it would take {takes_s:.0f} s")
+            else:
+                self._refusals.forget(message)
+        if isinstance(answer, Unable):
+            self._refusals.note(message, answer.reason, answer.detail)
+            return answer.reason
+        self._out += offer(message, answer.cost, answer.finish_s, now_s, answer.source)
+        return None
+
+    def review(self, award: Award, standing: Standing, now_s: float) -> Quote | Unable:
+        """Whether an award can still be taken, from where the vehicle is now."""
+        work = award.work
+        if isinstance(work, Transport) and award.source:
+            work = msgspec.structs.replace(work, sources=(award.source,))
+        return self._consider(work, award.role, award.primary, award.deadline_s, standing, now_s)
+
+    def quote(self, work: Work, standing: Standing, now_s: float) -> Quote | Unable:
+        """What it would take to carry this from here, however late: for a task that is taken over."""
+        return self._consider(work, Role.PRIMARY, "", float("inf"), standing, now_s)
+
+    def _consider(
+        self,
+        work: Work,
+        role: Role,
+        primary: str,
+        deadline_s: float,
+        standing: Standing,
+        now_s: float,
+    ) -> Quote | Unable:
+        if standing.unfit:
+            return Unable(Refusal.NOT_FIT, standing.unfit)
+        if standing.busy_with:
+            return Unable(Refusal.BUSY, standing.busy_with)
+        self._charging.note(standing.battery_frac, standing.node)
+        if must_charge := self._charging.why_no_work(standing.battery_frac):
+            return Unable(Refusal.BATTERY, must_charge)
+        if not isinstance(work, Transport):
+            return Unable(Refusal.ABILITY, "not a transport")
+        if role is Role.SECONDARY:
+            if primary in ("", self._atv):
+                return Unable(Refusal.IS_PRIMARY, "")
+            if self._trial.lasts:
+                # A watch is a promise to carry what somebody else has taken, short or long.
+                return Unable(Refusal.NOT_FIT, "on trial, and watches nobody")
+            if standing.watches >= MAX_WATCHES:
+                return Unable(Refusal.WATCHING_ENOUGH, f"{standing.watches} tasks")
+            # A watch is taken over only when its primary fails, and late is better than never then.
+            deadline_s = float("inf")
+        quote = self._pricer.quote(
+            work,
+            node=standing.node,
+            node_at_s=standing.node_at_s,
+            battery_frac=standing.battery_frac,
+            now_s=now_s,
+            deadline_s=deadline_s,
+            wait_s=lambda place: self._waits.expect_s(place, now_s),
+        )
+        if isinstance(quote, Unable) and quote.reason is Refusal.BATTERY:
+            self._charging.note_short()
+        return quote

@@ -1,0 +1,139 @@
+"""When a vehicle charges, whether it may work, and when it leaves its charger to another one.
+
+    FREE --less than it must have--> NEEDY: takes no work --charged for WORTH_FRAC more--> FREE
+
+The thresholds are those of its type (`dray.plant.model.Charging`). Between needing a charge and working again lies
+a charge that was worth the way, so that nobody drives to a charger for the battery of a single transport. It is no
+longer than that: where chargers are few, what lies in batteries carries nothing.
+"""
+
+from __future__ import annotations
+
+from dray.plant import Plant
+from dray.protocol.runtime.bounded_map import BoundedMap
+from dray.protocol.vehicle.reserve import RESERVE_FRAC, Reserve
+
+WORTH_FRAC = 0.15
+"""What a way to a charger must bring. So much emptier is the one for whom a charger is left, since both drive for it."""
+
+SPENT_FRAC = 0.05
+"""Below `up_to_frac`, before a vehicle that stands at a charger plugs in again."""
+
+GIVES_WAY_AGAIN_S = 1800.0
+"""To one and the same vehicle a charger is left once in so long: who was let in has charged for a while since. One that
+lies about its battery gains no more than that."""
+
+REMEMBERED = 64
+"""Vehicles to whom a charger was left: more do not want one charger in half an hour."""
+
+HOUR_S, DAY_H = 3600.0, 24.0
+
+
+class Charging:
+    """The battery of one vehicle, as it decides about work and chargers.
+
+    Args:
+        plant: where the chargers are.
+        vehicle_type: id of the vehicle's type.
+    """
+
+    def __init__(self, plant: Plant, vehicle_type: str) -> None:
+        self._rules = plant.vehicle_types[vehicle_type].charging
+        self._enough_frac = min(self._rules.below_frac, self._rules.must_below_frac + WORTH_FRAC)
+        """From here on one that had to charge takes work again."""
+        self._reserve = Reserve(plant, vehicle_type)
+        self._is_needy = False
+        self._is_short = False
+        """It could not take some work for want of battery, and has not charged since."""
+        self._gave_way_s: BoundedMap[str, float] = BoundedMap(REMEMBERED)
+        """By vehicle, when this one has left a charger to it."""
+
+    def note(self, battery_frac: float, node: str) -> None:
+        """Take note of the battery, before anything is decided by it.
+
+        Args:
+            battery_frac: what is in it.
+            node: where the vehicle is, or will be next.
+        """
+        rules = self._rules
+        if battery_frac < max(rules.must_below_frac, self._reserve.needed_frac(node)):
+            self._is_needy = True
+        elif battery_frac >= self._enough_frac:
+            self._is_needy = False
+        if battery_frac >= rules.up_to_frac:
+            self._is_short = False
+
+    def note_short(self) -> None:
+        """Some work was more than the battery could do."""
+        self._is_short = True
+
+    @property
+    def is_needy(self) -> bool:
+        """Whether it must charge before it takes work again."""
+        return self._is_needy
+
+    def why_no_work(self, battery_frac: float) -> str:
+        """Why it takes no work; empty when it does."""
+        if not self._is_needy:
+            return ""
+        return f"must charge: {battery_frac:.0%} left, takes work again from {self._enough_frac:.0%} on"
+
+    def wants(self, battery_frac: float, now_s: float) -> bool:
+        """Whether a vehicle without work goes to charge."""
+        if self._is_needy:
+            return True
+        if self._is_short and battery_frac < self._rules.up_to_frac - WORTH_FRAC:
+            return True
+        return battery_frac < self._rules.below_frac and self._is_opportune(now_s)
+
+    def plugs_in(self, battery_frac: float, now_s: float) -> bool:
+        """Whether one that stands at a charger makes use of it."""
+        worth = battery_frac < self._rules.up_to_frac - SPENT_FRAC and self._is_opportune(now_s)
+        return worth or self.wants(battery_frac, now_s)
+
+    def is_done(self, battery_frac: float, now_s: float) -> bool:
+        """Whether one that charges has enough to leave."""
+        rules = self._rules
+        if battery_frac >= rules.up_to_frac:
+            return True
+        return battery_frac >= rules.below_frac and not self._is_short and self._is_quiet(now_s)
+
+    def gives_way(
+        self, rival: str, rival_frac: float, *, battery_frac: float, charging: bool, now_s: float
+    ) -> bool:
+        """Whether a vehicle that stands at a charger leaves it to another one, and from now on has.
+
+        Args:
+            rival: who asks for the charger.
+            rival_frac: what it says to have in its battery; nobody else can tell.
+            battery_frac: what this one has.
+            charging: whether it still charges; who stands there for nothing makes room for everybody.
+            now_s: the present time.
+        """
+        if not charging:
+            return True
+        if self._gave_way_s.get(rival, -GIVES_WAY_AGAIN_S) > now_s - GIVES_WAY_AGAIN_S:
+            return False
+        if rival_frac > battery_frac - WORTH_FRAC:
+            return False
+        rules = self._rules
+        has_enough = battery_frac >= rules.below_frac
+        if not has_enough and rival_frac < rules.must_below_frac:
+            has_enough = battery_frac >= self._enough_frac or rival_frac < RESERVE_FRAC
+        if not has_enough:
+            return False
+        self._gave_way_s.pop(rival, None)
+        self._gave_way_s[rival] = now_s
+        return True
+
+    def _is_opportune(self, now_s: float) -> bool:
+        return self._rules.opportunity and not self._is_quiet(now_s)
+
+    def _is_quiet(self, now_s: float) -> bool:
+        hour = now_s / HOUR_S % DAY_H
+        return any(
+            each.start_h <= hour < each.end_h
+            if each.start_h < each.end_h
+            else hour >= each.start_h or hour < each.end_h
+            for each in self._rules.quiet_hours
+        )

@@ -1,0 +1,171 @@
+"""People's commands to a vehicle: stop, acknowledge, resume, slow down, promise help (paper, cases 4 and 5).
+
+A stop holds against everything else until the fault was acknowledged and then a resume was given, as
+two deliberate acts (invariant 5). To acknowledge says that the fault is gone: a vehicle whose own
+sensors still report it refuses, and one that comes later takes the acknowledge back. Nothing is obeyed
+without a grant for the place where the vehicle is (invariant 9).
+"""
+
+from __future__ import annotations
+
+from dray.body import Hold, LimitSpeed, Unhold
+from dray.memory import AtvMemory, CommandMemory
+from dray.messages import CommandAnswered, CommandKind, Grant, VehicleCommand
+from dray.messages.fact import CommandObeyed
+from dray.protocol.runtime.bounded_map import BoundedMap
+from dray.protocol.runtime.events import Effect, Ignore, Instruct, Record, Send
+from dray.protocol.vehicle.assistance import Assistance
+from dray.protocol.vehicle.command_authorisation import (
+    EXPIRED,
+    NOT_GRANTED,
+    NOT_HERE,
+    NOT_TRUSTED,
+    CommandAuthorisation,
+)
+
+COMMANDS_KEPT = 32
+"""Whoever gives a command repeats it until it is answered, and people give few: a command that comes
+again, or late, is among the last ones."""
+
+NOT_STOPPED = "it is not stopped"
+"""Why a vehicle refuses to be acknowledged or resumed: nothing holds it."""
+
+
+class CommandHandling:
+    """What people have told one vehicle.
+
+    Args:
+        authority: whom it obeys.
+        trouble: what its sensors report, and what people promise to help with.
+        out: where effects go.
+    """
+
+    def __init__(self, authority: CommandAuthorisation, trouble: Assistance, out: list[Effect]) -> None:
+        self._authority = authority
+        self._assistance = trouble
+        self._out = out
+        self._answered: BoundedMap[tuple[str, str], CommandMemory] = BoundedMap(COMMANDS_KEPT)
+        """What became of the last commands, by who gave them and their names; the oldest first. Only of
+        those with a grant, so that no stranger can make the vehicle forget one."""
+        self._asked_s = 0.0
+        """When the last of them was new."""
+        self.acknowledged = False
+        """The present stop was acknowledged, and not resumed yet."""
+        self.stopped = False
+        self.speed_frac = 1.0
+        """The limit, as a part of the vehicle's own top speed."""
+
+    def on_command(
+        self, sender: str, command: VehicleCommand, place_m: tuple[float, float], now_s: float
+    ) -> bool:
+        """Carry a command out or refuse it, and answer.
+
+        One that was heard before is answered as before, and nothing else, however late it comes again: a
+        stop that the network delivers after the resume must not stop the vehicle when nobody looks after it
+        any more.
+
+        Args:
+            sender: whom to answer; what counts is the grant.
+            command: what is asked.
+            place_m: where the vehicle is (x, y).
+            now_s: the present time.
+
+        Returns:
+            Whether it was carried out now.
+        """
+        grant = command.grant
+        if grant is None:
+            self._refuse(sender, command, NOT_GRANTED)
+            return False
+        if not self._authority.knows(command, grant):
+            self._refuse(sender, command, NOT_TRUSTED)
+            return False
+        before = self._answered.get((grant.person, command.command))
+        if before is not None:
+            self._out.append(Send(sender, _answer(command, before.refused)))
+            return False
+        if now_s > grant.valid_until_s:
+            self._refuse(sender, command, EXPIRED)
+            return False
+        if self._authority.covers(command, grant, *place_m):
+            refused = self._try(command, grant, now_s)
+            self._tell(sender, command, refused)
+        else:
+            refused = NOT_HERE
+            self._refuse(sender, command, refused)
+        self._note(CommandMemory(command.command, grant.person, grant.valid_until_s, refused), now_s)
+        return not refused
+
+    @property
+    def answered(self) -> tuple[CommandMemory, ...]:
+        """What the next life must know: commands that it would obey if they came again."""
+        return tuple(each for each in self._answered.values() if each.valid_until_s >= self._asked_s)
+
+    def recall(self, memory: AtvMemory) -> None:
+        """Go on with what an earlier life was told; whether it is stopped, its body knows."""
+        self.acknowledged = memory.acknowledged and self.stopped and not self._assistance.problem
+        self.speed_frac = memory.speed_frac
+        self._answered.update({(each.person, each.command): each for each in memory.answered})
+
+    def take_back(self) -> bool:
+        """A fault has come up that nobody can have meant: the stop is to be acknowledged anew.
+
+        Returns:
+            Whether it had been acknowledged.
+        """
+        taken, self.acknowledged = self.acknowledged, False
+        return taken
+
+    def _note(self, command: CommandMemory, now_s: float) -> None:
+        self._answered[command.person, command.command] = command
+        self._asked_s = now_s
+
+    def _refuse(self, sender: str, command: VehicleCommand, why: str) -> None:
+        """Somebody asks who may not: that is told as any refusal, and counted."""
+        self._tell(sender, command, why)
+        self._out.append(Ignore(f"a command that may not be given: {why}"))
+
+    def _tell(self, sender: str, command: VehicleCommand, refused: str) -> None:
+        """Say what became of a command; `refused` tells why not."""
+        fact = CommandObeyed(
+            command=command.command,
+            what=command.kind.value,
+            done=not refused,
+            reason=refused,
+            issued_by=command.issued_by,
+        )
+        self._out += (Send(sender, _answer(command, refused)), Record(fact))
+
+    def _try(self, command: VehicleCommand, grant: Grant, now_s: float) -> str:
+        """Why not, or nothing."""
+        if command.kind is CommandKind.STOP:
+            self.stopped, self.acknowledged = True, False
+            self._out.append(Instruct(Hold()))
+            return ""
+        if command.kind is CommandKind.SET_SPEED:
+            return self._limit_speed(command.speed_frac)
+        if command.kind is CommandKind.PROMISE:
+            return self._assistance.promise(command.issued_by or grant.person, command.wait_s, now_s)
+        if not self.stopped:
+            return NOT_STOPPED
+        if command.kind is CommandKind.ACKNOWLEDGE:
+            if self._assistance.problem:
+                return f"its sensors still report: {self._assistance.problem}"
+            self.acknowledged = True
+            return ""
+        if not self.acknowledged:
+            return "acknowledge the stop first"
+        self.stopped = self.acknowledged = False
+        self._out.append(Instruct(Unhold()))
+        return ""
+
+    def _limit_speed(self, speed_frac: float | None) -> str:
+        if speed_frac is None or not 0.0 < speed_frac <= 1.0:
+            return "a speed is above 0 and at most 1 of the vehicle's own; use stop to stop it"
+        self.speed_frac = speed_frac
+        self._out.append(Instruct(LimitSpeed(speed_frac=speed_frac)))
+        return ""
+
+
+def _answer(command: VehicleCommand, refused: str) -> CommandAnswered:
+    return CommandAnswered(command=command.command, done=not refused, reason=refused)

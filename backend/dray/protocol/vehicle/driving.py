@@ -1,0 +1,120 @@
+"""Where a vehicle is on the lanes, and how it gets somewhere else."""
+
+from __future__ import annotations
+
+from dray.body import ActionFailed, Drive, NodePassed, VehicleInstruction, VehicleState, WayDone
+from dray.messages import Pose
+from dray.plant import Plant
+from dray.protocol.runtime.events import Effect, Instruct
+
+
+class Driver:
+    """Turns "go there" into ways, and reports back into a place.
+
+    The whole way is released at once: no rule of right of way exists yet that could hold a part
+    of it back. Such a rule would live here, between the way and its release.
+
+    Args:
+        plant: where the lanes are.
+        vehicle_type: id of the vehicle's type.
+        out: where effects go.
+        first_order: ways and actions are numbered from here on.
+    """
+
+    def __init__(self, plant: Plant, vehicle_type: str, out: list[Effect], *, first_order: int = 0) -> None:
+        self._plant = plant
+        self._routes = plant.routes(vehicle_type)
+        self._out = out
+        self._passed = 0
+        self.node = ""
+        """The last node that was passed."""
+        self.pose = Pose(x_m=0.0, y_m=0.0, heading_rad=0.0)
+        self.speed_mps = 0.0
+        self.order = first_order
+        """The number of the newest way or action: reports about older ones are ignored."""
+        self.way: tuple[str, ...] = ()
+        """The whole present way; empty when the vehicle stands."""
+        self.arrives_s = 0.0
+        """When the present way should end."""
+
+    @property
+    def ahead(self) -> tuple[str, ...]:
+        """The nodes of the way that were not passed yet."""
+        return self.way[self._passed :]
+
+    @property
+    def next_node(self) -> str:
+        """Where another way could begin."""
+        return self.way[self._passed] if self._passed < len(self.way) else self.node
+
+    def next_node_at_s(self, now_s: float) -> float:
+        """When it is there, roughly: by the plain speed of the lane it is on."""
+        if self._passed >= len(self.way):
+            return now_s
+        target = self._plant.nodes[self.next_node]
+        gap_m = abs(target.x_m - self.pose.x_m) + abs(target.y_m - self.pose.y_m)
+        return now_s + gap_m / max(self.speed_mps, 0.3)
+
+    @property
+    def position_m(self) -> tuple[float, float]:
+        """Where the vehicle was when it last looked (x, y)."""
+        return self.pose.x_m, self.pose.y_m
+
+    def sense(self, state: VehicleState) -> None:
+        """Take the vehicle's own word for where it is."""
+        self.pose, self.node, self.speed_mps = state.pose, state.node, state.speed_mps
+
+    def take_control(self, state: VehicleState, now_s: float) -> None:
+        """End a way that an earlier life has given, at the end of the lane that the vehicle is on."""
+        if state.next_node != state.node:
+            self._take_way((state.next_node,), state.next_node_s, now_s)
+
+    def go(self, node: str, now_s: float) -> bool:
+        """Drive to a node.
+
+        Returns:
+            False when the vehicle stands there already: nothing is done then.
+        """
+        if not self.way and self.node == node:
+            return False
+        way = self._routes.way(self.next_node, node)
+        self._take_way(way.nodes, way.duration_s, now_s)
+        return True
+
+    def _take_way(self, nodes: tuple[str, ...], duration_s: float, now_s: float) -> None:
+        self.order += 1
+        self.way, self._passed = nodes, 0
+        self.arrives_s = now_s + duration_s
+        self._out.append(Instruct(Drive(order=self.order, nodes=nodes, released=len(nodes))))
+
+    def act(self, instruction: VehicleInstruction) -> None:
+        """Let the standing vehicle do something; number it with `next_order` first."""
+        self._out.append(Instruct(instruction))
+
+    def next_order(self) -> int:
+        """A fresh order number."""
+        self.order += 1
+        return self.order
+
+    def on_passed(self, report: NodePassed) -> None:
+        """A node was reached."""
+        self.node = report.node
+        spot = self._plant.nodes[report.node]
+        self.pose = Pose(x_m=spot.x_m, y_m=spot.y_m, heading_rad=self.pose.heading_rad)
+        if report.order == self.order and self.way:
+            self._passed = report.index + 1
+
+    def on_done(self, report: WayDone) -> bool:
+        """The vehicle has stopped at the end of a way; False when it was an older one."""
+        self.node = report.node
+        if report.order != self.order:
+            return False
+        self.way, self._passed, self.speed_mps = (), 0, 0.0
+        return True
+
+    def on_failed(self, report: ActionFailed) -> bool:
+        """The way was refused; False when it was an older one, or none."""
+        if report.order != self.order or not self.way:
+            return False
+        self.way, self._passed = (), 0
+        return True

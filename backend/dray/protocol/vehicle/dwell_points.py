@@ -1,0 +1,209 @@
+"""Finding a place to charge or to park, with nobody in the middle.
+
+    SEEKING   --claim uncontested for CONTEST_S--> DRIVING --arrived--> STANDING --left to another--+
+       |  ^                                          |                                              |
+       |  +---------------- lost to another ---------+----------------------------------------------+
+       +-- no berth of the kind is left: try again later
+
+See `dray.messages.berth` for the verdict that both sides of a contest reach alone. A claim is its speaker's word: one
+that has kept this vehicle from a charger for longer than anybody needs to drive there or to charge is not believed
+any more, and the vehicle goes and looks.
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+
+from dray.errors import NoWay
+from dray.messages import BerthClaimed
+from dray.messages.keys import Keys
+from dray.plant import Plant
+from dray.protocol.runtime.bounded_map import BoundedMap
+from dray.protocol.runtime.events import Effect, Publish, Subscribe, Unsubscribe
+
+CONTEST_S = 1.0
+"""How long an objection is waited for: many times the latency of a good WLAN. A later one is still
+heard, on the way."""
+
+TAKEN_MEMORY_S = 60.0
+"""How long a berth that was lost is not asked for again."""
+
+BLOCKED_S = 600.0
+"""How long a charger is not asked for again at which somebody else was found, or which gave no power: a person has seen
+to it by then, or nobody has."""
+
+OBJECTS_AGAIN_S = 0.5
+"""To one and the same rival: two that are both sure to stand in a berth must not argue as fast as the network can."""
+
+APPROACH_S = 600.0
+"""A claim of somebody who has not arrived by then is not believed: no way across a floor takes longer."""
+
+CHARGE_STRETCH = 1.5
+"""The longest stay at a charger against filling the battery at full power: with the taper it takes a third longer."""
+
+PAUSE_S = 300.0
+"""A rival that was not heard for so long has been elsewhere: its next claim is a new one."""
+
+RIVALS = 256
+"""Claims of others that are remembered: those of forty vehicles on half a dozen chargers."""
+
+COMPARED = 4
+"""DwellPoints whose ways are compared: the nearest by way is among the nearest as the crow flies."""
+
+
+class Hold(Enum):
+    """What a vehicle has of a berth."""
+
+    NONE = "none"
+    CLAIMED = "claimed"
+    STANDING = "standing"
+
+
+class DwellPoints:
+    """One vehicle's claim on a berth: at most one at a time.
+
+    Args:
+        atv: the vehicle.
+        plant: where the berths are.
+        vehicle_type: id of the vehicle's type, for its ways.
+        keys: the plant's bus keys.
+        out: where effects go.
+    """
+
+    def __init__(self, atv: str, plant: Plant, vehicle_type: str, keys: Keys, out: list[Effect]) -> None:
+        self._atv = atv
+        self._plant = plant
+        self._routes = plant.routes(vehicle_type)
+        self._keys = keys
+        self._out = out
+        self._taken_until_s: dict[str, float] = {}
+        self._stay_s = APPROACH_S + CHARGE_STRETCH * max(
+            kind.battery_wh / kind.charge_w * 3600.0 for kind in plant.vehicle_types.values()
+        )
+        self._opposed_s: BoundedMap[tuple[str, str], tuple[float, float]] = BoundedMap(RIVALS)
+        """By charger and rival: since when it has been in the way, and when it was heard last."""
+        self._objected_s: BoundedMap[str, float] = BoundedMap(RIVALS)
+        """By rival, when it was told last that this berth is held."""
+        self._claim_battery_frac = 0.0
+        self.berth = ""
+        """The berth that is claimed or stood in; empty for none."""
+        self.hold = Hold.NONE
+
+    @property
+    def is_charger(self) -> bool:
+        return self.berth in self._plant.chargers
+
+    def is_taken(self, berth: str, now_s: float) -> bool:
+        """Whether another one has won this berth not long ago."""
+        return self._taken_until_s.get(berth, 0.0) > now_s
+
+    def stand(self, berth: str, battery_frac: float) -> None:
+        """Claim the berth in which the vehicle stands already."""
+        self._claim(berth, battery_frac, Hold.STANDING)
+
+    def seek(self, *, charger: bool, node: str, battery_frac: float, now_s: float) -> bool:
+        """Claim the nearest berth that is not known to be taken.
+
+        Args:
+            charger: a charger is needed; else a parking place is.
+            node: where the vehicle is, or will be next.
+            battery_frac: an emptier battery wins a contest.
+            now_s: the present time.
+
+        Returns:
+            False when none is left to ask for.
+        """
+        self._taken_until_s = {
+            berth: until_s for berth, until_s in self._taken_until_s.items() if until_s > now_s
+        }
+        kind = self._plant.chargers if charger else self._plant.parkings
+        free = [berth for berth in kind if berth not in self._taken_until_s]
+        if not free:
+            return False
+        near = self._plant.closest(node, free, COMPARED)
+        try:
+            nearest, _ = self._routes.nearest(node, near)
+        except NoWay:
+            return False
+        self.leave()
+        self._claim(nearest, battery_frac, Hold.CLAIMED)
+        return True
+
+    def arrive(self) -> None:
+        """The vehicle stands in its berth now."""
+        self.hold = Hold.STANDING
+
+    def leave(self) -> None:
+        """Give the berth up; harmless without one. Silence frees it: nobody objects any more."""
+        if self.berth:
+            self._out.append(Unsubscribe(self._keys.berth(self.berth)))
+            self.berth, self.hold = "", Hold.NONE
+
+    def block(self, now_s: float) -> None:
+        """The charger where the vehicle stands is of no use: leave it, and ask for another one."""
+        self._taken_until_s[self.berth] = now_s + BLOCKED_S
+        self.leave()
+
+    def on_claim(
+        self, claim: BerthClaimed, now_s: float, *, plugged: bool = False, gives_way: bool = False
+    ) -> bool:
+        """Somebody wants a berth.
+
+        Args:
+            claim: what it says.
+            now_s: the present time.
+            plugged: this vehicle is being charged there: nobody else can stand there too.
+            gives_way: this vehicle leaves its berth to that one.
+
+        Returns:
+            True when this vehicle has no claim to its berth any more.
+        """
+        if claim.berth != self.berth or claim.atv == self._atv:
+            return False
+        if not gives_way:
+            if plugged or self._wins_over(claim):
+                self._object_to(claim.atv, now_s)
+                return False
+            if self.hold is Hold.CLAIMED and self._is_doubtful(claim, now_s):
+                return False
+        self._taken_until_s[claim.berth] = now_s + TAKEN_MEMORY_S
+        self.leave()
+        return True
+
+    def _is_doubtful(self, claim: BerthClaimed, now_s: float) -> bool:
+        """Whether a rival has kept this vehicle from a charger for longer than can be."""
+        if not self.is_charger:
+            return False  # A parking place may be stood in for ever.
+        key = claim.berth, claim.atv
+        since_s, heard_s = self._opposed_s.get(key, (now_s, now_s))
+        if now_s - heard_s > PAUSE_S:
+            since_s = now_s
+        self._opposed_s[key] = since_s, now_s
+        return now_s - since_s > (self._stay_s if claim.standing else APPROACH_S)
+
+    def _wins_over(self, claim: BerthClaimed) -> bool:
+        stands = self.hold is Hold.STANDING
+        if stands != claim.standing:
+            return stands
+        mine = (self._claim_battery_frac, self._atv)
+        return mine < (claim.battery_frac, claim.atv)
+
+    def _object_to(self, rival: str, now_s: float) -> None:
+        if now_s - self._objected_s.get(rival, -OBJECTS_AGAIN_S) >= OBJECTS_AGAIN_S:
+            self._objected_s.pop(rival, None)
+            self._objected_s[rival] = now_s
+            self._object()
+
+    def _claim(self, berth: str, battery_frac: float, hold: Hold) -> None:
+        self.berth, self.hold, self._claim_battery_frac = berth, hold, battery_frac
+        self._out.append(Subscribe(self._keys.berth(berth)))
+        self._object()
+
+    def _object(self) -> None:
+        claim = BerthClaimed(
+            berth=self.berth,
+            atv=self._atv,
+            battery_frac=self._claim_battery_frac,
+            standing=self.hold is Hold.STANDING,
+        )
+        self._out.append(Publish(self._keys.berth(self.berth), claim))

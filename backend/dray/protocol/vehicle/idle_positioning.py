@@ -1,0 +1,285 @@
+"""What a vehicle does without work: go where it is useful to stand, and charge in time.
+
+    settle ----> berth claimed ----> driving there ----> standing, charging if it is a charger
+       ^            (CONTEST_S)
+       +---- work ended, berth lost, charge ended, charger left to another, battery low
+
+When all chargers are taken it waits at a parking place, and where there is none at a node where nobody docks: a vehicle
+that waits at a machine keeps others from it. When it charges, and to whom it leaves its charger, is told by `charging`.
+
+A vehicle that rests goes on bidding; `stop` ends the rest at once when it wins.
+"""
+
+from __future__ import annotations
+
+from heapq import nsmallest
+from math import hypot
+
+from dray.body import Charge
+from dray.errors import NoWay
+from dray.messages import BerthClaimed
+from dray.messages.keys import Keys
+from dray.plant import Plant
+from dray.protocol.runtime.events import Effect
+from dray.protocol.runtime.timers import Timers, spread_frac
+from dray.protocol.vehicle.charging import Charging
+from dray.protocol.vehicle.driving import Driver
+from dray.protocol.vehicle.dwell_points import CONTEST_S, DwellPoints, Hold
+from dray.protocol.vehicle.reserve import COMPARED, NEVER_FRAC, Reserve
+
+SETTLE = "settle"
+CLAIM = "claim"
+
+SETTLE_S = 4.0
+"""An idle vehicle waits this long for work near by before it drives to a berth."""
+
+SEEK_AGAIN_S = 30.0
+"""When every berth was taken."""
+
+TRIES = 3
+"""Charges that fail at one charger before another one is looked for: who is leaving it may need a moment."""
+
+
+class WaitingPlaces:
+    """Where vehicles of one type wait that have no berth: out of everybody's way, at a node where nobody docks.
+
+    Args:
+        plant: where docks and lanes are.
+        vehicle_type: id of the type, for its ways.
+    """
+
+    def __init__(self, plant: Plant, vehicle_type: str) -> None:
+        self._plant = plant
+        self._routes = plant.routes(vehicle_type)
+        self._reserve = Reserve(plant, vehicle_type)
+        docks = {plant.node_of(place) for place in plant.places}
+        free = tuple(node for node in plant.nodes if node not in docks)
+        # Material comes from a source warehouse by other means than these vehicles.
+        self._spots = free or tuple(plant.node_of(place) for place in plant.source_warehouses)
+
+    def nearest(self, node: str) -> str:
+        """The nearest such node, perhaps this one; this one too where there is none."""
+        here = self._plant.nodes[node]
+
+        def distance_m(spot: str) -> float:
+            there = self._plant.nodes[spot]
+            return hypot(there.x_m - here.x_m, there.y_m - here.y_m)
+
+        found, least_s = node, float("inf")
+        for spot in nsmallest(COMPARED, self._spots, key=distance_m):
+            try:
+                way_s = self._routes.duration_s(node, spot)
+            except NoWay:
+                continue
+            # Not into a dead end that leads to no dock.
+            if way_s < least_s and self._reserve.needed_frac(spot) < NEVER_FRAC:
+                found, least_s = spot, way_s
+        return found
+
+
+class IdlePositioning:
+    """The rest of one vehicle.
+
+    Args:
+        atv: the vehicle.
+        plant: where the berths are.
+        vehicle_type: id of the vehicle's type.
+        keys: the plant's bus keys.
+        charging: of the vehicle: when it charges.
+        driver: the vehicle's place on the lanes.
+        timers: the vehicle's alarms; this class uses `SETTLE` and `CLAIM`.
+        out: where effects go.
+    """
+
+    def __init__(
+        self,
+        atv: str,
+        plant: Plant,
+        vehicle_type: str,
+        keys: Keys,
+        charging: Charging,
+        driver: Driver,
+        timers: Timers,
+        out: list[Effect],
+    ) -> None:
+        self._atv = atv
+        self._plant = plant
+        self._charging = charging
+        self._aside = WaitingPlaces(plant, vehicle_type)
+        self._driver = driver
+        self._timers = timers
+        self._berths = DwellPoints(atv, plant, vehicle_type, keys, out)
+        self._charge_order = 0
+        """The order number of the running charge; 0 for none."""
+        self._failed = 0
+        """Charges that have failed at this charger."""
+
+    @property
+    def berth(self) -> str:
+        """The berth it stands in or drives to; empty for none."""
+        return self._berths.berth
+
+    @property
+    def charging(self) -> bool:
+        return self._charge_order != 0
+
+    # --- beginning and end ---
+
+    def start(self, battery_frac: float, now_s: float) -> None:
+        """The vehicle has been switched on, perhaps in a berth."""
+        self._stand_here(battery_frac, now_s)
+        self._timers.set(SETTLE, now_s + SETTLE_S + spread_frac(self._atv) * SETTLE_S)
+
+    def soon(self, now_s: float) -> None:
+        """There is no work: look for a place in a moment."""
+        self._timers.set(SETTLE, now_s + SETTLE_S)
+
+    def stay(self, now_s: float) -> None:
+        """Look for no place any more; a vehicle on its way to one stops at the next node."""
+        self._timers.clear(SETTLE)
+        self._timers.clear(CLAIM)
+        if self._driver.way:
+            self._driver.go(self._driver.next_node, now_s)
+
+    def stop(self) -> None:
+        """There is work."""
+        self._berths.leave()
+        self._charge_order = self._failed = 0
+        self._timers.clear(SETTLE)
+        self._timers.clear(CLAIM)
+
+    # --- time passes ---
+
+    def wake(self, name: str, battery_frac: float, now_s: float) -> None:
+        """One of its alarms has come."""
+        if name == SETTLE:
+            self._settle(battery_frac, now_s)
+        elif self._berths.berth:
+            self._take_berth(now_s)
+
+    def check_battery(self, battery_frac: float, now_s: float) -> None:
+        """A parked vehicle looks for a charger in time, a charged one makes room for others."""
+        if self.charging:
+            if self._charging.is_done(battery_frac, now_s):
+                self._end_charge(now_s)
+            return
+        seeking = (
+            self._berths.hold is Hold.CLAIMED or self._timers.is_set(SETTLE) or self._timers.is_set(CLAIM)
+        )
+        if not seeking and self._charging.wants(battery_frac, now_s):
+            self._timers.set(SETTLE, now_s)
+
+    # --- the body reports ---
+
+    def arrived(self) -> None:
+        """The vehicle stands where it was sent."""
+        there = self._berths.berth and self._plant.node_of(self._berths.berth) == self._driver.node
+        if there and self._berths.hold is Hold.CLAIMED:
+            self._berths.arrive()
+            self._charge()
+
+    def action_done(self, order: int, now_s: float) -> bool:
+        """A charge has filled the battery; False when the action was another."""
+        if order != self._charge_order:
+            return False
+        self._end_charge(now_s)
+        return True
+
+    def action_failed(self, order: int, now_s: float) -> bool:
+        """A charge was not possible; False when the action was another."""
+        if order != self._charge_order:
+            return False
+        self._charge_order = 0
+        self._failed += 1
+        if self._failed < TRIES:
+            self._berths.leave()
+        else:
+            self._failed = 0
+            self._berths.block(now_s)
+        self.soon(now_s)
+        return True
+
+    # --- others ---
+
+    def on_claim(self, claim: BerthClaimed, *, battery_frac: float, may_leave: bool, now_s: float) -> None:
+        """Somebody wants a berth, perhaps this one.
+
+        Args:
+            claim: what it says.
+            battery_frac: of this vehicle.
+            may_leave: whether this vehicle can drive away if it comes to that.
+            now_s: the present time.
+        """
+        gives_way = (
+            claim.berth == self._berths.berth
+            and may_leave
+            and self._berths.is_charger
+            and self._berths.hold is Hold.STANDING
+            and self._charging.gives_way(
+                claim.atv,
+                claim.battery_frac,
+                battery_frac=battery_frac,
+                charging=self.charging,
+                now_s=now_s,
+            )
+        )
+        if self._berths.on_claim(claim, now_s, plugged=self.charging, gives_way=gives_way):
+            self._charge_order = self._failed = 0
+            self._timers.clear(CLAIM)
+            self._timers.set(SETTLE, now_s)
+
+    # --- how it is done ---
+
+    def _settle(self, battery_frac: float, now_s: float) -> None:
+        if self.charging:
+            return
+        berths, charging = self._berths, self._charging
+        if berths.hold is Hold.NONE and not self._driver.way:
+            self._stand_here(battery_frac, now_s)
+        at_charger = berths.hold is Hold.STANDING and berths.is_charger
+        parked = berths.hold is Hold.STANDING and not berths.is_charger
+        if at_charger and charging.plugs_in(battery_frac, now_s):
+            self._charge()
+            return
+        wants_charge = not at_charger and charging.wants(battery_frac, now_s)
+        if parked and not wants_charge:
+            return
+        if (wants_charge and self._seek(True, battery_frac, now_s)) or (
+            not parked and self._seek(False, battery_frac, now_s)
+        ):
+            self._timers.set(CLAIM, now_s + CONTEST_S)
+            return
+        if berths.hold is Hold.NONE:
+            self._step_aside(now_s)
+        self._timers.set(SETTLE, now_s + SEEK_AGAIN_S)
+
+    def _seek(self, charger: bool, battery_frac: float, now_s: float) -> bool:
+        return self._berths.seek(
+            charger=charger, node=self._driver.next_node, battery_frac=battery_frac, now_s=now_s
+        )
+
+    def _stand_here(self, battery_frac: float, now_s: float) -> None:
+        """Claim the berth in which the vehicle stands, unless another one has just won it."""
+        for berth in self._plant.berths:
+            if self._plant.node_of(berth) == self._driver.node and not self._berths.is_taken(berth, now_s):
+                self._berths.stand(berth, battery_frac)
+                return
+
+    def _step_aside(self, now_s: float) -> None:
+        """There is no berth, or the place it was driving to belongs to another now: do not wait at a dock."""
+        self._driver.go(self._aside.nearest(self._driver.next_node), now_s)
+
+    def _take_berth(self, now_s: float) -> None:
+        """Nobody has objected: drive there."""
+        if not self._driver.go(self._plant.node_of(self._berths.berth), now_s):
+            self.arrived()
+
+    def _charge(self) -> None:
+        if self._berths.is_charger:
+            self._charge_order = self._driver.next_order()
+            self._driver.act(Charge(order=self._charge_order, charger=self._berths.berth))
+
+    def _end_charge(self, now_s: float) -> None:
+        """It has enough: look for another place, and keep this one until there is one or somebody asks for it."""
+        self._charge_order = self._failed = 0
+        self._timers.set(SETTLE, now_s)

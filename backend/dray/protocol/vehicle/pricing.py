@@ -1,0 +1,144 @@
+"""The price of a transport: pure arithmetic over the plant's ways (paper, 4.1).
+
+A price has five parts, all in seconds so that they add up and can be compared:
+
+    empty way    driving from here to the source
+    loaded way   driving from the source to the destination
+    energy       Wh used * ENERGY_S_PER_WH, plus a premium that grows as the battery empties
+    waiting      where it would load and unload, as was seen there lately
+    suitability  SPARE_ABILITY_S for every ability of the vehicle that the task does not need
+
+A vehicle quotes only what it can keep: the deadline, and a battery that still reaches a charger.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import msgspec
+
+from dray.errors import NoWay
+from dray.messages import Refusal, Transport, TransportCost
+from dray.plant import Plant
+from dray.protocol.contract_net.dock import dock_of
+from dray.protocol.vehicle.reserve import Reserve
+
+ENERGY_S_PER_WH = 2.0
+"""A second of charging at 600 W gives a sixth of a Wh: energy costs the time to get it back, and a
+third of that, since charging mostly happens while nothing else is to be done."""
+
+LOW_BATTERY_S = 60.0
+"""The premium of an empty battery: as much as a way across the plant, so that emptier vehicles
+leave work to fuller ones near by, and still take it when they are alone."""
+
+SPARE_ABILITY_S = 10.0
+"""A vehicle that can do rarer work is held back by a few lanes' worth."""
+
+
+class Quote(msgspec.Struct, frozen=True):
+    """What a vehicle can offer."""
+
+    source: str
+    cost: TransportCost
+    finish_s: float
+    """When it would hand over (plant clock)."""
+
+
+class Unable(msgspec.Struct, frozen=True):
+    """Why it can offer nothing."""
+
+    reason: Refusal
+    detail: str
+
+
+class Pricer:
+    """Prices transports for one type of vehicle.
+
+    Args:
+        plant: where the ways are.
+        vehicle_type: id of the type.
+    """
+
+    def __init__(self, plant: Plant, vehicle_type: str) -> None:
+        self._plant = plant
+        self._type = plant.vehicle_types[vehicle_type]
+        self._routes = plant.routes(vehicle_type)
+        self._reserve = Reserve(plant, vehicle_type)
+
+    def quote(
+        self,
+        work: Transport,
+        *,
+        node: str,
+        node_at_s: float,
+        battery_frac: float,
+        now_s: float,
+        deadline_s: float,
+        wait_s: Callable[[str], float] = lambda _place: 0.0,
+    ) -> Quote | Unable:
+        """Price a transport from a node.
+
+        Args:
+            work: what is asked for.
+            node: where the vehicle is, or will be next.
+            node_at_s: when it is there (plant clock).
+            battery_frac: what is in the battery now.
+            now_s: the present time.
+            deadline_s: when it should be done.
+            wait_s: how long it would have to wait at a place beyond the handling.
+
+        Returns:
+            The cheapest offer that can be kept, over all sources; or why there is none, of the cheapest of all.
+        """
+        kind = self._type
+        if work.ability not in kind.abilities:
+            return Unable(Refusal.ABILITY, f"cannot carry a {work.ability}")
+        docks = {place: dock_of(self._plant, work, place) for place in (*work.sources, work.destination)}
+        if not all(docks.values()):
+            return Unable(Refusal.NO_WAY, "a place that is not in this plant")
+        there = docks[work.destination]
+        spare_s = SPARE_ABILITY_S * (len(kind.abilities) - 1)
+        offers: list[tuple[Quote, float]] = []
+        for source in work.sources:
+            try:
+                empty = self._routes.way(node, docks[source])
+                loaded = self._routes.way(docks[source], there)
+            except NoWay:
+                continue
+            approach_s = max(0.0, node_at_s - now_s)
+            waiting_s = wait_s(source) + wait_s(work.destination)
+            took_s = (
+                approach_s + empty.duration_s + kind.load_s + loaded.duration_s + kind.unload_s + waiting_s
+            )
+            used_wh = (
+                empty.length_m * kind.drive_wh_per_m
+                + loaded.length_m * kind.loaded_wh_per_m
+                + took_s * kind.idle_w / 3600.0
+            )
+            left_frac = battery_frac - used_wh / kind.battery_wh
+            cost = TransportCost(
+                empty_way_s=approach_s + empty.duration_s,
+                loaded_way_s=loaded.duration_s,
+                energy_s=used_wh * ENERGY_S_PER_WH + low_battery_s(left_frac),
+                suitability_s=spare_s,
+                waiting_s=waiting_s,
+            )
+            offers.append((Quote(source=source, cost=cost, finish_s=now_s + took_s), left_frac))
+        if not offers:
+            return Unable(Refusal.NO_WAY, "no way leads there")
+        needed_frac = self._reserve.needed_frac(there)
+        # Of sources that cost the same the first one that the task names.
+        offers.sort(key=lambda offer: offer[0].cost.total_s)
+        for quote, left_frac in offers:
+            if left_frac >= needed_frac and quote.finish_s <= deadline_s:
+                return quote
+        quote, left_frac = offers[0]
+        if left_frac < needed_frac:
+            return Unable(Refusal.BATTERY, f"{left_frac:.0%} would be left, {needed_frac:.0%} are needed")
+        return Unable(Refusal.DEADLINE, f"{quote.finish_s - deadline_s:.0f} s too late")
+
+
+def low_battery_s(left_frac: float) -> float:
+    """The premium for leaving only `left_frac` in the battery: none above half, then quadratic."""
+    missing = max(0.0, 0.5 - left_frac) / 0.5
+    return LOW_BATTERY_S * missing * missing

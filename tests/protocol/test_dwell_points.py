@@ -1,0 +1,217 @@
+"""Finding a place to charge or to park, with nobody in the middle."""
+
+from __future__ import annotations
+
+import msgspec
+import pytest
+from kit import KEYS, PLANT, listening, published
+
+from dray.messages import BerthClaimed
+from dray.plant import Plant
+from dray.protocol.runtime.events import Effect, Publish, Subscribe
+from dray.protocol.vehicle.dwell_points import APPROACH_S, BLOCKED_S, TAKEN_MEMORY_S, DwellPoints, Hold
+
+
+class Driver:
+    """One vehicle's side of a contest."""
+
+    def __init__(self, atv: str = "ATV5") -> None:
+        self.out: list[Effect] = []
+        self.berths = DwellPoints(atv, PLANT, "light", KEYS, self.out)
+
+    def seek(self, *, charger: bool = True, battery_frac: float = 0.5, now_s: float = 0.0) -> bool:
+        return self.berths.seek(charger=charger, node="e3", battery_frac=battery_frac, now_s=now_s)
+
+    @property
+    def claims(self) -> list[BerthClaimed]:
+        return [effect.message for effect in self.out if isinstance(effect, Publish)]
+
+    @property
+    def keys(self) -> set[str]:
+        return listening(self.out)
+
+
+def rival(
+    berth: str, atv: str = "ATV7", battery_frac: float = 0.5, *, standing: bool = False
+) -> BerthClaimed:
+    return BerthClaimed(berth=berth, atv=atv, battery_frac=battery_frac, standing=standing)
+
+
+def test_the_nearest_berth_of_the_kind_is_claimed_on_its_own_key() -> None:
+    driver = Driver()
+    assert driver.seek()
+    routes = PLANT.routes("light")
+    nearest = min(PLANT.chargers, key=lambda each: routes.duration_s("e3", PLANT.node_of(each)))
+    assert driver.berths.berth == nearest
+    assert driver.berths.is_charger
+    assert driver.berths.hold is Hold.CLAIMED
+    assert driver.claims == [rival(nearest, "ATV5")]
+    assert driver.keys == {KEYS.berth(nearest)}
+
+
+def test_whoever_claims_listens_before_it_speaks() -> None:
+    driver = Driver()
+    driver.seek()
+    assert [type(effect) for effect in driver.out] == [Subscribe, Publish]
+
+
+def test_parking_places_are_sought_apart_from_chargers() -> None:
+    driver = Driver()
+    assert driver.seek(charger=False)
+    assert driver.berths.berth in PLANT.parkings
+    assert not driver.berths.is_charger
+
+
+@pytest.mark.parametrize(
+    ("claim", "keeps"),
+    [
+        ({"battery_frac": 0.4}, False),
+        ({"battery_frac": 0.6}, True),
+        ({"battery_frac": 0.5, "atv": "ATV7"}, True),
+        ({"battery_frac": 0.5, "atv": "ATV3"}, False),
+        ({"battery_frac": 0.9, "standing": True}, False),
+    ],
+    ids=["emptier rival", "fuller rival", "larger id", "smaller id", "occupant"],
+)
+def test_a_contest_goes_to_the_occupant_then_the_emptier_battery_then_the_smaller_id(
+    claim: dict[str, object], keeps: bool
+) -> None:
+    driver = Driver("ATV5")
+    driver.seek(battery_frac=0.5)
+    berth = driver.berths.berth
+    lost = driver.berths.on_claim(msgspec.structs.replace(rival(berth), **claim), 0.5)
+    assert lost is not keeps
+    assert driver.berths.berth == (berth if keeps else "")
+    assert len(driver.claims) == (2 if keeps else 1)
+
+
+def test_an_occupant_objects_to_everybody_and_is_never_driven_out() -> None:
+    driver = Driver("ATV5")
+    driver.seek(battery_frac=0.9)
+    driver.berths.arrive()
+    berth = driver.berths.berth
+    for claim in (rival(berth, "ATV1", 0.01), rival(berth, "ATV9", 0.99)):
+        assert not driver.berths.on_claim(claim, 10.0)
+    assert driver.berths.hold is Hold.STANDING
+    assert [claim.standing for claim in driver.claims] == [False, True, True]
+
+
+def held_off_s(*, standing: bool) -> float:
+    """How long a rival that never charges can keep a vehicle from the only charger by words."""
+    one = Plant(msgspec.structs.replace(PLANT.file, chargers=PLANT.file.chargers[:1]))
+    out: list[Effect] = []
+    berths = DwellPoints("ATV5", one, "light", KEYS, out)
+    for now_s in range(0, 24 * 3600, 30):
+        if not berths.seek(charger=True, node="e3", battery_frac=0.5, now_s=float(now_s)):
+            continue
+        liar = rival(berths.berth, battery_frac=0.0, standing=standing)
+        if not berths.on_claim(liar, now_s + 0.5):
+            return float(now_s)
+    return float("inf")
+
+
+def test_a_claim_is_believed_for_as_long_as_it_can_be_true() -> None:
+    assert APPROACH_S < held_off_s(standing=False) < APPROACH_S + 120.0
+    full_s = max(kind.battery_wh / kind.charge_w for kind in PLANT.vehicle_types.values()) * 3600.0
+    assert 1.31 * full_s < held_off_s(standing=True) < 2.0 * full_s + APPROACH_S
+
+
+def test_a_parking_place_may_be_stood_in_for_ever() -> None:
+    driver = Driver()
+    assert driver.seek(charger=False, now_s=0.0)
+    first = driver.berths.berth
+    for day in range(30):
+        now_s = day * 86_400.0
+        while driver.seek(charger=False, now_s=now_s) and driver.berths.berth != first:
+            driver.berths.on_claim(rival(driver.berths.berth, standing=True), now_s)
+        assert driver.berths.on_claim(rival(first, standing=True), now_s)
+
+
+def test_a_berth_that_is_left_to_another_one_is_lost_without_a_word() -> None:
+    driver = Driver()
+    driver.berths.stand("CH2", 0.9)
+    said = len(driver.claims)
+    assert driver.berths.on_claim(rival("CH2", battery_frac=0.2), 1.0, plugged=True, gives_way=True)
+    assert len(driver.claims) == said
+    assert driver.berths.hold is Hold.NONE
+    assert driver.berths.is_taken("CH2", 2.0)
+
+
+def test_a_charger_of_no_use_is_not_asked_for_again_before_somebody_can_have_seen_to_it() -> None:
+    driver = Driver()
+    driver.seek(now_s=0.0)
+    useless = driver.berths.berth
+    driver.berths.block(0.0)
+    for now_s in (1.0, BLOCKED_S - 1.0):
+        driver.seek(now_s=now_s)
+        assert driver.berths.berth != useless
+    driver.seek(now_s=BLOCKED_S + 1.0)
+    assert driver.berths.berth == useless
+
+
+def test_where_no_way_leads_to_a_charger_there_is_none_to_ask_for() -> None:
+    lanes = tuple(lane for lane in PLANT.file.lanes if "e3" not in (lane.start, lane.end))
+    alone = Plant(msgspec.structs.replace(PLANT.file, lanes=lanes))
+    berths = DwellPoints("ATV5", alone, "light", KEYS, [])
+    assert not berths.seek(charger=True, node="e3", battery_frac=0.5, now_s=0.0)
+
+
+def test_a_vehicle_that_begins_in_a_berth_stands_there() -> None:
+    driver = Driver("ATV5")
+    driver.berths.stand("CH2", 0.9)
+    assert driver.claims == [rival("CH2", "ATV5", 0.9, standing=True)]
+    assert not driver.berths.on_claim(rival("CH2", battery_frac=0.01), 1.0)
+
+
+def test_a_berth_that_was_lost_is_not_asked_for_again_soon() -> None:
+    driver = Driver("ATV5")
+    driver.seek(now_s=0.0)
+    first = driver.berths.berth
+    driver.berths.on_claim(rival(first, battery_frac=0.1), 1.0)
+    driver.seek(now_s=2.0)
+    assert driver.berths.berth not in ("", first)
+    driver.seek(now_s=1.0 + TAKEN_MEMORY_S)
+    assert driver.berths.berth == first
+
+
+def test_when_every_berth_is_taken_there_is_none_to_ask_for() -> None:
+    driver = Driver("ATV5")
+    for _ in PLANT.chargers:
+        assert driver.seek()
+        driver.berths.on_claim(rival(driver.berths.berth, standing=True), 1.0)
+    assert not driver.seek(now_s=2.0)
+    assert driver.berths.berth == ""
+    assert driver.berths.hold is Hold.NONE
+
+
+def test_claims_of_other_berths_and_of_nobody_else_mean_nothing() -> None:
+    driver = Driver("ATV5")
+    assert not driver.berths.on_claim(rival("CH1", battery_frac=0.0), 1.0)
+    driver.seek()
+    berth = driver.berths.berth
+    other = next(each for each in PLANT.chargers if each != berth)
+    assert not driver.berths.on_claim(rival(other, battery_frac=0.0), 1.0)
+    assert not driver.berths.on_claim(rival(berth, "ATV5", 0.0), 1.0)
+    assert driver.berths.berth == berth
+    assert len(driver.claims) == 1
+
+
+def test_a_berth_that_is_left_is_defended_no_longer() -> None:
+    driver = Driver("ATV5")
+    driver.seek()
+    berth = driver.berths.berth
+    driver.berths.leave()
+    driver.berths.leave()
+    assert driver.keys == set()
+    assert not driver.berths.on_claim(rival(berth), 1.0)
+    assert len(driver.claims) == 1
+
+
+def test_the_battery_of_a_claim_does_not_change_while_it_stands() -> None:
+    driver = Driver("ATV5")
+    driver.seek(battery_frac=0.5)
+    berth = driver.berths.berth
+    for _ in range(3):
+        driver.berths.on_claim(rival(berth, battery_frac=0.7), 1.0)
+    assert {claim.battery_frac for claim in driver.claims} == {0.5}
+    assert published(driver.out, BerthClaimed) == [rival(berth, "ATV5", 0.5)]
