@@ -18,12 +18,12 @@ from dray.adapters.seals import Seals
 from dray.adapters.zenoh_links import Identity
 from dray.cli import app
 from dray.cli.compose.document import compose_text, targets_text
-from dray.cli.roster import agents_of
+from dray.cli.runtime.roster import agents_of
 from dray.errors import SettingsError
 from dray.messages.speakers import Kind
 from dray.plant import Plant, default_plant, plant_yaml, shipped_plant
 from dray.settings import PREFIX, Settings, host_and_port
-from dray_sim.generator import generate_plant
+from dray_sim.plants.generator import generate_plant
 
 ROOT = Path(__file__).parents[1]
 SECRETS = "/run/secrets/"

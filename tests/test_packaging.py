@@ -66,7 +66,7 @@ def test_the_wheel_holds_code_panels_templates_and_migrations_and_nothing_to_bui
         "dray/plant/examples/large.yaml",
         "dray/plant/examples/two-halls.yaml",
         "dray/plant/examples/workshop.yaml",
-        "dray_sim/loop.py",
+        "dray_sim/clock/loop.py",
         "dray/store/migrations/env.py",
     ):
         assert needed in names

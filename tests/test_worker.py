@@ -43,9 +43,9 @@ from dray.protocol.runtime.events import (
     Woke,
 )
 from dray.worker import ANSWER_EVENTS, Worker
-from dray_sim.journal import HeldJournal
-from dray_sim.loop import clock, run
-from dray_sim.network import SimNetwork
+from dray_sim.clock.loop import clock, run
+from dray_sim.factory.journal import HeldJournal
+from dray_sim.network.sim_network import SimNetwork
 
 KEYS = Keys("p")
 

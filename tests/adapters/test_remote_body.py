@@ -15,6 +15,8 @@ from zenoh_kit import PATIENCE_S, Row
 
 from dray.adapters import crossing
 from dray.adapters.crossing import Crossing
+from dray.adapters.remote_body import RemoteBody, exchange, put_down, questions
+from dray.adapters.remote_body.body import LOOK_EVERY_S, SILENT_LOOKS
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.body import (
     Admit,
@@ -29,13 +31,12 @@ from dray.body import (
     WayDone,
     WorkcellState,
 )
-from dray.cli.meters.floor import FloorMeter
+from dray.cli.simulation.floor_meter import FloorMeter
 from dray.errors import UnavailableError
 from dray.plant import default_plant
-from dray_sim.floor import Floor
-from dray_sim.loop import clock, paced, run
-from dray_sim.remote import FloorServer, RemoteBody, count_pieces, exchange, put_down, questions
-from dray_sim.remote.body import LOOK_EVERY_S, SILENT_LOOKS
+from dray_sim.bodies.floor import Floor
+from dray_sim.clock.loop import clock, paced, run
+from dray_sim.remote import FloorServer, count_pieces
 
 PLANT = default_plant()
 SPEED = 20.0

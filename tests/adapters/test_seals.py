@@ -20,7 +20,7 @@ from dray.adapters.certificates import DAYS, Authority
 from dray.adapters.seals import FRESH_S, Seals
 from dray.adapters.zenoh_bus import UNSEALED, ZenohBus
 from dray.adapters.zenoh_links import Identity, Links
-from dray.cli.meters.bus import BusMeter
+from dray.cli.runtime.telemetry.bus_meter import BusMeter
 from dray.errors import SealError, SettingsError
 from dray.messages import AtvHeartbeat, AtvStatus, Handover, HandoverAccepted, Message, Pose
 from dray.messages.speakers import FOREIGN_KEY, FOREIGN_WORD, Kind

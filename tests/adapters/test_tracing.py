@@ -36,12 +36,12 @@ from dray.messages.fact import (
     TookOver,
 )
 from dray.plant import default_plant
-from dray_sim.demand import Order
-from dray_sim.desk import Desk
-from dray_sim.factory import SimFactory
-from dray_sim.latency import WLAN
-from dray_sim.loop import clock, run
-from dray_sim.network import SimNetwork
+from dray_sim.clock.loop import clock, run
+from dray_sim.factory.sim_factory import SimFactory
+from dray_sim.network.latency import WLAN
+from dray_sim.network.sim_network import SimNetwork
+from dray_sim.people.demand import Order
+from dray_sim.people.desk import Desk
 
 PLANT = default_plant()
 

@@ -15,7 +15,7 @@ from zenoh_kit import PATIENCE_S, free_address
 from dray.adapters.certificates import Authority
 from dray.adapters.zenoh_access import Apart
 from dray.adapters.zenoh_links import Identity, Links
-from dray.cli.process import links_of
+from dray.cli.runtime.surroundings import links_of
 from dray.messages.speakers import Kind
 from dray.plant import default_plant
 from dray.settings import Settings

@@ -18,7 +18,7 @@ from dray.adapters.zenoh_bus import NEWER, UNREADABLE, ZenohBus
 from dray.adapters.zenoh_links import Links
 from dray.adapters.zenoh_stamp import KNOWN, Stamp, Tally, read_stamp, write_stamp
 from dray.adapters.zenoh_tokens import UNSIGNED
-from dray.cli.meters.bus import BusMeter
+from dray.cli.runtime.telemetry.bus_meter import BusMeter
 from dray.codec import encode
 from dray.errors import ProtocolViolation, SettingsError, UnavailableError, WireError
 from dray.messages import WIRE_VERSION, Message, OrderTaken

@@ -21,14 +21,14 @@ from dray.messages.fact import (
 )
 from dray.plant import default_plant
 from dray.ports import Bus, Receive, Session
-from dray_sim.demand import Order
-from dray_sim.desk import Desk
-from dray_sim.ears import Ear, Ears
-from dray_sim.factory import SimFactory
+from dray_sim.checks.invariants import Invariants
+from dray_sim.clock.loop import clock, paced, run
+from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.insiders import BEHAVIOURS
 from dray_sim.insiders.joining import INSIDER, bring_in
-from dray_sim.invariants import Invariants
-from dray_sim.loop import clock, paced, run
+from dray_sim.network.listeners import Ear, Ears
+from dray_sim.people.demand import Order
+from dray_sim.people.desk import Desk
 
 PLANT = default_plant()
 

@@ -17,14 +17,15 @@ from dray.adapters.certificates import Authority
 from dray.adapters.sqlite_journal import SqliteJournal
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Links
-from dray.cli.office import run_historian
-from dray.cli.process import Surroundings, serve_floor
+from dray.cli.runtime.gateway_process import run_historian
+from dray.cli.runtime.surroundings import Surroundings
+from dray.cli.simulation.floor_process import serve_floor
 from dray.errors import UnavailableError
 from dray.memory import WHOLE, AtvMemory
 from dray.messages.speakers import Kind
 from dray.plant import default_plant, plant_yaml
 from dray.settings import Settings
-from dray_sim.generator import generate_plant
+from dray_sim.plants.generator import generate_plant
 
 Dray = Callable[..., tuple[int, str]]
 
@@ -125,7 +126,7 @@ def test_a_key_that_is_none_is_named(dray: Dray) -> None:
 
 
 def test_an_agent_without_a_floor_says_what_to_start(dray: Dray, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("dray_sim.remote.questions.PATIENCE_S", 0.5)
+    monkeypatch.setattr("dray.adapters.remote_body.questions.PATIENCE_S", 0.5)
     code, told = dray("agent", "machine", "M1", DRAY_BUS_PLAIN="true")
     assert code == 1
     assert (
@@ -154,8 +155,8 @@ def floor(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[subproces
 def test_an_agent_whose_floor_ends_does_not_go_on_with_an_old_picture(
     dray: Dray, floor: subprocess.Popen[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("dray_sim.remote.body.LOOK_EVERY_S", 0.2)
-    monkeypatch.setattr("dray.cli.process.say_ready", lambda _name: floor.kill())
+    monkeypatch.setattr("dray.adapters.remote_body.body.LOOK_EVERY_S", 0.2)
+    monkeypatch.setattr("dray.cli.runtime.agent_process.say_ready", lambda _name: floor.kill())
     code, told = dray("agent", "machine", "M1")
     assert code == 1
     assert "the body of M1: has fallen silent; see whether `dray floor` runs" in told
@@ -192,7 +193,7 @@ def test_a_historian_ends_when_another_one_has_been_started(
 
     async def main() -> None:
         ready = asyncio.Event()
-        monkeypatch.setattr("dray.cli.office.say_ready", lambda _name: ready.set())
+        monkeypatch.setattr("dray.cli.runtime.gateway_process.say_ready", lambda _name: ready.set())
         async with asyncio.timeout(PATIENCE_S), asyncio.TaskGroup() as group:
             first = group.create_task(run_historian(Surroundings(settings, plant)))
             await ready.wait()
@@ -213,7 +214,7 @@ def test_a_plant_has_one_floor_and_the_first_stays(monkeypatch: pytest.MonkeyPat
 
     async def main() -> None:
         ready = asyncio.Event()
-        monkeypatch.setattr("dray.cli.process.say_ready", lambda _name: ready.set())
+        monkeypatch.setattr("dray.cli.simulation.floor_process.say_ready", lambda _name: ready.set())
         async with asyncio.timeout(PATIENCE_S):
             first = asyncio.create_task(serve_floor(Surroundings(first_has, plant), seed=1))
             await ready.wait()

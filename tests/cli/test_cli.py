@@ -16,8 +16,8 @@ import pytest
 from dray import __version__
 from dray.messages import WIRE_VERSION
 from dray_sim import scenarios
-from dray_sim.evidence import Check, Evidence
-from dray_sim.site import Site
+from dray_sim.run.evidence import Check, Evidence
+from dray_sim.run.site import Site
 
 PLANT_FILE = Path(str(files("dray.plant") / "default.yaml"))
 

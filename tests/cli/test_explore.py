@@ -7,7 +7,7 @@ from functools import partial
 
 import pytest
 
-from dray_sim.explore.patience import Patience
+from dray_sim.checks.bounds import Patience
 
 
 @pytest.fixture

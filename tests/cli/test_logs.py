@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from dray.adapters.fact_log import FACTS, LoggedBus
-from dray.cli.logs import JsonFormatter
-from dray.cli.traces import traced, watched
+from dray.cli.runtime.telemetry.logs import JsonFormatter
+from dray.cli.runtime.telemetry.traces import traced, watched
 from dray.errors import SettingsError
 from dray.messages import Event, Handover, Message
 from dray.messages.fact import TookOver

@@ -11,18 +11,18 @@ from prometheus_client import CollectorRegistry
 
 from dray.adapters.sqlite_journal import SqliteJournal
 from dray.adapters.system_clock import SystemClock
-from dray.cli.meters.agent import AgentMeter
-from dray.cli.meters.clock import ClockMeter
-from dray.cli.meters.factory import FactoryMeter
+from dray.cli.runtime.telemetry.agent_meter import AgentMeter
+from dray.cli.runtime.telemetry.clock_meter import ClockMeter
+from dray.cli.simulation.factory_meter import FactoryMeter
 from dray.messages.keys import Keys
 from dray.plant import default_plant
 from dray.protocol.machine.machine import Machine
 from dray.worker import Worker
-from dray_sim.bridge import BridgedBus
-from dray_sim.factory import SimFactory
-from dray_sim.floor import Floor
-from dray_sim.loop import clock, run
-from dray_sim.network import SimNetwork
+from dray_sim.bodies.floor import Floor
+from dray_sim.clock.loop import clock, run
+from dray_sim.factory.sim_factory import SimFactory
+from dray_sim.network.bridge import BridgedBus
+from dray_sim.network.sim_network import SimNetwork
 
 
 def test_counts_go_on_when_an_agent_begins_another_life() -> None:

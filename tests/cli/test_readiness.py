@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from dray.cli.readiness import VARIABLE, listening, tell_ready
+from dray.cli.runtime.readiness import VARIABLE, listening, tell_ready
 
 LONG_S = 60.0
 """Real seconds for what takes a moment on a computer with nothing else to do."""

@@ -11,8 +11,8 @@ from collections.abc import AsyncIterator
 import pytest
 from fastapi import FastAPI
 
-from dray.cli.service import Service, greeting_of
-from dray.cli.serving import Server, asked_by_signals, listen
+from dray.cli.runtime.service import Service, greeting_of
+from dray.cli.runtime.serving import Server, asked_by_signals, listen
 from dray.errors import UnavailableError
 from dray.plant import default_plant
 from dray.settings import Settings
@@ -93,7 +93,7 @@ def test_an_application_that_cannot_start_tells_why_and_no_traceback(
     ],
 )
 def test_whoever_is_greeted_is_told_where_passwords_are_set(url: str, option: str) -> None:
-    service = Service(Settings.load(database_url=url), default_plant(), speed=1.0, seed=1, demand=False)
+    service = Service(Settings.load(database_url=url), default_plant(), speed=1.0)
     told = greeting_of(service, "http://127.0.0.1:8000", "", {"manager": "once"})
     assert f"dray user password manager{option}, dray user pin NAME{option}.\n" in told
     assert "secret@" not in told

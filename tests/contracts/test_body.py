@@ -28,7 +28,7 @@ from dray.body import (
     WayDone,
 )
 from dray.ports import Body
-from dray_sim.workcell import SimWorkcell
+from dray_sim.bodies.workcell import SimWorkcell
 
 
 @dataclass(frozen=True)

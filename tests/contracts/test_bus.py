@@ -39,12 +39,12 @@ from dray.messages import (
 from dray.messages.fact import GoodsDelivered, PhaseEntered
 from dray.messages.speakers import FOREIGN_FACT, FOREIGN_KEY, FOREIGN_NAME, FOREIGN_WORD, Kind
 from dray.ports import Bus, Receive, Session
-from dray_sim.bridge import BridgedBus, SimThread
-from dray_sim.coverage import Coverage, Hole
+from dray_sim.clock.loop import VirtualLoop, clock, paced, run
 from dray_sim.faults import LinkTrouble, Partition, WlanCut
-from dray_sim.latency import WLAN
-from dray_sim.loop import VirtualLoop, clock, paced, run
-from dray_sim.network import SimNetwork
+from dray_sim.network.bridge import BridgedBus, SimThread
+from dray_sim.network.coverage import Coverage, Hole
+from dray_sim.network.latency import WLAN
+from dray_sim.network.sim_network import SimNetwork
 
 STRATEGISTS = (
     *(

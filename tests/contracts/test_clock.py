@@ -14,8 +14,8 @@ import pytest
 
 from dray.adapters.system_clock import SLEW_FRAC, SystemClock
 from dray.ports import Clock
-from dray_sim.computer import ComputerClock
-from dray_sim.loop import JUMP, Pace, VirtualLoop, paced
+from dray_sim.clock.computer import ComputerClock
+from dray_sim.clock.loop import JUMP, Pace, VirtualLoop, paced
 
 
 class World:

@@ -31,7 +31,7 @@ from dray.memory import (
 from dray.messages import Event, OrderItem, Phase, Production, Transport
 from dray.messages.fact import OrderFulfilled
 from dray.ports import Journal
-from dray_sim.journal import HeldJournal
+from dray_sim.factory.journal import HeldJournal
 
 KEPT = 10
 """Events that the journals of these tests hold."""

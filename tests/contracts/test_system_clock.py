@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from dray.adapters.system_clock import SLEW_FRAC, SystemClock
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, bound_s
-from dray_sim.loop import run
+from dray_sim.clock.loop import run
 
 
 class Computer:

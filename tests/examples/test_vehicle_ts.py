@@ -23,7 +23,7 @@ from dray.adapters.certificates import Authority
 from dray.adapters.signing import SigningKey
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Identity, Links
-from dray.cli.roster import agents_of
+from dray.cli.runtime.roster import agents_of
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,

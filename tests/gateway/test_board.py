@@ -21,15 +21,15 @@ from dray.adapters.sqlite_journal import SqliteJournal
 from dray.adapters.system_clock import SystemClock
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Identity, Links
-from dray.cli.meters.agent import AgentMeter
-from dray.cli.meters.bus import BusMeter
-from dray.cli.meters.clock import ClockMeter
-from dray.cli.meters.factory import FactoryMeter
+from dray.cli.runtime.telemetry.agent_meter import AgentMeter
+from dray.cli.runtime.telemetry.bus_meter import BusMeter
+from dray.cli.runtime.telemetry.clock_meter import ClockMeter
+from dray.cli.simulation.factory_meter import FactoryMeter
 from dray.messages.speakers import Kind
 from dray.plant import default_plant
-from dray_sim.bridge import BridgedBus
-from dray_sim.factory import SimFactory
-from dray_sim.loop import VirtualClock
+from dray_sim.clock.loop import VirtualClock
+from dray_sim.factory.sim_factory import SimFactory
+from dray_sim.network.bridge import BridgedBus
 
 DEPLOY = Path(__file__).parents[2] / "deploy"
 

@@ -16,7 +16,7 @@ from dray.messages import CancellationTaken, Message, OrderCancelled, OrderRelea
 from dray.messages.fact import GoalContracted, GoodsDelivered, OrderAccepted
 from dray.store.orders import Item, Order
 from dray.store.progress import OrderStatus
-from dray_sim.loop import run
+from dray_sim.clock.loop import run
 
 SPEED = 10.0
 """Plant seconds per wall second."""

@@ -15,7 +15,7 @@ from dray.gateway.rollcall import CALL_EVERY_S, CANCELLED_AGAIN_S, RollCall
 from dray.messages import Message, OrderCancelled, OrderReleased, OrderRevoked, OrderTaken
 from dray.messages.fact import GoodsDelivered
 from dray.store.orders import Orders
-from dray_sim.loop import run
+from dray_sim.clock.loop import run
 
 pytestmark = pytest.mark.anyio
 

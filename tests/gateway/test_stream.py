@@ -21,7 +21,7 @@ from dray.gateway.stream import FACTORY_S, QUIET_S, Client, Hub
 from dray.gateway.timescale import TimeScale
 from dray.gateway.views import AudienceView
 from dray.messages import AtvStatus, Pose
-from dray_sim.loop import run
+from dray_sim.clock.loop import run
 
 pytestmark = pytest.mark.anyio
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 
@@ -12,7 +13,7 @@ from hypothesis import strategies as st
 from dray.errors import SettingsError
 from dray.plant import Plant, default_plant, parse_plant, plant_yaml
 from dray.plant.check import faults
-from dray_sim.generator import generate_plant
+from dray_sim.plants.generator import generate_plant
 
 
 def density_m2(plant: Plant) -> float:
@@ -57,12 +58,15 @@ def test_the_same_seed_gives_the_same_plant() -> None:
 def test_every_process_generates_the_same_plant() -> None:
     script = (
         "from dray.plant import plant_yaml\n"
-        "from dray_sim.generator import generate_plant\n"
+        "from dray_sim.plants.generator import generate_plant\n"
         "print(plant_yaml(generate_plant(9, 7, 9)))\n"
     )
     texts = {
         subprocess.run(
-            [sys.executable, "-c", script], env={"PYTHONHASHSEED": seed}, capture_output=True, check=True
+            [sys.executable, "-c", script],
+            env={**os.environ, "PYTHONHASHSEED": seed},
+            capture_output=True,
+            check=True,
         ).stdout
         for seed in ("1", "2")
     }

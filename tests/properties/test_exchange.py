@@ -9,8 +9,8 @@ import pytest
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
+from dray.adapters.remote_body.exchange import KEPT_MAX, PARTS_PER_LETTER, Exchange, Letter, Part
 from dray.errors import ProtocolViolation
-from dray_sim.remote.exchange import KEPT_MAX, PARTS_PER_LETTER, Exchange, Letter, Part
 
 
 def part(number: int) -> Part:

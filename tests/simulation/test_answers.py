@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 
 from dray.messages import CommandAnswered
-from dray_sim.answers import Answers
-from dray_sim.loop import run
+from dray_sim.clock.loop import run
+from dray_sim.people.answers import Answers
 
 
 def test_each_answer_reaches_whoever_waits_for_it() -> None:

@@ -11,15 +11,15 @@ from plants import EXTREMES, plant_file
 
 from dray.plant import Plant
 from dray.plant.check import faults
-from dray_sim.demand import MAX_PIECES, orders
-from dray_sim.evidence import HELD
 from dray_sim.faults import play as begin_and_end
 from dray_sim.faults import random_schedule
-from dray_sim.generator import generate_plant
-from dray_sim.habits import Habits
 from dray_sim.insiders import BEHAVIOURS
 from dray_sim.insiders.joining import bring_in
-from dray_sim.stage import Shift, Stage, play
+from dray_sim.people.demand import MAX_PIECES, orders
+from dray_sim.people.habits import Habits
+from dray_sim.plants.generator import generate_plant
+from dray_sim.run.evidence import HELD
+from dray_sim.run.stage import Shift, Stage, play
 
 QUIET = Shift(name="any plant", duration_s=1800.0, load=0.3)
 PEOPLED = Shift(name="any plant", duration_s=600.0, load=0.3, people=Habits())

@@ -12,9 +12,9 @@ import pytest
 from dray.adapters import crossing
 from dray.errors import UnavailableError
 from dray.messages import Message, OrderTaken
-from dray_sim.bridge import BridgedBus, SimThread
-from dray_sim.loop import VirtualLoop, clock, paced
-from dray_sim.network import SimNetwork
+from dray_sim.clock.loop import VirtualLoop, clock, paced
+from dray_sim.network.bridge import BridgedBus, SimThread
+from dray_sim.network.sim_network import SimNetwork
 
 FAST = paced(1e6)
 

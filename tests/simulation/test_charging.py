@@ -19,12 +19,12 @@ from dray.messages.speakers import Kind
 from dray.plant import Plant, VehicleSpec, default_plant
 from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.dwell_points import BLOCKED_S
-from dray_sim.evidence import HELD
+from dray_sim.bodies.vehicle import BATTERY_EMPTY
 from dray_sim.explore.play import play as play_trial
 from dray_sim.explore.trial import draw, with_scarce_power
-from dray_sim.generator import generate_plant
-from dray_sim.stage import Played, Shift, Stage, play
-from dray_sim.vehicle import BATTERY_EMPTY
+from dray_sim.plants.generator import generate_plant
+from dray_sim.run.evidence import HELD
+from dray_sim.run.stage import Played, Shift, Stage, play
 
 LOOK_S = 15.0
 """How often somebody looks at the vehicles."""

@@ -11,12 +11,12 @@ from dray.adapters.signing import SigningKey
 from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand
 from dray.plant import default_plant
 from dray.protocol.vehicle.command_authorisation import NOT_GRANTED, NOT_HERE, NOT_TRUSTED
-from dray_sim import demand
-from dray_sim.desk import Desk
-from dray_sim.ears import Ears
-from dray_sim.factory import SimFactory
-from dray_sim.invariants import Invariants
-from dray_sim.loop import clock, run
+from dray_sim.checks.invariants import Invariants
+from dray_sim.clock.loop import clock, run
+from dray_sim.factory.sim_factory import SimFactory
+from dray_sim.network.listeners import Ears
+from dray_sim.people import demand
+from dray_sim.people.desk import Desk
 
 ANSWER_S = 10.0
 """Virtual: long enough on this network that a missing answer is a fault."""

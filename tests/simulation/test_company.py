@@ -26,10 +26,10 @@ from dray.messages.fact import (
     TookOver,
 )
 from dray.plant import default_plant
-from dray_sim.broken import InvariantBroken
-from dray_sim.company import ReplacedInTime, SpeaksOn
-from dray_sim.factory import SimFactory
-from dray_sim.loop import VirtualClock
+from dray_sim.checks.broken import InvariantBroken
+from dray_sim.checks.isolation import ReplacedInTime, SpeaksOn
+from dray_sim.clock.loop import VirtualClock
+from dray_sim.factory.sim_factory import SimFactory
 
 TASK = "M8-1"
 

@@ -7,8 +7,8 @@ import itertools
 import pytest
 
 from dray.adapters.system_clock import SLEW_FRAC
-from dray_sim.computer import ComputerClock
-from dray_sim.loop import VirtualClock
+from dray_sim.clock.computer import ComputerClock
+from dray_sim.clock.loop import VirtualClock
 
 
 class Bench:

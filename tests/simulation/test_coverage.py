@@ -7,8 +7,8 @@ from math import hypot
 import pytest
 
 from dray.plant import default_plant
-from dray_sim.coverage import AccessPoint, Coverage, Hole, access_points_of
-from dray_sim.generator import generate_plant
+from dray_sim.network.coverage import AccessPoint, Coverage, Hole, access_points_of
+from dray_sim.plants.generator import generate_plant
 
 
 def test_an_access_point_reaches_as_far_as_its_range_and_no_farther() -> None:

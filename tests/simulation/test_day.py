@@ -10,19 +10,19 @@ import sys
 import pytest
 
 from dray.plant import default_plant
-from dray_sim.evidence import HELD
-from dray_sim.report import Report, describe
+from dray_sim.run.evidence import HELD
+from dray_sim.run.report import Report, describe
+from dray_sim.run.stage import Shift, play
 from dray_sim.scenarios.day import SHIFT
-from dray_sim.stage import Shift, play
 
 HOUR = dataclasses.replace(SHIFT, duration_s=3600.0)
 
 PRINT_AN_HOUR = """
 import dataclasses
 from dray.plant import default_plant
-from dray_sim.report import describe
+from dray_sim.run.report import describe
 from dray_sim.scenarios.day import SHIFT
-from dray_sim.stage import play
+from dray_sim.run.stage import play
 print(describe(play(dataclasses.replace(SHIFT, duration_s=3600.0), default_plant(), 7).report))
 """
 

@@ -16,11 +16,11 @@ from dray.messages.fact import OrderDropped, OrderFulfilled
 from dray.plant import default_plant
 from dray.store.orders import Item, Order
 from dray.store.progress import OrderStatus
-from dray_sim import demand
-from dray_sim.ears import Ears
-from dray_sim.factory import SimFactory
-from dray_sim.invariants import Invariants
-from dray_sim.loop import VirtualClock, clock, run
+from dray_sim.checks.invariants import Invariants
+from dray_sim.clock.loop import VirtualClock, clock, run
+from dray_sim.factory.sim_factory import SimFactory
+from dray_sim.network.listeners import Ears
+from dray_sim.people import demand
 
 ORDERS_S = 1800.0
 """In this time orders are placed and cancelled."""

@@ -14,8 +14,8 @@ import pytest
 from dray.errors import UnavailableError
 from dray.plant.check import faults as plant_faults
 from dray.protocol.strategist.strategist import Strategist
+from dray_sim.checks.bounds import Patience
 from dray_sim.explore.outcome import Outcome
-from dray_sim.explore.patience import Patience
 from dray_sim.explore.play import play, try_seed
 from dray_sim.explore.search import search
 from dray_sim.explore.trial import FAULTS_UNTIL_S, PROFILES, draw

@@ -8,8 +8,8 @@ from trial_kit import TASK, event
 from dray.messages import AtvStatus
 from dray.messages.fact import AtvStatusChanged, CarrierChanged, GoalLost
 from dray.protocol.runtime.shutdown import LEAVES
-from dray_sim.broken import InvariantBroken
-from dray_sim.explore.blame import LATER_S, Blame
+from dray_sim.checks.broken import InvariantBroken
+from dray_sim.checks.fault_attribution import LATER_S, Blame
 from dray_sim.faults import (
     ClockSet,
     Crashed,

@@ -16,12 +16,12 @@ from dray.messages.fact import (
     PhaseEntered,
     PieceMade,
 )
-from dray_sim.broken import InvariantBroken
-from dray_sim.explore.blame import Blame
-from dray_sim.explore.bonds import HEED_S, Bonds
-from dray_sim.factory import SimFactory
+from dray_sim.checks.broken import InvariantBroken
+from dray_sim.checks.fault_attribution import Blame
+from dray_sim.checks.stale_contracts import HEED_S, Bonds
+from dray_sim.clock.loop import VirtualClock
+from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.faults import LinkTrouble
-from dray_sim.loop import VirtualClock
 
 TAKEN = ContractTaken(task=TASK, epoch=1, role=Role.PRIMARY, coordinator="M8")
 SILENT = AwardAnswered(task=TASK, epoch=1, role=Role.PRIMARY, bidder="ATV2", answer="silent")

@@ -8,10 +8,10 @@ from trial_kit import PLANT, TASK, closed, event, heartbeat, opened
 
 from dray.messages import CancellationTaken, Message, OrderReleased, Production, RevocationTaken
 from dray.messages.fact import Fact, OrderFulfilled, PieceMade
-from dray_sim.broken import InvariantBroken
-from dray_sim.explore.calm import Calm
-from dray_sim.explore.patience import HELP_S, NOTICE_S, Patience
-from dray_sim.habits import Habits
+from dray_sim.checks.bounds import HELP_S, NOTICE_S, Patience
+from dray_sim.checks.broken import InvariantBroken
+from dray_sim.checks.liveness import Calm
+from dray_sim.people.habits import Habits
 
 
 class Watched:

@@ -21,12 +21,12 @@ from dray.messages import (
     VehicleCommand,
     signed_words,
 )
-from dray_sim.demand import Order
-from dray_sim.explore.passerby import Passerby
-from dray_sim.explore.regret import Regret
-from dray_sim.explore.revision import Revised, Revision
-from dray_sim.loop import JUMP, clock, run
-from dray_sim.network import SimNetwork
+from dray_sim.clock.loop import JUMP, clock, run
+from dray_sim.network.sim_network import SimNetwork
+from dray_sim.people.canceller import Regret
+from dray_sim.people.demand import Order
+from dray_sim.people.random_operator import Passerby
+from dray_sim.people.revoker import Revised, Revision
 
 
 def test_a_passerby_presses_all_buttons_and_puts_everything_right() -> None:

@@ -7,9 +7,9 @@ from trial_kit import TASK, event
 
 from dray.messages import MachineHeartbeat, MachineStatus, Role, TaskBrief
 from dray.messages.fact import CarrierChanged, ContractEnded, MemoryLost, TaskClosed
-from dray_sim.broken import InvariantBroken
-from dray_sim.explore.blame import Blame
-from dray_sim.explore.standing import Standing
+from dray_sim.checks.broken import InvariantBroken
+from dray_sim.checks.fault_attribution import Blame
+from dray_sim.checks.standing import Standing
 from dray_sim.faults import Crashed, WlanCut
 
 RELEASED = ContractEnded(task=TASK, epoch=1, role=Role.PRIMARY, reason="released")

@@ -12,9 +12,9 @@ from dray.messages import Heartbeat, Message, StationHeartbeat
 from dray.plant import default_plant
 from dray.plant.model import VehicleSpec
 from dray.protocol.strategist.strategist import STRATEGIST
-from dray_sim.factory import SimFactory
-from dray_sim.loop import clock, run
-from dray_sim.trace import Trace
+from dray_sim.clock.loop import clock, run
+from dray_sim.factory.sim_factory import SimFactory
+from dray_sim.run.trace import Trace
 
 AGENTS = ("ATV3", "M8", STRATEGIST)
 """One of every kind."""

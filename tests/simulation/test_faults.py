@@ -14,7 +14,8 @@ from random import Random
 import pytest
 
 from dray.plant import default_plant
-from dray_sim.factory import SimFactory
+from dray_sim.clock.loop import VirtualClock, clock, run
+from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.faults import (
     CLOCKS,
     LEAVING,
@@ -51,8 +52,7 @@ from dray_sim.faults import (
 from dray_sim.faults import active as active_module
 from dray_sim.faults.chance import COORDINATOR_BACK_S, VEHICLE_BACK_S
 from dray_sim.faults.kinds import KIND_NAMES, KINDS
-from dray_sim.generator import generate_plant
-from dray_sim.loop import VirtualClock, clock, run
+from dray_sim.plants.generator import generate_plant
 
 PLANT = default_plant()
 CAST = Cast.of_plant(PLANT)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from yard import Yard
 
 from dray.body import Admit, GoodsArrived, Hold, Report
-from dray_sim.gate import KEPT_GOALS, NOT_ADMITTED, Gate
+from dray_sim.bodies.gate import KEPT_GOALS, NOT_ADMITTED, Gate
 
 
 @pytest.fixture

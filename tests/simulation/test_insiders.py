@@ -9,11 +9,11 @@ import pytest
 
 from dray.messages.fact import ContractorRated
 from dray.plant import default_plant
-from dray_sim.evidence import HELD
 from dray_sim.faults import LinkTrouble
 from dray_sim.insiders import BEHAVIOURS
+from dray_sim.run.evidence import HELD
+from dray_sim.run.stage import Stage, play
 from dray_sim.scenarios.insider import SHIFT, work
-from dray_sim.stage import Stage, play
 
 SHORT = replace(SHIFT, duration_s=3600.0)
 """A fraction of a shift: what stops a factory has stopped it by then."""

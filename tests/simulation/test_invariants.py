@@ -45,10 +45,10 @@ from dray.messages.fact import (
     TaskOpened,
 )
 from dray.plant import default_plant
-from dray_sim.factory import SimFactory
-from dray_sim.invariants import Invariants
-from dray_sim.loop import VirtualClock
-from dray_sim.vehicle import SimVehicle
+from dray_sim.bodies.vehicle import SimVehicle
+from dray_sim.checks.invariants import Invariants
+from dray_sim.clock.loop import VirtualClock
+from dray_sim.factory.sim_factory import SimFactory
 
 WORK = Transport(item="shaft", quantity=40, sources=("S3",), destination="M8", ability="tote")
 OPENED = TaskOpened(

@@ -18,14 +18,14 @@ from dray.store import Historian, Store
 from dray.store.gaps import LIVES, MISSING_PER_LIFE, TAIL_S, Known
 from dray.store.goals import Goal
 from dray.store.orders import Order
-from dray_sim import demand
-from dray_sim.desk import Desk
-from dray_sim.ears import Ear, Ears
-from dray_sim.factory import SimFactory
-from dray_sim.invariants import Invariants
-from dray_sim.journal import HeldJournal
-from dray_sim.loop import clock, run
-from dray_sim.network import SimNetwork
+from dray_sim.checks.invariants import Invariants
+from dray_sim.clock.loop import clock, run
+from dray_sim.factory.journal import HeldJournal
+from dray_sim.factory.sim_factory import SimFactory
+from dray_sim.network.listeners import Ear, Ears
+from dray_sim.network.sim_network import SimNetwork
+from dray_sim.people import demand
+from dray_sim.people.desk import Desk
 
 SPAN_S = 1800.0
 """Of trouble: some hundred lives end in it."""

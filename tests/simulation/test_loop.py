@@ -14,8 +14,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dray_sim import loop as loop_module
-from dray_sim.loop import (
+from dray_sim.clock import loop as loop_module
+from dray_sim.clock.loop import (
     JUMP,
     DeadlockError,
     Pace,

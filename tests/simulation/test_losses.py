@@ -19,7 +19,7 @@ from trial_kit import opened
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "cli/fleet"))
 
-from rolls import NOBODY, write_roll
+from registries import NOBODY, write_roll
 
 from dray.adapters.zenoh_tokens import Tokens
 from dray.cli.fleet.folder import LOGS, ROLL, write_settings
@@ -76,9 +76,9 @@ from dray_sim.bench.losses.victims import DATABASE, LASTING, Kind, Rota, Victim,
 from dray_sim.bench.losses.watch import gathered
 from dray_sim.bench.losses.works import Works
 from dray_sim.bench.postgres import PostgresServer
+from dray_sim.bodies.floor import Pieces
 from dray_sim.explore.trial import draw
-from dray_sim.floor import Pieces
-from dray_sim.witness import Witness
+from dray_sim.run.witness import Witness
 
 GOAL = Production(product="pump-p3", quantity=24, order="O-1", item=0)
 ORDER = Order(

@@ -38,7 +38,7 @@ from dray.protocol.strategist.strategist import Strategist
 from dray.protocol.vehicle.atv import Atv
 from dray.protocol.vehicle.command_authorisation import CommandAuthorisation
 from dray.protocol.vehicle.command_handling import CommandHandling
-from dray_sim import computer
+from dray_sim.clock import computer
 from dray_sim.explore.play import play
 from dray_sim.explore.trial import draw
 

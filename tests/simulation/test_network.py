@@ -12,11 +12,11 @@ import pytest
 
 from dray.errors import ProtocolViolation
 from dray.messages import Handover, Message, OrderTaken
-from dray_sim import listeners
-from dray_sim.latency import WLAN, Latency
-from dray_sim.loop import clock, run
-from dray_sim.network import SimNetwork
-from dray_sim.trace import Trace
+from dray_sim.clock.loop import clock, run
+from dray_sim.network import subscriptions
+from dray_sim.network.latency import WLAN, Latency
+from dray_sim.network.sim_network import SimNetwork
+from dray_sim.run.trace import Trace
 
 NO_DELAY = Latency(base_s=0.0, mean_extra_s=0.0, cap_s=0.0)
 
@@ -160,7 +160,7 @@ def test_publishing_on_a_wildcard_is_our_own_bug() -> None:
 
 
 def test_no_more_keys_are_remembered_than_the_bound(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(listeners, "MAX_KEYS", 10)
+    monkeypatch.setattr(subscriptions, "MAX_KEYS", 10)
 
     async def main() -> int:
         network = SimNetwork(clock(), Random(1))

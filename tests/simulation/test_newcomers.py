@@ -12,9 +12,9 @@ from dray.messages import MachineHeartbeat
 from dray.messages.fact import GoalContracted, GoalLost, GoodsDelivered, OrderFulfilled, TaskClosed
 from dray.plant import Plant, default_plant, with_machine
 from dray.protocol.strategist.strategist import STRATEGIST
-from dray_sim.evidence import HELD
-from dray_sim.floor import NEARLY_EMPTY_FRAC
-from dray_sim.stage import Shift, Stage, play
+from dray_sim.bodies.floor import NEARLY_EMPTY_FRAC
+from dray_sim.run.evidence import HELD
+from dray_sim.run.stage import Shift, Stage, play
 
 NEWCOMER = default_plant().machines["M3"]
 PRODUCT = NEWCOMER.makes[0].product

@@ -24,7 +24,7 @@ from dray_sim.bench.losses.customer import NO_ANSWER, Customer, Patience
 from dray_sim.bench.losses.figures import outages_of
 from dray_sim.bench.losses.outage import Breaker, Outage, caught_up, single_pieces
 from dray_sim.bench.postgres import PostgresServer
-from dray_sim.demand import Order
+from dray_sim.people.demand import Order
 
 PLANT = default_plant()
 

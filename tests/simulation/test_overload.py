@@ -7,9 +7,9 @@ from msgspec import structs
 from dray.messages import MachineHeartbeat, MachineStatus, StationHeartbeat, WorkSought
 from dray.overload import LEAST
 from dray.plant import Plant, default_plant
-from dray_sim.evidence import HELD
-from dray_sim.observer import Observer
-from dray_sim.stage import Shift, play
+from dray_sim.run.evidence import HELD
+from dray_sim.run.observer import Observer
+from dray_sim.run.stage import Shift, play
 
 FLEET = ("ATV2", "ATV4")
 """Two that can carry everything."""

@@ -25,19 +25,19 @@ from dray.messages import (
     VehicleCommand,
 )
 from dray.plant import default_plant
-from dray_sim import demand
-from dray_sim.desk import Desk
-from dray_sim.ears import Ears
-from dray_sim.factory import SimFactory
+from dray_sim.bodies.vehicle import BATTERY_EMPTY, LOAD_SHIFTED
+from dray_sim.checks.invariants import Invariants
+from dray_sim.clock.loop import clock, run
+from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.faults import Faults, LinkTrouble
-from dray_sim.habits import Habits
-from dray_sim.hands import Hands
-from dray_sim.invariants import Invariants
-from dray_sim.loop import clock, run
-from dray_sim.network import SimNetwork
-from dray_sim.people import LOOK_S, Duty, Operator, area_at, hire
-from dray_sim.tablet import ANSWER_S, TRIES
-from dray_sim.vehicle import BATTERY_EMPTY, LOAD_SHIFTED
+from dray_sim.network.listeners import Ears
+from dray_sim.network.sim_network import SimNetwork
+from dray_sim.people import demand
+from dray_sim.people.desk import Desk
+from dray_sim.people.habits import Habits
+from dray_sim.people.hands import Hands
+from dray_sim.people.operators import LOOK_S, Duty, Operator, area_at, hire
+from dray_sim.people.tablet import ANSWER_S, TRIES
 
 PLANT = default_plant()
 AUTHORITY = SigningKey(bytes(32))

@@ -7,11 +7,11 @@ import pytest
 from dray.messages import AtvHeartbeat, AtvStatus, Brief, Event, Phase, Pose, Role, TransportCost
 from dray.messages.fact import BidReceived
 from dray.plant import default_plant, parse_plant, plant_yaml
+from dray_sim.bodies.vehicle import BATTERY_EMPTY
 from dray_sim.plants.draw import draw_plant
 from dray_sim.plants.many import play_seeds
 from dray_sim.plants.play import draw
 from dray_sim.plants.watch import Watch
-from dray_sim.vehicle import BATTERY_EMPTY
 
 SEEDS = range(40)
 

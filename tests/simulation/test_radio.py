@@ -48,7 +48,7 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.contract import TransportCost
-from dray_sim.coverage import AccessPoint, Coverage
+from dray_sim.clock.loop import clock, run
 from dray_sim.faults import (
     AccessPointDown,
     CoverageHole,
@@ -58,12 +58,12 @@ from dray_sim.faults import (
     RadioCut,
     WlanCut,
 )
-from dray_sim.latency import Latency
-from dray_sim.loop import clock, run
-from dray_sim.modem import NOTICE_S
-from dray_sim.network import GATEWAY_S, NO_GATEWAY, NO_WLAN, SimNetwork
-from dray_sim.radio import CONTROL, NOBODY_NEAR, RADIO, TOO_LONG, TOO_MANY, UNFIT, RadioSpec
-from dray_sim.trace import Trace
+from dray_sim.network.coverage import AccessPoint, Coverage
+from dray_sim.network.latency import Latency
+from dray_sim.network.modem import NOTICE_S
+from dray_sim.network.radio import CONTROL, NOBODY_NEAR, RADIO, TOO_LONG, TOO_MANY, UNFIT, RadioSpec
+from dray_sim.network.sim_network import GATEWAY_S, NO_GATEWAY, NO_WLAN, SimNetwork
+from dray_sim.run.trace import Trace
 
 CLEAR = replace(RADIO, loss_frac=0.0)
 """Reaches 25 m and loses nothing, so that a test may count."""

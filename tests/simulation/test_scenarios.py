@@ -10,12 +10,13 @@ from pathlib import Path
 import pytest
 
 from dray.messages.fact import TookOver
-from dray_sim import document
-from dray_sim.evidence import HELD, Check, Evidence, Table
 from dray_sim.faults import PoweredOff, RadioCut
-from dray_sim.scenario import Findings, Scenario
+from dray_sim.run.evidence import HELD, Check, Evidence, Table
+from dray_sim.run.scenario import Findings, Scenario
+from dray_sim.run.stage import Played, Shift, Stage, play
 from dray_sim.scenarios import (
     SCENARIOS,
+    document,
     experiment_power_off,
     experiment_wlan,
     fault_cost,
@@ -27,7 +28,6 @@ from dray_sim.scenarios import (
     takeover,
 )
 from dray_sim.scenarios.laboratory import laboratory
-from dray_sim.stage import Played, Shift, Stage, play
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "scenarios.md"
 

@@ -6,8 +6,8 @@ import pytest
 
 from dray.plant import Plant, load_plant
 from dray.plant.sketch import Wishes, sketch
-from dray_sim.evidence import HELD
-from dray_sim.stage import Shift, Stage, play
+from dray_sim.run.evidence import HELD
+from dray_sim.run.stage import Shift, Stage, play
 
 HOUR_S = 3600.0
 

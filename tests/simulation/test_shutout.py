@@ -13,10 +13,10 @@ from dray.messages import AtvHeartbeat, MachineHeartbeat, Message, Role, ShutOut
 from dray.messages.keys import Keys
 from dray.messages.speakers import FOREIGN_WORD, SHUT_OUT
 from dray.plant import default_plant
-from dray_sim import demand
-from dray_sim.desk import Desk
-from dray_sim.factory import SimFactory
-from dray_sim.loop import clock, run
+from dray_sim.clock.loop import clock, run
+from dray_sim.factory.sim_factory import SimFactory
+from dray_sim.people import demand
+from dray_sim.people.desk import Desk
 
 KEYS = Keys(default_plant().id)
 

@@ -10,10 +10,10 @@ from random import Random
 from dray.messages import AnyFact, AnyMessage, Event, Fact, Message, StationHeartbeat
 from dray.messages.speakers import SIGNATURES, SPEAKERS, TELLERS
 from dray.plant import default_plant
-from dray_sim import demand
-from dray_sim.desk import Desk
-from dray_sim.factory import SimFactory
-from dray_sim.loop import clock, run
+from dray_sim.clock.loop import clock, run
+from dray_sim.factory.sim_factory import SimFactory
+from dray_sim.people import demand
+from dray_sim.people.desk import Desk
 
 SPAN_S = 7200.0
 """Of work and trouble: by then takeovers, lost goals and new elections have all been seen."""

@@ -20,12 +20,12 @@ from dray.messages import (
     StockLevel,
 )
 from dray.plant import Plant, default_plant
-from dray_sim.broken import InvariantBroken
-from dray_sim.evidence import HELD
-from dray_sim.explore.blame import Blame
-from dray_sim.explore.waiting import BEYOND_S, NobodyWaitsInVain
-from dray_sim.promised import PromisedLiesThere
-from dray_sim.stage import Shift, Stage, play
+from dray_sim.checks.broken import InvariantBroken
+from dray_sim.checks.fault_attribution import Blame
+from dray_sim.checks.promised import PromisedLiesThere
+from dray_sim.checks.waiting import BEYOND_S, NobodyWaitsInVain
+from dray_sim.run.evidence import HELD
+from dray_sim.run.stage import Shift, Stage, play
 
 SCARCE = "bearing"
 """Of the default plant: gear units and motors need it, pumps do not."""

@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from yard import PLANT, Yard
 
 from dray.body import Admit, CloseDock, OpenDock, Refill, StockChanged, StorageState
-from dray_sim.docks import SHUT
-from dray_sim.gate import NOT_ADMITTED, Gate
-from dray_sim.stores import NO_ROOM, NOT_KEPT, REFILL_S, TOO_LITTLE, DeliveryWarehouse, Storage
+from dray_sim.bodies.docks import SHUT
+from dray_sim.bodies.gate import NOT_ADMITTED, Gate
+from dray_sim.bodies.stores import NO_ROOM, NOT_KEPT, REFILL_S, TOO_LITTLE, DeliveryWarehouse, Storage
 
 
 @pytest.fixture

@@ -33,10 +33,10 @@ from dray.body import (
     WayDone,
 )
 from dray.messages import Pose
-from dray_sim.docks import SHUT
-from dray_sim.odometer import Activity
-from dray_sim.stores import NO_ROOM, NOT_KEPT, TOO_LITTLE
-from dray_sim.vehicle import BATTERY_EMPTY, SimVehicle
+from dray_sim.bodies.docks import SHUT
+from dray_sim.bodies.odometer import Activity
+from dray_sim.bodies.stores import NO_ROOM, NOT_KEPT, TOO_LITTLE
+from dray_sim.bodies.vehicle import BATTERY_EMPTY, SimVehicle
 
 HOLD, UNHOLD = Hold(), Unhold()
 

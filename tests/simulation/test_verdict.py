@@ -10,10 +10,10 @@ import pytest
 from msgspec.structs import replace
 
 from dray.plant import Making, Plant, PlantFile, Stock, VehicleSpec, shipped_plant
-from dray_sim.evidence import HELD
-from dray_sim.report import Report
-from dray_sim.stage import Shift, play
-from dray_sim.verdict import NOTHING
+from dray_sim.run.evidence import HELD
+from dray_sim.run.report import Report
+from dray_sim.run.stage import Shift, play
+from dray_sim.run.verdict import NOTHING
 
 HOURS = 1.5
 

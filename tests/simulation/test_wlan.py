@@ -8,11 +8,11 @@ from random import Random
 import pytest
 
 from dray.messages import Message, OrderTaken, Pose
+from dray_sim.clock.loop import clock, run
 from dray_sim.faults import LinkTrouble, NetworkFault, Partition, RadioCut, WlanCut
-from dray_sim.latency import WLAN, Latency
-from dray_sim.loop import clock, run
-from dray_sim.network import NO_WLAN, SimNetwork, SimSession
-from dray_sim.wlan import APART, HELD_UP_S, LOST
+from dray_sim.network.latency import WLAN, Latency
+from dray_sim.network.sim_network import NO_WLAN, SimNetwork, SimSession
+from dray_sim.network.wlan import APART, HELD_UP_S, LOST
 
 NO_DELAY = Latency(base_s=0.0, mean_extra_s=0.0, cap_s=0.0)
 HERE = Pose(0.0, 0.0, 0.0)

@@ -21,9 +21,9 @@ from dray.body import (
     StockChanged,
     WorkcellState,
 )
-from dray_sim.docks import SHUT
-from dray_sim.stores import NO_ROOM, NOT_KEPT, TOO_LITTLE
-from dray_sim.workcell import NO_POWER, SimWorkcell, WorkcellTimes
+from dray_sim.bodies.docks import SHUT
+from dray_sim.bodies.stores import NO_ROOM, NOT_KEPT, TOO_LITTLE
+from dray_sim.bodies.workcell import NO_POWER, SimWorkcell, WorkcellTimes
 
 FULL = {"shaft": 50, "seal": 40}
 GEAR = StartCycle(product="gear")

@@ -33,11 +33,11 @@ from dray.plant import (
 )
 from dray.plant.model import Storage as StorageSpec
 from dray.ports import Body
-from dray_sim.chargers import Chargers
-from dray_sim.loop import VirtualClock
-from dray_sim.stores import DeliveryWarehouse, Place, SourceWarehouse, Storage
-from dray_sim.vehicle import SimVehicle
-from dray_sim.workcell import SimWorkcell
+from dray_sim.bodies.chargers import Chargers
+from dray_sim.bodies.stores import DeliveryWarehouse, Place, SourceWarehouse, Storage
+from dray_sim.bodies.vehicle import SimVehicle
+from dray_sim.bodies.workcell import SimWorkcell
+from dray_sim.clock.loop import VirtualClock
 
 BOX = Box(5.0, 5.0, 1.0, 1.0)
 

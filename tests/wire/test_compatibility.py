@@ -19,11 +19,11 @@ from dray.messages import Message
 from dray.plant import default_plant
 from dray.wire.compatibility import breaks
 from dray.wire.documents import RELEASED, current
-from dray_sim import demand
-from dray_sim.desk import Desk
-from dray_sim.factory import SimFactory
-from dray_sim.loop import clock, run
-from dray_sim.trace import Trace
+from dray_sim.clock.loop import clock, run
+from dray_sim.factory.sim_factory import SimFactory
+from dray_sim.people import demand
+from dray_sim.people.desk import Desk
+from dray_sim.run.trace import Trace
 
 FOLDER = Path(__file__).parents[2] / "docs" / "wire"
 
@@ -159,7 +159,7 @@ def day(monkeypatch: pytest.MonkeyPatch, newer: Callable[[str], bool]) -> str:
                 task.cancel()
         return trace.hexdigest()
 
-    monkeypatch.setattr("dray_sim.network.encode", encode_by_version)
+    monkeypatch.setattr("dray_sim.network.sim_network.encode", encode_by_version)
     return run(main())
 
 

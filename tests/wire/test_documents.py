@@ -23,10 +23,10 @@ from dray.wire import asyncapi
 from dray.wire.channels import CHANNELS
 from dray.wire.documents import RELEASED, documents
 from dray.wire.schemas import message_schema
-from dray_sim import demand
-from dray_sim.desk import Desk
-from dray_sim.factory import SimFactory
-from dray_sim.loop import clock, run
+from dray_sim.clock.loop import clock, run
+from dray_sim.factory.sim_factory import SimFactory
+from dray_sim.people import demand
+from dray_sim.people.desk import Desk
 
 FOLDER = Path(__file__).parents[2] / "docs" / "wire"
 

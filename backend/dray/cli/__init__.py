@@ -19,8 +19,9 @@
     dray wire ...       what agents say, as schemas
     dray db ...         the database
 
-One module per group. What a command needs is imported when it runs, so that `dray --help` answers at
-once. What a command prints on stdout is its result; everything else goes to stderr.
+`commands` has one module per group, Typer only; `runtime` is what a process in service is made of, `fleet` keeps many
+processes, `compose` writes them down as containers, and `simulation` runs what is simulated: beside its commands the only
+room that imports `dray_sim`. What a command needs is imported when it runs, so that `dray --help` answers at once. What a command prints on stdout is its result; everything else goes to stderr.
 
 Exit codes: 0 done; 1 a broken invariant, or something outside is not there; 2 input that cannot be used.
 """
@@ -33,9 +34,11 @@ from typing import Annotated
 import typer
 
 from dray import __version__
-from dray.cli import agent, bench, certs, db, fault, front, key, link, plant, shutout, sim, up, user, wire
-from dray.cli.compose.commands import compose
-from dray.cli.fleet.commands import app as fleet_app
+from dray.cli.commands import agent, gateway, plant, wire
+from dray.cli.commands.administration import certs, db, key, link, shut_out, user
+from dray.cli.commands.compose import compose
+from dray.cli.commands.fleet import app as fleet_app
+from dray.cli.commands.simulation import bench, fault, floor, sim, up
 from dray.errors import DrayError, InputError
 
 app = typer.Typer(
@@ -50,14 +53,14 @@ app.add_typer(fleet_app, name="fleet")
 app.command("compose")(compose)
 app.add_typer(agent.app, name="agent")
 app.command("strategist")(agent.strategist)
-app.command("floor")(agent.floor)
-app.command("gateway")(front.gateway)
-app.command("historian")(front.historian)
+app.command("floor")(floor.floor)
+app.command("gateway")(gateway.gateway)
+app.command("historian")(gateway.historian)
 app.command("bench")(bench.bench)
 app.add_typer(sim.app, name="sim")
 app.add_typer(fault.app, name="fault")
-app.command("shut-out")(shutout.shut_out)
-app.command("readmit")(shutout.readmit)
+app.command("shut-out")(shut_out.shut_out)
+app.command("readmit")(shut_out.readmit)
 app.add_typer(user.app, name="user")
 app.add_typer(key.app, name="key")
 app.add_typer(link.app, name="link")

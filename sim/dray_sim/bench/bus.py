@@ -21,10 +21,10 @@ from dray.messages.keys import Keys
 from dray.protocol.runtime.events import NEVER_S, Effect, Event, Publish, Subscribe, Woke
 from dray.worker import Worker
 from dray_sim.bench.row import Row, rates
-from dray_sim.journal import HeldJournal
-from dray_sim.loop import clock, run
-from dray_sim.network import SimNetwork
-from dray_sim.trace import Trace
+from dray_sim.clock.loop import clock, run
+from dray_sim.factory.journal import HeldJournal
+from dray_sim.network.sim_network import SimNetwork
+from dray_sim.run.trace import Trace
 
 VEHICLES = 50
 """The plant for which a simulation is to run at 500 times real time."""

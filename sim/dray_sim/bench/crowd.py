@@ -30,7 +30,7 @@ from dray.messages.heartbeat import BufferLevel, GoalBrief
 from dray.plant import Plant
 from dray.plant.model import MachineSpec
 from dray.plant.roads import DirectedLane
-from dray_sim.generator import generate_plant
+from dray_sim.plants.generator import generate_plant
 
 PERIOD_S = 1.0
 """From one heartbeat of an agent at work to its next."""

@@ -23,8 +23,8 @@ from zenoh.handlers import Callback
 
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.cli.fleet.folder import GATEWAY
-from dray.cli.fleet.roll import Member
-from dray.cli.process import FLOOR
+from dray.cli.fleet.process_registry import Member
+from dray.cli.runtime.roster import FLOOR
 from dray.errors import UnavailableError
 from dray.messages import OrderItem
 from dray.messages.speakers import Kind
@@ -34,8 +34,8 @@ from dray_sim.bench.losses.fleet import Fleet, running
 from dray_sim.bench.losses.watch import gathered
 from dray_sim.bench.row import Row
 from dray_sim.bench.usage import Usage
-from dray_sim.demand import Order
-from dray_sim.generator import generate_plant
+from dray_sim.people.demand import Order
+from dray_sim.plants.generator import generate_plant
 
 SEED = 1
 

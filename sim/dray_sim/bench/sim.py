@@ -18,12 +18,12 @@ from itertools import count
 from random import Random
 
 from dray.plant import Plant, default_plant
-from dray_sim import demand
 from dray_sim.bench.row import Row
-from dray_sim.desk import Desk
-from dray_sim.factory import SimFactory
-from dray_sim.generator import generate_plant
-from dray_sim.loop import clock, run
+from dray_sim.clock.loop import clock, run
+from dray_sim.factory.sim_factory import SimFactory
+from dray_sim.people import demand
+from dray_sim.people.desk import Desk
+from dray_sim.plants.generator import generate_plant
 
 SEED = 1
 LOAD = 0.85

@@ -10,30 +10,30 @@ from dray.adapters.system_clock import SLEW_FRAC
 from dray.errors import DrayError
 from dray.messages import Event, Message
 from dray.messages.fact import TaskClosed, TookOver
-from dray_sim.desk import Desk
-from dray_sim.ears import Ears
-from dray_sim.explore.blame import Blame
-from dray_sim.explore.bonds import Bonds
-from dray_sim.explore.calm import Calm
+from dray_sim.checks.bounds import Patience
+from dray_sim.checks.fault_attribution import Blame
+from dray_sim.checks.invariants import Invariants
+from dray_sim.checks.liveness import Calm
+from dray_sim.checks.power import Powered
+from dray_sim.checks.stale_contracts import Bonds
+from dray_sim.checks.standing import Standing
+from dray_sim.checks.waiting import NobodyWaitsInVain
+from dray_sim.clock.loop import JUMP, clock, run
 from dray_sim.explore.outcome import Outcome
-from dray_sim.explore.passerby import Passerby
-from dray_sim.explore.patience import Patience
-from dray_sim.explore.power import Powered
-from dray_sim.explore.regret import Regret
-from dray_sim.explore.revision import Revision
-from dray_sim.explore.standing import Standing
 from dray_sim.explore.story import Story
 from dray_sim.explore.trial import Trial, draw
-from dray_sim.explore.waiting import NobodyWaitsInVain
-from dray_sim.factory import SimFactory
+from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.faults import Fault, Faults, describe, kind_of
 from dray_sim.faults import play as let_happen
 from dray_sim.insiders import BEHAVIOURS
 from dray_sim.insiders.joining import INSIDER, bring_in
-from dray_sim.invariants import Invariants
-from dray_sim.loop import JUMP, clock, run
-from dray_sim.people import hire
-from dray_sim.trace import Trace
+from dray_sim.network.listeners import Ears
+from dray_sim.people.canceller import Regret
+from dray_sim.people.desk import Desk
+from dray_sim.people.operators import hire
+from dray_sim.people.random_operator import Passerby
+from dray_sim.people.revoker import Revision
+from dray_sim.run.trace import Trace
 
 LONGEST_S = 6 * 3600.0
 """Nothing in a trial takes so long; a run that does is broken, too."""

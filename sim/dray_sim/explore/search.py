@@ -20,7 +20,7 @@ from multiprocessing.synchronize import Event
 from dray.errors import UnavailableError
 from dray_sim.explore.outcome import Outcome, Summary
 from dray_sim.explore.play import try_seed
-from dray_sim.workers import end_with_parent
+from dray_sim.run.workers import end_with_parent
 
 CHUNK = 8
 """Seeds that a process plays in one go: some seconds, long beside what passing them on costs."""

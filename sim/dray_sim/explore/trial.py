@@ -24,8 +24,6 @@ from dray.plant import (
     VehicleSpec,
     VehicleType,
 )
-from dray_sim import demand
-from dray_sim.explore.revision import Revised
 from dray_sim.faults import (
     CLOCKS,
     LEAVING,
@@ -45,9 +43,11 @@ from dray_sim.faults import (
     random_schedule,
     random_waves,
 )
-from dray_sim.generator import generate_plant
-from dray_sim.habits import Habits
 from dray_sim.insiders import BEHAVIOURS
+from dray_sim.people import demand
+from dray_sim.people.habits import Habits
+from dray_sim.people.revoker import Revised
+from dray_sim.plants.generator import generate_plant
 
 DURATION_S = 1200.0
 """The least virtual time of a trial."""

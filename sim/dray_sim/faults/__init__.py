@@ -9,27 +9,29 @@ from __future__ import annotations
 from dray_sim.faults.active import Faults, World, play
 from dray_sim.faults.chance import CLOCKS, LEAVING, WEIGHTS, random_schedule, random_waves
 from dray_sim.faults.kinds import (
-    AccessPointDown,
     ClockSet,
-    CoverageHole,
     Crashed,
     Fault,
     JournalLost,
-    LinkTrouble,
     LoadShifted,
     MachineBroken,
-    NetworkFault,
-    Partition,
     PoweredOff,
-    RadioCut,
     SentAway,
     VehicleBroken,
-    WlanCut,
     describe,
     kind_of,
 )
 from dray_sim.faults.names import Cast, FaultError
 from dray_sim.faults.schedule import Timed, read_fault, read_schedule, write_schedule
+from dray_sim.network.faults import (
+    AccessPointDown,
+    CoverageHole,
+    LinkTrouble,
+    NetworkFault,
+    Partition,
+    RadioCut,
+    WlanCut,
+)
 
 __all__ = [
     "CLOCKS",

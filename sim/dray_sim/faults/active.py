@@ -19,13 +19,13 @@ from dray_sim.faults.kinds import (
     JournalLost,
     LoadShifted,
     MachineBroken,
-    NetworkFault,
     PoweredOff,
     SentAway,
     VehicleBroken,
 )
 from dray_sim.faults.names import Cast, FaultError
 from dray_sim.faults.schedule import Timed
+from dray_sim.network.faults import NetworkFault
 
 _ENDED = (Crashed, JournalLost, SentAway)
 """Faults during which an agent's process is not there."""
@@ -68,7 +68,7 @@ class Loadable(Breakable, Protocol):
 
 
 class World(Protocol):
-    """A factory in which things go wrong: `dray_sim.factory.SimFactory` is one."""
+    """A factory in which things go wrong: `dray_sim.factory.sim_factory.SimFactory` is one."""
 
     @property
     def clock(self) -> Clock: ...

@@ -10,26 +10,21 @@ from collections.abc import Callable, Mapping
 from random import Random
 
 from dray.plant import Plant
-from dray_sim.coverage import access_points_of
 from dray_sim.faults.kinds import (
-    AccessPointDown,
     ClockSet,
-    CoverageHole,
     Crashed,
     Fault,
     JournalLost,
-    LinkTrouble,
     LoadShifted,
     MachineBroken,
-    Partition,
     PoweredOff,
-    RadioCut,
     SentAway,
     VehicleBroken,
-    WlanCut,
 )
 from dray_sim.faults.names import Cast
 from dray_sim.faults.schedule import Timed
+from dray_sim.network.coverage import access_points_of
+from dray_sim.network.faults import AccessPointDown, CoverageHole, LinkTrouble, Partition, RadioCut, WlanCut
 
 MEAN_GAP_S = 60.0
 """Between the beginnings of two faults at intensity 1: rare enough that something goes on between them."""

@@ -8,24 +8,19 @@ from dataclasses import dataclass
 from dray.errors import InputError
 from dray.plant import Plant
 from dray.protocol.strategist.strategist import STRATEGIST
-from dray_sim.coverage import access_points_of
 from dray_sim.faults.kinds import (
-    AccessPointDown,
     ClockSet,
-    CoverageHole,
     Crashed,
     Fault,
     JournalLost,
-    LinkTrouble,
     LoadShifted,
     MachineBroken,
-    Partition,
     PoweredOff,
-    RadioCut,
     SentAway,
     VehicleBroken,
-    WlanCut,
 )
+from dray_sim.network.coverage import access_points_of
+from dray_sim.network.faults import AccessPointDown, CoverageHole, LinkTrouble, Partition, RadioCut, WlanCut
 
 LISTENERS = ("gateway", "historian", "desk")
 """Agents that may be on the network without being of the factory: their cable can be pulled."""

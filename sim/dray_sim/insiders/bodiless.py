@@ -11,12 +11,12 @@ from collections.abc import Callable
 from dray.plant import Plant
 from dray.plant.model import VehicleSpec
 from dray.ports import Body, Clock
-from dray_sim.chargers import Chargers
-from dray_sim.vehicle import SimVehicle
+from dray_sim.bodies.chargers import Chargers
+from dray_sim.bodies.vehicle import SimVehicle
 
 
 class _Nowhere:
-    """A place that is in no plant (see `dray_sim.stores.Place`): it gives what is asked for, and takes what is brought."""
+    """A place that is in no plant (see `dray_sim.bodies.stores.Place`): it gives what is asked for, and takes what is brought."""
 
     def take(self, vehicle: str, item: str, quantity: int) -> str:
         return ""

@@ -10,12 +10,12 @@ from dray.plant.model import VehicleSpec
 from dray.ports import Bus
 from dray.protocol.vehicle.atv import Atv
 from dray.worker import Worker
-from dray_sim.factory import SimFactory
+from dray_sim.factory.journal import HeldJournal
+from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.insiders.behaviour import Behaviour
 from dray_sim.insiders.bodiless import body_of
 from dray_sim.insiders.liar import Liar
 from dray_sim.insiders.turncoat import Turncoat
-from dray_sim.journal import HeldJournal
 
 INSIDER = "ATV9"
 """The ninth of nine: the default plant has eight."""

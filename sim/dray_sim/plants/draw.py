@@ -1,4 +1,4 @@
-"""Any factory that `dray plant check` accepts, drawn from a seed; it shares nothing with `dray_sim.generator`.
+"""Any factory that `dray plant check` accepts, drawn from a seed; it shares nothing with `dray_sim.plants.generator`.
 
 2 to 40 machines and 2 to 60 vehicles of one to four types, in one to three halls with lanes of any shape; docks in
 the lane, at the end of a spur or to drive through; storages that share a dock; lots of one piece and of sixty; names

@@ -10,7 +10,7 @@ from functools import partial
 
 from dray.errors import UnavailableError
 from dray_sim.plants.play import HOURS, Judgement, play_seed
-from dray_sim.workers import end_with_parent
+from dray_sim.run.workers import end_with_parent
 
 
 def play_seeds(

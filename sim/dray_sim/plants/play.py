@@ -12,12 +12,12 @@ from dray.messages import OrderItem
 from dray.plant import Plant
 from dray.plant.advice import NO_LOAD_FRAC, advice
 from dray.plant.flow import Flow
-from dray_sim import demand
-from dray_sim.evidence import HELD
+from dray_sim.people import demand
 from dray_sim.plants.draw import draw_plant
 from dray_sim.plants.watch import Waiting, Watch
-from dray_sim.stage import Shift, Stage, play
-from dray_sim.verdict import NOTHING, Verdict
+from dray_sim.run.evidence import HELD
+from dray_sim.run.stage import Shift, Stage, play
+from dray_sim.run.verdict import NOTHING, Verdict
 
 HOURS = 4.0
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import msgspec
@@ -12,13 +12,9 @@ import zenoh
 from zenoh.handlers import Callback
 
 from dray.adapters.crossing import Crossing
-from dray.body import Report
-from dray.errors import PlantError
-from dray.ports import Body
-from dray_sim.floor import Floor
-from dray_sim.remote.exchange import Exchange, Part
-from dray_sim.remote.questions import REFUSED, answering
-from dray_sim.remote.wire import (
+from dray.adapters.remote_body.exchange import Exchange, Part
+from dray.adapters.remote_body.questions import REFUSED
+from dray.adapters.remote_body.wire import (
     NO_LIFE,
     Do,
     Taken,
@@ -27,9 +23,13 @@ from dray_sim.remote.wire import (
     encode,
     from_part,
     newcomers_key,
-    pieces_key,
     to_part,
 )
+from dray.body import Report
+from dray.errors import PlantError
+from dray.ports import Body
+from dray_sim.bodies.floor import Floor
+from dray_sim.remote.pieces import pieces_key
 
 TELL_EVERY_S = 0.1
 """How often a body's state is told when nothing happens: as the pose on a panel is refreshed."""
@@ -76,8 +76,8 @@ class FloorServer:
         self._session, self._plant, self._floor = session, plant, floor
         self._crossing = Crossing(asyncio.get_running_loop())
         self._served = [self._serve(agent, body) for agent, body in floor.bodies.items()]
-        session.declare_queryable(newcomers_key(plant), answering(self._crossing, self._receive))
-        session.declare_queryable(pieces_key(plant), answering(self._crossing, self._count))
+        session.declare_queryable(newcomers_key(plant), _answering(self._crossing, self._receive))
+        session.declare_queryable(pieces_key(plant), _answering(self._crossing, self._count))
 
     async def run(self) -> None:
         """Tell how all bodies are, until cancelled."""
@@ -144,7 +144,7 @@ class _Served:
         self._past = Counter[str]()
         """What was counted in earlier lives: sums must never fall."""
         self.refused = 0
-        session.declare_queryable(key, answering(crossing, self._answer))
+        session.declare_queryable(key, _answering(crossing, self._answer))
         session.declare_subscriber(f"{key}/do", Callback(self._hear, indirect=False))
         body.attach(self._report)
 
@@ -203,3 +203,14 @@ class _Served:
             return
         for instruction in self._exchange.read(done.letter):
             self._body.instruct(from_part(instruction))
+
+
+def _answering(crossing: Crossing, answer: Callable[[zenoh.Query], None]) -> Callback[zenoh.Query]:
+    """Answers on the loop; refuses at once, on Zenoh's thread, when the loop is too far behind."""
+
+    def queue(query: zenoh.Query) -> None:
+        if not crossing.offer(answer, query):
+            with query:
+                query.reply_err("too much waits there", encoding=REFUSED)
+
+    return Callback(queue, indirect=False)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from dray_sim.scenario import Playable
+from dray_sim.run.scenario import Playable
 from dray_sim.scenarios import (
     case_1,
     case_2,

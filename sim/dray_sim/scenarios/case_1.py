@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from dray.messages import Production
 from dray.messages.fact import GoalContracted, GoalLost, GoalWaits, TaskOpened
 from dray.plant import default_plant
-from dray_sim.demand import Order
-from dray_sim.evidence import Check, Table
 from dray_sim.faults import MachineBroken, PoweredOff
-from dray_sim.scenario import Findings, Scenario
+from dray_sim.people.demand import Order
+from dray_sim.run.evidence import Check, Table
+from dray_sim.run.scenario import Findings, Scenario
+from dray_sim.run.stage import Played, Shift, Stage, play
 from dray_sim.scenarios.laboratory import only_on
-from dray_sim.stage import Played, Shift, Stage, play
 
 # --- others can make it --------------------------------------------------------------------------
 

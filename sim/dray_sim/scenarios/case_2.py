@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from dray.messages import Bid, Role
 from dray.messages.fact import ContractEnded, ContractTaken, TookOver
 from dray.plant import VehicleSpec, default_plant
-from dray_sim.evidence import Check
-from dray_sim.scenario import Findings, Scenario
+from dray_sim.run.evidence import Check
+from dray_sim.run.scenario import Findings, Scenario
+from dray_sim.run.stage import Played, Shift, Stage, play
 from dray_sim.scenarios.tally import SETTLE_S
-from dray_sim.stage import Played, Shift, Stage, play
 
 NEWCOMERS = (
     VehicleSpec(id="GUEST1", type="light", node="p2", battery_frac=0.9),

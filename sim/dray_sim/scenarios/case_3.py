@@ -9,16 +9,16 @@ from itertools import count
 from dray.messages import AtvHeartbeat, Bid, Link, MachineStatus
 from dray.messages.fact import AwardAnswered, MachineStatusChanged, TaskOpened
 from dray.plant import default_plant
-from dray_sim.evidence import Check, Table
 from dray_sim.faults import RadioCut, Timed, WlanCut
 from dray_sim.faults import play as let_happen
-from dray_sim.radio import RADIO
-from dray_sim.scenario import Findings, Scenario
+from dray_sim.network.radio import RADIO
+from dray_sim.run.evidence import Check, Table
+from dray_sim.run.scenario import Findings, Scenario
+from dray_sim.run.stage import Played, Shift, Stage, play
 from dray_sim.scenarios.figure_6 import STOCK_FRAC, WAIT_S
 from dray_sim.scenarios.laboratory import MACHINE, PRODUCT, laboratory
 from dray_sim.scenarios.reach import Reach
 from dray_sim.scenarios.tally import SETTLE_S
-from dray_sim.stage import Played, Shift, Stage, play
 
 # --- nobody can bid ------------------------------------------------------------------------------
 

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 
 from dray.messages import Phase
 from dray.messages.fact import CarrierChanged, HelpAsked, HelpPromised, TookOver
-from dray_sim.evidence import Check, Table
 from dray_sim.faults import PoweredOff, VehicleBroken
-from dray_sim.habits import Habits
-from dray_sim.scenario import Findings, Scenario
+from dray_sim.people.habits import Habits
+from dray_sim.run.evidence import Check, Table
+from dray_sim.run.scenario import Findings, Scenario
+from dray_sim.run.stage import Played, Shift, Stage
 from dray_sim.scenarios.figure_6 import Contract, closed, in_laboratory, reached, replenishment
-from dray_sim.stage import Played, Shift, Stage
 
 REASON = "the way is blocked"
 

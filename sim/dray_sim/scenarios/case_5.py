@@ -8,10 +8,12 @@ from math import hypot
 
 from dray.messages import AtvHeartbeat, CommandAnswered, CommandKind, Message, Phase, VehicleCommand
 from dray.messages.fact import CarrierChanged, CommandObeyed, HelpAsked, TookOver
-from dray_sim.evidence import Check
 from dray_sim.faults import FaultError, LoadShifted
-from dray_sim.habits import Habits
-from dray_sim.scenario import Findings, Scenario
+from dray_sim.people.habits import Habits
+from dray_sim.run.evidence import Check
+from dray_sim.run.scenario import Findings, Scenario
+from dray_sim.run.stage import Shift, Stage
+from dray_sim.run.witness import Seen
 from dray_sim.scenarios.figure_6 import (
     Contract,
     closed,
@@ -20,8 +22,6 @@ from dray_sim.scenarios.figure_6 import (
     reached,
     replenishment,
 )
-from dray_sim.stage import Shift, Stage
-from dray_sim.witness import Seen
 
 LOADING_S = 5.0
 """Into the loading, which takes 20 s."""

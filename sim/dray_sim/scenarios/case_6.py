@@ -13,10 +13,10 @@ from dray.messages.fact import CarrierChanged, GoalLost, PrimarySuspected, TaskC
 from dray.plant import default_plant
 from dray.protocol.runtime.shutdown import LEAVES
 from dray.protocol.strategist.strategist import STRATEGIST
-from dray_sim.evidence import Check, Table
-from dray_sim.scenario import Findings, Scenario
+from dray_sim.run.evidence import Check, Table
+from dray_sim.run.scenario import Findings, Scenario
+from dray_sim.run.stage import Shift, Stage, play
 from dray_sim.scenarios.tally import SETTLE_S, Tally, all_delivered, tally
-from dray_sim.stage import Shift, Stage, play
 
 NEW = "next"
 """The other version. It says the same things, as every version of one wire version does."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dray_sim.report import Report
-from dray_sim.scenario import HERE
-from dray_sim.site import Site
-from dray_sim.stage import Shift, play
+from dray_sim.run.report import Report
+from dray_sim.run.scenario import HERE
+from dray_sim.run.site import Site
+from dray_sim.run.stage import Shift, play
 
 SHIFT = Shift(name="day", duration_s=8 * 3600.0, load=0.85)
 """Of the machines' time: a good day, with a little room for whatever comes between."""

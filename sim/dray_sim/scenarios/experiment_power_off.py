@@ -7,10 +7,11 @@ import asyncio
 from dray.messages import Phase
 from dray.messages.fact import PhaseEntered, PrimarySuspected, TookOver
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, bound_s
-from dray_sim.evidence import Check
 from dray_sim.faults import PoweredOff
-from dray_sim.habits import Habits
-from dray_sim.scenario import Findings, Scenario
+from dray_sim.people.habits import Habits
+from dray_sim.run.evidence import Check
+from dray_sim.run.scenario import Findings, Scenario
+from dray_sim.run.stage import Shift, Stage
 from dray_sim.scenarios.figure_6 import (
     PRIMARY,
     SECONDARY,
@@ -23,7 +24,6 @@ from dray_sim.scenarios.figure_6 import (
     replenishment,
 )
 from dray_sim.scenarios.laboratory import MACHINE
-from dray_sim.stage import Shift, Stage
 
 ON_THE_WAY_S = 3.0
 

@@ -7,9 +7,10 @@ import asyncio
 from dray.messages import Bid, Link, Phase
 from dray.messages.fact import AwardAnswered, CarrierChanged, PrimarySuspected, TookOver
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, bound_s
-from dray_sim.evidence import Check
 from dray_sim.faults import WlanCut
-from dray_sim.scenario import Findings, Scenario
+from dray_sim.run.evidence import Check
+from dray_sim.run.scenario import Findings, Scenario
+from dray_sim.run.stage import Stage
 from dray_sim.scenarios.figure_6 import (
     PRIMARY,
     as_in_figure_6,
@@ -23,7 +24,6 @@ from dray_sim.scenarios.figure_6 import (
     replenishment,
 )
 from dray_sim.scenarios.laboratory import MACHINE
-from dray_sim.stage import Stage
 
 ON_THE_WAY_S = 3.0
 """After ATV3 has left: both contracts stand, and it drives."""

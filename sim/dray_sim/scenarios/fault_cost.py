@@ -7,12 +7,12 @@ from collections.abc import Awaitable, Callable
 from functools import partial
 
 from dray.plant import Plant, default_plant
-from dray_sim.evidence import Check, Table
 from dray_sim.faults import LinkTrouble, PoweredOff
-from dray_sim.habits import Habits
-from dray_sim.scenario import Findings, Scenario
+from dray_sim.people.habits import Habits
+from dray_sim.run.evidence import Check, Table
+from dray_sim.run.scenario import Findings, Scenario
+from dray_sim.run.stage import Shift, Stage, play
 from dray_sim.scenarios.tally import HEAD, SETTLE_S, Tally, all_delivered, row, run_out, tally
-from dray_sim.stage import Shift, Stage, play
 
 SHIFT = Shift(name="fault-cost", duration_s=4 * 3600.0, load=0.85, people=Habits())
 """Half a day as the scenario `day` has it, with operators on the floor, who find something to do only when

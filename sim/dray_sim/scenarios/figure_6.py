@@ -23,9 +23,9 @@ from dray.messages.fact import (
     TaskOpened,
     TookOver,
 )
-from dray_sim.evidence import Check
+from dray_sim.run.evidence import Check
+from dray_sim.run.stage import Played, Shift, Stage, T, play
 from dray_sim.scenarios.laboratory import MACHINE, PRODUCT, laboratory
-from dray_sim.stage import Played, Shift, Stage, T, play
 
 PRIMARY, SECONDARY = "ATV3", "ATV1"
 """As in Figure 6, left."""

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from functools import partial
 
 from dray.plant import Plant, default_plant
-from dray_sim.evidence import Check, Table
 from dray_sim.insiders import BEHAVIOURS, Behaviour
 from dray_sim.insiders.joining import bring_in
-from dray_sim.scenario import Findings, Scenario
-from dray_sim.stage import Played, Shift, Stage, play
+from dray_sim.run.evidence import Check, Table
+from dray_sim.run.scenario import Findings, Scenario
+from dray_sim.run.stage import Played, Shift, Stage, play
 
 SHIFT = Shift(name="insider", duration_s=8 * 3600.0, load=0.6)
 

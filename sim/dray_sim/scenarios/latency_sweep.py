@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from dray.plant import Plant, default_plant
-from dray_sim.evidence import Check, Table
-from dray_sim.latency import WLAN, Latency
-from dray_sim.scenario import Findings, Scenario
+from dray_sim.network.latency import WLAN, Latency
+from dray_sim.run.evidence import Check, Table
+from dray_sim.run.scenario import Findings, Scenario
+from dray_sim.run.stage import Played, Shift, play
 from dray_sim.scenarios.tally import HEAD, Tally, all_delivered, listed, row, run_out
-from dray_sim.stage import Played, Shift, play
 
 LATENCIES_S = (0.0, 0.5, 1.0, 2.0, 3.0, 5.0)
 """Up to what the longest bidding window is made for."""

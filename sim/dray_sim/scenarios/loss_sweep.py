@@ -5,11 +5,11 @@ from __future__ import annotations
 from functools import partial
 
 from dray.plant import Plant, default_plant
-from dray_sim.evidence import Check, Table
 from dray_sim.faults import LinkTrouble
-from dray_sim.scenario import Findings, Scenario
+from dray_sim.run.evidence import Check, Table
+from dray_sim.run.scenario import Findings, Scenario
+from dray_sim.run.stage import Shift, Stage, play
 from dray_sim.scenarios.tally import HEAD, Tally, all_delivered, listed, row, run_out
-from dray_sim.stage import Shift, Stage, play
 
 LOSSES_FRAC = (0.0, 0.05, 0.10, 0.20, 0.30, 0.40)
 

@@ -10,10 +10,10 @@ from msgspec import structs
 from dray.messages import Bid, Role
 from dray.messages.fact import ContractEnded
 from dray.plant import Plant, VehicleSpec, default_plant
-from dray_sim.evidence import Check, Table
-from dray_sim.observer import percentile
-from dray_sim.scenario import Findings, Scenario
-from dray_sim.stage import Shift, Stage, play
+from dray_sim.run.evidence import Check, Table
+from dray_sim.run.observer import percentile
+from dray_sim.run.scenario import Findings, Scenario
+from dray_sim.run.stage import Shift, Stage, play
 
 FIRST_FLEET = ("ATV2", "ATV4")
 """Two that can carry everything: less than the peak needs."""

@@ -9,8 +9,8 @@ from dray.messages import Link
 from dray.messages.fact import CarrierChanged, TookOver
 from dray.protocol.liveness.failure_detector import SILENT
 from dray.protocol.runtime.events import NEVER_S
-from dray_sim.radio import RADIO
-from dray_sim.stage import Stage
+from dray_sim.network.radio import RADIO
+from dray_sim.run.stage import Stage
 
 LOOK_S = 0.5
 """A vehicle drives less than a metre in this time."""

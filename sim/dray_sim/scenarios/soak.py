@@ -8,11 +8,11 @@ import sys
 from dataclasses import dataclass
 from itertools import pairwise
 
-from dray_sim.evidence import Check, Table
-from dray_sim.generator import generate_plant
-from dray_sim.observer import percentile
-from dray_sim.scenario import Findings, Scenario
-from dray_sim.stage import Shift, Stage, play
+from dray_sim.plants.generator import generate_plant
+from dray_sim.run.evidence import Check, Table
+from dray_sim.run.observer import percentile
+from dray_sim.run.scenario import Findings, Scenario
+from dray_sim.run.stage import Shift, Stage, play
 
 DAY_S = 86_400.0
 DAYS = 30

@@ -10,14 +10,14 @@ from dray.messages import Phase, Role, TaskBrief
 from dray.messages.fact import ContractTaken, PhaseEntered
 from dray.plant import default_plant
 from dray.protocol.liveness.suspicion import LATENESS_MAX_S, WORKING_INTERVAL_S, bound_s
-from dray_sim.evidence import Check, Table
 from dray_sim.faults import Fault, PoweredOff, RadioCut, WlanCut
-from dray_sim.latency import WLAN
-from dray_sim.observer import percentile
-from dray_sim.radio import RADIO
-from dray_sim.scenario import Findings, Scenario
+from dray_sim.network.latency import WLAN
+from dray_sim.network.radio import RADIO
+from dray_sim.run.evidence import Check, Table
+from dray_sim.run.observer import percentile
+from dray_sim.run.scenario import Findings, Scenario
+from dray_sim.run.stage import Shift, Stage, play
 from dray_sim.scenarios.reach import Reach
-from dray_sim.stage import Shift, Stage, play
 
 RUNS = 500
 CUT_RUNS = 100

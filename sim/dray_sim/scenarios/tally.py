@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from dray.protocol.runtime.events import NEVER_S
-from dray_sim.evidence import HELD, Check
-from dray_sim.stage import Played, Stage
+from dray_sim.run.evidence import HELD, Check
+from dray_sim.run.stage import Played, Stage
 
 SETTLE_S = 2 * 3600.0
 """After the demand. The last order takes half an hour on a good network; four times that says it hangs."""

@@ -19,13 +19,13 @@ from msgspec.structs import replace
 
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Links
-from dray.cli.fleet.report import Report
-from dray.cli.fleet.roll import Roll, read_roll
+from dray.cli.fleet.process_registry import Roll, read_roll
+from dray.cli.fleet.rollout.report import Report
 from dray.messages import Message
 from dray.messages.keys import Keys
 from dray.plant import Plant, plant_yaml
 from dray.protocol.strategist.strategist import STRATEGIST
-from dray_sim.generator import generate_plant
+from dray_sim.plants.generator import generate_plant
 
 WHOLE = generate_plant(1, machines=3, vehicles=2)
 

@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 from actor import make_actor
-from rolls import NOBODY, write_roll
+from registries import NOBODY, write_roll
 
 from dray.cli.fleet.ending import end_fleet
 from dray.cli.fleet.folder import FLEET_LOCK, ROLL, alone
-from dray.cli.fleet.muster import Muster, run_muster
 from dray.cli.fleet.processes import Process
 from dray.cli.fleet.software import Software
+from dray.cli.fleet.supervisor import Muster, run_muster
 from dray.errors import UnavailableError
 from dray.plant import default_plant
 from dray.settings import Settings

@@ -19,9 +19,9 @@ from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, OrderItem, Tria
 from dray.messages.fact import OrderFulfilled
 from dray.plant import plant_yaml
 from dray.protocol.strategist.strategist import STRATEGIST
-from dray_sim.demand import Order
-from dray_sim.desk import Desk
-from dray_sim.loop import VirtualClock
+from dray_sim.clock.loop import VirtualClock
+from dray_sim.people.demand import Order
+from dray_sim.people.desk import Desk
 
 NEWCOMER = "ATV99"
 

@@ -13,12 +13,12 @@ from fleets import AGENTS, PLANT, START_S, Fleet, Witness
 from versions import make_version
 
 from dray import __version__
-from dray.cli.fleet.report import Report, Verdict
+from dray.cli.fleet.rollout.report import Report, Verdict
 from dray.messages import Event, Message, OrderItem
 from dray.messages.fact import OrderFulfilled
-from dray_sim.demand import Order
-from dray_sim.desk import Desk
-from dray_sim.loop import VirtualClock
+from dray_sim.clock.loop import VirtualClock
+from dray_sim.people.demand import Order
+from dray_sim.people.desk import Desk
 
 OPEN = 4
 """Orders at a time, of one piece each: machines and vehicles always have something to do, and soon have done it."""

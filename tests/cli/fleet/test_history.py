@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from dray.cli.fleet.history import WINDOW_S, History, Told
+from dray.cli.fleet.rollout.history import WINDOW_S, History, Told
 from dray.messages import AnyFact, MachineHeartbeat, MachineStatus, Production, Role, TaskBrief, Transport
 from dray.messages.fact import CarrierChanged, ContractEnded, TaskClosed, TaskOpened
 from dray.protocol.strategist.strategist import STRATEGIST

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from dray.cli.fleet.replacement import _answers
+from dray.cli.fleet.rollout.replacement import _answers
 
 
 @contextmanager

@@ -9,14 +9,14 @@ from typing import Any
 
 import pytest
 
-from dray.cli.fleet.books import OrderCount
-from dray.cli.fleet.history import History, Told
+from dray.cli.fleet.process_registry import Member, Roll, State
 from dray.cli.fleet.processes import Process
-from dray.cli.fleet.replacement import Terms
-from dray.cli.fleet.report import Report, Step, Verdict
-from dray.cli.fleet.roll import Member, Roll, State
+from dray.cli.fleet.rollout.history import History, Told
+from dray.cli.fleet.rollout.order_statistics import OrderCount
+from dray.cli.fleet.rollout.replacement import Terms
+from dray.cli.fleet.rollout.report import Report, Step, Verdict
+from dray.cli.fleet.rollout.update import Plan, Update, proven_kinds, replaceable
 from dray.cli.fleet.software import Software
-from dray.cli.fleet.update import Plan, Update, proven_kinds, replaceable
 from dray.errors import SettingsError, UnavailableError
 from dray.messages import MachineHeartbeat
 from dray.messages.fact import CarrierChanged, TaskClosed

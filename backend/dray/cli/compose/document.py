@@ -10,7 +10,7 @@ from importlib.resources import files
 import msgspec
 from jinja2 import Environment, StrictUndefined
 
-from dray.cli.roster import agents_of
+from dray.cli.runtime.roster import agents_of
 from dray.errors import SettingsError
 from dray.messages.speakers import Kind
 from dray.plant import Plant

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import msgspec
 
-from dray.cli.fleet.keeper import Filling, Keeper, Replaced
+from dray.cli.fleet.process_supervisor import Filling, Keeper, Replaced
 from dray.cli.fleet.software import Software
 from dray.errors import UnavailableError
 

@@ -7,9 +7,9 @@ import signal
 from pathlib import Path
 
 from dray.cli.fleet.folder import ROLL
-from dray.cli.fleet.keeper import STOP_S
+from dray.cli.fleet.process_registry import read_roll
+from dray.cli.fleet.process_supervisor import STOP_S
 from dray.cli.fleet.processes import Process
-from dray.cli.fleet.roll import read_roll
 
 
 async def end_fleet(folder: Path) -> int:

@@ -12,9 +12,8 @@ import msgspec
 from dray.adapters.certificates import Authority
 from dray.adapters.sqlite_journal import SqliteJournal
 from dray.cli.fleet.processes import PROC
-from dray.cli.options import load_settings
-from dray.cli.process import FLOOR
-from dray.cli.roster import agents_of
+from dray.cli.runtime.options import load_settings
+from dray.cli.runtime.roster import FLOOR, agents_of
 from dray.errors import UnavailableError
 from dray.messages.speakers import Kind, names_of
 from dray.plant import Plant

@@ -25,7 +25,7 @@ import tempfile
 from dataclasses import replace
 from pathlib import Path
 
-from dray.cli.customers import HEAD_START_S, LOAD
+from dray.cli.simulation.customers import HEAD_START_S, LOAD
 from dray.plant import default_plant
 from dray_sim.bench.losses.campaign import Campaign, play
 from dray_sim.bench.losses.figures import rows

@@ -17,7 +17,6 @@ from dray.store import Store, open_store
 from dray.store.orderfilter import EVERY_ORDER
 from dray.store.orders import Order
 from dray.store.progress import OrderStatus
-from dray_sim import demand
 from dray_sim.bench.losses.cost import Kill
 from dray_sim.bench.losses.customer import Customer
 from dray_sim.bench.losses.fleet import Fleet, running
@@ -38,6 +37,7 @@ from dray_sim.bench.losses.victims import (
 )
 from dray_sim.bench.losses.watch import Watch, gathered
 from dray_sim.bench.postgres import PostgresServer
+from dray_sim.people import demand
 from dray_sim.remote import count_pieces
 
 JOIN_S = 240.0

@@ -16,7 +16,7 @@ from urllib.request import ProxyHandler, Request, build_opener
 import msgspec
 
 from dray.gateway.timescale import TimeScale
-from dray_sim.demand import Order
+from dray_sim.people.demand import Order
 
 AGAIN_S = 0.5
 """An order that was not answered is sent again after this long."""

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from statistics import median, quantiles
 
-from dray.cli.fleet.keeper import REST_S
+from dray.cli.fleet.process_supervisor import REST_S
 from dray.errors import UnavailableError
 from dray_sim.bench.losses.campaign import Outcome
 from dray_sim.bench.losses.cost import Kill, fates

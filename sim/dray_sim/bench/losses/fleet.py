@@ -15,8 +15,8 @@ from dray.adapters.zenoh_bus import ZenohBus
 from dray.cli.fleet import control
 from dray.cli.fleet.ending import end_fleet
 from dray.cli.fleet.folder import JOURNALS, LOGS, read_settings
-from dray.cli.fleet.roll import Roll, peer_of, read_roll
-from dray.cli.serving import url_of
+from dray.cli.fleet.process_registry import Roll, peer_of, read_roll
+from dray.cli.runtime.serving import url_of
 from dray.errors import UnavailableError
 from dray.gateway.access.tokens import new_token
 from dray.gateway.timescale import TimeScale

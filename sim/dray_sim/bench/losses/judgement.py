@@ -1,6 +1,6 @@
 """The judgement over a factory whose processes were killed: what must not be, and whether it was seen.
 
-The checks are the simulator's invariants (`dray_sim.invariants`), told afterwards what was said, and counts
+The checks are the simulator's invariants (`dray_sim.checks.invariants`), told afterwards what was said, and counts
 of what the floor and the database hold in the end. Pure.
 """
 
@@ -22,11 +22,11 @@ from dray.messages.fact import (
 from dray.store.orders import Order
 from dray.store.progress import OrderStatus
 from dray_sim.bench.losses.history import History
-from dray_sim.broken import InvariantBroken
-from dray_sim.delivered import DeliveredExactly
-from dray_sim.ears import Ear
-from dray_sim.floor import Pieces
-from dray_sim.invariants import HandedOverOnce, MaterialConserved, OnePrimaryEach, TasksEnd
+from dray_sim.bodies.floor import Pieces
+from dray_sim.checks.broken import InvariantBroken
+from dray_sim.checks.delivered import DeliveredExactly
+from dray_sim.checks.invariants import HandedOverOnce, MaterialConserved, OnePrimaryEach, TasksEnd
+from dray_sim.network.listeners import Ear
 
 ENDED = "processes ended by themselves"
 """The finding that a busy computer may be to blame for, and no agent: a process gives up what does not answer."""

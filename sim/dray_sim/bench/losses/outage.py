@@ -19,7 +19,7 @@ from dray_sim.bench.losses.customer import Customer
 from dray_sim.bench.losses.fleet import Fleet
 from dray_sim.bench.losses.watch import Watch
 from dray_sim.bench.postgres import PostgresServer
-from dray_sim.demand import DUE_AFTER_S, Order
+from dray_sim.people.demand import DUE_AFTER_S, Order
 
 CATCH_UP_S = 240.0
 """Longest wait for the historian: it tries again every 30 s, and asks every 60 s for what it has not heard."""

@@ -13,7 +13,7 @@ from dray.cli.fleet.folder import OBSERVER
 from dray.errors import UnavailableError
 from dray.messages import Event, Message
 from dray_sim.bench.losses.fleet import Fleet
-from dray_sim.witness import Witness
+from dray_sim.run.witness import Witness
 
 
 async def gathered(fleet: Fleet, bus: ZenohBus, within_s: float) -> Watch:

@@ -1,0 +1,122 @@
+"""A body on a floor elsewhere, as its agent has it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+
+import msgspec
+import zenoh
+from zenoh.handlers import Callback
+
+from dray.adapters.crossing import Crossing
+from dray.adapters.remote_body.exchange import Exchange
+from dray.adapters.remote_body.questions import ask, ask_until_answered
+from dray.adapters.remote_body.wire import NO_LIFE, Do, Taken, Told, body_key, encode, from_part, to_part
+from dray.body import BodyState, Instruction, Report
+from dray.errors import UnavailableError
+
+LOOK_EVERY_S = 1.0
+SILENT_LOOKS = 10
+"""A body is asked whether it is there when so many looks one after the other find that it has told nothing, which
+it does ten times between two of them. A cut link is gone round sooner."""
+
+
+class RemoteBody:
+    """Implements `dray.ports.Body` for a body that is on a floor elsewhere.
+
+    Args:
+        session: of the agent's process.
+        plant: the plant's id.
+        agent: whose body it is.
+        life: a higher number than that of any life before; only the highest is obeyed.
+
+    Attributes:
+        is_new: no earlier life has had it; what such a life was bound by is about another body.
+    """
+
+    def __init__(self, session: zenoh.Session, plant: str, agent: str, life: int) -> None:
+        self._session, self._key, self._life = session, body_key(plant, agent), life
+        self._crossing = Crossing(asyncio.get_running_loop())
+        self._exchange = Exchange()
+        self._report: Callable[[Report], None] = _nobody_hears
+        self._state: BodyState
+        self._silent = False
+        self._given_up = False
+        """The floor lacks as many instructions as are kept; it is told no more."""
+        self.is_new = False
+        session.declare_subscriber(f"{self._key}/told", Callback(self._hear, indirect=False))
+
+    async def connect(self) -> None:
+        """Take over the body, and learn how it is.
+
+        Raises:
+            UnavailableError: there is no floor, or no such body on it.
+        """
+        answer = await ask_until_answered(
+            self._session, self._key, str(self._life).encode(), f"the body of {self._key.rpartition('@')[2]}"
+        )
+        taken = msgspec.msgpack.decode(answer, type=Taken)
+        self._state, self.is_new = from_part(taken.state), not taken.known
+
+    async def lost(self) -> None:
+        """Wait until it is there no more: its floor has ended or has begun anew, or one has given the other up.
+
+        A floor that is only busy, or to which a link is cut for a while, answers when it is asked.
+        """
+        while True:
+            await self._silence()
+            if self._given_up or not await self._is_there():
+                return
+
+    async def _is_there(self) -> bool:
+        """Whether the floor still has the body, and this life has it there."""
+        try:
+            answer = await ask(self._session, self._key, str(NO_LIFE).encode())
+        except UnavailableError:
+            return True  # It has no time for questions, and is there to say so.
+        return answer is not None and msgspec.msgpack.decode(answer, type=Taken).life == self._life
+
+    async def _silence(self) -> None:
+        """Wait until it has told nothing for a while, in looks and not in seconds: we may be held up ourselves."""
+        looks = 0
+        while looks < SILENT_LOOKS and not self._given_up:
+            self._silent = True
+            await asyncio.sleep(LOOK_EVERY_S)
+            looks = looks + 1 if self._silent else 0
+
+    def instruct(self, instruction: Instruction) -> None:
+        """See `dray.ports.Body`. After an instruction that could not be kept, all are in vain: the body is lost."""
+        self._given_up |= self._exchange.full
+        if not self._given_up:
+            self._exchange.say(to_part(instruction))
+            self._write()
+
+    def sense(self) -> BodyState:
+        """See `dray.ports.Body`: how it was when its side told it last."""
+        return self._state
+
+    def attach(self, report: Callable[[Report], None]) -> None:
+        """See `dray.ports.Body`."""
+        self._report = report
+
+    def _write(self) -> None:
+        self._session.put(f"{self._key}/do", encode(Do(self._life, self._exchange.write())))
+
+    def _hear(self, sample: zenoh.Sample) -> None:
+        self._crossing.offer(self._take, sample.payload.to_bytes())
+
+    def _take(self, data: bytes) -> None:
+        told = msgspec.msgpack.decode(data, type=Told)
+        if told.life != self._life:
+            return
+        self._silent = False
+        self._state = from_part(told.state)
+        for report in self._exchange.read(told.letter):
+            self._report(from_part(report))
+        if self._exchange.due:
+            self._write()
+
+
+def _nobody_hears(report: Report) -> None:
+    """What a body reports before its agent listens; its state tells it all the same."""

@@ -1,0 +1,87 @@
+"""Questions to the process of a body, and how long it is waited for an answer."""
+
+from __future__ import annotations
+
+import asyncio
+
+import zenoh
+from zenoh.handlers import Callback
+
+from dray.adapters.remote_body.wire import Newcomer, encode, newcomers_key, to_part
+from dray.errors import UnavailableError
+
+PATIENCE_S = 30.0
+"""Longest wait for a floor, which may be starting too. On a busy computer a router that comes back may learn nothing of
+what others have declared, for as long as its session lasts (eclipse-zenoh/zenoh#1886): whoever ends then, and is
+started again, finds the floor."""
+
+ANSWER_S = 3.0
+"""Longest wait for one answer: the floor may be busy, or who passes questions on may just have been killed."""
+
+ASKED_TIMES = 10
+"""Who is there and has not answered is asked so often: as long as it is waited for a floor."""
+
+AGAIN_S = 0.25
+"""A floor that is not there is asked so often."""
+
+REFUSED = zenoh.Encoding.TEXT_PLAIN
+"""Of a refusal that is the floor's own; Zenoh's, that nobody has answered in time, say, are of other encodings."""
+
+
+async def ask_until_answered(session: zenoh.Session, key: str, question: bytes, what: str) -> bytes:
+    """The answer of a floor, which may be starting too.
+
+    Raises:
+        UnavailableError: nobody answers, or the floor refuses.
+    """
+    try:
+        async with asyncio.timeout(PATIENCE_S):
+            answer = await ask(session, key, question)
+            while answer is None:
+                await asyncio.sleep(AGAIN_S)
+                answer = await ask(session, key, question)
+    except TimeoutError:
+        links = len(session.info.routers_zid())
+        remedy = "start `dray floor` first; if it runs, see that its plant file has this and that DRAY_BUS_PEERS leads there"
+        raise UnavailableError(what, f"nobody answers over {links} links", remedy) from None
+    return answer
+
+
+async def ask(session: zenoh.Session, key: str, question: bytes) -> bytes | None:
+    """What is answered; None when nobody is there, or nothing is heard of who is, however often it is asked.
+
+    A question may be lost like everything else that others pass on, and so may its answer: to be asked twice must
+    change nothing.
+
+    Raises:
+        UnavailableError: the floor refuses.
+    """
+    for _ in range(ASKED_TIMES):
+        reply = await _reply(session, key, question)
+        if reply is None:
+            return None
+        if reply.ok is not None:
+            return reply.ok.payload.to_bytes()
+        if reply.err is not None and reply.err.encoding == REFUSED:
+            refusal = reply.err.payload.to_string()
+            raise UnavailableError("the floor", f"refuses: {refusal}", "see which plant file it has")
+    return None
+
+
+async def _reply(session: zenoh.Session, key: str, question: bytes) -> zenoh.Reply | None:
+    """The one reply to a question, which may be Zenoh's own that none came in time; None when nobody is there."""
+    loop, end = asyncio.get_running_loop(), asyncio.Event()
+    replies: list[zenoh.Reply] = []
+    taken = Callback(replies.append, lambda: loop.call_soon_threadsafe(end.set), indirect=False)
+    session.get(key, taken, payload=question, timeout=ANSWER_S)
+    await end.wait()
+    return replies[0] if replies else None
+
+
+async def put_down(session: zenoh.Session, plant: str, spec: Newcomer) -> None:
+    """Put a vehicle or a machine on a floor elsewhere, unless it stands there already.
+
+    Raises:
+        UnavailableError: there is no floor, or it does not fit there.
+    """
+    await ask_until_answered(session, newcomers_key(plant), encode(to_part(spec)), "the floor")

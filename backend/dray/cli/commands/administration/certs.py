@@ -1,0 +1,146 @@
+"""`dray certs`: certificates for the agents of a plant, and the authority that signs them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from dray.adapters.certificates import Authority
+
+app = typer.Typer(no_args_is_help=True, help="Certificates for the agents of a plant.")
+
+Folder = Annotated[Path, typer.Argument(help="The folder of the certificates.")]
+PlantFile = Annotated[
+    Path | None, typer.Option("--plant", help="A plant file; else DRAY_PLANT_FILE, else the default plant.")
+]
+Days = Annotated[
+    int | None, typer.Option(min=1, max=3650, help="How long they are valid; else a year and a month.")
+]
+
+
+@app.callback()
+def certs() -> None:
+    """Certificates for the agents of a plant."""
+
+
+@app.command()
+def make(folder: Folder, plant: PlantFile = None, days: Days = None) -> None:
+    """Make an authority, and a certificate for every agent of the plant.
+
+    Each computer gets authority.pem and the two files of its own agent. The key of the authority,
+    authority.key, belongs on none of them.
+    """
+    from dray.adapters.certificates import AUTHORITY, DAYS, Authority
+    from dray.cli.commands.plant import chosen_plant
+    from dray.cli.runtime.options import load_settings
+    from dray.cli.runtime.roster import agents_of
+    from dray.errors import SettingsError
+    from dray.messages.speakers import Kind, names_of
+
+    chosen = chosen_plant(load_settings(plant_file=plant).plant_file)
+    if (folder / f"{AUTHORITY}.pem").exists():
+        raise SettingsError(
+            str(folder), "has an authority already; `dray certs issue` uses it, or choose another folder"
+        )
+    processes = [
+        *({agent: kind} for agent, kind in agents_of(chosen).items()),
+        {"strategist": Kind.STRATEGIST},
+        names_of("gateway", Kind.GATEWAY),
+        {"historian": Kind.HISTORIAN},
+    ]
+    with _writing_into(folder):
+        authority = Authority.make(chosen.id)
+        authority.write(folder)
+        for agents in processes:
+            authority.issue(folder, chosen.id, agents, days=days or DAYS)
+    typer.echo(f"{folder}: an authority and {len(processes)} certificates for {chosen.id}")
+
+
+@app.command()
+def issue(
+    folder: Folder,
+    kind: Annotated[
+        str,
+        typer.Argument(help="What the agent is: atv, machine, station, strategist, gateway or historian."),
+    ],
+    agent: Annotated[str, typer.Argument(help="Its id.")],
+    plant: Annotated[
+        Path | None,
+        typer.Option("--plant", help="A plant file, when the authority's certificate names no plant."),
+    ] = None,
+    days: Days = None,
+) -> None:
+    """Make a certificate for one agent, with the authority of that folder and for its plant."""
+    from dray.adapters.certificates import DAYS, Authority
+    from dray.cli.runtime.output import one_of
+    from dray.messages.speakers import Kind, names_of
+
+    chosen = one_of({str(each): each for each in Kind}, kind, "KIND")
+    authority = Authority.load(folder)
+    with _writing_into(folder):
+        authority.issue(folder, _plant_of(authority, plant), names_of(agent, chosen), days=days or DAYS)
+    typer.echo(f"{folder / agent}.pem")
+
+
+@app.command()
+def revoke(
+    folder: Folder,
+    agent: Annotated[str, typer.Argument(help="The id of the agent whose certificates are called back.")],
+    reason: Annotated[
+        str, typer.Option(help="key-compromise, superseded, cessation-of-operation or unspecified.")
+    ],
+) -> None:
+    """Call back all certificates of an agent that were issued so far; copy revoked.pem to every computer then.
+
+    Running processes notice the changed file within some seconds. A certificate that is issued afterwards is good.
+    """
+    from dray.adapters.certificates import Authority
+    from dray.adapters.revocations import FILE, REASONS, call_back
+    from dray.cli.runtime.output import one_of
+
+    one_of(REASONS, reason, "--reason")
+    authority = Authority.load(folder)
+    with _writing_into(folder):
+        count = call_back(authority, folder, agent, reason)
+    told = (
+        f"{count} {'certificate' if count == 1 else 'certificates'} of {agent} called back"
+        if count
+        else (f"{agent}: all its certificates were called back already")
+    )
+    typer.echo(f"{told}; copy {folder / FILE} beside authority.pem on every computer")
+
+
+def _plant_of(authority: Authority, file: Path | None) -> str:
+    """The id of the plant for which an authority issues certificates.
+
+    Raises:
+        PlantError: the plant file cannot be used.
+        SettingsError: it is another plant's.
+    """
+    from dray.cli.commands.plant import chosen_plant
+    from dray.cli.runtime.options import load_settings
+    from dray.errors import SettingsError
+
+    if file is None and authority.plant:
+        return authority.plant
+    plant = chosen_plant(load_settings(plant_file=file).plant_file).id
+    if authority.plant not in {"", plant}:
+        reason = f"{file} is of the plant {plant}, and the authority of {authority.plant}; leave it out"
+        raise SettingsError("--plant", reason)
+    return plant
+
+
+@contextmanager
+def _writing_into(folder: Path) -> Iterator[None]:
+    from dray.errors import UnavailableError
+
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise UnavailableError(str(folder), reason, "choose a folder that can be written") from None

@@ -1,0 +1,60 @@
+"""The console: commands that change who is who in the database itself, and are written down like all others."""
+
+from __future__ import annotations
+
+import asyncio
+import getpass
+import time
+from collections.abc import Awaitable, Callable
+from typing import Any, TypeVar
+
+from dray.cli.runtime.options import load_settings
+from dray.store import open_store
+from dray.store.audit import AuditRow
+from dray.store.work import Work
+
+T = TypeVar("T")
+
+
+def transact(db: str | None, work: Callable[[Work], Awaitable[T]]) -> T:
+    """Do something in one transaction of the database.
+
+    Args:
+        db: its URL, if an option gave one.
+        work: what to do; undone when it raises.
+
+    Raises:
+        UnavailableError: the database cannot be opened.
+    """
+    return asyncio.run(_transact(load_settings(database_url=db).database_url, work))
+
+
+async def note(work: Work, action: str, target: str, **detail: Any) -> None:
+    """Write a line of the audit log, in the transaction of what it tells."""
+    row = AuditRow(
+        at_s=time.time(),
+        who=account(),
+        who_kind="console",
+        action=action,
+        target=target,
+        result="done",
+        detail=detail,
+    )
+    await work.audit.add(row)
+
+
+async def _transact(url: str, work: Callable[[Work], Awaitable[T]]) -> T:
+    store = await open_store(url)
+    try:
+        async with store.write() as transaction:
+            return await work(transaction)
+    finally:
+        await store.close()
+
+
+def account() -> str:
+    """Who is logged in on this computer; empty where it does not know."""
+    try:
+        return getpass.getuser()
+    except (KeyError, OSError):
+        return ""

@@ -1,0 +1,139 @@
+"""`dray key`: keys by which other systems use the API."""
+
+from __future__ import annotations
+
+import time
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from dray.store.apikeys import ApiKey
+    from dray.store.work import Work
+
+app = typer.Typer(no_args_is_help=True, help="Keys by which other systems use the API.")
+
+Database = Annotated[
+    str | None, typer.Option("--db", help="Its URL; else DRAY_DATABASE_URL, else sqlite:///dray.db.")
+]
+
+DAY_S = 86_400.0
+
+LONGEST_DAYS = 3650
+"""Ten years: whoever wants more wants a key without an end."""
+
+NAME_CHARS = 80
+
+
+@app.callback()
+def key() -> None:
+    """Keys by which other systems use the API."""
+
+
+@app.command()
+def create(
+    name: Annotated[str, typer.Argument(help="What it is for, as ERP.")],
+    scope: Annotated[list[str], typer.Option(help="What it may do, as orders:write; may be repeated.")],
+    days: Annotated[
+        int | None, typer.Option(min=1, max=LONGEST_DAYS, help="How long it works; else until it is revoked.")
+    ] = None,
+    db: Database = None,
+) -> None:
+    """Make a key; it is printed once and kept nowhere."""
+    from dray.cli.commands.administration.console import note, transact
+    from dray.cli.runtime.output import one_of
+    from dray.errors import SettingsError
+    from dray.gateway.access.principal import Scope
+    from dray.gateway.access.tokens import new_id, new_key
+    from dray.store.apikeys import ApiKey
+
+    known = {each.value: each for each in Scope}
+    scopes = [one_of(known, each, "--scope").value for each in dict.fromkeys(scope)]
+    if not (name.isprintable() and name.strip() and len(name) <= NAME_CHARS):
+        raise SettingsError("NAME", f"it has 1 to {NAME_CHARS} characters that can be printed")
+    now_s, token = time.time(), new_key()
+    made = ApiKey(
+        id=new_id(),
+        name=name,
+        scopes=" ".join(scopes),
+        created_at_s=now_s,
+        expires_at_s=None if days is None else now_s + days * DAY_S,
+    )
+
+    async def keep(work: Work) -> None:
+        await work.api_keys.add(token, made)
+        await note(work, "key.create", made.id, name=name, scopes=scopes, days=days)
+
+    transact(db, keep)
+    typer.echo(token)
+
+
+@app.command("list")
+def list_keys(db: Database = None) -> None:
+    """The keys that there are."""
+    from dray.cli.commands.administration.console import transact
+    from dray.cli.runtime.output import table
+
+    async def keys(work: Work) -> list[ApiKey]:
+        return await work.api_keys.all()
+
+    now_s = time.time()
+    rows = [
+        (each.id, each.name, each.scopes, _day(each.used_at_s) or "never", _state(each, now_s))
+        for each in transact(db, keys)
+    ]
+    table(("id", "name", "scopes", "used", ""), rows)
+
+
+@app.command()
+def signing(db: Database = None) -> None:
+    """Print the public key by which gateways on this database sign people's commands (DRAY_TRUSTED_KEYS)."""
+    import asyncio
+
+    from dray.cli.runtime.authority import authority_of
+    from dray.cli.runtime.options import load_settings
+    from dray.store import open_store
+
+    async def ask() -> str:
+        store = await open_store(load_settings(database_url=db).database_url)
+        try:
+            return (await authority_of(store)).public.hex()
+        finally:
+            await store.close()
+
+    typer.echo(asyncio.run(ask()))
+
+
+@app.command()
+def revoke(
+    key_id: Annotated[str, typer.Argument(metavar="ID", help="As `dray key list` shows it.")],
+    db: Database = None,
+) -> None:
+    """Take a key back: it opens nothing from now on."""
+    from dray.cli.commands.administration.console import note, transact
+    from dray.errors import SettingsError
+
+    async def take_back(work: Work) -> bool:
+        if await work.api_keys.get(key_id) is None:
+            raise SettingsError("ID", f"there is no key {key_id!r}; `dray key list` shows those there are")
+        done = await work.api_keys.revoke(key_id, time.time()) == 1
+        if done:
+            await note(work, "key.revoke", key_id)
+        return done
+
+    typer.echo("taken back" if transact(db, take_back) else "it was taken back already")
+
+
+def _state(key: ApiKey, now_s: float) -> str:
+    if key.revoked_at_s is not None:
+        return f"taken back {_day(key.revoked_at_s)}"
+    if key.expires_at_s is None:
+        return ""
+    return (
+        f"until {_day(key.expires_at_s)}" if now_s < key.expires_at_s else f"ended {_day(key.expires_at_s)}"
+    )
+
+
+def _day(at_s: float | None) -> str:
+    return "" if at_s is None else datetime.fromtimestamp(at_s, UTC).strftime("%Y-%m-%d")

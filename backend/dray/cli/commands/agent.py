@@ -1,0 +1,207 @@
+"""`dray agent`, `dray strategist`: the agents of a plant, one process each.
+
+Settings come from the environment and from a file (see `dray.settings`): where the others are, which
+certificate is ours, where the journal is.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from dray.cli.runtime.options import SettingsFile
+
+if TYPE_CHECKING:
+    from dray.adapters.signing import TrustedKeys
+    from dray.cli.runtime.surroundings import Surroundings
+    from dray.plant import Plant, VehicleSpec
+
+app = typer.Typer(no_args_is_help=True, help="One agent of a plant as a process of its own.")
+
+Trial = Annotated[
+    int,
+    typer.Option(
+        "--trial", min=0, help="On trial: take short tasks only until so many transports were done well."
+    ),
+]
+
+
+@app.callback()
+def agent() -> None:
+    """One agent of a plant as a process of its own."""
+
+
+@app.command()
+def machine(
+    name: Annotated[str, typer.Argument(help="Its id in the plant, as M8.")],
+    newcomer: Annotated[
+        Path | None,
+        typer.Option(
+            "--newcomer", help="A plant file that has it, when that of the others does not know it."
+        ),
+    ] = None,
+    trial: Trial = 0,
+    settings: SettingsFile = None,
+) -> None:
+    """Run the agent of a machine; a newcomer takes part as soon as it is there. SIGTERM lets it leave in order."""
+    import asyncio
+
+    from dray import __version__
+    from dray.cli.runtime.agent_process import run_agent
+    from dray.cli.runtime.output import one_of
+    from dray.protocol.machine.machine import Machine
+
+    where = _surroundings(settings)
+    plant = where.plant if newcomer is None else _grown(where.plant, newcomer, name)
+    spec = one_of(plant.machines, name, "NAME")
+
+    def make(life: int) -> Machine:
+        return Machine(
+            name,
+            plant,
+            incarnation=life,
+            software=__version__,
+            newcomer=newcomer is not None,
+            trial=trial,
+        )
+
+    asyncio.run(run_agent(where, name, make, None if newcomer is None else spec))
+
+
+@app.command()
+def atv(
+    name: Annotated[str, typer.Argument(help="Its id, as ATV3.")],
+    type_: Annotated[
+        str | None, typer.Option("--type", help="Of a newcomer that the plant file does not know.")
+    ] = None,
+    node: Annotated[str | None, typer.Option(help="Where the newcomer stands.")] = None,
+    trial: Trial = 0,
+    settings: SettingsFile = None,
+) -> None:
+    """Run the agent of a vehicle; a newcomer takes part as soon as it is there. SIGTERM lets it leave in order."""
+    import asyncio
+
+    from dray import __version__
+    from dray.cli.runtime.agent_process import run_agent
+    from dray.cli.runtime.output import one_of
+    from dray.protocol.vehicle.atv import Atv
+
+    where = _surroundings(settings)
+    newcomer = _newcomer(where.plant, name, type_, node)
+    spec = newcomer or one_of(where.plant.fleet, name, "NAME")
+    trusts = _trusted(where)
+
+    def make(life: int) -> Atv:
+        return Atv(
+            name,
+            where.plant,
+            vehicle_type=spec.type,
+            incarnation=life,
+            software=__version__,
+            trial=trial,
+            trusts=trusts,
+        )
+
+    asyncio.run(run_agent(where, name, make, newcomer))
+
+
+@app.command()
+def station(
+    name: Annotated[str, typer.Argument(help="The id of its storage in the plant, as S3.")],
+    settings: SettingsFile = None,
+) -> None:
+    """Run the station of a storage, without which nobody fetches anything there. SIGTERM lets it leave in order."""
+    import asyncio
+
+    from dray import __version__
+    from dray.cli.runtime.agent_process import run_agent
+    from dray.cli.runtime.output import one_of
+    from dray.protocol.station.station import Station
+
+    where = _surroundings(settings)
+    one_of(where.plant.storages, name, "NAME")
+
+    def make(life: int) -> Station:
+        return Station(name, where.plant, incarnation=life, software=__version__)
+
+    asyncio.run(run_agent(where, name, make))
+
+
+def strategist(settings: SettingsFile = None) -> None:
+    """Run the strategist, which turns orders into production goals."""
+    import asyncio
+
+    from dray.cli.runtime.agent_process import run_agent
+    from dray.protocol.strategist.strategist import STRATEGIST, Strategist
+
+    where = _surroundings(settings)
+    asyncio.run(run_agent(where, STRATEGIST, lambda life: Strategist(where.plant, incarnation=life)))
+
+
+def _surroundings(file: Path | None) -> Surroundings:
+    from dray.cli.runtime.options import load_settings
+    from dray.cli.runtime.surroundings import Surroundings
+
+    return Surroundings.of(load_settings(settings_file=file))
+
+
+def _grown(plant: Plant, file: Path, name: str) -> Plant:
+    """The plant with a machine of another plant file.
+
+    Raises:
+        PlantError: that file cannot be used, or the machine does not fit into the plant of the others.
+        SettingsError: it does not have the machine, or the plant has it already.
+    """
+    from dray.cli.runtime.output import one_of
+    from dray.errors import SettingsError
+    from dray.plant import load_plant, with_machine
+
+    spec = one_of(load_plant(file).machines, name, "NAME")
+    if name in plant.machines:
+        raise SettingsError("--newcomer", f"{name} is in the plant file already: start it without")
+    return with_machine(plant, spec, str(file))
+
+
+def _newcomer(plant: Plant, name: str, type_: str | None, node: str | None) -> VehicleSpec | None:
+    """A vehicle that the plant does not know; None when nothing was said of one.
+
+    Raises:
+        SettingsError: too little was said of it, there is no such type or node, or the name is none or taken.
+    """
+    from dray.cli.runtime.output import one_of
+    from dray.errors import SettingsError
+    from dray.plant.check import RESERVED
+    from dray.plant.model import ID_RULE, VehicleSpec, is_id
+
+    if type_ is None and node is None:
+        return None
+    if type_ is None or node is None:
+        lacking, given = ("--type", "--node") if type_ is None else ("--node", "--type")
+        reason = f"a newcomer needs it beside {given}; give neither for a vehicle of the plant file"
+        raise SettingsError(lacking, reason)
+    if name in plant.fleet:
+        raise SettingsError(
+            "NAME", f"{name} is in the plant file already: start it without --type and --node"
+        )
+    if name in plant.machines or name in plant.storages or name.lower() in RESERVED:
+        raise SettingsError("NAME", f"{name} is somebody else in this plant: choose another id")
+    if not is_id(name):
+        raise SettingsError("NAME", f"{name!r} is no id; {ID_RULE}")
+    return VehicleSpec(
+        name,
+        one_of(plant.vehicle_types, type_, "--type").id,
+        one_of(plant.nodes, node, "--node").id,
+    )
+
+
+def _trusted(where: Surroundings) -> TrustedKeys:
+    from dray.adapters.signing import TrustedKeys
+    from dray.errors import SettingsError
+
+    try:
+        return TrustedKeys(*(bytes.fromhex(key) for key in where.settings.trusted_keys))
+    except ValueError:
+        reason = "holds something that is no public key in hex; `dray key signing` prints one"
+        raise SettingsError("DRAY_TRUSTED_KEYS", reason) from None

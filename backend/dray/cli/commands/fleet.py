@@ -1,0 +1,171 @@
+"""`dray fleet`: what a person types to start a factory of processes, to look at it, and to kill some of it."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(no_args_is_help=True, help="A whole factory as processes on this computer.")
+
+Folder = Annotated[
+    Path, typer.Option("--folder", help="Where journals, certificates, logs and the database are.")
+]
+DEFAULT_FOLDER = Path("fleet")
+
+
+@app.callback()
+def fleet() -> None:
+    """A whole factory as processes on this computer."""
+
+
+@app.command()
+def up(
+    plant: Annotated[
+        Path | None, typer.Option(help="A plant file; else DRAY_PLANT_FILE, else the default plant.")
+    ] = None,
+    folder: Folder = DEFAULT_FOLDER,
+    port: Annotated[
+        int | None, typer.Option(min=0, max=65_535, help="Of the gateway; else DRAY_PORT, else 8000.")
+    ] = None,
+    db: Annotated[
+        str | None,
+        typer.Option(help="URL of the database; else DRAY_DATABASE_URL, else a file in the folder."),
+    ] = None,
+    speed: Annotated[float, typer.Option(help="Factory seconds per real second.", min=0.1, max=50.0)] = 1.0,
+    plain: Annotated[
+        bool, typer.Option("--plain", help="No certificates: links can be read, and words forged.")
+    ] = False,
+    demand: Annotated[bool, typer.Option("--demand/--no-demand", help="Place orders.")] = True,
+    metrics: Annotated[
+        bool,
+        typer.Option("--metrics", help="Each process tells Prometheus its own; metrics.json says where."),
+    ] = False,
+) -> None:
+    """Start every agent of a plant as a process; whatever ends is started again. Ctrl-C stops all."""
+    if not math.isfinite(speed):
+        raise typer.BadParameter("must be a number", param_hint="--speed")
+
+    import asyncio
+
+    from dray.cli.commands.plant import chosen_plant
+    from dray.cli.fleet.supervisor import Muster, run_muster
+    from dray.cli.runtime.options import load_settings
+
+    settings = load_settings(port=port, plant_file=plant, database_url=db)
+    if "database_url" not in settings.model_fields_set:
+        own = f"sqlite:///{folder.resolve() / 'dray.db'}"
+        settings = load_settings(port=port, plant_file=plant, database_url=own)
+    asyncio.run(
+        run_muster(
+            Muster(
+                settings,
+                chosen_plant(settings.plant_file),
+                folder,
+                speed=speed,
+                plain=plain,
+                demand=demand,
+                metrics=metrics,
+            )
+        )
+    )
+
+
+@app.command()
+def update(
+    python: Annotated[
+        Path,
+        typer.Option("--python", help="Of the environment of the other version, as /opt/dray-2/bin/python."),
+    ],
+    only: Annotated[
+        list[str] | None, typer.Option("--only", help="This process; may be given several times.")
+    ] = None,
+    trial: Annotated[int, typer.Option(min=1, max=100, help="Tasks that each agent has to do well.")] = 3,
+    patience: Annotated[
+        float, typer.Option(min=1.0, help="Factory seconds in which there should be work for that.")
+    ] = 1800.0,
+    folder: Folder = DEFAULT_FOLDER,
+    json: Annotated[Path | None, typer.Option(help="Write the report here too.")] = None,
+) -> None:
+    """Replace agents one at a time, on trial; all go back by themselves when one fails. Ctrl-C stops it there."""
+    import asyncio
+
+    from dray.cli.fleet.rollout.report import show
+    from dray.cli.fleet.rollout.update import Plan, update_fleet
+    from dray.cli.fleet.software import ask
+    from dray.cli.runtime.output import write_json
+
+    plan = Plan(folder, ask(python), tuple(only or ()), trial, patience)
+    report = asyncio.run(update_fleet(plan, lambda line: typer.echo(line, err=True)))
+    show(report)
+    typer.echo(f"{report.version}: {report.end}")
+    if json is not None:
+        write_json(json, report)
+    if not report.done:
+        raise typer.Exit(1)
+
+
+@app.command()
+def down(folder: Folder = DEFAULT_FOLDER) -> None:
+    """End a fleet, also the processes of a `dray fleet up` that was killed."""
+    import asyncio
+
+    from dray.cli.fleet.ending import end_fleet
+
+    typer.echo(f"{asyncio.run(end_fleet(folder))} processes ended")
+
+
+@app.command()
+def status(folder: Folder = DEFAULT_FOLDER) -> None:
+    """Show the processes: who runs, who is on the bus, how often each was started, which version it is."""
+    import asyncio
+
+    from dray.cli.fleet.process_registry import read_roll, roll_call
+    from dray.cli.runtime.output import table
+
+    roll = read_roll(folder)
+    present = asyncio.run(roll_call(roll, folder))
+    table(
+        ("process", "pid", "runs", "on the bus", "starts", "version", ""),
+        [
+            (
+                member.name,
+                str(member.pid),
+                "yes" if member.runs else "no",
+                ("yes" if member.name in present else "no") if member.joins else "",
+                str(member.starts),
+                member.software.version,
+                member.state,
+            )
+            for member in roll.members
+        ],
+    )
+
+
+@app.command()
+def kill(
+    name: Annotated[str, typer.Argument(help="Which process, as ATV3.")],
+    away: Annotated[
+        float | None,
+        typer.Option(
+            min=1.0, help="Seconds until it is started again; else it is at once.", metavar="SECONDS"
+        ),
+    ] = None,
+    folder: Folder = DEFAULT_FOLDER,
+) -> None:
+    """Kill a process as a power failure does; `dray fleet up` starts it again."""
+    import asyncio
+    import signal
+
+    from dray.cli.fleet import control
+    from dray.cli.fleet.process_registry import read_roll
+    from dray.cli.runtime.output import one_of
+    from dray.errors import UnavailableError
+
+    member = one_of({member.name: member for member in read_roll(folder).members}, name, "NAME")
+    killed = member.signal(signal.SIGKILL) if away is None else asyncio.run(control.kill(folder, name, away))
+    if not killed:
+        raise UnavailableError(name, "does not run", "wait until `dray fleet up` has started it")
+    typer.echo(f"{name}: killed process {member.pid}")

@@ -1,0 +1,64 @@
+"""`dray bench`: benchmarks, each figure beside a baseline of the same run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from dray_sim.bench import Row
+
+
+def bench(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(help="Which ones; all that are not long by default.", show_default=False),
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Less work: less exact, for a first look.")] = False,
+    json: Annotated[Path | None, typer.Option(help="Write the figures here too.")] = None,
+) -> None:
+    """Measure; every figure stands beside a baseline that was measured in the same run."""
+    from rich.console import Console
+
+    from dray.cli.runtime.output import one_of, table, write_text
+    from dray.errors import UnavailableError
+    from dray_sim.bench import BENCHES, LONG, as_json
+
+    asked = names or [name for name in BENCHES if name not in LONG]
+    chosen = {name: one_of(BENCHES, name, "benchmark") for name in asked}
+    rows: list[Row] = []
+    progress = Console(stderr=True)
+    for name, measure in chosen.items():
+        try:
+            with progress.status(f"measuring {name}"):
+                rows += measure(quick)
+        except UnavailableError as missing:
+            # Whoever asks for all gets all that there can be here.
+            if names:
+                raise
+            progress.print(f"{name} is left out: {missing}")
+    table(("benchmark", "figure", "times the baseline", "aim", ""), [_cells(row) for row in rows])
+    if json is not None:
+        write_text(json, as_json(rows) + "\n")
+
+
+def _cells(row: Row) -> tuple[str, ...]:
+    return (
+        row.name,
+        f"{_number(row.figure)} {row.unit}",
+        f"{row.ratio:.3g} x {row.baseline_name}",
+        _aim(row),
+        row.note,
+    )
+
+
+def _aim(row: Row) -> str:
+    if row.target is None:
+        return ""
+    return f"{'at most ' if row.less else ''}{_number(row.target)} {'met' if row.met else 'MISSED'}"
+
+
+def _number(value: float) -> str:
+    return f"{value:,.0f}" if abs(value) >= 100 else f"{value:.3g}"

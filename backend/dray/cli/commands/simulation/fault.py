@@ -1,0 +1,127 @@
+"""`dray fault`: let something go wrong in a running `dray up`, and put it right again."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from dray.cli.simulation.gateway_client import Kind
+
+app = typer.Typer(no_args_is_help=True, help="Let something go wrong in a running `dray up`.")
+
+Url = Annotated[
+    str | None,
+    typer.Option(help="Where the panel is; else DRAY_HOST and DRAY_PORT, else http://127.0.0.1:8000."),
+]
+
+Token = Annotated[
+    str | None,
+    typer.Option(help="The token that `dray up` prints, or a key with faults:write; else DRAY_ADMIN_TOKEN."),
+]
+
+SUBJECTS = ("agent", "atv", "machine")
+"""Fields that say whom a fault is about; AGENT on the command line stands for the one that its kind has."""
+
+
+@app.callback()
+def fault() -> None:
+    """Let something go wrong in a running `dray up`."""
+
+
+@app.command("list")
+def list_faults(url: Url = None, token: Token = None) -> None:
+    """What is wrong by hand, and what could be."""
+    from dray.cli.runtime.output import table
+    from dray.cli.simulation.gateway_client import Gateway
+
+    faults = Gateway(url, token).faults()
+    if faults.items:
+        rows = [
+            (fault.id, fault.kind, ", ".join(fault.agents), _fields(fault.fault)) for fault in faults.items
+        ]
+        table(("id", "fault", "whom", "details"), rows)
+    else:
+        typer.echo("nothing is wrong by hand\n")
+    kinds = [
+        (kind.kind, " ".join((*kind.fields, *(f"({name})" for name in kind.optional))), kind.what)
+        for kind in faults.kinds
+    ]
+    table(("kind", "fields", "what happens"), kinds)
+
+
+@app.command()
+def begin(
+    kind: Annotated[str, typer.Argument(help="As `dray fault list` names it; wlan-cut is wlan_cut.")],
+    agent: Annotated[str, typer.Argument(help="The vehicle, machine or other agent.")] = "",
+    given: Annotated[
+        list[str] | None, typer.Option("--set", help="Another field, as latency_s=2; may be repeated.")
+    ] = None,
+    url: Url = None,
+    token: Token = None,
+) -> None:
+    """Let something go wrong, until it is ended; prints the fault's id."""
+    from dray.cli.simulation.gateway_client import Gateway
+
+    gateway = Gateway(url, token)
+    known = _kind(kind, gateway.faults().kinds)
+    fault = {"kind": known.kind, **_subject(known, agent), **dict(map(_pair, given or ()))}
+    typer.echo(gateway.begin_fault(fault).id)
+
+
+@app.command()
+def end(
+    fault: Annotated[str, typer.Argument(help="The id that `dray fault begin` has printed.")],
+    url: Url = None,
+    token: Token = None,
+) -> None:
+    """Put it right again."""
+    from dray.cli.simulation.gateway_client import Gateway
+
+    Gateway(url, token).end_fault(fault)
+
+
+def _kind(name: str, kinds: tuple[Kind, ...]) -> Kind:
+    """The kind of this name, however it is spelt."""
+    from dray.cli.runtime.output import one_of
+
+    spelt = {_plain(kind.kind): kind for kind in kinds}
+    return spelt.get(_plain(name)) or one_of({kind.kind: kind for kind in kinds}, name, "KIND")
+
+
+def _plain(name: str) -> str:
+    return name.replace("-", "").replace("_", "").lower()
+
+
+def _subject(kind: Kind, agent: str) -> dict[str, str]:
+    from dray.errors import SettingsError
+
+    field = next((name for name in kind.fields if name in SUBJECTS), None)
+    if field is None and agent:
+        reason = f"{kind.kind} is about no single agent; give its fields with --set"
+        raise SettingsError("AGENT", reason)
+    if field is not None and not agent:
+        raise SettingsError("AGENT", f"{kind.kind} needs one, as `dray fault begin {kind.kind} ATV3`")
+    return {} if field is None else {field: agent}
+
+
+def _pair(given: str) -> tuple[str, Any]:
+    """A field and its value: what reads as JSON is that, everything else is text."""
+    import msgspec
+
+    from dray.errors import SettingsError
+
+    name, equals, text = given.partition("=")
+    if not (name and equals):
+        raise SettingsError("--set", f"{given!r} is not of the form field=value")
+    try:
+        return name, msgspec.json.decode(text)
+    except msgspec.DecodeError:
+        return name, text
+
+
+def _fields(fault: dict[str, Any]) -> str:
+    return " ".join(
+        f"{name}={value}" for name, value in fault.items() if name not in {"kind", *SUBJECTS} and value != ""
+    )

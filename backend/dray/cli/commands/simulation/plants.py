@@ -1,0 +1,61 @@
+"""`dray sim plants`: plants that a generator has drawn, each at work for some hours."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from dray_sim.plants.play import Judgement
+
+
+def plants(
+    count: Annotated[int, typer.Option(help="How many, one for each seed from --first on.", min=1)] = 40,
+    first: Annotated[int, typer.Option(help="The first seed.", min=0)] = 0,
+    seed: Annotated[
+        int | None, typer.Option(help="Replay this one alone, with all its figures.", min=0)
+    ] = None,
+    small: Annotated[bool, typer.Option("--small", help="Plants of a few machines and vehicles.")] = False,
+    hours: Annotated[float, typer.Option(help="Of demand.", min=0.1, max=1000.0)] = 4.0,
+    jobs: Annotated[int, typer.Option(help="Processes; 0 for one per core.", min=0)] = 0,
+    json: Annotated[Path | None, typer.Option(help="Write the judgements here too.")] = None,
+    write: Annotated[Path | None, typer.Option(help="Write the plant of --seed to this file.")] = None,
+) -> None:
+    """Draw plants of any shape, let each work at a load that it can serve, and judge.
+
+    Asked of each: every order delivered, no battery empty, no carrier that waits for longer than its promise and two
+    minutes, every invariant held. Exit 1 when a plant fails and neither `dray plant check` nor the verdict says why.
+    """
+    from dray.cli.runtime.output import write_json
+    from dray_sim.explore.search import cores
+    from dray_sim.plants.many import play_seeds
+
+    if seed is not None:
+        first, count, jobs = seed, 1, 1
+        if write is not None:
+            _write(seed, small, write)
+    judged: list[Judgement] = []
+    for each in play_seeds(first, count, small=small, hours=hours, jobs=jobs or cores()):
+        judged.append(each)
+        for line in each.tell(whole=seed is not None):
+            typer.echo(line)
+    if json is not None:
+        write_json(json, judged)
+    failed = [each for each in judged if each.failures]
+    unnamed = [each for each in failed if not each.named]
+    typer.echo(
+        f"{len(judged)} plants: {len(judged) - len(failed)} served, {len(failed) - len(unnamed)} failed as foreseen "
+        f"or explained, {len(unnamed)} failed"
+    )
+    if unnamed:
+        raise typer.Exit(1)
+
+
+def _write(seed: int, small: bool, file: Path) -> None:
+    from dray.cli.runtime.output import write_text
+    from dray.plant import plant_yaml
+    from dray_sim.plants.draw import draw_plant
+
+    write_text(file, plant_yaml(draw_plant(seed, small=small)), "--write")

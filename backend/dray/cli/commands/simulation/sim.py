@@ -1,0 +1,88 @@
+"""`dray sim`: named scenarios in virtual time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dray.cli.commands.simulation.explore import explore
+from dray.cli.commands.simulation.plants import plants
+
+app = typer.Typer(no_args_is_help=True, help="Named scenarios in virtual time.")
+app.command()(explore)
+app.command()(plants)
+
+
+@app.callback()
+def sim() -> None:
+    """Named scenarios in virtual time."""
+
+
+@app.command("list")
+def list_scenarios() -> None:
+    """What can be run."""
+    from dray.cli.runtime.output import table
+    from dray_sim.scenarios import SCENARIOS
+
+    rows = [(name, "any" if each.moves else "its own", each.shows) for name, each in SCENARIOS.items()]
+    table(("scenario", "plant", "what it shows"), rows)
+
+
+@app.command()
+def run(
+    name: Annotated[str, typer.Argument(help="A scenario, as `dray sim list` names it.")],
+    seed: Annotated[int, typer.Option(help="Everything that is left to chance follows from it.")] = 1,
+    plant: Annotated[
+        Path | None,
+        typer.Option(help="A plant file, or the name of a shipped plant, instead of the scenario's own."),
+    ] = None,
+    load: Annotated[
+        float | None,
+        typer.Option(help="Part of the machines' time that the orders take.", min=0.001, max=10.0),
+    ] = None,
+    hours: Annotated[float | None, typer.Option(help="Of demand.", min=0.05, max=2_000.0)] = None,
+    json: Annotated[Path | None, typer.Option(help="Write the report here too.")] = None,
+) -> None:
+    """Play a scenario and print its report; the same seed gives the same report.
+
+    It ends with a verdict: what was short, of what there is too little, and a figure for each resource. Scenarios that are
+    about certain machines take no --plant, --load or --hours, and say so; `dray sim list` tells which do.
+
+    Exit 1 when its claim did not hold, or an invariant was broken.
+    """
+    from dray.cli.runtime.output import one_of, write_json
+    from dray.plant import load_plant
+    from dray_sim.run.site import Site
+    from dray_sim.scenarios import SCENARIOS
+
+    site = Site(None if plant is None else load_plant(plant), load, hours)
+    outcome = one_of(SCENARIOS, name, "scenario").run(seed, site)
+    typer.echo(outcome.describe())
+    if json is not None:
+        write_json(json, outcome)
+    if outcome.failure:
+        options = {"plant": plant, "load": load, "hours": hours}
+        given = "".join(f" --{option} {value}" for option, value in options.items() if value is not None)
+        typer.echo(f"dray: {outcome.failure}\nreplay: dray sim run {name} --seed {seed}{given}", err=True)
+        raise typer.Exit(1)
+
+
+@app.command()
+def report(
+    out: Annotated[Path, typer.Option(help="The Markdown file to write.")] = Path("docs/scenarios.md"),
+    seed: Annotated[int, typer.Option(help="Of all scenarios.")] = 1,
+    jobs: Annotated[int, typer.Option(help="How many run at once.", min=1)] = 2,
+) -> None:
+    """Play all scenarios and write their reports into one document. Takes some minutes.
+
+    Exit 1 when a claim did not hold; the document is written all the same, and says so.
+    """
+    from dray.cli.runtime.output import write_text
+    from dray_sim.scenarios.document import sections, write
+
+    parts = sections(seed, jobs, lambda part: typer.echo(f"{part.name}: {part.failure or 'held'}", err=True))
+    write_text(out, write(parts, seed), "--out")
+    if not all(part.held for part in parts):
+        raise typer.Exit(1)

@@ -1,0 +1,192 @@
+"""The roll of a fleet: who runs, where, and after how many starts, in a file that other commands read."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import os
+from enum import StrEnum
+from pathlib import Path
+
+import msgspec
+
+from dray.adapters.zenoh_bus import ZenohBus
+from dray.adapters.zenoh_links import Identity, Links
+from dray.cli.fleet.folder import CERTIFICATES, OBSERVER, ROLL
+from dray.cli.fleet.process_specs import Post
+from dray.cli.fleet.processes import Process
+from dray.cli.fleet.software import Software
+from dray.cli.runtime.roster import FLOOR
+from dray.errors import UnavailableError
+
+OBSERVER_LINKS = 5
+"""Of somebody who looks at a fleet. Every new link is told to everybody, so one to each process would keep a large
+fleet busy; with so many, a few processes that are away cut nobody off."""
+
+ROLL_CALL_S = 3.0
+"""For the links of whoever asks who is there; they take milliseconds when the computer is not busy."""
+
+ROLL_CALL_AGAIN_S = 0.1
+
+_log = logging.getLogger(__name__)
+
+
+class State(StrEnum):
+    """What a process is about, as far as its keeper knows."""
+
+    AT_WORK = ""
+    LEAVING = "leaving"
+    ON_TRIAL = "on trial"
+
+
+class Member(Process, frozen=True, kw_only=True):
+    """The process of one post.
+
+    Attributes:
+        name: of its agent.
+        kind: what it is: atv, machine, station, strategist, historian, gateway or floor.
+        address: where it is called.
+        starts: how often it was started.
+        software: of its last start.
+        proven: the last that was not on trial: what it goes back to.
+        state: see there.
+    """
+
+    name: str
+    kind: str
+    address: str
+    starts: int
+    software: Software
+    proven: Software
+    state: State = State.AT_WORK
+
+    @property
+    def joins(self) -> bool:
+        """Whether it is an agent on the bus."""
+        return self.kind != FLOOR
+
+
+class Roll(msgspec.Struct, frozen=True):
+    """All processes of a fleet.
+
+    Attributes:
+        plant: the plant's id.
+        plain: links have no certificates.
+        keeper: the `dray fleet up` that keeps them.
+    """
+
+    plant: str
+    plain: bool
+    keeper: Process
+    members: tuple[Member, ...]
+
+    def member(self, name: str) -> Member:
+        """The process of this name, which is one of the fleet's."""
+        return next(member for member in self.members if member.name == name)
+
+    @property
+    def running(self) -> tuple[Member, ...]:
+        """Those whose process is there."""
+        return tuple(member for member in self.members if member.runs)
+
+
+def read_roll(folder: Path) -> Roll:
+    """The fleet of a folder.
+
+    Raises:
+        UnavailableError: there is none.
+    """
+    try:
+        return msgspec.json.decode((folder / ROLL).read_bytes(), type=Roll)
+    except (OSError, msgspec.MsgspecError) as error:
+        reason = (isinstance(error, OSError) and error.strerror) or str(error)
+        raise UnavailableError(str(folder / ROLL), reason, "start a fleet with `dray fleet up`") from None
+
+
+def peer_of(roll: Roll, folder: Path) -> ZenohBus:
+    """A place on a fleet's bus for a command that looks at it; on the running loop."""
+    identity = None if roll.plain else Identity.in_folder(folder / CERTIFICATES, OBSERVER)
+    running = roll.running
+    linked = running[:: -(-len(running) // OBSERVER_LINKS) or 1]
+    peers = tuple(member.address for member in linked)
+    return ZenohBus(Links(peers=peers, identity=identity, plain=roll.plain), roll.plant)
+
+
+async def roll_call(roll: Roll, folder: Path) -> frozenset[str]:
+    """Who of a fleet is on the bus at this moment; waits a little for those whose process runs."""
+    expected = {member.name for member in roll.running if member.joins}
+    bus = peer_of(roll, folder)
+    present: frozenset[str] = frozenset()
+    try:
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(ROLL_CALL_S):
+                present = await bus.roll_call()
+                while not expected <= present:
+                    await asyncio.sleep(ROLL_CALL_AGAIN_S)
+                    present = await bus.roll_call()
+    finally:
+        bus.close()
+    return present
+
+
+class RollKeeper:
+    """Writes the roll anew whenever something changes.
+
+    Args:
+        folder: the fleet's.
+        plant: the plant's id.
+        plain: links have no certificates.
+    """
+
+    def __init__(self, folder: Path, plant: str, *, plain: bool) -> None:
+        self._file, self._plant, self._plain = folder / ROLL, plant, plain
+        self._keeper = Process.of(os.getpid())
+        self._members: dict[str, Member] = {}
+        self._grown = asyncio.Event()
+
+    async def has(self, count: int) -> None:
+        """Wait until so many processes were started."""
+        while len(self._members) < count:
+            self._grown.clear()
+            await self._grown.wait()
+
+    def started(self, post: Post, pid: int, software: Software, state: State) -> Member:
+        """A process was started, for the first time or again."""
+        process, before = Process.of(pid), self._members.get(post.name)
+        member = self._members[post.name] = Member(
+            pid=process.pid,
+            born=process.born,
+            name=post.name,
+            kind=post.kind,
+            address=post.address,
+            starts=1 if before is None else before.starts + 1,
+            software=software,
+            proven=software if before is None or state is State.AT_WORK else before.proven,
+            state=state,
+        )
+        self._write()
+        self._grown.set()
+        return member
+
+    def entered(self, name: str, state: State) -> None:
+        """A process that was started is about something else now."""
+        member = self._members[name]
+        proven = member.software if state is State.AT_WORK else member.proven
+        self._members[name] = msgspec.structs.replace(member, state=state, proven=proven)
+        self._write()
+
+    def close(self) -> None:
+        """Nobody runs any more."""
+        self._file.unlink(missing_ok=True)
+
+    def _write(self) -> None:
+        roll = Roll(self._plant, self._plain, self._keeper, tuple(self._members.values()))
+        # Replaced as a whole: a reader sees the old list or the new one.
+        fresh = self._file.with_suffix(".new")
+        try:
+            fresh.write_bytes(msgspec.json.encode(roll))
+            fresh.replace(self._file)
+        except OSError as error:
+            # The processes go on all the same, and the next change is another attempt.
+            _log.warning("%s is not up to date for other commands: %s", self._file, error)

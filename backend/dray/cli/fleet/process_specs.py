@@ -1,0 +1,118 @@
+"""The posts of a fleet: which processes there are, and how each is started.
+
+Every process calls three others, at distances of 1, 2 and 4 in a ring, so that no single one is between
+any two others, and the number of links grows with the factory and not with its square.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from dray.cli.fleet.addresses import free_addresses
+from dray.cli.fleet.folder import GATEWAY, HISTORIAN, LOGS
+from dray.cli.runtime.roster import FLOOR, agents_of
+from dray.messages.speakers import Kind
+from dray.plant import Plant
+from dray.protocol.strategist.strategist import STRATEGIST
+from dray.settings import PREFIX
+
+DISTANCES = (1, 2, 4)
+"""In the ring. Any two neighbours may be gone, and all others still hear one another."""
+
+
+@dataclass(frozen=True, slots=True)
+class Post:
+    """One process to be kept running.
+
+    Attributes:
+        name: of its agent.
+        kind: what it is: atv, machine, station, strategist, historian, gateway or floor.
+        command: what follows `dray`.
+        address: where others call it.
+        environment: all of it.
+        metrics: where it tells Prometheus its metrics; empty: nowhere.
+        log: the file that its words are added to.
+    """
+
+    name: str
+    kind: str
+    command: tuple[str, ...]
+    address: str
+    environment: Mapping[str, str]
+    metrics: str
+    log: Path
+
+    @property
+    def speaks(self) -> bool:
+        """Whether its words are for the person who has started the fleet."""
+        return self.kind == GATEWAY
+
+    @property
+    def comes_back(self) -> bool:
+        """Whether another process can go on where it has ended; not the floor, whose bodies end with it."""
+        return self.kind != FLOOR
+
+    def trial(self, tasks: int) -> tuple[str, ...]:
+        """What follows the command when it is to be on trial for so many tasks; it may know no trial."""
+        return ("--trial", str(tasks)) if tasks and self.kind in ON_TRIAL else ()
+
+
+ON_TRIAL = frozenset[str]({Kind.ATV, Kind.MACHINE})
+"""Kinds of agents that take no more than they can show themselves by, while they are on trial."""
+
+
+def posts_of(
+    plant: Plant,
+    folder: Path,
+    common: Mapping[str, str],
+    secret: Mapping[str, str],
+    *,
+    demand: bool,
+    metrics: bool,
+) -> list[Post]:
+    """All posts of a plant, in the order in which they are to be started: agents need a floor, people a panel.
+
+    Args:
+        plant: the factory.
+        folder: the fleet's.
+        common: the settings of all.
+        secret: further ones, for the gateway alone.
+        demand: the gateway places orders, too.
+        metrics: every process tells its own.
+    """
+    commands: dict[str, tuple[str, ...]] = {
+        FLOOR: (FLOOR,),
+        HISTORIAN: (HISTORIAN,),
+        STRATEGIST: (STRATEGIST,),
+        GATEWAY: (GATEWAY, "--demand" if demand else "--no-demand"),
+        **{agent: ("agent", kind, agent) for agent, kind in agents_of(plant).items()},
+    }
+    names = tuple(commands)
+    free = free_addresses(2 * len(names))
+    addresses = dict(zip(names, free, strict=False))
+    told = dict(zip(names, free[len(names) :], strict=True)) if metrics else dict.fromkeys(names, "")
+    posts = []
+    for place, name in enumerate(names):
+        called = {names[(place + distance) % len(names)] for distance in DISTANCES} - {name}
+        links = {
+            f"{PREFIX}BUS_LISTEN": addresses[name],
+            f"{PREFIX}BUS_PEERS": ",".join(sorted(addresses[each] for each in called)),
+            # Said also where there is none: two processes cannot listen on what this one's variable names.
+            f"{PREFIX}METRICS_LISTEN": told[name],
+        }
+        command = commands[name]
+        posts.append(
+            Post(
+                name=name,
+                kind=command[1] if command[0] == "agent" else name,
+                command=command,
+                address=addresses[name],
+                environment={**os.environ, **common, **links, **(secret if name == GATEWAY else {})},
+                metrics=told[name],
+                log=folder / LOGS / f"{name}.log",
+            )
+        )
+    return posts

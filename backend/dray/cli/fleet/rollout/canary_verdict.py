@@ -1,0 +1,224 @@
+"""The judge of a newcomer's trial: what others have said of it, and what follows. Pure: told what is heard.
+
+An agent of a bad version may believe that it does well. So it is not asked: what counts is what those say
+that it works for and with.
+
+    kind         a task done well                                       a task done badly
+    vehicle      its coordinator closes it as delivered by it, in time  late, or somebody else has to carry it
+    machine      a vehicle that it has hired is told "handed over"      its goal is lost, by the strategist's word
+    strategist   a machine has taken a goal from it
+
+Only what was contracted in its present life counts, for what its last one began is not its fault. What a
+coordinator takes back or a person stops counts neither way. Whether its process lives is for others to tell
+(`dray.cli.fleet.rollout.update`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from dray.messages import (
+    AtvHeartbeat,
+    CommandKind,
+    Event,
+    Heartbeat,
+    MachineHeartbeat,
+    Message,
+    Role,
+)
+from dray.messages.fact import (
+    AwardAnswered,
+    BidReceived,
+    CarrierChanged,
+    CommandObeyed,
+    ContractEnded,
+    ContractTaken,
+    Fact,
+    GoalContracted,
+    GoalLost,
+    TaskClosed,
+)
+from dray.messages.speakers import Kind
+from dray.protocol.vehicle.transport_job import HANDED_OVER
+
+BIDS_KEPT = 100
+"""Bids of one vehicle of which nobody has told yet what became of them: it makes one every few seconds."""
+
+NOT_YET = float("inf")
+
+
+class Judge:
+    """What is common to all trials.
+
+    Args:
+        agent: who is on trial.
+        version: what its heartbeats should say that it runs.
+        tasks: so many have to be done well.
+        before: the incarnation of its last life, as far as one was heard.
+        late_s: so much later than promised (plant clock) is late.
+
+    Attributes:
+        done: tasks done well.
+        failure: why the trial has failed; empty while it has not.
+        joined: its present life was heard.
+    """
+
+    def __init__(self, agent: str, version: str, tasks: int, before: int, late_s: float) -> None:
+        self.agent, self.tasks = agent, tasks
+        self.done = 0
+        self.failure = ""
+        self.joined = False
+        self._version = version
+        self._life = before
+        self._late_s = late_s
+        self._on_fact: Mapping[type[Fact], Callable[[str, Any, float], None]] = {}
+
+    @property
+    def passed(self) -> bool:
+        """Whether it has done what it had to."""
+        return self.joined and self.done >= self.tasks and not self.failure
+
+    def note_present(self) -> None:
+        """It is on the bus: all that can be seen of somebody who has no heartbeat."""
+        self.joined = True
+
+    def fail(self, reason: str) -> None:
+        """It has failed; the first reason is kept."""
+        self.failure = self.failure or reason
+
+    def hear(self, sender: str, message: Message) -> None:
+        """Note what somebody has said."""
+        if isinstance(message, Heartbeat):
+            if sender == self.agent:
+                self._hear_own(message)
+        elif isinstance(message, Event) and self.joined:
+            note = self._on_fact.get(type(message.fact))
+            if note is not None:
+                note(sender, message.fact, message.at_s)
+
+    def look(self, now_s: float) -> None:
+        """Note that it is so late by now (plant clock)."""
+
+    def _hear_own(self, heartbeat: AtvHeartbeat | MachineHeartbeat) -> None:
+        if heartbeat.incarnation <= self._life:
+            return
+        if self.joined:
+            self.fail("it was started again")
+        self.joined, self._life = True, heartbeat.incarnation
+        if heartbeat.software != self._version:
+            self.fail(f"it says that it runs {heartbeat.software or 'no version'}, not {self._version}")
+
+
+class AtvJudge(Judge):
+    """The trial of a vehicle: what coordinators say of its transports."""
+
+    def __init__(self, agent: str, version: str, tasks: int, before: int, late_s: float) -> None:
+        super().__init__(agent, version, tasks, before, late_s)
+        self._bids: dict[tuple[str, int], float] = {}
+        """When it would be done, by task and epoch."""
+        self._carries: dict[str, float] = {}
+        """Its tasks, and when it has promised to be done."""
+        self._on_fact = {
+            BidReceived: self._note_bid,
+            AwardAnswered: self._note_award,
+            CarrierChanged: self._note_change,
+            TaskClosed: self._note_closed,
+            CommandObeyed: self._note_command,
+        }
+
+    def look(self, now_s: float) -> None:
+        """A task may be late that is not done yet."""
+        for task, promised_s in self._carries.items():
+            if now_s > promised_s + self._late_s:
+                self.fail(f"{task} is not done {now_s - promised_s:.0f} s after it had promised to be")
+
+    def _note_bid(self, _sender: str, bid: BidReceived, _at_s: float) -> None:
+        if bid.bidder == self.agent and bid.role is Role.PRIMARY:
+            self._bids[bid.task, bid.epoch] = bid.finish_s
+            if len(self._bids) > BIDS_KEPT:
+                del self._bids[next(iter(self._bids))]
+
+    def _note_award(self, _sender: str, award: AwardAnswered, _at_s: float) -> None:
+        if award.bidder == self.agent and award.role is Role.PRIMARY and award.answer == "accepted":
+            self._carries[award.task] = self._bids.pop((award.task, award.epoch), NOT_YET)
+
+    def _note_change(self, _sender: str, change: CarrierChanged, _at_s: float) -> None:
+        if change.carrier == self.agent:
+            self._carries[change.task] = NOT_YET
+        elif change.replaced == self.agent and change.task in self._carries:
+            del self._carries[change.task]
+            self.fail(f"{change.task} had to be taken from it: {change.reason}")
+
+    def _note_closed(self, _sender: str, closed: TaskClosed, at_s: float) -> None:
+        if closed.task not in self._carries:
+            return
+        del self._carries[closed.task]
+        if closed.outcome != "delivered" or closed.carrier != self.agent:
+            return
+        if closed.promised_s and at_s > closed.promised_s + self._late_s:
+            self.fail(f"{closed.task} was delivered {at_s - closed.promised_s:.0f} s after its promise")
+        else:
+            self.done += 1
+
+    def _note_command(self, sender: str, command: CommandObeyed, _at_s: float) -> None:
+        if sender == self.agent and command.what == CommandKind.STOP and command.done:
+            # Whatever becomes of what it carries now, a person has wanted it.
+            self._carries.clear()
+
+
+class MachineJudge(Judge):
+    """The trial of a machine: what vehicles and the strategist say of it."""
+
+    def __init__(self, agent: str, version: str, tasks: int, before: int, late_s: float) -> None:
+        super().__init__(agent, version, tasks, before, late_s)
+        self._hired: set[tuple[str, int]] = set()
+        """What vehicles carry for it, by task and epoch: when one takes over, the contract of the other ends later."""
+        self._goals: dict[str, None] = {}
+        """Goals that it has taken in this life."""
+        self._on_fact = {
+            ContractTaken: self._note_taken,
+            ContractEnded: self._note_ended,
+            GoalContracted: self._note_goal,
+            GoalLost: self._note_lost,
+        }
+
+    def _note_taken(self, _sender: str, taken: ContractTaken, _at_s: float) -> None:
+        if taken.coordinator == self.agent and taken.role is Role.PRIMARY:
+            self._hired.add((taken.task, taken.epoch))
+
+    def _note_ended(self, _sender: str, ended: ContractEnded, _at_s: float) -> None:
+        contract = (ended.task, ended.epoch)
+        if ended.role is Role.PRIMARY and contract in self._hired:
+            self._hired.remove(contract)
+            self.done += ended.reason == HANDED_OVER
+
+    def _note_goal(self, _sender: str, contracted: GoalContracted, _at_s: float) -> None:
+        if contracted.machine == self.agent:
+            self._goals[contracted.goal] = None
+
+    def _note_lost(self, _sender: str, lost: GoalLost, _at_s: float) -> None:
+        if lost.machine == self.agent and lost.goal in self._goals:
+            self.fail(f"its goal {lost.goal} had to be given to others")
+
+
+class StrategistJudge(Judge):
+    """The trial of a strategist, which has no heartbeat: machines take goals from it."""
+
+    def __init__(self, agent: str, version: str, tasks: int, before: int, late_s: float) -> None:
+        super().__init__(agent, version, tasks, before, late_s)
+        self._on_fact = {ContractTaken: self._note_taken}
+
+    def _note_taken(self, _sender: str, taken: ContractTaken, _at_s: float) -> None:
+        self.done += taken.coordinator == self.agent
+
+
+JUDGES: Mapping[str, type[Judge]] = {
+    Kind.ATV: AtvJudge,
+    Kind.MACHINE: MachineJudge,
+    Kind.STRATEGIST: StrategistJudge,
+}
+"""By kind of agent. The others have nothing to show but that they are there."""
+
+HEARD = frozenset[str]({Kind.ATV, Kind.MACHINE})
+"""Kinds of agents that have heartbeats."""

@@ -1,0 +1,70 @@
+"""A listener on the bus of a running fleet: it hears everybody's heartbeats and history, and says nothing."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from dray.cli.fleet.folder import OBSERVER
+from dray.cli.fleet.process_registry import Roll, peer_of
+from dray.messages import Event, Heartbeat, MachineHeartbeat, Message
+from dray.messages.keys import Keys
+
+Hear = Callable[[str, Message], None]
+"""Called with (sender, message)."""
+
+
+class Listener:
+    """Tells others what it hears, and remembers the newest word of each agent.
+
+    Made on the loop on which it is used; closed by `close`.
+
+    Args:
+        roll: whose fleet.
+        folder: the fleet's.
+
+    Attributes:
+        lives: the newest incarnation that each vehicle and machine has said.
+        machines: the newest heartbeat of each machine.
+        numbers: the life and the number of the newest fact of each agent.
+    """
+
+    def __init__(self, roll: Roll, folder: Path) -> None:
+        self.lives: dict[str, int] = {}
+        self.machines: dict[str, MachineHeartbeat] = {}
+        self.numbers: dict[str, tuple[int, int]] = {}
+        self._told: list[Hear] = []
+        self._bus = peer_of(roll, folder)
+        session = self._bus.join(OBSERVER, self._hear)
+        keys = Keys(roll.plant)
+        for key in (keys.all_heartbeats, keys.all_events):
+            session.subscribe(key)
+
+    @contextlib.contextmanager
+    def telling(self, tell: Hear) -> Iterator[None]:
+        """Let somebody hear all, as long as the context lasts."""
+        self._told.append(tell)
+        try:
+            yield
+        finally:
+            self._told.remove(tell)
+
+    async def present(self) -> frozenset[str]:
+        """Who is on the bus now."""
+        return await self._bus.roll_call()
+
+    def close(self) -> None:
+        """Leave the bus."""
+        self._bus.close()
+
+    def _hear(self, sender: str, message: Message) -> None:
+        if isinstance(message, Heartbeat):
+            self.lives[sender] = max(message.incarnation, self.lives.get(sender, 0))
+            if isinstance(message, MachineHeartbeat):
+                self.machines[sender] = message
+        elif isinstance(message, Event):
+            told = (message.incarnation, message.number)
+            self.numbers[sender] = max(told, self.numbers.get(sender, told))
+        for tell in tuple(self._told):
+            tell(sender, message)

@@ -1,0 +1,101 @@
+"""The books of a fleet: what its database says of orders, and of what agents have told."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
+from typing import Self
+
+import msgspec
+
+from dray.cli.fleet.rollout.history import KINDS, History, Told
+from dray.messages import AnyFact
+from dray.store import Database, Store
+from dray.store.events import EventRow
+from dray.store.gaps import Known
+
+FACTS = 200_000
+"""Read at once: those of KINDS that a plant of 300 agents tells in some hours; some 100 MB."""
+
+_fact: msgspec.json.Decoder[AnyFact] = msgspec.json.Decoder(AnyFact)
+
+
+class OrderCount(msgspec.Struct, frozen=True):
+    """Customers' orders over some time."""
+
+    delivered: int
+    late: int
+    """Delivered after their due time, or still open at the end though it has passed."""
+
+    def since(self, before: OrderCount) -> OrderCount:
+        """What has come to what there was before."""
+        return OrderCount(self.delivered - before.delivered, self.late - before.late)
+
+
+class Books:
+    """Reads only.
+
+    Args:
+        store: the fleet's database.
+    """
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+
+    @classmethod
+    @asynccontextmanager
+    async def open(cls, url: str) -> AsyncIterator[Self]:
+        """Open the database, and leave its tables as they are: to renew them is for the fleet's own gateway.
+
+        Raises:
+            UnavailableError: it cannot be opened.
+        """
+        store = Store(await Database.open(url))
+        try:
+            yield cls(store)
+        finally:
+            await store.close()
+
+    async def orders(self) -> OrderCount:
+        """All orders so far.
+
+        Raises:
+            UnavailableError: the database is away.
+        """
+        async with self._store.read() as work:
+            totals, still_open = await work.orders.totals(), await work.orders.open()
+        now_s = time.time()
+        overdue = sum(order.due_at_s is not None and order.due_at_s < now_s for order in still_open)
+        return OrderCount(totals.delivered, totals.delivered - totals.on_time + overdue)
+
+    async def missing(self, numbers: Mapping[str, tuple[int, int]]) -> int:
+        """How many facts of the present lives are not written down yet, or are gone.
+
+        Args:
+            numbers: by agent, its life, and the number in it up to which facts count.
+
+        Raises:
+            UnavailableError: the database is away.
+        """
+        async with self._store.read() as work:
+            known = {(each.agent, each.incarnation): each for each in await work.events.known()}
+        lacking = 0
+        for agent, (life, number) in numbers.items():
+            there = known.get((agent, life), Known(agent, life, 0))
+            lacking += max(0, number - there.last) + sum(each <= number for each in there.missing)
+        return lacking
+
+    async def history(self, from_s: float, to_s: float) -> History:
+        """What has happened from one moment to another (plant clock).
+
+        Raises:
+            UnavailableError: the database is away.
+        """
+        async with self._store.read() as work:
+            rows = await work.events.since(KINDS, from_s, FACTS)
+        return History(_told(row) for row in rows if row.plant_s <= to_s)
+
+
+def _told(row: EventRow) -> Told:
+    return Told(row.agent, row.plant_s, _fact.decode(row.fact))

@@ -1,0 +1,190 @@
+"""The replacement of one process in a running fleet: it leaves, another one comes, and is looked at."""
+
+from __future__ import annotations
+
+import asyncio
+import http.client
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.request import ProxyHandler, build_opener
+
+from dray.cli.fleet import control
+from dray.cli.fleet.folder import GATEWAY, LOGS
+from dray.cli.fleet.process_registry import Member, read_roll
+from dray.cli.fleet.process_supervisor import Replaced
+from dray.cli.fleet.rollout.canary_verdict import HEARD, JUDGES, Judge
+from dray.cli.fleet.rollout.listener import Listener
+from dray.cli.fleet.rollout.report import Step, Verdict
+from dray.cli.fleet.software import Software
+from dray.cli.runtime.serving import url_of
+from dray.gateway.timescale import TimeScale
+from dray.settings import Settings
+
+JOIN_S = 60.0
+"""Real seconds in which a newcomer must be on the bus: on a busy computer a start takes ten."""
+
+HOLD_S = 3.0
+"""Real seconds that a newcomer must have been there: what cannot live ends in its first moments."""
+
+LOOK_S = 0.1
+"""How often it is looked at (real seconds)."""
+
+LATE_S = 60.0
+"""A vehicle may be so late by its plant: a dock that is held for another one, a way round somebody who stands.
+In the simulated plant, where nobody stands in the way, none is late by a second."""
+
+BUSY_S = 5.0
+"""And by so many real seconds by its computer, which counts where the plant's clock runs faster."""
+
+READY_S = 2.0
+"""Longest wait for one answer of a gateway (real seconds)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Terms:
+    """How a process is replaced.
+
+    Attributes:
+        software: what runs from now on.
+        trial: tasks that it has to do well; 0 for none.
+        patience_s: so long it is given work for that (plant clock).
+        at_once: the old one need not finish what it has begun.
+    """
+
+    software: Software
+    trial: int = 0
+    patience_s: float = 0.0
+    at_once: bool = False
+
+
+class Scene:
+    """A fleet in which processes are replaced.
+
+    Args:
+        folder: of the fleet.
+        settings: of the fleet.
+        listener: on its bus.
+    """
+
+    def __init__(self, folder: Path, settings: Settings, listener: Listener) -> None:
+        self._folder, self._listener = folder, listener
+        self._time = TimeScale(settings.plant_epoch_s, settings.plant_epoch_s, settings.plant_speed)
+        self._ready_url = f"{url_of(settings.host, settings.port)}/readyz"
+
+    @property
+    def speed(self) -> float:
+        """Plant seconds per real second."""
+        return self._time.speed
+
+    @property
+    def first_s(self) -> float:
+        """When the fleet was started (plant clock)."""
+        return self._time.plant_epoch_s
+
+    @property
+    def late_s(self) -> float:
+        """So much later than it has promised a vehicle may be (plant clock)."""
+        return LATE_S + BUSY_S * self.speed
+
+    def now_s(self) -> float:
+        """The plant's clock."""
+        return self._time.to_plant_s(time.time())
+
+    async def replace(self, member: Member, terms: Terms) -> Step:
+        """Replace one process, and wait for the verdict.
+
+        Raises:
+            UnavailableError: the fleet's keeper does not answer.
+        """
+        began_s = self.now_s()
+        wanted = control.Replace(member.name, terms.software, terms.trial, terms.at_once)
+        done = await control.replace(self._folder, wanted)
+        gone_s = joined_s = time.monotonic()
+        # Whatever was heard of it until now was said by the old one: the new one has only begun to start.
+        judge = self._judge(member, terms)
+        if isinstance(done, control.Refused):
+            judge.fail(done.reason)
+            done = Replaced(left_s=0.0, killed=False, starts=member.starts)
+        else:
+            with self._listener.telling(judge.hear):
+                await self._until_joined(member, done.starts, judge)
+                joined_s = time.monotonic()
+                await self._until_judged(member, done.starts, judge, terms.patience_s)
+        return Step(
+            agent=member.name,
+            kind=member.kind,
+            version=terms.software.version,
+            verdict=_verdict(judge),
+            began_s=began_s,
+            ended_s=self.now_s(),
+            left_s=done.left_s,
+            killed=done.killed,
+            away_s=joined_s - gone_s,
+            trial_s=time.monotonic() - joined_s,
+            tasks=judge.done,
+            why=judge.failure,
+        )
+
+    async def settle(self, member: Member) -> None:
+        """Its trial is over, and well: its later lives are on none.
+
+        Raises:
+            UnavailableError: the fleet's keeper does not answer.
+        """
+        await control.settle(self._folder, member.name)
+
+    def _judge(self, member: Member, terms: Terms) -> Judge:
+        judges = JUDGES.get(member.kind) if terms.trial else None
+        before = self._listener.lives.get(member.name, 0)
+        if judges is None:
+            return Judge(member.name, terms.software.version, 0, before, self.late_s)
+        return judges(member.name, terms.software.version, terms.trial, before, self.late_s)
+
+    async def _until_joined(self, member: Member, starts: int, judge: Judge) -> None:
+        latest_s = time.monotonic() + JOIN_S
+        while not (judge.joined or judge.failure):
+            await asyncio.sleep(LOOK_S)
+            self._look_after(member, starts, judge)
+            if member.kind not in HEARD and await self._is_ready(member):
+                judge.note_present()
+            elif time.monotonic() > latest_s:
+                judge.fail(f"it was not on the bus within {JOIN_S:.0f} s; see {self._log(member)}")
+
+    async def _until_judged(self, member: Member, starts: int, judge: Judge, patience_s: float) -> None:
+        held_s, latest_s = time.monotonic() + HOLD_S, self.now_s() + patience_s
+        while not judge.failure and (time.monotonic() < held_s or not judge.passed):
+            if not judge.passed and self.now_s() > latest_s and time.monotonic() > held_s:
+                return
+            await asyncio.sleep(LOOK_S)
+            judge.look(self.now_s())
+            self._look_after(member, starts, judge)
+
+    def _look_after(self, member: Member, starts: int, judge: Judge) -> None:
+        now = read_roll(self._folder).member(member.name)
+        if now.starts != starts or not now.runs:
+            judge.fail(f"its process has ended; see {self._log(member)}")
+
+    async def _is_ready(self, member: Member) -> bool:
+        if member.name not in await self._listener.present():
+            return False
+        return member.kind != GATEWAY or await asyncio.to_thread(_answers, self._ready_url)
+
+    def _log(self, member: Member) -> Path:
+        return self._folder / LOGS / f"{member.name}.log"
+
+
+def _verdict(judge: Judge) -> Verdict:
+    if judge.failure:
+        return Verdict.FAILED
+    return Verdict.PASSED if judge.passed else Verdict.UNTRIED
+
+
+def _answers(url: str) -> bool:
+    """Whether a gateway takes orders."""
+    try:
+        # No proxy: the gateway is on this computer.
+        with build_opener(ProxyHandler({})).open(url, timeout=READY_S):
+            return True
+    except (OSError, http.client.HTTPException):
+        return False

@@ -1,0 +1,261 @@
+"""The update of a running fleet: agents are replaced one at a time, on trial, and all go back when one fails.
+
+    leaves in order -> ends -> the new one starts -> is on the bus -> on trial -> passed -> the next agent
+                                    |                    |               |
+                                    +-- ends, is not there in time, says another version, does badly
+                                                         |
+                                 it goes back at once; then all that were replaced before it, in order
+
+All go back, and not that one alone: the others have passed with the same software by a few tasks, and the
+fault that one has shown is in all of them.
+
+Whoever finds no work within the patience is untried, and stays if another agent of its kind has passed; else
+it goes back alone, and the update stops there. Started again, an update goes on where it has stopped.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+
+from dray.cli.fleet.folder import GATEWAY, HISTORIAN, UPDATE_LOCK, alone, read_settings
+from dray.cli.fleet.process_registry import Member, Roll, State, read_roll
+from dray.cli.fleet.rollout.history import History
+from dray.cli.fleet.rollout.listener import Listener
+from dray.cli.fleet.rollout.order_statistics import Books, OrderCount
+from dray.cli.fleet.rollout.replacement import Scene, Terms
+from dray.cli.fleet.rollout.report import Cost, Flow, Report, Step, Verdict
+from dray.cli.fleet.software import Software
+from dray.cli.runtime.output import one_of
+from dray.cli.runtime.serving import stopped_by_signals
+from dray.errors import SettingsError, UnavailableError
+from dray.messages.speakers import Kind
+
+ORDER: Sequence[str] = (Kind.ATV, Kind.STATION, Kind.MACHINE, Kind.STRATEGIST, HISTORIAN, GATEWAY)
+"""A vehicle first: there are others for its work. The floor stands for hardware, and has no software of ours."""
+
+BASELINE_S = 3600.0
+"""Before the update (plant clock): what is done meanwhile is compared with it."""
+
+WHOLE_S = 90.0
+"""Longest wait for the whole history (real seconds): the historian asks for a missed last fact within a minute."""
+
+ASK_AGAIN_S = 0.5
+"""How often it is asked whether it is whole (real seconds)."""
+
+Tell = Callable[[str], None]
+"""Says to a person how far it is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What is to be done.
+
+    Attributes:
+        folder: of the fleet.
+        target: what all are to run.
+        only: these processes; empty for all.
+        trial: tasks that each agent has to do well.
+        patience_s: so long each is given work for that (plant clock).
+    """
+
+    folder: Path
+    target: Software
+    only: Sequence[str]
+    trial: int
+    patience_s: float
+
+
+async def update_fleet(plan: Plan, tell: Tell) -> Report:
+    """Update a fleet; a signal stops it where it is.
+
+    Raises:
+        SettingsError: a name that is none, or a software that does not speak with the others.
+        UnavailableError: there is no fleet, or its `dray fleet up` does not answer.
+    """
+    roll = read_roll(plan.folder)
+    with alone(plan.folder, UPDATE_LOCK, "`dray fleet update`", "wait for its end"):
+        settings = read_settings(plan.folder)
+        members = replaceable(roll, plan)
+        listener = Listener(roll, plan.folder)
+        try:
+            async with Books.open(settings.database_url) as books:
+                scene = Scene(plan.folder, settings, listener)
+                update = Update(plan, scene, listener, books, tell)
+                return await update.run(members, proven_kinds(roll, plan.target))
+        finally:
+            listener.close()
+
+
+def replaceable(roll: Roll, plan: Plan) -> list[Member]:
+    """Who is to be replaced, in order: those that do not run the target yet, or only on trial.
+
+    Raises:
+        SettingsError: a name that is none, or a software that does not speak with the others.
+    """
+    there = {member.name: member for member in roll.members if member.kind in ORDER}
+    chosen = [one_of(there, name, "--only") for name in dict.fromkeys(plan.only)] or list(there.values())
+    for member in there.values():
+        if member.software.wire != plan.target.wire:
+            raise SettingsError(
+                "--python",
+                f"{plan.target.version} speaks wire version {plan.target.wire} and {member.name} "
+                f"{member.software.wire}: they would not understand each other; end the fleet, and start it anew",
+            )
+    wanted = [each for each in chosen if each.software != plan.target or each.state is State.ON_TRIAL]
+    return sorted(wanted, key=lambda member: ORDER.index(member.kind))
+
+
+def proven_kinds(roll: Roll, software: Software) -> set[str]:
+    """Kinds of agents of which one runs this software and has passed its trial."""
+    return {
+        member.kind
+        for member in roll.members
+        if member.software == software and member.state is State.AT_WORK
+    }
+
+
+class Update:
+    """One update on its way.
+
+    Args:
+        plan: what is to be done.
+        scene: where it is done.
+        listener: on the fleet's bus.
+        books: of the fleet.
+        tell: how far it is.
+    """
+
+    def __init__(self, plan: Plan, scene: Scene, listener: Listener, books: Books, tell: Tell) -> None:
+        self._plan, self._scene, self._listener = plan, scene, listener
+        self._books, self._tell = books, tell
+        self._steps: list[Step] = []
+        self._done = False
+        self._end = (
+            "interrupted: every process goes on with the version that it runs, see `dray fleet status`"
+        )
+
+    async def run(self, members: Sequence[Member], proven: set[str]) -> Report:
+        """Replace these, one after the other, and tell what it has cost.
+
+        Args:
+            members: in order.
+            proven: kinds of which one agent has passed already; grows.
+        """
+        began_s, before = self._scene.now_s(), await self._books.orders()
+        working = asyncio.create_task(self._work(members, proven))
+        with stopped_by_signals(lambda: _cancel(working)), contextlib.suppress(asyncio.CancelledError):
+            await working
+        ended_s = self._scene.now_s()
+        try:
+            cost = await self._cost(before, began_s, ended_s) if self._steps else None
+        except UnavailableError as error:
+            self._tell(str(error))
+            cost = None
+        return Report(
+            version=self._plan.target.version,
+            done=self._done,
+            end=self._end,
+            speed=self._scene.speed,
+            took_s=(ended_s - began_s) / self._scene.speed,
+            steps=tuple(self._steps),
+            cost=cost,
+        )
+
+    async def _work(self, members: Sequence[Member], proven: set[str]) -> None:
+        for place, member in enumerate(members):
+            step = await self._try(member)
+            if step.verdict is Verdict.FAILED:
+                self._end = f"{member.name} has failed with {step.version}: {step.why}"
+                away = await self._roll_back(member, members[:place])
+                self._end += f"; {', '.join(away)} did not come back" if away else "; all are back"
+                return
+            if step.verdict is Verdict.UNTRIED and member.kind not in proven:
+                await self._go_back(member)
+                self._end = (
+                    f"stopped: {member.name} has done {step.tasks} of {self._plan.trial} tasks, and no other "
+                    f"{member.kind} has passed; start it again when there is more to do, or with more --patience"
+                )
+                return
+            if step.verdict is Verdict.PASSED:
+                proven.add(member.kind)
+            await self._scene.settle(member)
+        self._done = True
+        self._end = f"{len(members)} processes updated" if members else "every process runs it already"
+
+    async def _try(self, member: Member) -> Step:
+        plan = self._plan
+        self._tell(f"{member.name}: leaves, and comes back with {plan.target.version}")
+        return await self._replace(member, Terms(plan.target, plan.trial, plan.patience_s))
+
+    async def _roll_back(self, failed: Member, replaced: Sequence[Member]) -> list[str]:
+        """Give everybody back the software of before: the one that has failed at once, the others in order.
+
+        Returns:
+            Who is not there with it.
+        """
+        steps = [await self._go_back(failed, at_once=True)]
+        steps += [await self._go_back(member) for member in reversed(replaced)]
+        return [step.agent for step in steps if step.verdict is Verdict.FAILED]
+
+    async def _go_back(self, member: Member, *, at_once: bool = False) -> Step:
+        software = member.proven
+        self._tell(f"{member.name}: goes back to {software.version}")
+        return await self._replace(member, Terms(software, at_once=at_once), passed=Verdict.BACK)
+
+    async def _replace(self, member: Member, terms: Terms, passed: Verdict = Verdict.PASSED) -> Step:
+        step = await self._scene.replace(member, terms)
+        if step.verdict is Verdict.PASSED:
+            step = msgspec.structs.replace(step, verdict=passed)
+        self._steps.append(step)
+        self._tell(f"{member.name}: {step.verdict}{f': {step.why}' if step.why else ''}")
+        return step
+
+    async def _cost(self, orders: OrderCount, began_s: float, ended_s: float) -> Cost:
+        """What the factory did meanwhile, as soon as its history is whole.
+
+        Args:
+            orders: all of them before.
+            began_s: of the update (plant clock).
+            ended_s: of the update (plant clock).
+        """
+        # Of this moment: the factory goes on.
+        numbers, machines = dict(self._listener.numbers), dict(self._listener.machines)
+        missing = await self._until_written(numbers)
+        since_s = max(self._scene.first_s, began_s - BASELINE_S)
+        history = await self._books.history(since_s, ended_s)
+        self._steps = [
+            msgspec.structs.replace(step, passed_on=history.passed_on(step.agent, step.began_s, step.ended_s))
+            for step in self._steps
+        ]
+        return Cost(
+            before=_flow(history, since_s, began_s),
+            during=_flow(history, began_s, ended_s),
+            orders=(await self._books.orders()).since(orders),
+            lost=tuple(sorted(history.lost(machines))),
+            twice=tuple(sorted(history.twice)),
+            missing=missing,
+        )
+
+    async def _until_written(self, numbers: Mapping[str, tuple[int, int]]) -> int:
+        """Wait until the history holds all that was told up to these numbers; how much it lacks in the end."""
+        latest_s = time.monotonic() + WHOLE_S
+        while True:
+            missing = await self._books.missing(numbers)
+            if not missing or time.monotonic() > latest_s:
+                return missing
+            await asyncio.sleep(ASK_AGAIN_S)
+
+
+def _flow(history: History, from_s: float, to_s: float) -> Flow:
+    return Flow(history.per_minute(from_s, to_s), history.worst_per_minute(from_s, to_s))
+
+
+def _cancel(task: asyncio.Task[None]) -> None:
+    task.cancel()

@@ -1,0 +1,177 @@
+"""What `dray fleet up` does: it prepares a fleet, starts it, and keeps it running until a signal."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import sys
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import typer
+from pydantic import SecretStr
+
+from dray.cli.fleet.control import controlled
+from dray.cli.fleet.folder import (
+    CERTIFICATES,
+    FLEET_LOCK,
+    GATEWAY,
+    JOURNALS,
+    LOGS,
+    alone,
+    make,
+    prepare,
+    write_settings,
+    write_targets,
+)
+from dray.cli.fleet.process_registry import RollKeeper, read_roll
+from dray.cli.fleet.process_specs import DISTANCES, posts_of
+from dray.cli.fleet.process_supervisor import Filling, Keeper
+from dray.cli.fleet.software import OWN
+from dray.cli.runtime.authority import authority_of
+from dray.cli.runtime.roster import FLOOR
+from dray.cli.runtime.serving import listen, stopped_by_signals
+from dray.errors import UnavailableError
+from dray.gateway.access.tokens import new_token
+from dray.plant import Plant, is_shipped
+from dray.settings import PREFIX, Settings
+from dray.store import open_store
+
+STARTS_AT_ONCE = max(2, os.cpu_count() or 1)
+"""A start is mostly work for a processor. When all begin at once, those that take part already are not
+heard for so long that others give them up, which is more work still."""
+
+
+@dataclass(frozen=True, slots=True)
+class Muster:
+    """A fleet that is to be started.
+
+    Attributes:
+        settings: of the gateway: its port and its database.
+        plant: the factory.
+        folder: where everything is kept.
+        speed: factory seconds per real second.
+        plain: links without certificates.
+        demand: let orders be placed.
+        metrics: let every process tell Prometheus its metrics.
+    """
+
+    settings: Settings
+    plant: Plant
+    folder: Path
+    speed: float
+    plain: bool
+    demand: bool
+    metrics: bool
+
+
+async def run_muster(muster: Muster) -> None:
+    """Run a fleet until a signal.
+
+    Raises:
+        UnavailableError: the folder, the port or the database is not to be had, processes of an earlier fleet
+            run, or the floor has ended.
+    """
+    folder = muster.folder.resolve()
+    make(folder)
+    remedy = "end it with `dray fleet down`, or choose another --folder"
+    with alone(folder, FLEET_LOCK, "`dray fleet up`", remedy):
+        _refuse_leftovers(folder)
+        token = muster.settings.admin_token or SecretStr(new_token())
+        # Held until all others have addresses: then the gateway finds it free.
+        with contextlib.closing(listen(muster.settings.host, muster.settings.port)) as held:
+            prepare(folder, muster.plant, plain=muster.plain)
+            common = await _common_environment(muster, folder, port=held.getsockname()[1])
+            posts = posts_of(
+                muster.plant,
+                folder,
+                common,
+                # The same for all of its lives: programs that have it go on after an update.
+                {f"{PREFIX}ADMIN_TOKEN": token.get_secret_value()},
+                demand=muster.demand,
+                metrics=muster.metrics,
+            )
+        write_settings(folder, common, [post.address for post in posts[: len(DISTANCES)]])
+        write_targets(folder, {post.name: post.metrics for post in posts if post.metrics})
+        roll = RollKeeper(folder, muster.plant.id, plain=muster.plain)
+        leave_s = muster.settings.leave_s
+        turns = asyncio.Semaphore(STARTS_AT_ONCE)
+        keepers = {post.name: Keeper(post, roll, turns, leave_s, Filling(OWN)) for post in posts}
+        greeting = f"{len(posts)} processes; `dray fleet status --folder {muster.folder}` shows them"
+        if muster.settings.admin_token is None:
+            greeting += f"\n  Admin token       {token.get_secret_value()}"
+        async with controlled(folder, keepers):
+            bodies_gone = await _keep(keepers, roll, greeting)
+        roll.close()
+    if bodies_gone:
+        remedy = f"see {folder / LOGS / FLOOR}.log, and start the fleet again"
+        raise UnavailableError("the floor", "has ended, and all vehicles and machines with it", remedy)
+
+
+async def _keep(keepers: Mapping[str, Keeper], roll: RollKeeper, greeting: str) -> bool:
+    """Keep all running until a signal, or until the floor has ended; returns whether it has."""
+    stopped = asyncio.Event()
+    with stopped_by_signals(stopped.set):
+        async with asyncio.TaskGroup() as group:
+            running = {name: group.create_task(keeper.keep(), name=name) for name, keeper in keepers.items()}
+            running[FLOOR].add_done_callback(lambda _: stopped.set())
+            greeted = group.create_task(_greet(greeting, len(keepers), roll))
+            await stopped.wait()
+            bodies_gone = running[FLOOR].done()
+            for each in (*running.values(), greeted):
+                each.cancel()
+    return bodies_gone
+
+
+def _refuse_leftovers(folder: Path) -> None:
+    """A `dray fleet up` that was killed has left its processes behind: on one floor, two fleets would quarrel."""
+    try:
+        left = read_roll(folder).running
+    except UnavailableError:
+        return
+    if left:
+        named = ", ".join(f"{member.name} ({member.pid})" for member in left)
+        raise UnavailableError(
+            str(folder),
+            f"processes of an earlier fleet still run: {named}",
+            "end them with `dray fleet down`",
+        )
+
+
+async def _common_environment(muster: Muster, folder: Path, port: int) -> dict[str, str]:
+    """The settings of all processes; the port is the gateway's, in all of its lives."""
+    settings = muster.settings
+    # Opened here first, so that no two processes make its tables at once.
+    store = await open_store(settings.database_url)
+    try:
+        trusted = (await authority_of(store)).public.hex()
+    finally:
+        await store.close()
+    environment = {
+        f"{PREFIX}DATABASE_URL": settings.database_url,
+        f"{PREFIX}HOST": settings.host,
+        f"{PREFIX}PORT": str(port),
+        f"{PREFIX}JOURNAL_FOLDER": str(folder / JOURNALS),
+        f"{PREFIX}TRUSTED_KEYS": trusted,
+        f"{PREFIX}PLANT_SPEED": str(muster.speed),
+        f"{PREFIX}PLANT_EPOCH_S": str(time.time()),
+        f"{PREFIX}BUS_PLAIN": str(muster.plain),
+        # Said also where it is as ever: whoever has started us may have set something else for one process.
+        f"{PREFIX}BUS_CERTIFICATES": "" if muster.plain else str(folder / CERTIFICATES),
+        f"{PREFIX}GATEWAY_NAME": GATEWAY,
+    }
+    if settings.plant_file is not None:
+        named = is_shipped(settings.plant_file)
+        environment[f"{PREFIX}PLANT_FILE"] = str(
+            settings.plant_file if named else settings.plant_file.resolve()
+        )
+    return environment
+
+
+async def _greet(greeting: str, count: int, roll: RollKeeper) -> None:
+    await roll.has(count)
+    typer.echo(greeting)
+    sys.stdout.flush()

@@ -1,0 +1,116 @@
+"""The gateway and the historian as processes of their own."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import time
+
+from dray.adapters.system_clock import SystemClock
+from dray.cli.runtime.authority import authority_of
+from dray.cli.runtime.first_users import welcome
+from dray.cli.runtime.readiness import say_ready
+from dray.cli.runtime.service import (
+    Customers,
+    Service,
+    greeting_of,
+    historian_of,
+    serve,
+    with_admin_token,
+    with_stop_port,
+)
+from dray.cli.runtime.serving import address_of, listen, stopped_by_signals
+from dray.cli.runtime.stop_way import StopWay, listen_for_stops
+from dray.cli.runtime.surroundings import Surroundings
+from dray.cli.runtime.telemetry.bus_meter import BusMeter
+from dray.cli.runtime.telemetry.clock_meter import ClockMeter
+from dray.errors import UnavailableError
+from dray.gateway.app import create_app
+from dray.gateway.metrics.history import History
+from dray.store import open_store
+from dray.store.historian import AGENT as HISTORIAN
+
+
+async def run_gateway(where: Surroundings, customers: Customers | None = None) -> None:
+    """Run a gateway until a signal.
+
+    Args:
+        where: what it begins with.
+        customers: whoever orders there; None where nobody simulates any.
+
+    Raises:
+        UnavailableError: the port, the bus or the database is not to be had, or another gateway has taken
+            its name.
+    """
+    plant = where.plant
+    elsewhere = asyncio.Event()
+    service, token = with_admin_token(
+        Service(where.settings, plant, speed=where.settings.plant_speed, customers=customers)
+    )
+    with contextlib.ExitStack() as stack:
+        listener = stack.enter_context(
+            contextlib.closing(listen(service.settings.host, service.settings.port))
+        )
+        port = listener.getsockname()[1]
+        stops = stack.enter_context(contextlib.closing(listen_for_stops(service.settings, port)))
+        service = with_stop_port(service, stops)
+        settings = service.settings
+        store = await open_store(settings.database_url)
+        try:
+            async with where.bus(settings.gateway_name, lambda _: elsewhere.set()) as bus:
+                authority = await authority_of(store)
+                incarnation = await store.next_incarnation(plant.id)
+                # Steered as the agents' clocks are: should the computer's be set, nobody seems silent for it.
+                wall = SystemClock(asyncio.get_running_loop())
+                app = create_app(
+                    settings=settings,
+                    plant=plant.file,
+                    bus=bus,
+                    store=store,
+                    time=where.time,
+                    authority=authority,
+                    incarnation=incarnation,
+                    collectors=(BusMeter(bus), ClockMeter(wall)),
+                    wall_s=wall.now_s,
+                    beside=StopWay(
+                        stops, port, settings, bus.beside, authority, where.time, incarnation
+                    ).beside,
+                )
+                url = address_of(listener, settings.host)
+                links = await welcome(store, plant.file, time.time())
+                await serve(service, app, listener, greeting_of(service, url, token, links), elsewhere.wait)
+        finally:
+            await store.close()
+    if elsewhere.is_set():
+        remedy = "give every gateway of a plant its own --name"
+        raise UnavailableError(settings.gateway_name, "has been started elsewhere", remedy)
+
+
+async def run_historian(where: Surroundings) -> None:
+    """Run the historian until a signal.
+
+    Raises:
+        UnavailableError: the bus or the database is not to be had, or a historian has been started elsewhere.
+    """
+    stopped = asyncio.Event()
+    elsewhere = False
+
+    def give_way(_agent: str) -> None:
+        nonlocal elsewhere
+        elsewhere = True
+        stopped.set()
+
+    store = await open_store(where.settings.database_url)
+    try:
+        async with where.bus(HISTORIAN, give_way) as bus:
+            life = await store.next_incarnation(where.plant.id)
+            historian = historian_of(where.settings, where.plant, store, bus, where.time, life)
+            async with where.told(BusMeter(bus), History(historian)):
+                with stopped_by_signals(stopped.set):
+                    async with historian.running():
+                        say_ready(HISTORIAN)
+                        await stopped.wait()
+    finally:
+        await store.close()
+    if elsewhere:
+        raise UnavailableError(HISTORIAN, "has been started elsewhere", "stop one of the two")

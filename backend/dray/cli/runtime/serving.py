@@ -1,0 +1,265 @@
+"""Serving from a command: a port that is ours before anything starts, and a clean stop on a signal."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import errno
+import signal
+import socket
+from collections.abc import Callable, Generator
+from typing import Any
+
+import uvicorn
+
+from dray.cli.runtime.guard import Guard, guarded, room_for
+from dray.errors import UnavailableError
+from dray.settings import Settings
+
+BACKLOG = 1024
+"""Connections that may wait to be accepted. Whoever finds the queue full tries again after a second, and a crowd must
+not let a Stop wait for that."""
+
+ACCEPTED_AT_ONCE = 8
+"""Of these, in one turn of the loop: few against what an address may have (`Guard`), so that nobody is sent away to
+make room for those behind before anything was read of it."""
+
+INCOMING_BYTES = 4096
+"""Longest message that a panel may send on the stream: it has nothing to say."""
+
+HEAD_BYTES = 32 * 1024
+"""Longest head of a request: an address with a filter, and the cookies of a host with other servers."""
+
+GOODBYE_S = 3
+"""Wall seconds that open requests get when the server ends: no answer takes longer, but a command."""
+
+ANY_ADDRESS = frozenset({"0.0.0.0", "::", ""})  # noqa: S104 (compared with, not bound to)
+
+
+def listen(host: str, port: int, option: str = "--port") -> socket.socket:
+    """Take the port, before anything else is started.
+
+    Args:
+        host: a name or address of this machine.
+        port: 0 lets the system choose one.
+        option: where it was chosen.
+
+    Raises:
+        UnavailableError: with a remedy, when it is taken or not allowed.
+    """
+    what = f"port {port} on {host}"
+    try:
+        family, kind, proto, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+    except (OSError, UnicodeError) as error:
+        remedy = "name a host or address of this machine with --host"
+        raise UnavailableError(f"host {host}", _reason(error), remedy) from error
+    listener = socket.socket(family, kind, proto)
+    try:
+        # A port whose last connections are still fading may be taken at once; one in use may not.
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind(address)
+        listener.listen(BACKLOG)
+    except OSError as error:
+        listener.close()
+        if error.errno == errno.EADDRINUSE:
+            remedy = f"end the program that uses it, or choose another one with {option} (0: any free one)"
+        else:
+            remedy = f"choose another one with --host and {option}; ports below 1024 need a privilege"
+        raise UnavailableError(what, _reason(error), remedy) from error
+    return listener
+
+
+def address_of(listener: socket.socket, host: str) -> str:
+    """What to type into a browser on this machine."""
+    return url_of(host, listener.getsockname()[1])
+
+
+def url_of(host: str, port: int) -> str:
+    """How a server that listens there is called from this machine."""
+    if host in ANY_ADDRESS:
+        host = "127.0.0.1"
+    return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
+
+
+class _Candid:
+    """An ASGI application whose failure to start is kept, and not written to the log.
+
+    Args:
+        app: the application.
+
+    Attributes:
+        failure: what has ended its lifespan.
+    """
+
+    def __init__(self, app: Any) -> None:
+        self._app = app
+        self.failure: BaseException | None = None
+
+    async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
+        """See the ASGI specification."""
+        if scope["type"] != "lifespan":
+            await self._app(scope, receive, send)
+            return
+
+        async def send_without_traceback(message: dict[str, Any]) -> None:
+            await send({name: value for name, value in message.items() if name != "message"})
+
+        try:
+            await self._app(scope, receive, send_without_traceback)
+        except BaseException as failure:
+            self.failure = failure
+            raise
+
+
+class Server(uvicorn.Server):
+    """uvicorn with a word when it answers, with signals left to us, and with the reason when it cannot start.
+
+    Args:
+        app: an ASGI application.
+        settings: how much is logged, and which proxies are trusted.
+        on_ready: called once, when requests are answered.
+        guard: of its connections; that of the settings, when absent.
+        head_bytes: longest head of a request.
+        streams: whether there are any streams.
+    """
+
+    def __init__(
+        self,
+        app: Any,
+        settings: Settings,
+        on_ready: Callable[[], None],
+        *,
+        guard: Guard | None = None,
+        head_bytes: int = HEAD_BYTES,
+        streams: bool = True,
+    ) -> None:
+        self._candid = _Candid(app)
+        self.guard = guard or Guard(
+            most=room_for(settings.connections),
+            each=settings.connections_each,
+            exempt=proxies(settings),
+        )
+        http, socket = guarded(self.guard)
+        config = uvicorn.Config(
+            self._candid,
+            http=http,
+            ws=socket if streams else "none",
+            h11_max_incomplete_event_size=head_bytes,
+            # To asyncio: how many are accepted in one go, before the guard sees any of them.
+            backlog=ACCEPTED_AT_ONCE,
+            log_level=settings.log_level,
+            # Ours: see `dray.cli.runtime.service`.
+            log_config=None,
+            access_log=settings.log_level == "debug",
+            # Else uvicorn would believe every program on this machine what address it speaks for.
+            proxy_headers=bool(settings.trusted_proxies),
+            forwarded_allow_ips=settings.trusted_proxies,
+            server_header=False,
+            ws_max_size=INCOMING_BYTES,
+            # Compressing would be done anew for every client, and frames are encoded once for all.
+            ws_per_message_deflate=False,
+            timeout_graceful_shutdown=GOODBYE_S,
+        )
+        super().__init__(config)
+        self._on_ready = on_ready
+
+    async def on_tick(self, counter: int) -> bool:
+        """Ten times a second; see that nobody keeps us waiting once in each."""
+        if counter % 10 == 0:
+            self.guard.sweep()
+        return await super().on_tick(counter)
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Start to answer."""
+        try:
+            await super().startup(sockets)
+            for each in sockets or ():
+                each.listen(BACKLOG)  # It took the number above for the length of the queue as well.
+        except SystemExit:
+            # uvicorn would end the process with a code of its own.
+            if self.failure is None:
+                raise
+            self.should_exit = True
+        if self.started:
+            self._on_ready()
+
+    @property
+    def failure(self) -> BaseException | None:
+        """Why the application could not start, or was ended; None while all is well."""
+        return self._candid.failure
+
+    def stop(self) -> None:
+        """Answer what has been asked, and end."""
+        self.should_exit = True
+
+    @contextlib.contextmanager
+    def capture_signals(self) -> Generator[None]:
+        """Leave signals to `stopped_by_signals`: uvicorn would end the process by the signal."""
+        yield
+
+
+def proxies(settings: Settings) -> list[str]:
+    """The addresses of trusted proxies: each speaks for many."""
+    return [each.strip() for each in settings.trusted_proxies.split(",") if each.strip()]
+
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+@contextlib.contextmanager
+def stopped_by_signals(stop: Callable[[], None]) -> Generator[None]:
+    """Call `stop` on the running loop at Ctrl-C or SIGTERM; a second one ends the process at once."""
+    loop = asyncio.get_running_loop()
+
+    def first() -> None:
+        _leave_signals_alone(loop)
+        stop()
+
+    for each in _SIGNALS:
+        loop.add_signal_handler(each, first)
+    try:
+        yield
+    finally:
+        _leave_signals_alone(loop)
+
+
+@contextlib.contextmanager
+def asked_by_signals(leave: Callable[[], None], stop: Callable[[], None], within_s: float) -> Generator[None]:
+    """Call `leave` on the running loop at SIGTERM, and `stop` when that is not enough.
+
+    Args:
+        leave: let it end in order.
+        stop: let it end at once: at Ctrl-C, at a second SIGTERM, or when its time is over. The next signal
+            ends the process.
+        within_s: that time, from the first SIGTERM (real seconds).
+    """
+    loop = asyncio.get_running_loop()
+    waiting: list[asyncio.TimerHandle] = []
+
+    def ask() -> None:
+        loop.add_signal_handler(signal.SIGTERM, insist)
+        waiting.append(loop.call_later(within_s, insist))
+        leave()
+
+    def insist() -> None:
+        _leave_signals_alone(loop)
+        stop()
+
+    loop.add_signal_handler(signal.SIGTERM, ask)
+    loop.add_signal_handler(signal.SIGINT, insist)
+    try:
+        yield
+    finally:
+        _leave_signals_alone(loop)
+        for each in waiting:
+            each.cancel()
+
+
+def _leave_signals_alone(loop: asyncio.AbstractEventLoop) -> None:
+    for each in _SIGNALS:
+        loop.remove_signal_handler(each)
+
+
+def _reason(error: Exception) -> str:
+    reason = getattr(error, "strerror", None) or str(error)
+    return reason[:1].lower() + reason[1:]

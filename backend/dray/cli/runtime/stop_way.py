@@ -1,0 +1,196 @@
+"""The way for stops, put together: a thread with a loop and a listener of its own (`dray.gateway.stop`)."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import socket
+import sys
+import threading
+from collections.abc import AsyncIterator, Callable
+from concurrent.futures import Future
+from contextlib import AbstractContextManager, asynccontextmanager
+from dataclasses import dataclass
+
+from dray.adapters.crossing import Crossing
+from dray.adapters.signing import SigningKey
+from dray.adapters.system_clock import SystemClock
+from dray.cli.runtime.guard import Guard
+from dray.cli.runtime.serving import Server, listen, proxies
+from dray.cli.runtime.telemetry.logs import quieten
+from dray.errors import UnavailableError
+from dray.gateway.hosts import Hosts
+from dray.gateway.parts import Parts
+from dray.gateway.stop.book import StopBook
+from dray.gateway.stop.desk import Stop, StopDesk
+from dray.gateway.stop.door import StopDoor
+from dray.gateway.timescale import TimeScale
+from dray.messages import CommandAnswered
+from dray.messages.speakers import stop_desk_of
+from dray.ports import Bus
+from dray.settings import Settings
+
+SWITCH_S = 0.001
+"""How long one thread holds the interpreter while others wait; 5 ms by default. A stop changes hands some ten times,
+and the gateway and a simulated factory are at work beside it."""
+
+CONNECTIONS, CONNECTIONS_EACH = 160, 64
+"""In all, and of one address: tablets have one each, and keep it for as long as they ask again."""
+
+HEAD_BYTES = 8 * 1024
+"""Longest head of a request for a stop."""
+
+STARTING_S, ENDING_S = 10.0, 5.0
+"""Longest waits for the thread: it has next to nothing to do."""
+
+_log = logging.getLogger(__name__)
+
+OpenBus = Callable[[], AbstractContextManager[Bus]]
+"""Opens the bus for agents on the running loop."""
+
+
+@dataclass(frozen=True, slots=True)
+class StopWay:
+    """What the way for stops is made of.
+
+    Attributes:
+        listener: where it answers.
+        origin_port: of the gateway's own listener.
+        settings: the gateway's.
+        bus: opened on the thread of stops.
+        authority: grants what is sent.
+        time: the two clocks.
+        incarnation: of the plant's agents.
+    """
+
+    listener: socket.socket
+    origin_port: int
+    settings: Settings
+    bus: OpenBus
+    authority: SigningKey
+    time: TimeScale
+    incarnation: int
+
+    @asynccontextmanager
+    async def beside(self, parts: Parts) -> AsyncIterator[None]:
+        """Run beside a gateway, as long as the context lasts.
+
+        Raises:
+            UnavailableError: the thread does not start.
+            whatever keeps it from starting.
+        """
+        sys.setswitchinterval(SWITCH_S)
+        book = StopBook(parts.commands, parts.access.trail)
+        crossing = Crossing(asyncio.get_running_loop())
+        thread = _Thread(self, parts, book, crossing)
+        await asyncio.to_thread(thread.start)
+        try:
+            yield
+        finally:
+            await asyncio.to_thread(thread.stop)
+
+
+class _Thread:
+    def __init__(self, way: StopWay, parts: Parts, book: StopBook, crossing: Crossing) -> None:
+        self._way, self._parts, self._book, self._crossing = way, parts, book, crossing
+        self._ready: Future[tuple[asyncio.AbstractEventLoop, Server]] = Future()
+        self._thread = threading.Thread(target=self._run, name="dray-stop", daemon=True)
+
+    def start(self) -> None:
+        self._thread.start()
+        try:
+            self._ready.result(STARTING_S)
+        except TimeoutError:
+            raise UnavailableError("the way for stops", "does not start", "see the log") from None
+
+    def stop(self) -> None:
+        loop, server = self._ready.result()
+        loop.call_soon_threadsafe(server.stop)
+        self._thread.join(ENDING_S)
+
+    # --- on the thread of stops ------------------------------------------------------------------
+
+    def _run(self) -> None:
+        try:
+            asyncio.run(self._live())
+        except BaseException as error:
+            if self._ready.done():
+                _log.exception("the way for stops has ended")
+                raise
+            self._ready.set_exception(error)
+
+    async def _live(self) -> None:
+        way, settings = self._way, self._way.settings
+        # The gateway's own clock is read on its own thread.
+        wall = SystemClock(asyncio.get_running_loop())
+        with way.bus() as bus:
+            desk = StopDesk(
+                bus,
+                name=stop_desk_of(settings.gateway_name),
+                incarnation=way.incarnation,
+                authority=way.authority,
+                time=way.time,
+                wall_s=wall.now_s,
+                timeout_s=settings.command_timeout_s,
+                sent=self._sent,
+                ended=self._ended,
+            )
+            door = StopDoor(
+                desk,
+                remembered=self._parts.access.remembered,
+                hosts=Hosts.of(settings),
+                origin_port=way.origin_port,
+                public_url=settings.public_url,
+                wall_s=wall.now_s,
+            )
+            guard = Guard(most=CONNECTIONS, each=CONNECTIONS_EACH, exempt=proxies(settings))
+            loop = asyncio.get_running_loop()
+            server = Server(
+                door,
+                settings,
+                lambda: self._ready.set_result((loop, server)),
+                guard=guard,
+                head_bytes=HEAD_BYTES,
+                streams=False,
+            )
+            quieten(settings)
+            try:
+                await server.serve(sockets=[way.listener])
+            finally:
+                desk.leave()
+
+    def _sent(self, stop: Stop) -> None:
+        self._tell(stop, self._book.sent, stop)
+
+    def _ended(self, stop: Stop, answer: CommandAnswered | None) -> None:
+        self._tell(stop, self._book.ended, stop, answer)
+
+    def _tell(self, stop: Stop, call: Callable[..., None], *args: object) -> None:
+        """The stop is on its way, whether anybody keeps account of it or not."""
+        try:
+            self._crossing.order(call, *args)
+        except UnavailableError as error:
+            _log.error(
+                "not in the audit log: stop %s of %s by %s: %s", stop.name, stop.atv, stop.by.id, error
+            )
+
+
+def listen_for_stops(settings: Settings, port: int) -> socket.socket:
+    """Take the port for stops.
+
+    Args:
+        settings: `host` and `stop_port`.
+        port: that of the gateway itself.
+
+    Raises:
+        UnavailableError: the settings name a port, and it is not to be had.
+    """
+    if settings.stop_port is not None:
+        return listen(settings.host, settings.stop_port, "DRAY_STOP_PORT")
+    if settings.port == 0 or port == 65_535:
+        return listen(settings.host, 0, "DRAY_STOP_PORT")
+    try:
+        return listen(settings.host, port + 1, "DRAY_STOP_PORT")
+    except UnavailableError:
+        _log.warning("port %d is taken: stops have another one; DRAY_STOP_PORT names one for good", port + 1)
+        return listen(settings.host, 0, "DRAY_STOP_PORT")

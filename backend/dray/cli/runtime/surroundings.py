@@ -1,0 +1,125 @@
+"""What a process of a plant begins with: its settings, the plant, the plant's clock, a place on the bus, its metrics."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable, Iterable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+
+from prometheus_client import Metric
+from prometheus_client.registry import Collector
+
+from dray.adapters.metrics_port import metrics_port, new_registry
+from dray.adapters.system_clock import SystemClock
+from dray.adapters.zenoh_access import Apart
+from dray.adapters.zenoh_bus import ZenohBus
+from dray.adapters.zenoh_exclusions import Exclusions
+from dray.adapters.zenoh_links import Identity, Links
+from dray.cli.runtime.telemetry.logs import prepare_logs
+from dray.gateway.timescale import TimeScale
+from dray.plant import Plant, default_plant, load_plant
+from dray.protocol.strategist.strategist import STRATEGIST
+from dray.settings import Settings
+from dray.store.historian import AGENT as HISTORIAN
+
+
+@dataclass(frozen=True, slots=True)
+class Surroundings:
+    """What a process of a plant begins with.
+
+    Attributes:
+        settings: of the process.
+        plant: what stands where.
+    """
+
+    settings: Settings
+    plant: Plant
+
+    @classmethod
+    def of(cls, settings: Settings) -> Surroundings:
+        """Read the plant and prepare the log.
+
+        Raises:
+            PlantError: the plant file cannot be used.
+        """
+        prepare_logs(settings)
+        plant = default_plant() if settings.plant_file is None else load_plant(settings.plant_file)
+        return cls(settings, plant)
+
+    def clock(self) -> SystemClock:
+        """The plant's clock, on the running loop."""
+        speed, epoch_s = self.settings.plant_speed, self.settings.plant_epoch_s
+        return SystemClock(asyncio.get_running_loop(), speed=speed, epoch_s=epoch_s)
+
+    @property
+    def time(self) -> TimeScale:
+        """The plant's clock and the wall's."""
+        epoch_s = self.settings.plant_epoch_s
+        return TimeScale(epoch_s, epoch_s, self.settings.plant_speed)
+
+    @asynccontextmanager
+    async def bus(
+        self, name: str, replaced: Callable[[str], None] = lambda _: None
+    ) -> AsyncIterator[ZenohBus]:
+        """The bus, as long as the context lasts.
+
+        Args:
+            name: of the certificate; the agent's.
+            replaced: see `ZenohBus`.
+
+        Raises:
+            SettingsError: no certificates, and plain links were not asked for.
+            UnavailableError: an address cannot be listened on.
+        """
+        bus = ZenohBus(links_of(self.settings, self.plant, name), self.plant.id, replaced)
+        exclusions = Exclusions(bus, self.settings.journal_folder / f"{name}.shut-out")
+        try:
+            yield bus
+        finally:
+            exclusions.end()
+            bus.close()
+
+    @asynccontextmanager
+    async def told(self, *meters: Collector) -> AsyncIterator[None]:
+        """The metrics of the process, told to Prometheus as long as the context lasts, if that is asked for.
+
+        Args:
+            meters: of what is in this process.
+
+        Raises:
+            UnavailableError: the address for it cannot be listened on.
+        """
+        if not self.settings.metrics_listen:
+            yield
+            return
+        registry = new_registry()
+        for meter in meters:
+            registry.register(meter)
+
+        async def read() -> Iterable[Metric]:
+            return registry.collect()
+
+        async with metrics_port(self.settings.metrics_listen, read):
+            yield
+
+
+def links_of(settings: Settings, plant: Plant, name: str) -> Links:
+    """The links that the settings ask for, with the certificate of this name.
+
+    Raises:
+        SettingsError: its files are not there.
+    """
+    folder = settings.bus_certificates
+    wired = (*plant.machines, *plant.storages, STRATEGIST, HISTORIAN, settings.gateway_name)
+    # A vehicle may be linked over another one, and everybody's words come to it that way.
+    apart = settings.bus_apart and name in wired
+    return Links(
+        listen=settings.bus_listen,
+        peers=settings.bus_peers,
+        multicast=settings.bus_multicast,
+        identity=None if folder is None else Identity.in_folder(folder, name),
+        plain=settings.bus_plain,
+        lease_s=settings.bus_lease_s,
+        apart=Apart(plant.id, tuple(plant.fleet), wired) if apart else None,
+    )

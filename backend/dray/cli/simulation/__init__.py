@@ -1,0 +1,1 @@
+"""Processes with something simulated in them: `dray up`, the floor, customers, faults by hand, and their meters."""

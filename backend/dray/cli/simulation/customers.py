@@ -1,0 +1,83 @@
+"""The simulated customers of `dray up`: they order as anybody does, so that there is something to see."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from datetime import UTC, datetime
+from random import Random
+
+from dray.cli.runtime.service import Customers
+from dray.gateway import intake
+from dray.gateway.drafts import OrderDraft
+from dray.gateway.parts import Parts
+from dray.gateway.problems import Problem
+from dray.plant import Plant
+from dray_sim.people import demand
+
+LOAD = 0.6
+"""Part of the machines' time that the demand takes: lively, with room for a person's own orders."""
+
+HEAD_START_S = 2000.0
+"""The demand begins as if it had run for this long: some six orders at once, so that a plant in real
+time is busy from its first minute."""
+
+FIRST_S = 2.0
+"""Wall seconds before the first orders: the agents have heard of one another by then."""
+
+FOREVER_S = float("inf")
+
+MAX_OPEN = 40
+"""Open orders at which customers wait. A plant that keeps up has some 15; one in which somebody has
+stopped the vehicles must not drown in orders."""
+
+CUSTOMER = "Simulated demand"
+
+_log = logging.getLogger(__name__)
+
+
+def customers_of(plant: Plant, *, speed: float, seed: int) -> Customers:
+    """Customers who place orders at a gateway until cancelled.
+
+    Args:
+        plant: what can be ordered.
+        speed: factory seconds per real second.
+        seed: the same orders at the same times follow from it.
+    """
+
+    async def order(gateway: Parts) -> None:
+        await place_demand(gateway, plant, speed=speed, seed=seed)
+
+    return order
+
+
+async def place_demand(gateway: Parts, plant: Plant, *, speed: float, seed: int) -> None:
+    """Place orders until cancelled.
+
+    Args:
+        gateway: where to.
+        plant: what can be ordered.
+        speed: factory seconds per real second.
+        seed: the same orders at the same times follow from it.
+    """
+    loop = asyncio.get_running_loop()
+    began_s = loop.time() + FIRST_S
+    for order in demand.orders(plant, Random(f"{seed} demand"), load=LOAD, until_s=FOREVER_S):
+        at_s = max(0.0, order.at_s - HEAD_START_S)
+        await asyncio.sleep(began_s + at_s / speed - loop.time())
+        if gateway.projection.orders.open >= MAX_OPEN:
+            continue
+        due_s = gateway.wall_s() + (order.due_s - order.at_s) / speed
+        draft = OrderDraft.model_validate(
+            {
+                "customer": CUSTOMER,
+                "reference": order.id,
+                "items": [{"product": item.product, "quantity": item.quantity} for item in order.items],
+                "due_at": datetime.fromtimestamp(due_s, UTC).isoformat(),
+            }
+        )
+        try:
+            await intake.place(gateway, draft)
+        except Problem as problem:
+            # A customer who is refused comes back with the next order.
+            _log.warning("simulated order %s was refused: %s", order.id, problem)

@@ -1,0 +1,165 @@
+"""What `dray up` runs: a simulated factory in a thread of its own, and the gateway on this one.
+
+The start goes in the order of what may fail: the port, the database, the factory. What was opened is
+closed in the opposite order, whatever happens.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import socket
+import time
+from collections.abc import Callable, Coroutine, Iterator
+from dataclasses import dataclass
+
+from fastapi import FastAPI
+from opentelemetry.sdk.trace import TracerProvider
+
+from dray.adapters.signing import SigningKey, TrustedKeys
+from dray.cli.runtime.authority import authority_of
+from dray.cli.runtime.first_users import welcome
+from dray.cli.runtime.service import (
+    Service,
+    greeting_of,
+    historian_of,
+    serve,
+    with_admin_token,
+    with_stop_port,
+)
+from dray.cli.runtime.serving import address_of, listen
+from dray.cli.runtime.stop_way import StopWay, listen_for_stops
+from dray.cli.runtime.telemetry.logs import prepare_logs
+from dray.cli.runtime.telemetry.traces import traced, watched
+from dray.cli.simulation.factory_meter import FactoryMeter
+from dray.cli.simulation.fault_injection import SimFaultDesk
+from dray.gateway.app import create_app
+from dray.gateway.timescale import TimeScale
+from dray.ports import Bus
+from dray.store import Store, open_store
+from dray_sim.bodies.floor import NEARLY_EMPTY_FRAC
+from dray_sim.clock.loop import clock, paced
+from dray_sim.factory.sim_factory import SimFactory
+from dray_sim.faults import Faults
+from dray_sim.network.bridge import BridgedBus, SimThread
+
+BUILDING_S = 60.0
+"""Longest wait for the factory to be built: one of 1,000 vehicles takes some seconds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Inside:
+    """What the outside needs of a factory that has been built.
+
+    Attributes:
+        factory: to be used in its own thread only, except for reading what it counts.
+        faults: to be used in the factory's thread only.
+        time: the factory's clock and ours.
+    """
+
+    factory: SimFactory
+    faults: Faults
+    time: TimeScale
+
+
+Factory = SimThread[Inside]
+
+
+async def run_service(service: Service, seed: int) -> None:
+    """Run until a signal.
+
+    Args:
+        service: what is to be run.
+        seed: of everything that is left to chance in the factory.
+
+    Raises:
+        UnavailableError: the port or the database is not to be had.
+        whatever ended the factory.
+    """
+    service, token = with_admin_token(service)
+    settings = service.settings
+    prepare_logs(settings)
+    with contextlib.ExitStack() as stack:
+        listener = stack.enter_context(contextlib.closing(listen(settings.host, settings.port)))
+        port = listener.getsockname()[1]
+        stops = stack.enter_context(contextlib.closing(listen_for_stops(settings, port)))
+        service = with_stop_port(service, stops)
+        store = await open_store(settings.database_url)
+        try:
+            incarnation = await store.next_incarnation(service.plant.id)
+            authority = await authority_of(store)
+            tracing = stack.enter_context(traced(settings))
+            life = _life(service, seed, incarnation, authority.public, tracing)
+            factory = SimThread(life, paced(service.speed))
+            try:
+                inside = await asyncio.to_thread(factory.start, BUILDING_S)
+                app = _app(service, store, authority, factory, inside, incarnation, (stops, port))
+                url = address_of(listener, settings.host)
+                greeting = greeting_of(
+                    service, url, token, await welcome(store, service.plant.file, time.time())
+                )
+                await serve(service, app, listener, greeting, factory.wait)
+            finally:
+                await asyncio.to_thread(factory.stop)
+        finally:
+            await store.close()
+
+
+def _life(
+    service: Service, seed: int, incarnation: int, trusted: bytes, tracing: TracerProvider | None
+) -> Callable[[Callable[[Inside], None]], Coroutine[None, None, None]]:
+    """What the factory's thread runs."""
+
+    async def live(ready: Callable[[Inside], None]) -> None:
+        now = clock()
+
+        def to_wall_s(plant_s: float) -> float:
+            """The clocks are compared when the factory has been built; nobody speaks before."""
+            return scale.to_wall_s(plant_s)
+
+        factory = SimFactory(
+            service.plant,
+            now,
+            seed=seed,
+            incarnation=incarnation,
+            stock_frac=NEARLY_EMPTY_FRAC,
+            trusts=TrustedKeys(trusted),
+            meet=watched(service.settings, tracing, to_wall_s),
+        )
+        scale = TimeScale(now.now_s(), time.time(), service.speed)
+        ready(Inside(factory, Faults(factory), scale))
+        await factory.run()
+
+    return live
+
+
+def _app(
+    service: Service,
+    store: Store,
+    authority: SigningKey,
+    factory: Factory,
+    inside: Inside,
+    incarnation: int,
+    stops: tuple[socket.socket, int],
+) -> FastAPI:
+    settings, plant = service.settings, service.plant
+
+    @contextlib.contextmanager
+    def beside() -> Iterator[Bus]:
+        yield BridgedBus(inside.factory.bus, factory.loop, asyncio.get_running_loop())
+
+    bus = BridgedBus(inside.factory.bus, factory.loop, asyncio.get_running_loop())
+    historian = historian_of(settings, plant, store, bus, inside.time, incarnation)
+    return create_app(
+        settings=settings,
+        plant=plant.file,
+        bus=bus,
+        store=store,
+        time=inside.time,
+        authority=authority,
+        incarnation=incarnation,
+        historian=historian,
+        collectors=(FactoryMeter(inside.factory, bus),),
+        faults=SimFaultDesk(inside.faults, factory.loop, time.time),
+        beside=StopWay(*stops, settings, beside, authority, inside.time, incarnation).beside,
+    )

@@ -1,0 +1,93 @@
+"""A lookout: one more computer on a bus, which places an order and tells what it hears.
+
+It runs as a process of its own, wherever the network is that it is to look at:
+
+    python -m dray_sim.bench.probe '{"plant": ...}'       a `Post`
+
+and writes every message to its standard output, a line each, with the moment at which it came.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+import time
+from pathlib import Path
+
+import msgspec
+
+from dray.adapters.system_clock import SystemClock
+from dray.adapters.zenoh_bus import ZenohBus
+from dray.adapters.zenoh_links import Identity, Links
+from dray.codec import decode, encode
+from dray.messages import Message, OrderItem
+from dray.messages.keys import Keys
+from dray.protocol.strategist.strategist import STRATEGIST
+from dray_sim.people.demand import Order
+from dray_sim.people.desk import DESK, Desk
+
+AGAIN_S = 0.1
+"""Who is there is asked so often."""
+
+LOOKOUT = "lookout"
+"""Its name on the bus, and of its certificate, which names the desk too."""
+
+AGENTS = (LOOKOUT, DESK)
+
+
+class Post(msgspec.Struct, frozen=True):
+    """Where a lookout stands.
+
+    Attributes:
+        plant: the plant's id.
+        certificates: the folder.
+        peers: HOST:PORT of those that it calls.
+        lease_s: of its links.
+        order: what it orders.
+    """
+
+    plant: str
+    certificates: str
+    peers: tuple[str, ...]
+    lease_s: float
+    order: OrderItem
+
+
+def write(post: Post) -> str:
+    """The argument of a lookout for this post."""
+    return msgspec.json.encode(post).decode()
+
+
+def read(line: bytes) -> tuple[float, str, Message]:
+    """A line of a lookout: when the message came (unix time), who has said it, and the message."""
+    at_s, _, data = line.rstrip(b"\n").partition(b" ")
+    return float(at_s), *decode(data)
+
+
+async def look_out(post: Post) -> None:
+    """Order, and tell what is heard, until cancelled."""
+    identity = Identity.in_folder(Path(post.certificates), LOOKOUT)
+    bus = ZenohBus(Links(peers=post.peers, identity=identity, lease_s=post.lease_s), post.plant)
+    try:
+        session = bus.join(LOOKOUT, _tell)
+        for key in (Keys(post.plant).all_heartbeats, Keys(post.plant).all_events):
+            session.subscribe(key)
+        desk = Desk(bus, SystemClock(asyncio.get_running_loop()))
+        # Else the first order would be said to nobody, and the next one seconds later.
+        present = await bus.roll_call()
+        while STRATEGIST not in present:
+            await asyncio.sleep(AGAIN_S)
+            present = await bus.roll_call()
+        await desk.order(Order("O-1", 0.0, 1e10, (post.order,)))
+        await asyncio.Event().wait()
+    finally:
+        bus.close()
+
+
+def _tell(sender: str, message: Message) -> None:
+    sys.stdout.buffer.write(b"%a %b\n" % (time.time(), encode(sender, message)))
+    sys.stdout.buffer.flush()
+
+
+if __name__ == "__main__":
+    asyncio.run(look_out(msgspec.json.decode(sys.argv[1], type=Post)))

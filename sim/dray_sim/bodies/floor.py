@@ -1,0 +1,167 @@
+"""The floor of a plant: bodies and places, with no agent in it.
+
+Vehicles, workcells, storages and the gate of the delivery warehouses act on one another here, as things
+do: a load that a vehicle puts down is there. Who tells them what to do is none of this module's business.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from random import Random
+
+import msgspec
+
+from dray.errors import PlantError
+from dray.plant import Plant, with_machine
+from dray.plant.model import MachineSpec, VehicleSpec
+from dray.ports import Body, Clock
+from dray.protocol.strategist.strategist import STRATEGIST
+from dray_sim.bodies.chargers import Chargers
+from dray_sim.bodies.gate import Gate
+from dray_sim.bodies.stores import DeliveryWarehouse, Place, SourceWarehouse, Storage
+from dray_sim.bodies.vehicle import SimVehicle
+from dray_sim.bodies.workcell import SimWorkcell
+
+FIRST_STOCK_FRAC = (0.4, 1.0)
+"""Buffers at the start of a run: a shift begins where the one before it ended."""
+
+NEARLY_EMPTY_FRAC = (0.02, 0.15)
+"""Buffers of a plant to look at, so that vehicles are hired with the first orders: with full ones the first
+minutes in real time would show none that moves."""
+
+
+class Pieces(msgspec.Struct, frozen=True):
+    """All pieces of a floor, counted at one moment.
+
+    Attributes:
+        balance: pieces in sight less pieces that came in, plus those used up, by item: constant for ever.
+        delivered: pieces in the delivery warehouses, by product.
+        arrived: pieces that the gate has let in, by goal.
+    """
+
+    balance: dict[str, int]
+    delivered: dict[str, int]
+    arrived: dict[str, int]
+
+
+class Floor:
+    """What stands and drives in a plant.
+
+    Args:
+        plant: what stands where.
+        clock: the plant's clock.
+        seed: what is left to chance follows from it: how full buffers are.
+        stock_frac: how full buffers are at the start, from and to, of what they hold.
+
+    Attributes:
+        vehicles, workcells, storages, delivery: the bodies and places by id.
+        source: where material comes from.
+        gate: of all delivery warehouses; the strategist's body.
+        in_hands: pieces that people carry, by item.
+    """
+
+    def __init__(
+        self, plant: Plant, clock: Clock, *, seed: int, stock_frac: tuple[float, float] = FIRST_STOCK_FRAC
+    ) -> None:
+        self._plant, self._clock = plant, clock
+        self.source = SourceWarehouse(plant.source_warehouses[0], plant.materials)
+        self.gate = Gate(clock)
+        self.delivery: Mapping[str, DeliveryWarehouse] = {
+            warehouse: DeliveryWarehouse(warehouse, plant.products, self.gate)
+            for warehouse in plant.delivery_warehouses
+        }
+        self.storages: dict[str, Storage] = {
+            spec.id: Storage(spec, clock, self.source) for spec in plant.storages.values()
+        }
+        stock = Random(f"{seed} stock")
+        self.workcells: dict[str, SimWorkcell] = {
+            spec.id: SimWorkcell(spec, plant, clock, stock=_first_stock(plant, spec.id, stock_frac, stock))
+            for spec in plant.machines.values()
+        }
+        self.in_hands: Counter[str] = Counter()
+        self.vehicles: dict[str, SimVehicle] = {}
+        self._places: dict[str, Place] = {**self.storages, **self.workcells, **self.delivery}
+        self._docks = {place: plant.node_of(place) for place in self._places}
+        self._chargers = Chargers()
+        for spec in plant.fleet.values():
+            self.add_vehicle(spec)
+
+    def add_vehicle(self, spec: VehicleSpec) -> SimVehicle:
+        """Put one more vehicle down.
+
+        Args:
+            spec: its id, its type in the plant, and where it stands.
+
+        Raises:
+            PlantError: there is no such type or place in this plant.
+        """
+        for field, name, there in (
+            ("type", spec.type, self._plant.vehicle_types),
+            ("node", spec.node, self._plant.nodes),
+        ):
+            if name not in there:
+                raise PlantError(spec.id, field, f"the plant has no {field} {name!r}")
+        vehicle_type = self._plant.vehicle_types[spec.type]
+        vehicle = SimVehicle(
+            spec, vehicle_type, self._plant, self._clock, self._places, self._docks, self._chargers
+        )
+        self.vehicles[spec.id] = vehicle
+        return vehicle
+
+    def add_machine(self, spec: MachineSpec) -> SimWorkcell:
+        """Set one more machine up, with empty buffers.
+
+        Args:
+            spec: the machine.
+
+        Raises:
+            PlantError: it does not fit into this plant.
+        """
+        plant = with_machine(self._plant, spec, spec.id)
+        workcell = SimWorkcell(spec, plant, self._clock)
+        self.workcells[spec.id] = self._places[spec.id] = workcell
+        self._docks[spec.id] = spec.node
+        return workcell
+
+    def add(self, spec: VehicleSpec | MachineSpec) -> Body:
+        """Put down or set up one more; see above."""
+        return self.add_vehicle(spec) if isinstance(spec, VehicleSpec) else self.add_machine(spec)
+
+    @property
+    def bodies(self) -> dict[str, Body]:
+        """By the agent that acts with it."""
+        return {**self.workcells, **self.storages, **self.vehicles, STRATEGIST: self.gate}
+
+    def count(self) -> Pieces:
+        """Count all pieces.
+
+        On board means of dead vehicles, too; goods that were set aside and what people carry are in sight.
+        """
+        balance: Counter[str] = Counter(dict.fromkeys((*self._plant.materials, *self._plant.products), 0))
+        delivered: Counter[str] = Counter()
+        for storage in self.storages.values():
+            balance.update(storage.stock)
+        for workcell in self.workcells.values():
+            balance.update(workcell.sense().stock)
+            balance.update(workcell.consumed)
+            balance.subtract(workcell.made)
+        for warehouse in self.delivery.values():
+            delivered.update(warehouse.arrived)
+            balance.update(warehouse.aside)
+        balance.update(delivered)
+        balance.update(self.in_hands)
+        for vehicle in self.vehicles.values():
+            state = vehicle.sense()
+            if state.load:
+                balance[state.load] += state.load_quantity
+        for material in self._plant.materials:
+            balance[material] -= self.source.supplied(material)
+        return Pieces(dict(balance), dict(delivered), self.gate.sense().arrived)
+
+
+def _first_stock(plant: Plant, machine: str, frac: tuple[float, float], random: Random) -> dict[str, int]:
+    return {
+        material: round(plant.materials[material].buffer * random.uniform(*frac))
+        for material in plant.materials_of(machine)
+    }

@@ -1,0 +1,111 @@
+"""The gate of the delivery warehouses: it counts goods in by goal, and lets in no more than it was told.
+
+It is the strategist's body (`dray.ports.Body`). A goal is fenced here and nowhere else: a machine that
+was given up may live on behind a broken network and send what it makes, and whatever comes then is one
+piece too many for a gate that was shut for its goal. So every ordered piece gets in exactly once
+(invariant 4), without a lease, and goods go on arriving while the strategist is away.
+
+It decides nothing: what is refused stays with whoever brought it. It is hardware and outlives every
+restart of its agent, who senses then what arrived meanwhile.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from dray.body import Admit, GateState, GoodsArrived, Instruction, Report
+from dray.ports import Clock
+from dray_sim.bodies.reporter import Reporter
+
+NOT_ADMITTED = "not admitted"
+
+KEPT_GOALS = 4096
+"""How many goals it keeps in mind. The large plant works on some hundred at a time and closes thousands
+in a day, so a finished goal is remembered for hours, and goods are on the road for minutes."""
+
+
+@dataclass(slots=True)
+class _Permit:
+    """One goal at the gate."""
+
+    admitted: int
+    arrived: int = 0
+
+
+class Gate:
+    """Implements `dray.ports.Body` for the strategist; the delivery warehouses of a plant share one.
+
+    Invariants: pieces of a goal get in only while no more than admitted are in; what has arrived never
+    falls. A full memory forgets the goal that was quiet the longest, a finished one first. The goods of
+    a forgotten goal are refused, as those of one that was never admitted are: forgetting can hold a
+    piece up, and never let one in twice.
+
+    Args:
+        clock: the plant's clock.
+        kept: how many goals it keeps in mind.
+    """
+
+    def __init__(self, clock: Clock, kept: int = KEPT_GOALS) -> None:
+        self._reporter = Reporter(clock)
+        self._kept = kept
+        self._permits: dict[str, _Permit] = {}
+        """In the order of the last `Admit` or arrival of each, so that the quietest stands first."""
+
+    # --- Body ------------------------------------------------------------------------------------
+
+    def instruct(self, instruction: Instruction) -> None:
+        """See `dray.ports.Body`. What a gate cannot do is ignored: no report would fit it."""
+        if isinstance(instruction, Admit):
+            self._admit(instruction.goal, instruction.quantity)
+            self._reporter.flush_soon()
+
+    def sense(self) -> GateState:
+        """See `dray.ports.Body`."""
+        return GateState(arrived={goal: permit.arrived for goal, permit in sorted(self._permits.items())})
+
+    def attach(self, report: Callable[[Report], None]) -> None:
+        """See `dray.ports.Body`."""
+        self._reporter.attach(report)
+
+    # --- the world -------------------------------------------------------------------------------
+
+    def arrived(self, goal: str) -> int:
+        """How many pieces of a goal are in; 0 for one that it does not know."""
+        permit = self._permits.get(goal)
+        return 0 if permit is None else permit.arrived
+
+    def enter(self, goal: str, quantity: int, vehicle: str = "") -> str:
+        """Let pieces of a goal in, wholly or not at all. Returns "" when they are in, else why not."""
+        permit = self._permits.get(goal)
+        if permit is None or permit.arrived + quantity > permit.admitted:
+            return NOT_ADMITTED
+        permit.arrived += quantity
+        self._renew(goal, permit)
+        self._reporter.say(
+            GoodsArrived(goal=goal, arrived=permit.arrived, admitted=permit.admitted, vehicle=vehicle)
+        )
+        self._reporter.flush_soon()
+        return ""
+
+    # --- how it is done --------------------------------------------------------------------------
+
+    def _admit(self, goal: str, quantity: int) -> None:
+        permit = self._permits.get(goal)
+        if permit is None:
+            if len(self._permits) >= self._kept:
+                self._forget_one()
+            permit = _Permit(quantity)
+        permit.admitted = quantity
+        self._renew(goal, permit)
+        self._reporter.say(GoodsArrived(goal=goal, arrived=permit.arrived, admitted=permit.admitted))
+
+    def _renew(self, goal: str, permit: _Permit) -> None:
+        """Put a goal at the end of those that may be forgotten."""
+        self._permits.pop(goal, None)
+        self._permits[goal] = permit
+
+    def _forget_one(self) -> None:
+        quietest = next(iter(self._permits))
+        finished = (goal for goal, permit in self._permits.items() if permit.arrived >= permit.admitted)
+        del self._permits[next(finished, quietest)]

@@ -1,0 +1,153 @@
+"""What a vehicle does where it stands: it loads, unloads and charges; and what it has on board.
+
+The counterpart of `dray_sim.bodies.travel`: no clock of its own, and nothing is said here. Whoever holds it tells how much time
+has passed, calls `transfer` when the manoeuvre ends, and reports. What the battery takes is left to that one, too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from dray.body import Charge, Drop, Pick
+from dray.plant import Plant
+from dray.plant.model import VehicleType
+from dray_sim.bodies.chargers import Chargers
+from dray_sim.bodies.stores import Place
+
+Action = Pick | Drop | Charge
+
+
+class Handling:
+    """The action of one vehicle, and its load.
+
+    Invariants: one action at a time; the load changes only by what a place or a person gave or received.
+
+    Args:
+        vehicle: its id.
+        vehicle_type: what it can carry, and how long it takes.
+        plant: items, stations and chargers.
+        places: stations by id where it can load and unload; some may come later.
+        docks: the node of each.
+        chargers: who is plugged in where; shared by the fleet.
+
+    Attributes:
+        action: under way; None for none.
+        left_s: how long a pick or drop still takes, as of the last `spend`; nothing that holds for a charge.
+        load: the item on board; empty for none.
+        quantity: pieces of it.
+    """
+
+    def __init__(
+        self,
+        vehicle: str,
+        vehicle_type: VehicleType,
+        plant: Plant,
+        places: Mapping[str, Place],
+        docks: Mapping[str, str],
+        chargers: Chargers,
+    ) -> None:
+        self.action: Action | None = None
+        self.left_s = 0.0
+        self.load = ""
+        self.quantity = 0
+        self._vehicle = vehicle
+        self._type = vehicle_type
+        self._plant = plant
+        self._places = places
+        self._docks = docks
+        self._chargers = chargers
+        self._charger = ""
+        """Where it is plugged in."""
+
+    def begin(self, action: Action, node: str) -> str:
+        """Begin an action.
+
+        Args:
+            action: what is to be done.
+            node: where the vehicle stands.
+
+        Returns:
+            "" when it has begun, else why it cannot.
+        """
+        reason = self._refusal(action, node)
+        if reason:
+            return reason
+        self.action = action
+        if isinstance(action, Pick):
+            self.left_s = self._type.load_s
+        elif isinstance(action, Drop):
+            self.left_s = self._type.unload_s
+        else:
+            self._charger = action.charger
+        return ""
+
+    def spend(self, seconds: float) -> None:
+        """Work for so long."""
+        if self.action is not None:
+            self.left_s = max(self.left_s - seconds, 0.0)
+
+    def transfer(self, action: Pick | Drop) -> str:
+        """Let the load change hands at the end of the manoeuvre, at once and wholly.
+
+        Args:
+            action: the one under way.
+
+        Returns:
+            "" when it has, else why it cannot.
+        """
+        place = self._places[action.station]
+        if isinstance(action, Drop):
+            reason = place.put(self._vehicle, self.load, self.quantity, action.goal)
+            if not reason:
+                self.load, self.quantity = "", 0
+            return reason
+        reason = place.take(self._vehicle, action.item, action.quantity)
+        if not reason:
+            self.load, self.quantity = action.item, action.quantity
+        return reason
+
+    def end(self) -> None:
+        """The action is over, whatever came of it; a plug stays in."""
+        self.action = None
+
+    def take_off(self) -> tuple[str, int]:
+        """Somebody else takes the load. Returns the item and how many; `("", 0)` for nothing."""
+        load = self.load, self.quantity
+        self.load, self.quantity = "", 0
+        return load
+
+    def unplug(self) -> None:
+        """Leave the charger; harmless at none."""
+        self._chargers.unplug(self._charger, self._vehicle)
+        self._charger = ""
+
+    def _refusal(self, action: Action, node: str) -> str:
+        """Why an action cannot begin; empty when it can. For a charge that can, the plug is in then."""
+        if self.action is not None:
+            return "busy with another action"
+        if isinstance(action, Charge):
+            if action.charger not in self._plant.chargers:
+                return f"no charger {action.charger}"
+            if self._plant.node_of(action.charger) != node:
+                return f"not at {action.charger}"
+            return self._chargers.plug(action.charger, self._vehicle)
+        if action.station not in self._places:
+            return f"no station {action.station}"
+        if self._docks[action.station] != node:
+            return f"not at {action.station}"
+        if isinstance(action, Drop):
+            return "" if self.load else "nothing on board"
+        return self._why_not_pick(action)
+
+    def _why_not_pick(self, pick: Pick) -> str:
+        """Why this vehicle can never pick this; empty when it can."""
+        item = self._plant.materials.get(pick.item) or self._plant.products.get(pick.item)
+        if self.load:
+            return f"{self.load} is on board"
+        if item is None:
+            return f"no item {pick.item}"
+        if item.ability not in self._type.abilities:
+            return f"cannot carry {item.ability}"
+        if not 1 <= pick.quantity <= item.lot:
+            return f"{pick.quantity} is not within a lot of {item.lot}"
+        return ""

@@ -1,0 +1,251 @@
+"""A vehicle's movement: the way it is on, how far it has come, and how it goes on.
+
+Closed form: between two calls the motion is a `Profile`, and every question takes the time at which it
+is asked. It has no clock of its own: whoever holds it looks at `next_at_s`, calls `arrive` then, and
+calls nothing else with a time beyond that.
+
+One place for right of way: `arrive` is where a vehicle leaves one lane and enters the next, `begin`
+where it enters its first one. Occupied lanes and nodes would be told and asked there.
+"""
+
+from __future__ import annotations
+
+from dray.errors import ProtocolViolation
+from dray.messages import Pose
+from dray.plant import Plant
+from dray.plant.model import VehicleType
+from dray_sim.bodies.motion import SHORT_M, STANDSTILL, brake, plan
+from dray_sim.bodies.way import Way, join
+
+NEVER_S = float("inf")
+
+
+class Travel:
+    """Where one vehicle is and goes. Times are of the plant's clock and never go back.
+
+    Invariants: what is driven never falls; the vehicle is never beyond the last released point; when
+    it is halted it comes to a stand and stays.
+
+    Args:
+        plant: the roads.
+        vehicle_type: speeds and acceleration.
+        node: where it stands at the beginning.
+        now_s: when that is.
+
+    Attributes:
+        node: the last node that was passed.
+        way: what it follows; None when it has come to an end.
+    """
+
+    def __init__(self, plant: Plant, vehicle_type: VehicleType, node: str, now_s: float) -> None:
+        self.node = node
+        self.way: Way | None = None
+        self._plant = plant
+        self._type = vehicle_type
+        self._heading_rad = 0.0
+        self._top_mps = vehicle_type.max_speed_mps
+        self._halted = False
+        self._stranded = False
+        self._passed = 0
+        """The index of the way's last point that was passed; it stands there or is on the lane after it."""
+        self._released = 0
+        """The index of the way's last point that may be driven to."""
+        self._profile = STANDSTILL
+        self._from_s = now_s
+        self._from_m = 0.0
+        """Where on the way the profile begins."""
+        self._driven_m = 0.0
+        """Up to the beginning of the profile."""
+
+    # --- where it is -----------------------------------------------------------------------------
+
+    def motion(self, now_s: float) -> tuple[float, float]:
+        """Metres along the way and metres per second."""
+        if self.way is None or self._passed >= self._released:
+            return self._from_m if self.way is None else self.way.places_m[self._passed], 0.0
+        run_m, speed_mps = self._profile.at(now_s - self._from_s)
+        return self._from_m + run_m, speed_mps
+
+    def driven_m(self, now_s: float) -> float:
+        """All metres from the beginning."""
+        return self._driven_m + self.motion(now_s)[0] - self._from_m
+
+    @property
+    def moves_until_s(self) -> float:
+        """When it will stand, or has come to stand, unless something changes."""
+        return self._from_s + self._profile.duration_s
+
+    @property
+    def waits(self) -> bool:
+        """Whether it stands, or will stand, before the end of its way because no more is released."""
+        return self.way is not None and self._released < self.way.last
+
+    def on_lane(self, now_s: float) -> bool:
+        """Whether it is between two nodes, or just leaving one; a way can then begin only at the next."""
+        if self.way is None or self._passed >= self._released:
+            return False
+        place_m, speed_mps = self.motion(now_s)
+        return speed_mps > 0.0 or place_m > self.way.places_m[self._passed] + SHORT_M
+
+    def next_node(self, now_s: float) -> str:
+        """Where a new way may begin: the end of its lane, or the node where it stands."""
+        if self.way is not None and self.on_lane(now_s):
+            return self.way.points[self._passed + 1]
+        return self.node
+
+    def next_node_s(self, now_s: float) -> float:
+        """Seconds to `next_node`; for a vehicle that is halted before it, those of a free run at top speed."""
+        if self.way is None or not self.on_lane(now_s):
+            return 0.0
+        when_s = self.next_at_s
+        if when_s < NEVER_S:
+            return max(when_s - now_s, 0.0)
+        rest_m = self.way.places_m[self._passed + 1] - self.motion(now_s)[0]
+        return max(rest_m, 0.0) / self._top_mps
+
+    def pose(self, now_s: float) -> Pose:
+        """Where it is and which way it looks; it turns as it sets off into a lane."""
+        if self.way is not None and self.on_lane(now_s):
+            return self.way.pose(self._plant, self._passed, self.motion(now_s)[0])
+        here = self._plant.nodes[self.node]
+        return Pose(x_m=here.x_m, y_m=here.y_m, heading_rad=self._heading_rad)
+
+    # --- what happens ----------------------------------------------------------------------------
+
+    @property
+    def next_at_s(self) -> float:
+        """When the next point of the way is reached; `NEVER_S` when it is not."""
+        if self.way is None or self._passed >= self._released:
+            return NEVER_S
+        return self._from_s + self._profile.time_at(self.way.places_m[self._passed + 1] - self._from_m)
+
+    def arrive(self) -> int:
+        """Pass the next point of the way.
+
+        Returns:
+            Its index in `Drive.nodes`.
+
+        Raises:
+            ProtocolViolation: there is no way.
+        """
+        if self.way is None:
+            raise ProtocolViolation(f"the vehicle at {self.node} arrived without a way")
+        self._heading_rad = self.way.heading_rad(self._passed)
+        self._passed += 1
+        self.node = self.way.points[self._passed]
+        return self._passed - self.way.lead
+
+    def finish(self, now_s: float) -> bool:
+        """End the way if the vehicle has reached its last point; True when it has."""
+        if self.way is None or self._passed < self.way.last:
+            return False
+        self._settle(now_s)
+        self.way, self._from_m, self._profile = None, 0.0, STANDSTILL
+        return True
+
+    # --- what it is told -------------------------------------------------------------------------
+
+    def begin(self, order: int, nodes: tuple[str, ...], released: int, now_s: float) -> str:
+        """Follow a new way, after the lane that the vehicle is on.
+
+        Returns:
+            "" when it does, else why it cannot; nothing has changed then.
+        """
+        start = self.next_node(now_s)
+        if not nodes or nodes[0] != start:
+            return f"the way must begin at {start}"
+        if not 1 <= released <= len(nodes):
+            return f"{released} of {len(nodes)} nodes released"
+        lane_m, speed_mps, lead = 0.0, 0.0, 0
+        points = nodes
+        if self.way is not None and self.on_lane(now_s):
+            place_m, speed_mps = self.motion(now_s)
+            lane_m, lead = place_m - self.way.places_m[self._passed], 1
+            points = (self.way.points[self._passed], *nodes)
+        lanes = join(self._plant.roads, points)
+        if isinstance(lanes, str):
+            return lanes
+        self._settle(now_s)
+        self._stranded = False
+        self.way = Way(order, points, lanes, lead, self._type.turn_speed_mps)
+        self._passed, self._released, self._from_m = 0, released - 1 + lead, lane_m
+        self._plan(speed_mps)
+        return ""
+
+    def release(self, order: int, released: int, now_s: float) -> None:
+        """Let more of the way be driven. Less than before, or of another way, is late and changes nothing."""
+        if self.way is None or self.way.order != order:
+            return
+        last = min(released - 1 + self.way.lead, self.way.last)
+        if last > self._released:
+            speed_mps = self._settle(now_s)
+            self._released = last
+            self._plan(speed_mps)
+
+    def cut(self, now_s: float) -> None:
+        """Go no farther than the next node; the way ends there."""
+        if self.way is None:
+            return
+        on_lane = self.on_lane(now_s)
+        speed_mps = self._settle(now_s)
+        if not on_lane:
+            self.way, self._from_m, self._profile = None, 0.0, STANDSTILL
+            return
+        self._released = self._passed + 1
+        self.way = self.way.cut(self._released)
+        self._plan(speed_mps)
+
+    def limit(self, top_mps: float, now_s: float) -> None:
+        """Keep below this speed."""
+        self._top_mps = top_mps
+        self._plan(self._settle(now_s))
+
+    def halt(self, now_s: float) -> None:
+        """Brake at once, wherever it is, and stay until `go_on`."""
+        self._halted = True
+        self._plan(self._settle(now_s))
+
+    def stop_dead(self, now_s: float) -> None:
+        """Stand still in this moment, and stay until `go_on`."""
+        self._halted = True
+        self._settle(now_s)
+        self._plan(0.0)
+
+    def strand(self, now_s: float) -> None:
+        """Stand still in this moment and forget the way; on a lane, stay there until the next way."""
+        self.stop_dead(now_s)
+        self.cut(now_s)
+        self._stranded = True
+
+    def place_at(self, node: str, now_s: float) -> None:
+        """Be carried to a node by somebody else; those metres are not driven, and the way is forgotten."""
+        self._settle(now_s)
+        self.node = node
+        self.way, self._from_m, self._profile = None, 0.0, STANDSTILL
+        self._stranded = False
+
+    def go_on(self, now_s: float) -> None:
+        """Follow the way again; harmless when nothing has halted it."""
+        if self._halted:
+            self._halted = False
+            self._plan(self._settle(now_s))
+
+    # --- how it is done --------------------------------------------------------------------------
+
+    def _settle(self, now_s: float) -> float:
+        """Let the profile begin now. Returns the present speed, for the plan that must follow."""
+        place_m, speed_mps = self.motion(now_s)
+        self._driven_m += place_m - self._from_m
+        self._from_s, self._from_m = now_s, place_m
+        return speed_mps
+
+    def _plan(self, speed_mps: float) -> None:
+        """Make a new profile from where it was settled."""
+        if self.way is None or self._passed >= self._released:
+            self._profile = STANDSTILL
+        elif self._halted or self._stranded:
+            room_m = self.way.places_m[self._released] - self._from_m
+            self._profile = brake(speed_mps, self._type.acceleration_mps2, room_m)
+        else:
+            stretch = self.way.ahead(self._passed, self._from_m, self._released, self._top_mps)
+            self._profile = plan(stretch, speed_mps, self._type.acceleration_mps2)

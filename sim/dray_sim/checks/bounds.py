@@ -1,0 +1,109 @@
+"""How long anything may take once all faults are over: pure arithmetic over a plant.
+
+    settle_s      = NOTICE_S + HELP_S + vehicles * one duty of an operator, where there are any
+                    + 2 * vehicles / chargers * one full charge, where that takes minutes
+    transport_s   = bidding + 2 * longest way + loading + unloading + ASKING_S
+    task bound_s  = settle_s + transport_s * (1 + tasks that were done meanwhile / vehicles that are able)
+    stall bound_s = settle_s + GOAL_BIDDING_S + transport_s + longest cycle
+
+A task waits in the worst case while the whole fleet carries others, so its bound grows with what was
+done meanwhile, and with nothing else: a task that nobody serves while nothing is done is a deadlock, and
+one that is passed over again and again is caught as soon as others run out. The demand has ended by
+then, so they do. The second bound holds for all work together: as long as any order is open, something
+must come forward within it.
+"""
+
+from __future__ import annotations
+
+from math import ceil
+
+from dray.plant import Plant
+from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray_sim.bodies.battery import Battery
+from dray_sim.people.habits import Habits
+from dray_sim.people.operators import LOOK_S
+from dray_sim.people.tablet import ANSWER_S, TRIES
+
+NOTICE_S = 90.0
+"""From the end of the last fault until agents know who lives and who carries what: the longest bound of
+suspicion, of an idle vehicle on the worst link (65 s), and what follows from it."""
+
+HELP_S = 180.0
+"""A task may wait so long for a person who does not come (`dray.protocol.vehicle.assistance.PATIENCE_MAX_S`)."""
+
+ASKING_S = 20.0
+"""Docks that are held for a moment, questions asked again, a handover answered."""
+
+GOAL_BIDDING_S = 60.0
+"""The strategist's rounds for a goal, at most."""
+
+QUICK_CHARGE_S = 1200.0
+"""A battery that is filled in less is emptied in an hour of driving, and counts in a trial."""
+
+
+class Patience:
+    """The bounds of one plant.
+
+    Args:
+        plant: where the ways are.
+        habits: of its operators, if there are any.
+    """
+
+    def __init__(self, plant: Plant, habits: Habits | None) -> None:
+        rules = AuctionRules()
+        kinds = [plant.vehicle_types[spec.type] for spec in plant.fleet.values()]
+        self._able = {
+            ability: sum(ability in kind.abilities for kind in kinds)
+            for ability in sorted({ability for kind in kinds for ability in kind.abilities})
+        }
+        self._plant = plant
+        # In the worst case every vehicle needs somebody, and all stand in one area.
+        duties_s = 0.0 if habits is None else len(kinds) * _duty_s(habits)
+        self.settle_s = NOTICE_S + HELP_S + duties_s + _charging_s(plant)
+        """Until everybody has noticed that the faults are over, and people have put everything right (s)."""
+        handling_s = max(kind.load_s + kind.unload_s for kind in kinds)
+        bidding_s = (
+            rules.rest_aged_max_s + rules.window_max_s + rules.answer_s * rules.window_max_s / rules.window_s
+        )
+        self.transport_s = bidding_s + 2.0 * _longest_way_s(plant) + handling_s + ASKING_S
+        """From the announcement to the handover, with a vehicle that is free (s)."""
+        cycle_s = max(making.cycle_s for spec in plant.machines.values() for making in spec.makes)
+        self.stall_s = self.settle_s + GOAL_BIDDING_S + self.transport_s + cycle_s
+        """As long as anything is open, something must come forward within this (s)."""
+
+    def task_s(self, item: str, done_meanwhile: int) -> float:
+        """How long a transport may stay open (s).
+
+        Args:
+            item: what is carried.
+            done_meanwhile: transports that were delivered since it was announced, or since the calm began.
+        """
+        able = self._able.get(self._plant.ability_of(item), 1)
+        return self.settle_s + self.transport_s * (1.0 + done_meanwhile / able)
+
+
+def _charging_s(plant: Plant) -> float:
+    """Until the last one of a fleet that is empty has charged, and once more for what it has used meanwhile.
+
+    Nothing where batteries outlast a trial by far.
+    """
+    kinds = [plant.vehicle_types[spec.type] for spec in plant.fleet.values()]
+    if min(kind.battery_wh / kind.charge_w for kind in kinds) * 3600.0 > QUICK_CHARGE_S:
+        return 0.0
+    charge_s = max(Battery(kind).charging_s(0.0) for kind in kinds)
+    return 2.0 * ceil(len(kinds) / len(plant.chargers)) * charge_s
+
+
+def _longest_way_s(plant: Plant) -> float:
+    """Between any two places where something is fetched, brought or kept, for the slowest vehicle."""
+    places = (*plant.machines, *plant.storages, *plant.delivery_warehouses, *plant.berths)
+    nodes = sorted({plant.node_of(place) for place in places})
+    routes = [plant.routes(kind) for kind in sorted({spec.type for spec in plant.fleet.values()})]
+    return max(each.duration_s(start, end) for each in routes for start in nodes for end in nodes)
+
+
+def _duty_s(habits: Habits) -> float:
+    """The longest that one vehicle keeps an operator."""
+    there_s = LOOK_S + habits.react_s[1] + habits.walk_s[1]
+    mending_s = habits.mend_s[1] + ANSWER_S * TRIES
+    return there_s + max(mending_s, habits.carry_s[1] + habits.push_s[1])

@@ -1,0 +1,106 @@
+"""Invariant 4: an ordered quantity is delivered exactly once, counted where goods leave the factory.
+
+The count is the gate's own, over all goals that an item of an order ever had: who made the pieces, and how
+often a machine or the strategist has failed meanwhile, makes no difference.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from dray.messages import Event, Message, OrderReleased, OrderTaken, Production
+from dray.messages.fact import GoodsDelivered, OrderDropped, OrderFulfilled, TaskClosed, TaskOpened
+from dray.protocol.strategist.order_book import ENDED_KEPT
+from dray_sim.checks.broken import InvariantBroken
+
+
+class Ordered:
+    """One order: its quantities, and its goals by item."""
+
+    __slots__ = ("goals", "quantities")
+
+    def __init__(self, quantities: list[int]) -> None:
+        self.quantities = quantities
+        self.goals: list[dict[str, None]] = [{} for _ in quantities]
+
+
+class DeliveredExactly:
+    """Never more than was ordered, and exactly that when an order is fulfilled, or said to be so.
+
+    Args:
+        arrived: how many pieces of a goal are in.
+    """
+
+    def __init__(self, arrived: Callable[[str], int]) -> None:
+        self._arrived = arrived
+        self._orders: dict[str, Ordered] = {}
+        """Orders that have not ended; bounded by what is in work."""
+        self._work: dict[str, Production] = {}
+        """What the goals of those orders are for."""
+        self._fulfilled: dict[str, None] = {}
+        """Orders of which all has arrived, oldest first: as many as the strategist can still speak of."""
+
+    def hear(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
+        if type(message) is Event:
+            fact = message.fact
+            if type(fact) is GoodsDelivered:
+                self._check_count(fact, at_s)
+            elif type(fact) is TaskClosed and fact.task in self._work and fact.outcome == "delivered":
+                self._check_goal(fact.task, at_s)
+            elif type(fact) is TaskOpened:
+                if type(fact.work) is Production:
+                    self._note_goal(fact.task, fact.work)
+            elif type(fact) is OrderFulfilled:
+                self._check_order(fact.order, at_s)
+                self._forget(fact.order)
+                self._note_fulfilled(fact.order)
+            elif type(fact) is OrderDropped:
+                self._forget(fact.order)
+        elif type(message) is OrderReleased:
+            # It is repeated until it is answered, and later holds less than was ordered.
+            self._orders.setdefault(message.order, Ordered([item.quantity for item in message.items]))
+        elif type(message) is OrderTaken and message.fulfilled and message.order not in self._fulfilled:
+            raise InvariantBroken(4, at_s, f"{message.order} was said to be fulfilled, and was not")
+
+    def _note_goal(self, goal: str, work: Production) -> None:
+        order = self._orders.get(work.order)
+        if order is not None:
+            order.goals[work.item][goal] = None
+            self._work[goal] = work
+
+    def _check_count(self, fact: GoodsDelivered, at_s: float) -> None:
+        arrived = self._arrived(fact.goal)
+        if fact.delivered > arrived:
+            seen = f"{fact.goal}: {fact.delivered} pieces were counted, {arrived} are in"
+            raise InvariantBroken(4, at_s, seen)
+        order = self._orders.get(fact.order)
+        if order is not None:
+            self._check_item(fact.order, order, fact.item, at_s, exactly=False)
+
+    def _check_goal(self, goal: str, at_s: float) -> None:
+        arrived, wanted = self._arrived(goal), self._work[goal].quantity
+        if arrived != wanted:
+            raise InvariantBroken(4, at_s, f"{goal} was closed with {arrived} of {wanted} pieces")
+
+    def _check_order(self, name: str, at_s: float) -> None:
+        order = self._orders.get(name)
+        if order is not None:
+            for item in range(len(order.quantities)):
+                self._check_item(name, order, item, at_s, exactly=True)
+
+    def _check_item(self, name: str, order: Ordered, item: int, at_s: float, *, exactly: bool) -> None:
+        arrived, ordered = sum(map(self._arrived, order.goals[item])), order.quantities[item]
+        if arrived > ordered or (exactly and arrived != ordered):
+            seen = f"item {item + 1} of {name}: {arrived} pieces are in, {ordered} were ordered"
+            raise InvariantBroken(4, at_s, seen)
+
+    def _note_fulfilled(self, name: str) -> None:
+        self._fulfilled[name] = None
+        if len(self._fulfilled) > ENDED_KEPT:
+            del self._fulfilled[next(iter(self._fulfilled))]
+
+    def _forget(self, name: str) -> None:
+        order = self._orders.pop(name, None)
+        for goals in order.goals if order is not None else ():
+            for goal in goals:
+                del self._work[goal]

@@ -1,0 +1,323 @@
+"""What must never be seen, checked while a run goes on (protocol, "Invariants").
+
+Every check hears all that is said, and may look at the bodies; none of them takes part. A violation
+ends the run and names the invariant, the moment and what was seen.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from dray.messages import (
+    AtvHeartbeat,
+    AtvStatus,
+    CommandKind,
+    Event,
+    HandoverAccepted,
+    MachineHeartbeat,
+    Message,
+    Role,
+)
+from dray.messages.fact import (
+    AtvStatusChanged,
+    AwardAnswered,
+    CarrierChanged,
+    CommandObeyed,
+    ContractEnded,
+    ContractTaken,
+    MemoryLost,
+    TaskClosed,
+    TaskOpened,
+)
+from dray.protocol.vehicle.transport_job import HANDED_OVER
+from dray_sim.checks.broken import InvariantBroken
+from dray_sim.checks.delivered import DeliveredExactly
+from dray_sim.checks.granted import GrantedOnly
+from dray_sim.checks.isolation import ReplacedInTime, SpeaksOn
+from dray_sim.checks.promised import PromisedLiesThere
+from dray_sim.factory.sim_factory import SimFactory
+from dray_sim.network.listeners import Ear
+
+BRAKING_S = 10.0
+"""By then a stopped vehicle stands, whatever its speed and load were."""
+
+STILL_M = 1e-6
+"""Less than this is rounding, not motion."""
+
+
+class TasksEnd:
+    """Invariant 1: an announced task is delivered, withdrawn, or still announced. Never lost."""
+
+    def __init__(self) -> None:
+        self._open_s: dict[str, dict[str, float]] = {}
+        """By coordinator: its open tasks, and when each was announced first."""
+        self._forgotten: dict[str, None] = {}
+        """Tasks of coordinators that have lost their notes; their carriers may have told of them since."""
+        self._ended: dict[str, dict[str, None]] = {}
+        """By coordinator, the newest of its tasks that have ended, which is forgotten with its notes, too."""
+
+    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+        if type(message) is Event:
+            fact = message.fact
+            if type(fact) is TaskOpened:
+                self._open_s.setdefault(sender, {}).setdefault(fact.task, at_s)
+            elif type(fact) is MemoryLost:
+                self._forgotten.update(dict.fromkeys(self._open_s.pop(sender, {})))
+                self._forgotten.update(self._ended.pop(sender, {}))
+            elif type(fact) is TaskClosed:
+                known = self._open_s.get(sender, {}).pop(fact.task, None) is not None
+                if not known and self._forgotten.pop(fact.task, "") is not None:
+                    raise InvariantBroken(1, at_s, f"{fact.task} ended twice, or was never announced")
+                ended = self._ended.setdefault(sender, {})
+                ended[fact.task] = None
+                _forget_oldest(ended)
+        elif type(message) is MachineHeartbeat:
+            self._check(message, at_s)
+
+    def _check(self, heartbeat: MachineHeartbeat, at_s: float) -> None:
+        named = {brief.task for brief in heartbeat.tasks}
+        for task, opened_s in self._open_s.get(heartbeat.machine, {}).items():
+            if opened_s < at_s and task not in named:
+                raise InvariantBroken(1, at_s, f"{heartbeat.machine} has forgotten its open task {task}")
+
+
+HANDED_OVER_KEPT = 1000
+"""Tasks whose carriers are remembered: twenty minutes of a plant of 300 agents, and a message that is
+repeated for longer than that has no receiver any more."""
+
+
+class HandedOverOnce:
+    """Invariant 2, first half: a task is handed over once, and by one carrier only.
+
+    Who that is, is told by the answer to the handover and by the carrier's own history. A coordinator that has lost its
+    notes may take a second carrier at its word: it orders so much less.
+    """
+
+    def __init__(self) -> None:
+        self._coordinator: dict[str, str] = {}
+        self._carrier: dict[str, str] = {}
+        self._delivered: dict[str, None] = {}
+
+    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
+        if type(message) is HandoverAccepted:
+            self._coordinator[message.task] = sender
+            _forget_oldest(self._coordinator)
+            self._note_carrier(message.task, address.removeprefix(">"), at_s)
+        elif type(message) is Event:
+            fact = message.fact
+            if type(fact) is ContractEnded:
+                if fact.reason == HANDED_OVER:
+                    self._note_carrier(fact.task, sender, at_s)
+            elif type(fact) is TaskClosed and fact.outcome == "delivered":
+                self._note_delivered(fact.task, at_s)
+            elif type(fact) is MemoryLost:
+                for task in [task for task, of in self._coordinator.items() if of == sender]:
+                    self._carrier.pop(task, None)
+                    self._delivered.pop(task, None)
+
+    def _note_carrier(self, task: str, carrier: str, at_s: float) -> None:
+        before = self._carrier.setdefault(task, carrier)
+        _forget_oldest(self._carrier)
+        if before != carrier:
+            raise InvariantBroken(2, at_s, f"{task} was handed over by {before} and by {carrier}")
+
+    def _note_delivered(self, task: str, at_s: float) -> None:
+        if task in self._delivered:
+            raise InvariantBroken(2, at_s, f"{task} was delivered twice")
+        self._delivered[task] = None
+        _forget_oldest(self._delivered)
+
+
+class EpochsRise:
+    """What keeps invariant 2: whenever a task changes its carrier its epoch is higher than before."""
+
+    def __init__(self) -> None:
+        self._epochs: dict[str, int] = {}
+        """By open task, that of the last carrier."""
+
+    def hear(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
+        if type(message) is not Event:
+            return
+        fact = message.fact
+        if type(fact) is AwardAnswered:
+            if fact.role is Role.PRIMARY and fact.answer == "accepted":
+                self._epochs[fact.task] = fact.epoch
+        elif type(fact) is CarrierChanged:
+            before = self._epochs.get(fact.task, 0)
+            if fact.epoch <= before:
+                seen = f"{fact.task} left {fact.replaced} with epoch {fact.epoch}, and had {before} before"
+                raise InvariantBroken(2, at_s, seen)
+            self._epochs[fact.task] = fact.epoch
+        elif type(fact) is TaskClosed:
+            self._epochs.pop(fact.task, None)
+
+
+class OnePrimaryEach:
+    """Invariant 3: an ATV is primary of at most one task."""
+
+    def __init__(self) -> None:
+        self._primary_of: dict[str, str] = {}
+
+    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+        if type(message) is not Event:
+            return
+        fact = message.fact
+        if type(fact) is ContractTaken and fact.role is Role.PRIMARY and not _is_goal(fact):
+            before = self._primary_of.setdefault(sender, fact.task)
+            if before != fact.task:
+                raise InvariantBroken(3, at_s, f"{sender} took {fact.task} while it carried {before}")
+        elif type(fact) is ContractEnded and fact.role is Role.PRIMARY:
+            if self._primary_of.get(sender) == fact.task:
+                del self._primary_of[sender]
+        elif type(fact) is MemoryLost:
+            self._primary_of.pop(sender, None)
+
+
+class StoppedStands:
+    """Invariant 5: a stopped vehicle does not move before acknowledge and resume.
+
+    A loss of power ends no stop. People may carry a vehicle about: what counts is what it drives.
+    """
+
+    def __init__(self, factory: SimFactory) -> None:
+        self._factory = factory
+        self._stopped_s: dict[str, float] = {}
+        self._stood_m: dict[str, float] = {}
+        """What a stopped vehicle had driven when it came to its stand."""
+        self._acknowledged: dict[str, None] = {}
+
+    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+        if type(message) is AtvHeartbeat and sender in self._stopped_s:
+            self._check_stand(sender, at_s)
+        elif type(message) is Event:
+            fact = message.fact
+            if type(fact) is CommandObeyed and fact.done:
+                self._note_command(sender, fact.what, at_s)
+            elif type(fact) is AtvStatusChanged and sender in self._stopped_s:
+                if fact.status is not AtvStatus.STOPPED:
+                    raise InvariantBroken(5, at_s, f"{sender} left STOPPED without a resume")
+
+    def _note_command(self, atv: str, what: str, at_s: float) -> None:
+        if what == CommandKind.STOP.value:
+            self._stopped_s[atv] = at_s
+            self._acknowledged.pop(atv, None)
+        elif what == CommandKind.ACKNOWLEDGE.value:
+            self._acknowledged[atv] = None
+        elif what == CommandKind.RESUME.value:
+            if atv in self._stopped_s and atv not in self._acknowledged:
+                raise InvariantBroken(5, at_s, f"{atv} resumed without an acknowledge")
+            self._stopped_s.pop(atv, None)
+            self._stood_m.pop(atv, None)
+
+    def _check_stand(self, atv: str, at_s: float) -> None:
+        if at_s < self._stopped_s[atv] + BRAKING_S:
+            return
+        vehicle = self._factory.vehicles[atv]
+        driven_m = vehicle.odometer().metres_m
+        moved_m = driven_m - self._stood_m.setdefault(atv, driven_m)
+        if moved_m > STILL_M or vehicle.sense().speed_mps > STILL_M:
+            raise InvariantBroken(5, at_s, f"{atv} is stopped and has moved {moved_m:.3f} m")
+
+
+class MaterialConserved:
+    """Invariant 2, second half: storage + on board + buffers + consumed + scrapped = supplied.
+
+    Args:
+        balance: counts (see `dray_sim.bodies.floor.Pieces`).
+    """
+
+    INTERVAL_S = 60.0
+    """Counting the whole plant takes a while, and what is lost stays lost."""
+
+    def __init__(self, balance: Callable[[], Mapping[str, int]]) -> None:
+        self._balance = balance
+        self._next_s = 0.0
+        self._first = balance()
+
+    def hear(self, at_s: float, _sender: str, _address: str, _message: Message) -> None:
+        if at_s >= self._next_s:
+            self._next_s = at_s + self.INTERVAL_S
+            self.check(at_s)
+
+    def check(self, at_s: float) -> None:
+        """Count everything now."""
+        for item, (first, now) in _both(self._first, self._balance()).items():
+            if first != now:
+                seen = f"{abs(now - first)} pieces of {item} {'appeared' if now > first else 'are lost'}"
+                raise InvariantBroken(2, at_s, seen)
+
+
+class Invariants:
+    """All checks of one factory, as one listener.
+
+    A violation does not disturb the agents: it is kept, and told to whoever waits for it. Invariant 8
+    is not among them: an agent that ends by an exception ends the run by itself.
+
+    Args:
+        factory: what is watched.
+        more: further checks, which raise `InvariantBroken` as these do.
+
+    Attributes:
+        broken: the first violation; None while all hold.
+    """
+
+    def __init__(self, factory: SimFactory, *more: Ear) -> None:
+        self.broken: InvariantBroken | None = None
+        self._broke = asyncio.Event()
+        self._conservation = MaterialConserved(lambda: factory.floor.count().balance)
+        self._checks: tuple[Ear, ...] = (
+            TasksEnd(),
+            HandedOverOnce(),
+            EpochsRise(),
+            OnePrimaryEach(),
+            DeliveredExactly(factory.gate.arrived),
+            StoppedStands(factory),
+            SpeaksOn(factory),
+            ReplacedInTime(factory),
+            GrantedOnly(factory),
+            PromisedLiesThere(),
+            self._conservation,
+            *more,
+        )
+
+    def add(self, check: Ear) -> None:
+        """Ask one more, which raises `InvariantBroken` as these do."""
+        self._checks += (check,)
+
+    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
+        """Check one utterance."""
+        if self.broken is not None:
+            return
+        try:
+            for check in self._checks:
+                check.hear(at_s, sender, address, message)
+        except InvariantBroken as broken:
+            self.broken = broken
+            self._broke.set()
+
+    def check_end(self, at_s: float) -> None:
+        """Count once more at the end of a run."""
+        try:
+            self._conservation.check(at_s)
+        except InvariantBroken as broken:
+            self.broken = self.broken or broken
+
+    async def wait_broken(self) -> None:
+        """Return when one is broken; that may be never."""
+        await self._broke.wait()
+
+
+def _is_goal(fact: ContractTaken) -> bool:
+    """Machines hold several goals; only transports bind a vehicle to one."""
+    return fact.coordinator == "strategist"
+
+
+def _forget_oldest(tasks: dict[str, Any]) -> None:
+    if len(tasks) > HANDED_OVER_KEPT:
+        del tasks[next(iter(tasks))]
+
+
+def _both(first: Mapping[str, int], now: Mapping[str, int]) -> dict[str, tuple[int, int]]:
+    return {item: (first.get(item, 0), now.get(item, 0)) for item in {**first, **now}}

@@ -1,0 +1,190 @@
+"""Invariants 6 and 7: what becomes of the others when one agent fails.
+
+Checks like those of `dray_sim.checks.invariants`: they hear everything, look at who is running, and take no
+part.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from dray.messages import (
+    AtvHeartbeat,
+    AtvStatus,
+    Event,
+    MachineHeartbeat,
+    Message,
+    Phase,
+    Role,
+    StationHeartbeat,
+    Transport,
+)
+from dray.messages.fact import (
+    AtvStatusChanged,
+    AwardAnswered,
+    CarrierChanged,
+    ContractEnded,
+    ContractTaken,
+    Fact,
+    MemoryLost,
+    PhaseEntered,
+    TaskClosed,
+    TaskOpened,
+    TookOver,
+)
+from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, LATENESS_MAX_S, MISSES_MAX, WORKING_INTERVAL_S
+from dray_sim.checks.broken import InvariantBroken
+from dray_sim.factory.sim_factory import SimFactory
+
+LOOK_S = 1.0
+"""How often it is looked who is running: whoever dies is noticed at most so much later."""
+
+DELAY_S = 6.0
+"""The last heartbeat of the dead may be under way for so long: the slowest link of the paper has 5 s."""
+
+LATE_S = 1.0
+"""A heartbeat is said at its interval, and no agent is busy for so long in between."""
+
+
+class SpeaksOn:
+    """Invariant 6: whoever fails, every other agent goes on saying that it lives."""
+
+    def __init__(self, factory: SimFactory) -> None:
+        self._factory = factory
+        self._heard_s: dict[str, float] = {}
+        self._lives: dict[str, int] = {}
+        """Whoever was away for less than it takes to look again has begun another life."""
+        self._look_s = 0.0
+
+    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+        if isinstance(message, AtvHeartbeat | MachineHeartbeat | StationHeartbeat):
+            self._heard_s[sender] = at_s
+        if at_s >= self._look_s:
+            if at_s > self._look_s + LOOK_S:
+                # Nobody has said anything, so nobody knows who was running: all begin anew.
+                self._heard_s = dict.fromkeys(self._heard_s, at_s)
+            self._look_s = at_s + LOOK_S
+            self._look(at_s)
+
+    def _look(self, at_s: float) -> None:
+        factory, journals = self._factory, self._factory.journals
+        for agent in (*factory.workcells, *factory.storages, *factory.vehicles):
+            if agent not in self._heard_s:
+                continue  # The factory may not run yet.
+            life = journals[agent].incarnation
+            if not factory.running(agent) or life != self._lives.get(agent, life):
+                self._heard_s[agent] = at_s
+            self._lives[agent] = life
+            silent_s = at_s - self._heard_s[agent]
+            if silent_s > IDLE_INTERVAL_S + LATE_S:
+                raise InvariantBroken(6, at_s, f"{agent} runs and has said nothing for {silent_s:.1f} s")
+
+
+@dataclass(slots=True)
+class _Carried:
+    """One open transport, from outside."""
+
+    goods: bool
+    coordinator: str
+    primary: str = ""
+    loading: bool = False
+    """The primary is at its source or past it."""
+    watchers: dict[str, float] = field(default_factory=dict)
+    """Who is secondary by its own words, and since when."""
+
+
+class ReplacedInTime:
+    """Invariant 7: with a living secondary, a dead primary is replaced within the suspicion bound.
+
+    The bound is that of the worst link that is still a link, from the arrival of the last heartbeat:
+
+        DELAY_S + MISSES_MAX * WORKING_INTERVAL_S + LATENESS_MAX_S
+
+    How much earlier it is on a good link is measured elsewhere; here nobody knows how good links were.
+    Left out are a secondary that is stopped or in error, for it cannot drive, and goods that may be on
+    board of the dead vehicle, for nobody else can fetch them.
+    """
+
+    BOUND_S = DELAY_S + MISSES_MAX * WORKING_INTERVAL_S + LATENESS_MAX_S
+
+    def __init__(self, factory: SimFactory) -> None:
+        self._factory = factory
+        self._tasks: dict[str, _Carried] = {}
+        self._dead_s: dict[str, float] = {}
+        self._lives: dict[str, int] = {}
+        """Watches are not remembered: they end with the life in which they were taken."""
+        self._unfit: dict[str, None] = {}
+        self._look_s = 0.0
+
+    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+        if type(message) is Event:
+            self._note(message.fact, sender, at_s)
+        if at_s >= self._look_s:
+            self._look_s = at_s + LOOK_S
+            self._look(at_s)
+
+    def _note(self, fact: Fact, agent: str, at_s: float) -> None:
+        if type(fact) is AtvStatusChanged:
+            if fact.status in (AtvStatus.STOPPED, AtvStatus.ERROR):
+                self._unfit[agent] = None
+            else:
+                self._unfit.pop(agent, None)
+        elif type(fact) is TaskOpened:
+            if type(fact.work) is Transport:
+                self._tasks.setdefault(fact.task, _Carried(bool(fact.work.goal), agent))
+        elif type(fact) is MemoryLost:
+            # What a coordinator does not know it cannot give to others.
+            self._tasks = {
+                task: carried for task, carried in self._tasks.items() if carried.coordinator != agent
+            }
+        elif isinstance(fact, TaskClosed):
+            self._tasks.pop(fact.task, None)
+        elif (task := self._tasks.get(getattr(fact, "task", ""))) is not None:
+            self._note_task(task, fact, agent, at_s)
+
+    def _note_task(self, task: _Carried, fact: Fact, agent: str, at_s: float) -> None:
+        if type(fact) is AwardAnswered:
+            if fact.role is Role.PRIMARY and fact.answer == "accepted":
+                task.primary, task.loading = fact.bidder, False
+        elif type(fact) is CarrierChanged:
+            task.primary, task.loading = fact.carrier, False
+        elif type(fact) is TookOver:
+            task.primary, task.loading = agent, False
+            task.watchers.pop(agent, None)
+        elif type(fact) is PhaseEntered:
+            if agent == task.primary:
+                task.loading = fact.phase is not Phase.APPROACHING
+        elif isinstance(fact, ContractTaken) and fact.role is Role.SECONDARY:
+            task.watchers[agent] = at_s
+        elif isinstance(fact, ContractEnded) and fact.role is Role.SECONDARY:
+            task.watchers.pop(agent, None)
+
+    def _look(self, at_s: float) -> None:
+        running, journals = self._factory.running, self._factory.journals
+        for atv in self._factory.vehicles:
+            life = journals[atv].incarnation
+            if life != self._lives.get(atv, life):
+                for carried in self._tasks.values():
+                    carried.watchers.pop(atv, None)
+            self._lives[atv] = life
+            if running(atv):
+                self._dead_s.pop(atv, None)
+            else:
+                self._dead_s.setdefault(atv, at_s)
+        for task, carried in self._tasks.items():
+            for watcher in [each for each in carried.watchers if each in self._dead_s]:
+                del carried.watchers[watcher]
+            dead_s = self._dead_s.get(carried.primary)
+            if dead_s is not None and not (carried.goods and carried.loading):
+                self._check(task, carried, dead_s, at_s)
+
+    def _check(self, task: str, carried: _Carried, dead_s: float, at_s: float) -> None:
+        for watcher, since_s in carried.watchers.items():
+            if watcher in self._unfit:
+                carried.watchers[watcher] = at_s
+            elif at_s - max(dead_s, since_s) > self.BOUND_S:
+                seen = (
+                    f"{carried.primary} is dead for {at_s - dead_s:.1f} s, and {watcher}, which watches it, "
+                    f"has not taken {task} over"
+                )
+                raise InvariantBroken(7, at_s, seen)

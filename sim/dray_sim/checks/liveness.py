@@ -1,0 +1,158 @@
+"""Invariant 1 in time: when all faults have ended, every announced task ends within a computed bound.
+
+So does every vehicle's work for a task that has ended already: nobody stays bound by what is over. It
+hears everything and takes no part. Before the calm it only keeps books.
+"""
+
+from __future__ import annotations
+
+import asyncio
+
+from dray.messages import (
+    AtvHeartbeat,
+    CancellationTaken,
+    Event,
+    Message,
+    OrderReleased,
+    RevocationTaken,
+    Transport,
+)
+from dray.messages.fact import (
+    GoodsDelivered,
+    MemoryLost,
+    OrderDropped,
+    OrderFulfilled,
+    PieceMade,
+    TaskClosed,
+    TaskOpened,
+)
+from dray_sim.checks.bounds import Patience
+from dray_sim.checks.broken import InvariantBroken
+
+LOOK_S = 5.0
+"""How often the bounds are looked at: they are minutes."""
+
+PROGRESS = (PieceMade, GoodsDelivered, TaskClosed, OrderFulfilled, OrderDropped)
+"""What brings an order forward. Each can happen only so often for a finite demand."""
+
+
+class Calm:
+    """Watches that everything ends.
+
+    Args:
+        patience: the bounds.
+        liar: whose word on its own work counts for nothing; empty when everybody is honest.
+
+    Attributes:
+        over: set when nothing is open and nobody is bound any more, after the calm has begun.
+    """
+
+    def __init__(self, patience: Patience, liar: str = "") -> None:
+        self.over = asyncio.Event()
+        self._liar = liar
+        self._patience = patience
+        self._since_s = float("inf")
+        self._open: dict[str, tuple[float, int, str]] = {}
+        """By transport: when it was announced first, how many were done before, and what is carried."""
+        self._coordinator: dict[str, str] = {}
+        """Of every transport that was announced."""
+        self._orders: dict[str, None] = {}
+        """Those that are not delivered yet."""
+        self._ended_orders: dict[str, None] = {}
+        self._returned: dict[str, int] = {}
+        """By order that was taken back: its newest release of which that is known."""
+        self._ended: dict[str, None] = {}
+        """Transports that are not open any more."""
+        self._busy: dict[str, tuple[str, float]] = {}
+        """By vehicle: the ended task that it still names as its own, and since when."""
+        self._done = 0
+        self._done_before = 0
+        """Transports that were done when the calm began."""
+        self._moved_s = 0.0
+        """When something came forward last."""
+        self._look_s = float("inf")
+
+    def begin(self, at_s: float) -> None:
+        """The last fault has ended, and the last order was placed."""
+        self._since_s = self._moved_s = self._look_s = at_s
+        self._done_before = self._done
+
+    def hear(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
+        """Note what begins and ends.
+
+        Raises:
+            InvariantBroken: something is open for too long.
+        """
+        if type(message) is Event:
+            self._note(message, at_s)
+        elif type(message) is OrderReleased:
+            # It is repeated until it is answered, and that may be after its end.
+            again = message.release > self._returned.get(message.order, 0)
+            if message.order not in self._ended_orders and again:
+                self._orders[message.order] = None
+        elif type(message) is CancellationTaken:
+            self._end_order(message.order)
+        elif type(message) is RevocationTaken:
+            self._return_order(message)
+        elif type(message) is AtvHeartbeat and message.atv != self._liar:
+            self._note_work(message, at_s)
+        if at_s >= self._look_s:
+            self._look_s = at_s + LOOK_S
+            self._look(at_s)
+
+    def _note(self, event: Event, at_s: float) -> None:
+        fact = event.fact
+        if type(fact) is TaskOpened:
+            if type(fact.work) is Transport:
+                self._open.setdefault(fact.task, (at_s, self._done, fact.work.item))
+                self._coordinator[fact.task] = event.agent
+        elif type(fact) is MemoryLost:
+            # It does not know of its transports; what still is to be done it announces under other names.
+            for task in [task for task in self._open if self._coordinator[task] == event.agent]:
+                del self._open[task]
+        elif isinstance(fact, PROGRESS):
+            self._moved_s = at_s
+            if type(fact) is TaskClosed and self._open.pop(fact.task, None) is not None:
+                self._done += 1
+                self._ended[fact.task] = None
+            elif isinstance(fact, OrderFulfilled | OrderDropped):
+                self._end_order(fact.order)
+
+    def _return_order(self, message: RevocationTaken) -> None:
+        """It is not worked at, unless it was released again meanwhile."""
+        if message.release > self._returned.get(message.order, 0):
+            self._returned[message.order] = message.release
+            self._orders.pop(message.order, None)
+
+    def _end_order(self, order: str) -> None:
+        self._orders.pop(order, None)
+        self._ended_orders[order] = None
+
+    def _note_work(self, heartbeat: AtvHeartbeat, at_s: float) -> None:
+        task = heartbeat.task.task if heartbeat.task is not None else ""
+        if task not in self._ended:
+            self._busy.pop(heartbeat.atv, None)
+        elif self._busy.get(heartbeat.atv, ("", 0.0))[0] != task:
+            self._busy[heartbeat.atv] = (task, at_s)
+
+    def _look(self, at_s: float) -> None:
+        for atv, (task, since_s) in self._busy.items():
+            bound_s = self._patience.settle_s + self._patience.transport_s
+            if at_s - max(since_s, self._since_s) > bound_s:
+                seen = f"{atv} still works for {task}, which ended {at_s - since_s:.0f} s ago"
+                raise InvariantBroken(1, at_s, seen)
+        if not self._open and not self._orders and not self._busy:
+            self.over.set()
+            return
+        self.over.clear()
+        for task, (opened_s, done_before, item) in self._open.items():
+            waited_s = at_s - max(opened_s, self._since_s)
+            bound_s = self._patience.task_s(item, self._done - max(done_before, self._done_before))
+            if waited_s > bound_s:
+                seen = f"{task} did not end in {waited_s:.0f} s of calm; its bound is {bound_s:.0f} s"
+                raise InvariantBroken(1, at_s, seen)
+        stood_s = at_s - self._moved_s
+        if stood_s > self._patience.stall_s:
+            waiting = ", ".join((*self._orders, *self._open))
+            seen = f"nothing came forward in {stood_s:.0f} s of calm while these were open: {waiting}"
+            raise InvariantBroken(1, at_s, seen)

@@ -1,0 +1,21 @@
+"""Invariant 12: in a trial without faults no vehicle runs flat. Chargers suffice there; see `trial`."""
+
+from __future__ import annotations
+
+from dray.messages import AtvHeartbeat, Message
+from dray_sim.bodies.vehicle import BATTERY_EMPTY
+from dray_sim.checks.broken import InvariantBroken
+
+
+class Powered:
+    """Watches the batteries of a trial in which nothing goes wrong."""
+
+    def hear(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
+        """See `dray_sim.network.listeners.Ear`.
+
+        Raises:
+            InvariantBroken: a vehicle says that its battery is empty.
+        """
+        if type(message) is AtvHeartbeat and message.problem == BATTERY_EMPTY:
+            seen = f"{message.atv} has run flat at {message.node} though nothing had gone wrong"
+            raise InvariantBroken(12, at_s, seen)

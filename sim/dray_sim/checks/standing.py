@@ -1,0 +1,60 @@
+"""Invariant 6, on the carrier's side: no contract is ended that its coordinator still counts on.
+
+Blame asks why a coordinator replaces a carrier. Here it is asked why a carrier gives up: it was let go, or told that
+others carry, though its coordinator names it as the carrier in that very epoch. A restart that was over soon is no reason
+for that, whoever was restarted and in whatever order.
+"""
+
+from __future__ import annotations
+
+from dray.messages import Event, MachineHeartbeat, Message, Role
+from dray.messages.fact import CarrierChanged, ContractEnded, MemoryLost, TaskClosed
+from dray_sim.checks.broken import InvariantBroken
+from dray_sim.checks.fault_attribution import Blame
+
+LET_GO = ("released", "superseded")
+"""How a carrier's contract ends that others have ended."""
+
+
+class Standing:
+    """Watches contracts that both sides have.
+
+    Args:
+        blame: knows who was in trouble.
+    """
+
+    def __init__(self, blame: Blame) -> None:
+        self._blame = blame
+        self._carriers: dict[str, tuple[str, int, str]] = {}
+        """By open task, as its coordinator has said last: the carrier, its epoch, and the coordinator."""
+
+    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+        """Note who carries what.
+
+        Raises:
+            InvariantBroken: a contract was ended that stood, and nothing was wrong with anybody.
+        """
+        if type(message) is MachineHeartbeat:
+            for brief in message.tasks:
+                if brief.primary:
+                    self._carriers[brief.task] = (brief.primary, brief.epoch, sender)
+                else:
+                    self._carriers.pop(brief.task, None)
+        elif type(message) is Event:
+            self._note(message, sender, at_s)
+
+    def _note(self, event: Event, agent: str, at_s: float) -> None:
+        fact = event.fact
+        if isinstance(fact, TaskClosed | CarrierChanged):
+            self._carriers.pop(fact.task, None)
+        elif type(fact) is MemoryLost:
+            self._carriers = {
+                task: carrier for task, carrier in self._carriers.items() if agent not in carrier
+            }
+        elif type(fact) is ContractEnded and fact.role is Role.PRIMARY and fact.reason in LET_GO:
+            carrier, epoch, coordinator = self._carriers.get(fact.task, ("", 0, ""))
+            if (carrier, epoch) == (agent, fact.epoch) and not self._blame.in_trouble(
+                at_s, agent, coordinator
+            ):
+                seen = f"{agent} was told that it does not carry {fact.task} ({fact.reason}), on which {coordinator} counts"
+                raise InvariantBroken(6, at_s, seen)

@@ -1,0 +1,55 @@
+"""Invariant 11: no vehicle stands at a dock for its contract longer than it has promised to need, and two minutes.
+
+Who waits longer is held by a shortage, and cannot do what others need. A fault in those concerned explains a wait, and
+so does a person who has stopped the vehicle (`blame`).
+"""
+
+from __future__ import annotations
+
+from dray.messages import Accepted, AtvHeartbeat, Message, Phase, Role, TakenOver
+from dray_sim.checks.broken import InvariantBroken
+from dray_sim.checks.fault_attribution import Blame
+
+BEYOND_S = 120.0
+
+AT_A_DOCK = frozenset({Phase.LOADING, Phase.UNLOADING})
+
+
+class NobodyWaitsInVain:
+    """Watches vehicles at docks.
+
+    Args:
+        blame: knows who was in trouble.
+        stations: those whose trouble keeps vehicles waiting, too.
+    """
+
+    def __init__(self, blame: Blame, stations: tuple[str, ...]) -> None:
+        self._blame = blame
+        self._stations = stations
+        self._promised_s: dict[str, tuple[str, float]] = {}
+        """By vehicle: the task that it has taken last, and when it has promised to be done."""
+
+    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+        """Note promises, and look at who stands.
+
+        Raises:
+            InvariantBroken: a vehicle waits, and nothing was wrong.
+        """
+        if isinstance(message, TakenOver) or (isinstance(message, Accepted) and message.role is Role.PRIMARY):
+            task, _ = self._promised_s.get(sender, ("", 0.0))
+            if task != message.task:
+                self._promised_s[sender] = (message.task, message.finish_s)
+        elif type(message) is AtvHeartbeat:
+            self._look(message, at_s)
+
+    def _look(self, heartbeat: AtvHeartbeat, at_s: float) -> None:
+        brief = heartbeat.task
+        task, promised_s = self._promised_s.get(heartbeat.atv, ("", 0.0))
+        if brief is None or brief.task != task:
+            self._promised_s.pop(heartbeat.atv, None)
+            return
+        if brief.phase not in AT_A_DOCK or at_s <= promised_s + BEYOND_S:
+            return
+        if not self._blame.in_trouble(at_s, heartbeat.atv, brief.coordinator, *self._stations):
+            seen = f"{heartbeat.atv} is {brief.phase} for {task} {at_s - promised_s:.0f} s after its promise"
+            raise InvariantBroken(11, at_s, seen)

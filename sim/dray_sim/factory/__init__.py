@@ -1,0 +1,1 @@
+"""A whole simulated factory: bodies, network and one worker per agent."""

@@ -1,0 +1,351 @@
+"""One whole simulated factory: bodies, network and one worker per agent, from a plant and a seed.
+
+Everything is built here and nothing starts by itself: `run` starts it, and ends with it. While it runs,
+agents may be crashed, asked to leave, and restarted one by one. A crash ends an agent's process between two
+effects; its body and its journal stay, and the next life starts from them. Without power the body stands too.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from hashlib import sha256
+from random import Random
+
+from dray import __version__
+from dray.adapters.signing import SigningKey, TrustedKeys
+from dray.messages.keys import Keys
+from dray.messages.speakers import Kind
+from dray.plant import Plant, with_machine
+from dray.plant.model import MachineSpec, VehicleSpec
+from dray.ports import Body, Bus, Clock
+from dray.protocol.machine.machine import Machine
+from dray.protocol.runtime.events import Agent
+from dray.protocol.station.station import Station
+from dray.protocol.strategist.strategist import STRATEGIST, Strategist
+from dray.protocol.vehicle.atv import Atv
+from dray.protocol.vehicle.command_authorisation import Trusts
+from dray.worker import Worker
+from dray_sim.bodies.floor import FIRST_STOCK_FRAC, Floor
+from dray_sim.bodies.vehicle import SimVehicle
+from dray_sim.bodies.workcell import SimWorkcell
+from dray_sim.clock.computer import ComputerClock
+from dray_sim.clock.loop import VirtualClock
+from dray_sim.factory.journal import HeldJournal
+from dray_sim.network.coverage import Coverage
+from dray_sim.network.latency import WLAN, Latency
+from dray_sim.network.listeners import Ear
+from dray_sim.network.sim_network import SimNetwork
+
+MakeAgent = Callable[[int, str, int], Agent]
+"""Makes an agent for one life, from the number of that life, the version of its software, and the transports
+that it has to do well on trial."""
+
+
+@dataclass(slots=True)
+class Post:
+    """What of an agent outlives its process.
+
+    Attributes:
+        make: its next life.
+        body: what it acts with, if anything.
+        journal: what it has written down.
+        clock: of its computer.
+        software: the version that it runs.
+    """
+
+    make: MakeAgent
+    body: Body | None
+    journal: HeldJournal
+    clock: ComputerClock
+    software: str
+
+
+class SimFactory:
+    """A factory that is ready to run.
+
+    Args:
+        plant: what stands where.
+        clock: the virtual clock of the loop that it will run on.
+        seed: everything that is left to chance follows from it.
+        incarnation: of every agent's first life; names tasks and goals apart.
+        stock_frac: how full buffers are at the start, from and to, of what they hold.
+        latency: of the network.
+        codec: pass every message through the wire format.
+        ear: hears everything that is said.
+        meet: makes where the agents meet out of the simulated network.
+        trusts: whose grants vehicles believe; by default those of `authority`.
+
+    Attributes:
+        authority: grants the commands of simulated people.
+        trusts: whose grants vehicles believe.
+        bus: the simulated network; join it to take part.
+        floor: all bodies and places.
+        vehicles, workcells, storages, delivery, source: those of the floor.
+        workers: by agent id; of a crashed agent, that of its last life.
+        journals: by agent id.
+        gate: of all delivery warehouses; the strategist's body.
+        in_hands: pieces that people carry, by item.
+    """
+
+    def __init__(
+        self,
+        plant: Plant,
+        clock: VirtualClock,
+        *,
+        seed: int,
+        incarnation: int = 1,
+        stock_frac: tuple[float, float] = FIRST_STOCK_FRAC,
+        latency: Latency = WLAN,
+        codec: bool = False,
+        ear: Ear | None = None,
+        meet: Callable[[Bus], Bus] = lambda network: network,
+        trusts: Trusts | None = None,
+    ) -> None:
+        self.plant = plant
+        self.clock = clock
+        self.keys = Keys(plant.id)
+        self.authority = SigningKey(sha256(f"{seed} authority".encode()).digest())
+        self.trusts = trusts or TrustedKeys(self.authority.public)
+        # One generator per concern, so that a change to one does not shift the chances of another.
+        self.bus = SimNetwork(
+            clock,
+            Random(f"{seed} network"),
+            latency,
+            codec=codec,
+            trace=ear,
+            chance=Random(f"{seed} network faults"),
+            coverage=Coverage.of_plant(plant),
+        )
+        self._meet = meet(self.bus)
+        self.floor = floor = Floor(plant, clock, seed=seed, stock_frac=stock_frac)
+        self.source, self.gate, self.delivery = floor.source, floor.gate, floor.delivery
+        self.storages, self.workcells, self.vehicles = floor.storages, floor.workcells, floor.vehicles
+        self.in_hands = floor.in_hands
+        self.workers: dict[str, Worker] = {}
+        self._posts: dict[str, Post] = {}
+        self._lives: dict[str, asyncio.Task[None]] = {}
+        """What runs the workers, by agent id."""
+        self._incarnation = incarnation
+        self._group: asyncio.TaskGroup | None = None
+        for machine, workcell in self.workcells.items():
+            self._employ(machine, Kind.MACHINE, self._machine(machine, plant), workcell)
+        for storage, place in self.storages.items():
+            self._employ(storage, Kind.STATION, self._station(storage), place)
+        for spec in plant.fleet.values():
+            self._man(spec)
+        self._employ(STRATEGIST, Kind.STRATEGIST, self._strategist, self.gate)
+
+    @property
+    def journals(self) -> Mapping[str, HeldJournal]:
+        return {agent: post.journal for agent, post in self._posts.items()}
+
+    async def run(self) -> None:
+        """Run all agents until cancelled.
+
+        Raises:
+            ExceptionGroup: an agent ended by an exception (invariant 8).
+        """
+        try:
+            async with asyncio.TaskGroup() as self._group:
+                for agent in self.workers:
+                    self._start(agent)
+                # A factory whose agents have all crashed is still there: they may be restarted.
+                await asyncio.Event().wait()
+        finally:
+            self._group = None
+
+    # --- lives -----------------------------------------------------------------------------------
+
+    def running(self, agent: str) -> bool:
+        """Whether the agent's process is there.
+
+        Raises:
+            KeyError: there is no such agent.
+        """
+        return not self.workers[agent].ended
+
+    def ask_to_leave(self, agent: str) -> None:
+        """Let an agent leave in order, in its own time; its body and its journal stay. Twice is harmless.
+
+        Raises:
+            KeyError: there is no such agent.
+        """
+        self.workers[agent].leave()
+
+    async def leave(self, agent: str) -> None:
+        """Let an agent leave in order, and wait until it has left.
+
+        Raises:
+            KeyError: there is no such agent, or it was never started.
+        """
+        self.ask_to_leave(agent)
+        await asyncio.wait({self._lives[agent]})
+
+    def crash(self, agent: str) -> None:
+        """End an agent's process now; its body goes on without it, as bodies do. Twice is harmless.
+
+        Raises:
+            KeyError: there is no such agent.
+        """
+        self.workers[agent].kill()
+
+    def restart(self, agent: str, software: str = "", *, trial: int = 0) -> None:
+        """Begin an agent's next life; one that still lives ends first, one without power waits for it.
+
+        Args:
+            agent: a machine, a vehicle, a storage or the strategist.
+            software: the version that it runs from now on; empty for the one that it has.
+            trial: transports that this life has to do well before it takes long tasks.
+
+        Raises:
+            KeyError: there is no such agent.
+        """
+        post = self._posts[agent]
+        post.software = software or post.software
+        self.workers[agent].kill()
+        if agent == STRATEGIST or agent in self.storages or not self._powered(agent).off:
+            post.journal.begin_life()
+            post.clock.begin_life()
+            self._enliven(agent, trial)
+            self._start(agent)
+
+    def lose_journal(self, agent: str) -> None:
+        """End an agent's process now, and let its next life find nothing of what it has written.
+
+        Raises:
+            KeyError: there is no such agent.
+        """
+        self.crash(agent)
+        self._posts[agent].journal.lose("the disk has failed")
+
+    def set_clock(self, agent: str, by_s: float) -> None:
+        """Set the clock of an agent's computer forward, or back if negative.
+
+        Raises:
+            KeyError: there is no such agent.
+        """
+        self._posts[agent].clock.step(by_s)
+
+    def clock_error_s(self) -> float:
+        """How far the clock of any agent is off at most (s)."""
+        return max((abs(post.clock.ahead_s) for post in self._posts.values()), default=0.0)
+
+    def clock_of(self, agent: str) -> Clock:
+        """The clock that an agent goes by.
+
+        Raises:
+            KeyError: there is no such agent.
+        """
+        return self._posts[agent].clock
+
+    def power_off(self, agent: str) -> None:
+        """Switch a vehicle or a machine off, its agent with it. Twice is harmless.
+
+        Raises:
+            KeyError: there is no vehicle or machine of this id.
+        """
+        self._powered(agent).power_off()
+        self.crash(agent)
+
+    def power_on(self, agent: str) -> None:
+        """Switch it on again: its agent begins another life. Harmless when it has power.
+
+        Raises:
+            KeyError: there is no vehicle or machine of this id.
+        """
+        body = self._powered(agent)
+        if body.off:
+            body.power_on()
+            self.restart(agent)
+
+    def add_vehicle(self, spec: VehicleSpec, make: MakeAgent | None = None) -> SimVehicle:
+        """Let a vehicle join; in a factory that runs, at once.
+
+        Args:
+            spec: its id, its type in the plant, and where it stands.
+            make: its agent, where that is not the honest one.
+
+        Raises:
+            ValueError: there is an agent of this id.
+        """
+        if spec.id in self._posts:
+            raise ValueError(f"{spec.id} is there already; give the new vehicle another id")
+        vehicle = self.floor.add_vehicle(spec)
+        self._man(spec, make)
+        self._start(spec.id)
+        return vehicle
+
+    def add_machine(self, spec: MachineSpec) -> SimWorkcell:
+        """Let a machine join that nobody's plant knows; in a factory that runs, at once.
+
+        Args:
+            spec: the machine.
+
+        Raises:
+            PlantError: it does not fit into this plant.
+        """
+        workcell = self.floor.add_machine(spec)
+        plant = with_machine(self.plant, spec, spec.id)
+        self._employ(spec.id, Kind.MACHINE, self._machine(spec.id, plant, newcomer=True), workcell)
+        self._start(spec.id)
+        return workcell
+
+    # --- how it is done --------------------------------------------------------------------------
+
+    def _man(self, spec: VehicleSpec, make: MakeAgent | None = None) -> None:
+        """Give a vehicle that is on the floor its modem and its agent."""
+        vehicle = self.vehicles[spec.id]
+        self.bus.equip(spec.id, lambda: vehicle.sense().pose, vehicle.notice_link)
+        self._employ(spec.id, Kind.ATV, make or self._atv(spec), vehicle)
+
+    def _powered(self, agent: str) -> SimVehicle | SimWorkcell:
+        return self.vehicles[agent] if agent in self.vehicles else self.workcells[agent]
+
+    def _machine(self, machine: str, plant: Plant, *, newcomer: bool = False) -> MakeAgent:
+        return lambda life, software, trial: Machine(
+            machine, plant, incarnation=life, software=software, newcomer=newcomer, trial=trial
+        )
+
+    def _station(self, storage: str) -> MakeAgent:
+        return lambda life, software, _trial: Station(
+            storage, self.plant, incarnation=life, software=software
+        )
+
+    def _atv(self, spec: VehicleSpec) -> MakeAgent:
+        return lambda life, software, trial: Atv(
+            spec.id,
+            self.plant,
+            vehicle_type=spec.type,
+            incarnation=life,
+            software=software,
+            trial=trial,
+            trusts=self.trusts,
+        )
+
+    def _strategist(self, life: int, _software: str, _trial: int) -> Agent:
+        return Strategist(self.plant, incarnation=life)
+
+    def _employ(self, agent: str, kind: Kind, make: MakeAgent, body: Body | None) -> None:
+        self.bus.kinds[agent] = kind
+        journal = HeldJournal(incarnation=self._incarnation)
+        self._posts[agent] = Post(make, body, journal, ComputerClock(self.clock), __version__)
+        self._enliven(agent)
+
+    def _enliven(self, agent: str, trial: int = 0) -> None:
+        """Give an agent its worker, which is not started yet."""
+        post = self._posts[agent]
+        self.workers[agent] = Worker(
+            post.make(post.journal.incarnation, post.software, trial),
+            bus=self._meet,
+            clock=post.clock,
+            keys=self.keys,
+            body=post.body,
+            journal=post.journal,
+        )
+
+    def _start(self, agent: str) -> None:
+        """Let an agent's worker run, in a factory that does."""
+        if self._group is not None:
+            self._lives[agent] = self._group.create_task(self.workers[agent].run(), name=agent)

@@ -1,0 +1,86 @@
+"""What can go wrong on the network, as data: each kind is a value that says what is wrong, not when.
+
+On the wire a fault is an object with its `kind`: ``{"kind": "wlan_cut", "agent": "ATV1"}``. Bounds are
+checked where bytes are read (`dray_sim.faults.schedule`); a struct made in code is believed.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta
+
+from dray.messages.base import Fraction, Id, Metres
+
+Delay = Annotated[float, Meta(ge=0.0, le=600.0)]
+"""Seconds on top of what the network takes; more than ten minutes is a cut, not a delay."""
+
+Pattern = Annotated[str, Meta(min_length=1, max_length=128)]
+"""Names agents; ``*`` stands for any number of characters."""
+
+
+def snake(name: str) -> str:
+    """A kind's name on the wire."""
+    return re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
+
+
+class FaultKind(msgspec.Struct, frozen=True, tag_field="kind", tag=snake, forbid_unknown_fields=True):
+    """Base of all faults, here and in `dray_sim.faults`: immutable, comparable, a misspelt field is an error."""
+
+
+class WlanCut(FaultKind, frozen=True):
+    """One agent's WLAN is gone; a wired agent's cable. What it says and what is said to it is lost."""
+
+    agent: Id
+
+
+class RadioCut(FaultKind, frozen=True):
+    """One vehicle's radio is gone: it neither sends, nor hears, nor passes anything on by radio."""
+
+    agent: Id
+
+
+class LinkTrouble(FaultKind, frozen=True):
+    """Messages from some agents to some others suffer on the WLAN. Several troubles of one link add up.
+
+    An agent's own words reach itself in any case; the radio has troubles of its own.
+    """
+
+    sender: Pattern = "*"
+    receiver: Pattern = "*"
+    latency_s: Delay = 0.0
+    """Added to every delivery."""
+    jitter_s: Delay = 0.0
+    """At most so much more, evenly spread; the order between two agents is kept."""
+    loss_frac: Fraction = 0.0
+    duplicate_frac: Fraction = 0.0
+    """Delivered a second time, some time after the first."""
+    reorder_frac: Fraction = 0.0
+    """Held up, so that later ones may overtake them."""
+
+
+class Partition(FaultKind, frozen=True):
+    """The network falls apart: only agents of one group hear one another. Radios are not concerned."""
+
+    groups: Annotated[tuple[Annotated[tuple[Pattern, ...], Meta(min_length=1)], ...], Meta(min_length=1)]
+    """An agent is in the first group that has a pattern for it; whoever is in none is in one more."""
+
+
+class CoverageHole(FaultKind, frozen=True):
+    """No WLAN reaches vehicles within this circle: steel was parked there, say."""
+
+    x_m: Metres
+    y_m: Metres
+    radius_m: Annotated[float, Meta(gt=0.0, le=1e6)]
+
+
+class AccessPointDown(FaultKind, frozen=True):
+    """An access point is off; another one may reach the same places."""
+
+    access_point: Id
+
+
+NetworkFault = WlanCut | RadioCut | LinkTrouble | Partition | CoverageHole | AccessPointDown
+"""What the network itself carries out."""

@@ -1,0 +1,147 @@
+"""Vehicles' modems: each has WLAN and a radio, uses the one that it believes in, and says when that changes.
+
+Nothing ticks. Whether the WLAN is really there is asked when the vehicle says something, which every
+vehicle does at least every five seconds, and when a fault begins or ends. The modem believes it only
+when it has been so for `NOTICE_S`: until then the vehicle talks into the void.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from dray.messages import Link
+
+if TYPE_CHECKING:
+    from dray.messages import Pose
+    from dray_sim.clock.loop import VirtualClock
+    from dray_sim.network.links import Links
+
+NOTICE_S = 1.0
+"""From the loss or the return of the WLAN until the modem says so: some lost beacons of an access
+point (one in 102 ms) and a few tries to reach another, or the time to join again."""
+
+
+class Modem:
+    """One vehicle's modem.
+
+    Args:
+        agent: the vehicle.
+        where: its pose at this moment.
+        notice: told when the link has changed.
+
+    Attributes:
+        link: what the modem uses at present.
+        pending: it has seen another state and waits whether that lasts.
+        gateway: who last passed a frame of this vehicle on to the bus; empty for nobody.
+        gateway_s: when that was.
+        tokens: frames that it may send at once, as of `tokens_s`.
+    """
+
+    __slots__ = (
+        "_at_s",
+        "_position_m",
+        "_where",
+        "agent",
+        "gateway",
+        "gateway_s",
+        "link",
+        "notice",
+        "pending",
+        "tokens",
+        "tokens_s",
+    )
+
+    def __init__(self, agent: str, where: Callable[[], Pose], notice: Callable[[Link], None]) -> None:
+        self.agent = agent
+        self.notice = notice
+        self.link = Link.WLAN
+        self.pending = False
+        self.gateway = ""
+        self.gateway_s = 0.0
+        self.tokens = float("inf")
+        self.tokens_s = 0.0
+        self._where = where
+        self._at_s = -1.0
+        self._position_m = (0.0, 0.0)
+
+    def position_m(self, now_s: float) -> tuple[float, float]:
+        """Where it is, as (x_m, y_m); asked of the vehicle once in every instant."""
+        if self._at_s != now_s:
+            pose = self._where()
+            self._at_s, self._position_m = now_s, (pose.x_m, pose.y_m)
+        return self._position_m
+
+    def turn_to(self, link: Link) -> None:
+        """Use this link from now on, and say so."""
+        self.link = link
+        self.notice(link)
+
+
+class Modems:
+    """All modems of a network, and whom the WLAN reaches. An agent without a modem is wired.
+
+    Args:
+        clock: what has lasted long enough is one of its callbacks.
+        links: what is wrong.
+
+    Attributes:
+        stations: the modems by vehicle, in the order in which they came.
+        busy: whether anybody could be without WLAN, or any link in trouble; while it is False, nobody
+            needs to ask.
+    """
+
+    def __init__(self, clock: VirtualClock, links: Links) -> None:
+        self.stations: dict[str, Modem] = {}
+        self.busy = not links.quiet
+        self._clock = clock
+        self._links = links
+
+    def equip(self, modem: Modem) -> None:
+        """One more vehicle, or another modem for one that is there."""
+        self.stations[modem.agent] = modem
+        if self.busy:
+            self._look(modem)
+
+    def has_wlan(self, agent: str) -> bool:
+        """Whether the WLAN reaches an agent now, whatever its modem believes."""
+        links = self._links
+        if agent in links.wlan_cut:
+            return False
+        if links.coverage.perfect:
+            return True
+        modem = self.stations.get(agent)
+        return modem is None or links.coverage.covers(*modem.position_m(self._clock.time_s))
+
+    def talks_wlan(self, agent: str) -> bool:
+        """Whether what an agent says now goes out by WLAN: it is there, and its modem uses it."""
+        modem = self.stations.get(agent)
+        if modem is None:
+            return self.has_wlan(agent)
+        return self._look(modem) and modem.link is Link.WLAN
+
+    def look_around(self) -> None:
+        """Something has begun or ended: every modem looks, also that of a vehicle that says nothing."""
+        for modem in self.stations.values():
+            self._look(modem)
+        self._take_stock()
+
+    def _look(self, modem: Modem) -> bool:
+        """Let a modem see whether it has WLAN; a change must last before it believes it."""
+        has_wlan = self.has_wlan(modem.agent)
+        if has_wlan is not (modem.link is Link.WLAN) and not modem.pending:
+            modem.pending = True
+            self._clock.call_at(self._clock.time_s + NOTICE_S, self._notice, modem)
+        return has_wlan
+
+    def _notice(self, modem: Modem) -> None:
+        modem.pending = False
+        link = Link.WLAN if self.has_wlan(modem.agent) else Link.MESH
+        if link is not modem.link and self.stations.get(modem.agent) is modem:
+            modem.turn_to(link)
+        self._take_stock()
+
+    def _take_stock(self) -> None:
+        """See whether all is well again: nothing is wrong, and every modem has noticed."""
+        unsettled = any(modem.pending or modem.link is Link.MESH for modem in self.stations.values())
+        self.busy = unsettled or not self._links.quiet

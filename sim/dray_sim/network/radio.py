@@ -1,0 +1,242 @@
+"""The radio between vehicles: short range, small frames, few of them, passed on from one to the next.
+
+A frame is flooded: whoever hears it for the first time says it again, up to `hops` hops, unless it is
+for him or he can pass it on to the bus. A copy that comes later is dropped, so the first way that
+worked is the way it came. What a frame means, and who is a way out to the bus, the network decides.
+
+Each vehicle has a token bucket: what it may not send is dropped and counted, never queued.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from math import hypot
+from typing import TYPE_CHECKING
+
+from msgspec.structs import replace
+
+from dray.codec import encode
+from dray.messages import (
+    AtvHeartbeat,
+    CommandAnswered,
+    Confirmed,
+    Declined,
+    Docked,
+    DockHeld,
+    DockOpened,
+    Handover,
+    HandoverAccepted,
+    Link,
+    Release,
+    Resigned,
+    Superseded,
+    TakenOver,
+    VehicleCommand,
+    Withdrawn,
+)
+from dray_sim.network.latency import QUANTILE_BITS, Latency
+
+if TYPE_CHECKING:
+    from random import Random
+
+    from dray.messages import Message
+    from dray_sim.clock.loop import VirtualClock
+    from dray_sim.network.modem import Modem
+
+CONTROL: frozenset[type[Message]] = frozenset(
+    {
+        CommandAnswered,
+        Confirmed,
+        Declined,
+        DockHeld,
+        DockOpened,
+        Docked,
+        Handover,
+        HandoverAccepted,
+        Release,
+        Resigned,
+        Superseded,
+        TakenOver,
+        VehicleCommand,
+        Withdrawn,
+    }
+)
+"""What may go by radio beside heartbeats: what a carriage needs to come to its end, and no negotiation."""
+
+UNFIT = "not for the radio"
+TOO_LONG = "too long for the radio"
+TOO_MANY = "radio rate"
+FADED = "radio loss"
+NOBODY_NEAR = "nobody in radio range"
+
+
+HOP = Latency(base_s=0.025, mean_extra_s=0.015, cap_s=0.250)
+"""One hop: the air time of a long frame, and listening before talking."""
+
+
+@dataclass(frozen=True, slots=True)
+class RadioSpec:
+    """What the radio can do: a module for industrial sub-gigahertz bands, 250 kbit/s.
+
+    Attributes:
+        range_m: in a hall; beyond it nothing is heard.
+        hops: a frame is sent at most so often on one way. Four reach through a hall of 100 m.
+        frame_bytes: the longest frame. A heartbeat on the wire's JSON has some 500; IEEE 802.15.4g
+            allows 2047, and what is shorter is lost less often.
+        rate_hz: frames per second that a vehicle may send in the long run: a fifth of the air time.
+        burst: frames at once: a heartbeat, its neighbours' and the words of a docking.
+        loss_frac: frames that one receiver does not get.
+        latency: of one hop.
+    """
+
+    range_m: float = 25.0
+    hops: int = 4
+    frame_bytes: int = 768
+    rate_hz: float = 8.0
+    burst: float = 8.0
+    loss_frac: float = 0.02
+    latency: Latency = HOP
+
+
+RADIO = RadioSpec()
+
+
+@dataclass(eq=False, slots=True)
+class Frame:
+    """Something on the air, all its copies together.
+
+    Attributes:
+        origin: who said it.
+        message: what.
+        key: where it is published; empty when it is for one agent.
+        to: that one agent; empty when it is published.
+        rising: from a vehicle towards the bus; the other way round it goes to a vehicle.
+        heard: who has heard it.
+        gateways: who has passed it on to the bus.
+        reached: the one agent that it is for, once it has come there, by radio or by the bus.
+    """
+
+    origin: str
+    message: Message
+    key: str = ""
+    to: str = ""
+    rising: bool = True
+    heard: dict[str, None] = field(default_factory=dict)
+    gateways: list[str] = field(default_factory=list)
+    reached: list[str] = field(default_factory=list)
+
+
+Take = Callable[["Modem", Frame, tuple[str, ...]], bool]
+"""What a station does with a frame that came over these relays; true when it should say it again."""
+
+
+class Radio:
+    """All vehicles' radios, and the air between them.
+
+    Args:
+        clock: hops are its callbacks.
+        random: the only source of chance.
+        spec: what the radios can do.
+        stations: all that have a radio, in the order in which they came.
+        on_air: whether a vehicle's radio works at this moment.
+        take: asked for every frame that a station hears for the first time.
+        lost: where losses are counted, by reason.
+
+    Attributes:
+        sent: frames put on the air, those that were said again included.
+    """
+
+    def __init__(
+        self,
+        clock: VirtualClock,
+        random: Random,
+        spec: RadioSpec,
+        *,
+        stations: Mapping[str, Modem],
+        on_air: Callable[[str], bool],
+        take: Take,
+        lost: Counter[str],
+    ) -> None:
+        self.spec = spec
+        self.sent = 0
+        self._clock = clock
+        self._random = random
+        self._delays_s = spec.latency.quantiles()
+        self._stations = stations
+        self._on_air = on_air
+        self._take = take
+        self._lost = lost
+
+    def shorten(self, sender: str, message: Message) -> Message | None:
+        """What of a message goes into a frame; None when it may not or cannot, which is counted.
+
+        A heartbeat leaves out what others can do without: first the way, then the watches, at last
+        its software and berth. The frame's own header (who, to whom, over whom) is not counted.
+        """
+        if type(message) is AtvHeartbeat:
+            return self._shorten_heartbeat(sender, message)
+        if type(message) not in CONTROL:
+            self._lost[UNFIT] += 1
+        elif len(encode(sender, message)) > self.spec.frame_bytes:
+            self._lost[TOO_LONG] += 1
+        else:
+            return message
+        return None
+
+    def send(self, station: Modem, frame: Frame, via: tuple[str, ...] = ()) -> None:
+        """Put a frame on the air.
+
+        Args:
+            station: whose radio.
+            frame: what; `station` counts as one that has heard it.
+            via: who has passed it on so far, this station included if it has.
+        """
+        frame.heard[station.agent] = None
+        if not self._spend_token(station):
+            self._lost[TOO_MANY] += 1
+            return
+        self.sent += 1
+        now_s, spec, random = self._clock.time_s, self.spec, self._random
+        x_m, y_m = station.position_m(now_s)
+        alone = True
+        for other in self._stations.values():
+            if other.agent in frame.heard or not self._on_air(other.agent):
+                continue
+            other_x_m, other_y_m = other.position_m(now_s)
+            if hypot(other_x_m - x_m, other_y_m - y_m) > spec.range_m:
+                continue
+            alone = False
+            if random.random() < spec.loss_frac:
+                self._lost[FADED] += 1
+                continue
+            when_s = now_s + self._delays_s[random.getrandbits(QUANTILE_BITS)]
+            self._clock.call_at(when_s, self._arrive, other, frame, via)
+        if alone and not via:
+            self._lost[NOBODY_NEAR] += 1
+
+    def _arrive(self, station: Modem, frame: Frame, via: tuple[str, ...]) -> None:
+        if station.agent in frame.heard or not self._on_air(station.agent):
+            return
+        frame.heard[station.agent] = None
+        if self._take(station, frame, via) and len(via) + 1 < self.spec.hops:
+            self.send(station, frame, (*via, station.agent))
+
+    def _spend_token(self, station: Modem) -> bool:
+        now_s, spec = self._clock.time_s, self.spec
+        tokens = station.tokens + (now_s - station.tokens_s) * spec.rate_hz
+        station.tokens, station.tokens_s = min(tokens, spec.burst), now_s
+        if station.tokens < 1.0:
+            return False
+        station.tokens -= 1.0
+        return True
+
+    def _shorten_heartbeat(self, sender: str, heartbeat: AtvHeartbeat) -> AtvHeartbeat | None:
+        short = replace(heartbeat, link=Link.MESH)
+        for less in ({}, {"way": ()}, {"watches": ()}, {"software": "", "berth": ""}):
+            short = replace(short, **less) if less else short
+            if len(encode(sender, short)) <= self.spec.frame_bytes:
+                return short
+        self._lost[TOO_LONG] += 1
+        return None

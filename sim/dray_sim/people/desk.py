@@ -1,0 +1,53 @@
+"""The customers' side in a simulated run: places the demand and notes what becomes of it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterable
+
+from dray.messages import Message, OrderReleased, OrderTaken
+from dray.ports import Bus, Clock
+from dray.protocol.strategist.strategist import STRATEGIST
+from dray_sim.people.demand import Order
+
+DESK = "desk"
+
+REPEAT_S = 5.0
+"""An order that nobody has answered is sent again after this long."""
+
+
+class Desk:
+    """Sends every order at its time, and again until the strategist has it.
+
+    Args:
+        bus: joined as `DESK`.
+        clock: the plant's clock.
+    """
+
+    def __init__(self, bus: Bus, clock: Clock) -> None:
+        self._session = bus.join(DESK, self._hear)
+        self._clock = clock
+        self._waiting: dict[str, asyncio.Event] = {}
+
+    async def place(self, demand: Iterable[Order]) -> None:
+        """Place the whole demand; returns when the last order was taken."""
+        async with asyncio.TaskGroup() as group:
+            for order in demand:
+                await asyncio.sleep(max(0.0, order.at_s - self._clock.now_s()))
+                group.create_task(self.order(order))
+
+    async def order(self, order: Order) -> None:
+        """Place one order now; returns when it was taken."""
+        taken = self._waiting[order.id] = asyncio.Event()
+        release = OrderReleased(order=order.id, items=order.items, due_s=order.due_s)
+        while not taken.is_set():
+            self._session.send(STRATEGIST, release)
+            try:
+                await asyncio.wait_for(taken.wait(), REPEAT_S)
+            except TimeoutError:
+                continue
+        del self._waiting[order.id]
+
+    def _hear(self, _sender: str, message: Message) -> None:
+        if isinstance(message, OrderTaken) and message.order in self._waiting:
+            self._waiting[message.order].set()

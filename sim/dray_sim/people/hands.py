@@ -1,0 +1,102 @@
+"""What people can do to things with their hands: mend a vehicle, carry its load, push it to a charger.
+
+The deeds only, each at one instant; when somebody does what is left to `dray_sim.people.operators`. Pieces that a
+person carries are counted, so that material can be balanced meanwhile (invariant 2).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from dray_sim.bodies.vehicle import BATTERY_EMPTY
+
+if TYPE_CHECKING:
+    from dray_sim.factory.sim_factory import SimFactory
+
+
+class Hands:
+    """The hands of everybody in one factory.
+
+    Args:
+        factory: whose things they are.
+    """
+
+    def __init__(self, factory: SimFactory) -> None:
+        self._factory = factory
+
+    def problem(self, atv: str) -> str:
+        """What somebody who stands beside it sees to be wrong; empty for nothing."""
+        return self._factory.vehicles[atv].problem
+
+    def is_off(self, atv: str) -> bool:
+        """Whether its lights are out."""
+        return self._factory.vehicles[atv].off
+
+    def mend(self, atv: str) -> None:
+        """Put right what is wrong; an empty battery is exchanged."""
+        vehicle = self._factory.vehicles[atv]
+        vehicle.repair()
+        if vehicle.problem == BATTERY_EMPTY:
+            vehicle.replace_battery()
+
+    def unload(self, atv: str) -> tuple[str, int]:
+        """Take the load off, into one's hands. Returns the item and how many; `("", 0)` for nothing."""
+        item, quantity = self._factory.vehicles[atv].recover_load()
+        if item:
+            self._factory.in_hands[item] += quantity
+        return item, quantity
+
+    def put_down(self, item: str, quantity: int, near: str, machine: str = "") -> str:
+        """Bring what is in one's hands to where it belongs.
+
+        Material goes to the nearest storage with room for it, else back to the source warehouse. A
+        product goes back to the goods of its machine, else it is set aside at a delivery warehouse.
+
+        Args:
+            item: a material or product.
+            quantity: pieces.
+            near: the node where they were picked up.
+            machine: whose product it is, where that is known.
+
+        Returns:
+            The place where they are now.
+        """
+        if item in self._factory.plant.materials:
+            place = self._store(item, quantity, near)
+        else:
+            place = self._bring_back(item, quantity, machine)
+        self._factory.in_hands[item] -= quantity
+        return place
+
+    def bring_home(self, atv: str) -> str:
+        """Push a vehicle to the nearest charger where none stands, mend it and switch it on.
+
+        Returns:
+            The charger; empty when all are taken, and it was switched on where it stood.
+        """
+        vehicle, plant = self._factory.vehicles[atv], self._factory.plant
+        taken = {each.sense().node for each in self._factory.vehicles.values() if each is not vehicle}
+        free = [charger for charger in plant.chargers if plant.node_of(charger) not in taken]
+        nearest = "".join(plant.closest(vehicle.sense().node, free, 1))
+        if nearest:
+            vehicle.place_at(plant.node_of(nearest))
+        self.mend(atv)
+        self._factory.power_on(atv)
+        return nearest
+
+    def _store(self, material: str, quantity: int, near: str) -> str:
+        storages = self._factory.plant.storages_of(material)
+        for storage in self._factory.plant.closest(near, storages, len(storages)):
+            if not self._factory.storages[storage].put("", material, quantity):
+                return storage
+        self._factory.source.put("", material, quantity)
+        return self._factory.source.id
+
+    def _bring_back(self, product: str, quantity: int, machine: str) -> str:
+        workcell = self._factory.workcells.get(machine)
+        if workcell is not None and not workcell.put_by_hand(product, quantity):
+            return machine
+        # Not admitted by the gate, so that no customer gets them twice: without a goal.
+        aside = self._factory.plant.delivery_warehouses[0]
+        self._factory.delivery[aside].put("", product, quantity)
+        return aside

@@ -1,0 +1,332 @@
+"""People on the floor: operators who look after the vehicles of their area (paper, cases 4 and 5).
+
+An operator has a tablet that shows the vehicles' heartbeats, two legs and two hands, and does one thing
+at a time. All that an operator knows comes from heartbeats and from own eyes on the spot; all that an
+operator says to a vehicle is a command like any other, repeated until it is answered. How quick people
+are is chance, from a generator of each operator's own.
+
+    problem    react -> promise -> walk -> mend
+    shifted    react -> promise -> walk -> STOP -> mend -> slow down -> ACKNOWLEDGE -> RESUME
+    silence    react -> walk -> carry the load away -> push it to a charger -> switch it on
+
+Who was interrupted, by a vehicle that went silent in the middle say, remembers which stops are own ones
+and ends them when the vehicle is heard again. A vehicle obeys an operator in the operator's own area only:
+what somebody began and the vehicle has carried into another area is left to the colleague there.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping
+from enum import IntEnum
+from random import Random
+from typing import TYPE_CHECKING
+
+from dray.adapters.signing import SigningKey
+from dray.messages import AtvStatus, CommandKind
+from dray.messages.keys import Keys
+from dray.plant import Plant
+from dray.ports import Bus, Clock
+from dray_sim.bodies.vehicle import LOAD_SHIFTED
+from dray_sim.people.habits import Habits, Range
+from dray_sim.people.hands import Hands
+from dray_sim.people.tablet import Sight, Tablet
+
+if TYPE_CHECKING:
+    from dray_sim.factory.sim_factory import SimFactory
+
+LATEST_S = 10.0
+"""No heartbeat is under way for longer than this."""
+
+LOOK_S = 5.0
+"""How often somebody glances at the tablet."""
+
+EVERYWHERE = "plant"
+"""The area of the only operator of a plant that has no areas."""
+
+
+class Duty(IntEnum):
+    """What may be asked of an operator, the most urgent first."""
+
+    HELP = 0
+    """A vehicle has a problem."""
+    RELEASE = 1
+    """A vehicle still stands by an own stop."""
+    RECOVER = 2
+    """A vehicle is silent."""
+    SPEED_UP = 3
+    """A vehicle has driven slowly for long enough."""
+
+
+OWN = frozenset({Duty.RELEASE, Duty.SPEED_UP})
+"""What is left of something that the operator has begun, wherever the vehicle is by now."""
+
+
+class Operator:
+    """One person, who is responsible for one area and joins the bus as `operator-<area>`.
+
+    Invariants: a command is said when the one before it was answered; every stop of an operator is
+    followed by an acknowledge and a resume, of the same operator or of the one in whose area the vehicle
+    has come to stand, as soon as the vehicle hears it.
+
+    Args:
+        area: for which vehicles, by where they are; `EVERYWHERE` for all of them.
+        plant: where areas are.
+        bus: joined while `run` runs.
+        clock: the plant's clock.
+        authority: grants this person's commands.
+        hands: to do something with.
+        random: all chance in this person's life.
+        habits: how this person works.
+
+    Attributes:
+        name: on the bus.
+        done: how often which duty was done.
+        colleagues: all operators of the plant, by area, this one too.
+    """
+
+    def __init__(
+        self,
+        area: str,
+        *,
+        plant: Plant,
+        bus: Bus,
+        clock: Clock,
+        authority: SigningKey,
+        hands: Hands,
+        random: Random,
+        habits: Habits,
+    ) -> None:
+        self.name = f"operator-{area}"
+        self.done = dict.fromkeys(Duty, 0)
+        self.colleagues: Mapping[str, Operator] = {area: self}
+        self._area = area
+        self._plant = plant
+        self._clock = clock
+        self._hands = hands
+        self._random = random
+        self._habits = habits
+        own = None if area == EVERYWHERE else (area,)
+        keys = Keys(plant.id)
+        self._tablet = Tablet(self.name, own, keys=keys, bus=bus, clock=clock, authority=authority)
+        self._sights = self._tablet.sights
+        """All that is known of vehicles from afar."""
+        self._stops: dict[str, float] = {}
+        """Vehicles that a stop may hold which is this person's to end, and since when."""
+        self._slowed: dict[str, float] = {}
+        """Vehicles that a limit holds back which is this person's to end, and until when."""
+
+    def look_after_stop(self, atv: str, since_s: float) -> None:
+        """Release a vehicle that one's own or a colleague's stop may hold since then."""
+        self._stops[atv] = since_s
+
+    def look_after_limit(self, atv: str, until_s: float) -> None:
+        """Let a vehicle that is slow by one's own or a colleague's word drive on as before, after then."""
+        self._slowed[atv] = until_s
+
+    async def run(self) -> None:
+        """Work until cancelled."""
+        with self._tablet.on():
+            while True:
+                await asyncio.sleep(LOOK_S)
+                alarm = self._most_urgent()
+                if alarm is None:
+                    continue
+                if self._random.random() < self._habits.present_frac:
+                    await self._attend(*alarm)
+                else:
+                    await self._spend(self._habits.away_s)
+
+    # --- seeing ----------------------------------------------------------------------------------
+
+    def _most_urgent(self) -> tuple[Duty, str] | None:
+        """What to do next, and for which vehicle; what is equally urgent in the order of names."""
+        now_s = self._clock.now_s()
+        alarms: list[tuple[Duty, float, str]] = []
+        for atv, sight in self._sights.items():
+            alarm = self._alarm(atv, sight, now_s)
+            if alarm is not None and (alarm[0] in OWN or self._is_here(sight)):
+                alarms.append((*alarm, atv))
+        if not alarms:
+            return None
+        duty, _, atv = min(alarms)
+        return duty, atv
+
+    def _alarm(self, atv: str, sight: Sight, now_s: float) -> tuple[Duty, float] | None:
+        """What a vehicle needs, and by when."""
+        heartbeat = sight.heartbeat
+        if now_s - sight.at_s > self._habits.silent_s:
+            return Duty.RECOVER, sight.at_s
+        since_s = self._stops.get(atv)
+        if since_s is not None and _is_later(sight, since_s):
+            if heartbeat.status is AtvStatus.STOPPED:
+                return Duty.RELEASE, sight.at_s
+            del self._stops[atv]
+        if heartbeat.problem:
+            return Duty.HELP, heartbeat.help.until_s if heartbeat.help is not None else float("inf")
+        if self._slowed.get(atv, now_s) < now_s:
+            return Duty.SPEED_UP, now_s
+        return None
+
+    def _is_here(self, sight: Sight) -> bool:
+        return self._whose(sight) == self._area
+
+    def _whose(self, sight: Sight) -> str:
+        """The area that the vehicle is in."""
+        pose = sight.heartbeat.pose
+        return area_at(self._plant, pose.x_m, pose.y_m)
+
+    # --- doing -----------------------------------------------------------------------------------
+
+    async def _attend(self, duty: Duty, atv: str) -> None:
+        await self._spend(self._habits.react_s)
+        if duty is Duty.HELP:
+            await self._help(atv)
+        elif duty is Duty.RELEASE:
+            self._hands.mend(atv)
+            await self._release(atv)
+        elif duty is Duty.RECOVER:
+            await self._recover(atv)
+        else:
+            await self._speed_up(atv)
+        self.done[duty] += 1
+
+    async def _help(self, atv: str) -> None:
+        """Mend a vehicle, where it is still needed."""
+        walk_s, mend_s = self._draw(self._habits.walk_s), self._draw(self._habits.mend_s)
+        promises = self._random.random() < self._habits.promises_frac
+        estimate_s = (walk_s + mend_s) * self._draw(self._habits.estimate)
+        if promises and self._sights[atv].heartbeat.help is not None:
+            await self._tablet.say(atv, CommandKind.PROMISE, wait_s=estimate_s)
+        await asyncio.sleep(walk_s)
+        problem = self._hands.problem(atv)
+        # Who else has stopped it lets it go, too.
+        if problem == LOAD_SHIFTED and self._sights[atv].heartbeat.status is not AtvStatus.STOPPED:
+            await self._secure(atv, mend_s)
+        elif problem:
+            await asyncio.sleep(mend_s)
+            self._hands.mend(atv)
+
+    async def _secure(self, atv: str, mend_s: float) -> None:
+        """Put a shifted load right: nobody reaches into a vehicle that could drive on by itself."""
+        # From here on it may be stopped, answered or not.
+        self._stops[atv] = self._clock.now_s()
+        answer = await self._tablet.say(atv, CommandKind.STOP)
+        if answer is not None and not answer.done:
+            # It has driven on meanwhile, and slipped once more: out there it is a colleague's.
+            del self._stops[atv]
+        if answer is None or not answer.done:
+            return
+        await asyncio.sleep(mend_s)
+        self._hands.mend(atv)
+        if self._habits.slow_frac < 1.0:
+            await self._tablet.say(atv, CommandKind.SET_SPEED, speed_frac=self._habits.slow_frac)
+            self._slowed[atv] = self._clock.now_s() + self._habits.slow_s
+        await self._release(atv)
+
+    async def _release(self, atv: str) -> None:
+        """End an own stop. Whether it has worked is seen in the heartbeats that follow."""
+        for kind in (CommandKind.ACKNOWLEDGE, CommandKind.RESUME):
+            answer = await self._tablet.say(atv, kind)
+            if answer is None or not answer.done:
+                break
+        # It may have come to its stand beyond the border.
+        del self._stops[atv]
+        self._colleague(atv).look_after_stop(atv, self._clock.now_s())
+
+    async def _recover(self, atv: str) -> None:
+        """Look for a silent vehicle, clear up after it and bring it back to life."""
+        sight = self._sights[atv]
+        await self._spend(self._habits.walk_s)
+        if self._hands.is_off(atv):
+            item, quantity = self._hands.unload(atv)
+            if item:
+                await self._spend(self._habits.carry_s)
+                task = sight.heartbeat.task
+                machine = task.coordinator if task is not None else ""
+                self._hands.put_down(item, quantity, sight.heartbeat.node, machine)
+            await self._spend(self._habits.push_s)
+            if self._hands.is_off(atv):
+                self._hands.bring_home(atv)
+        # One that lives has only lost its voice, which hands cannot mend. Heard again, it is seen again.
+        if self._sights[atv] is sight:
+            del self._sights[atv]
+
+    async def _speed_up(self, atv: str) -> None:
+        """Take an own limit back, or leave that to whoever's area the vehicle has come to."""
+        answer = await self._tablet.say(atv, CommandKind.SET_SPEED, speed_frac=1.0)
+        if answer is None:
+            return
+        until_s = self._slowed.pop(atv)
+        if not answer.done:
+            self._colleague(atv).look_after_limit(atv, until_s)
+
+    def _colleague(self, atv: str) -> Operator:
+        """The operator of the area where a vehicle is now."""
+        return self.colleagues.get(self._whose(self._sights[atv]), self)
+
+    # --- chance ----------------------------------------------------------------------------------
+
+    def _draw(self, seconds: Range) -> float:
+        return self._random.uniform(*seconds)
+
+    async def _spend(self, seconds: Range) -> None:
+        await asyncio.sleep(self._draw(seconds))
+
+
+def area_at(plant: Plant, x_m: float, y_m: float) -> str:
+    """The one area whose operator answers for a point.
+
+    On a common border it is the first area in the plant file; outside of all, the one with the closest
+    corner; `EVERYWHERE` where the plant has none.
+    """
+    areas = plant.areas_at(x_m, y_m)
+    if areas:
+        return areas[0]
+    away_m2 = {
+        area.id: min((corner.x_m - x_m) ** 2 + (corner.y_m - y_m) ** 2 for corner in area.polygon)
+        for area in plant.areas.values()
+    }
+    return min(away_m2, key=away_m2.__getitem__, default=EVERYWHERE)
+
+
+def hire(
+    factory: SimFactory,
+    *,
+    seed: int,
+    habits: Habits | None = None,
+    areas: Mapping[str, Habits] | None = None,
+) -> tuple[Operator, ...]:
+    """One operator for every area of a factory; whoever calls this lets them `run`.
+
+    Args:
+        factory: where they work.
+        seed: each operator draws from a generator of its own that follows from it.
+        habits: of everybody.
+        areas: habits of single operators, by area, in place of those.
+    """
+    of_all = habits or Habits()
+    special = areas or {}
+    hands = Hands(factory)
+    crew = {
+        area: Operator(
+            area,
+            plant=factory.plant,
+            bus=factory.bus,
+            clock=factory.clock,
+            authority=factory.authority,
+            hands=hands,
+            random=Random(f"{seed} operator {area}"),
+            habits=special.get(area, of_all),
+        )
+        for area in factory.plant.areas or (EVERYWHERE,)
+    }
+    for operator in crew.values():
+        operator.colleagues = crew
+    return tuple(crew.values())
+
+
+def _is_later(sight: Sight, since_s: float) -> bool:
+    """Whether a heartbeat was said after a moment. A vehicle whose clock is ahead says times that have not come yet."""
+    said_s = sight.heartbeat.at_s
+    return since_s < said_s <= sight.at_s or since_s + LATEST_S < sight.at_s < said_s

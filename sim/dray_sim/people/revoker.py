@@ -1,0 +1,94 @@
+"""Managers who think again: some orders are taken back, at any moment of their lives, and published again."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from dray.messages import (
+    Message,
+    OrderItem,
+    OrderReleased,
+    OrderRevoked,
+    OrderTaken,
+    RevocationTaken,
+)
+from dray.ports import Bus
+from dray.protocol.strategist.strategist import STRATEGIST
+from dray_sim.clock.loop import VirtualClock
+from dray_sim.people.demand import Order
+
+AGAIN_S = 5.0
+"""What nobody has answered is said again after this long."""
+
+
+@dataclass(frozen=True, slots=True)
+class Revised:
+    """An order that is taken back.
+
+    Attributes:
+        order: which, as it was placed.
+        times_s: when it is taken back, and when it is published again (plant clock); once or oftener.
+    """
+
+    order: Order
+    times_s: tuple[tuple[float, float], ...]
+
+
+class Revision:
+    """Takes orders back, and publishes what is outstanding of them again.
+
+    Like the gateway it publishes only after the strategist has answered, and with what that answer says.
+
+    Args:
+        bus: joined at once.
+        clock: the plant's clock.
+    """
+
+    def __init__(self, bus: Bus, clock: VirtualClock) -> None:
+        self._session = bus.join("revision", self._hear)
+        self._clock = clock
+        self._waiting: dict[tuple[type[Message], str, int], asyncio.Future[Message]] = {}
+
+    async def revise(self, revised: Iterable[Revised]) -> None:
+        """Do all of it; returns when the last order was taken again."""
+        async with asyncio.TaskGroup() as group:
+            for each in revised:
+                group.create_task(self._revise(each))
+
+    async def _revise(self, revised: Revised) -> None:
+        order, items = revised.order, revised.order.items
+        for release, (back_s, again_s) in enumerate(revised.times_s, 1):
+            await self._until(back_s)
+            back = await self._say(OrderRevoked(order.id, release), RevocationTaken, order.id, release)
+            if isinstance(back, RevocationTaken) and back.outstanding:
+                items = tuple(
+                    OrderItem(item.product, outstanding)
+                    for item, outstanding in zip(items, back.outstanding, strict=True)
+                )
+            if not any(item.quantity for item in items):
+                return
+            await self._until(again_s)
+            again = OrderReleased(order=order.id, items=items, due_s=order.due_s, release=release + 1)
+            await self._say(again, OrderTaken, order.id, release + 1)
+
+    async def _until(self, at_s: float) -> None:
+        await asyncio.sleep(max(0.0, at_s - self._clock.now_s()))
+
+    async def _say(self, message: Message, answer: type[Message], order: str, release: int) -> Message:
+        """Say it until it is answered; returns the answer."""
+        key = answer, order, release
+        heard: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
+        self._waiting[key] = heard
+        while not heard.done():
+            self._session.send(STRATEGIST, message)
+            await asyncio.wait((heard,), timeout=AGAIN_S)
+        del self._waiting[key]
+        return heard.result()
+
+    def _hear(self, _sender: str, message: Message) -> None:
+        if isinstance(message, OrderTaken | RevocationTaken):
+            heard = self._waiting.get((type(message), message.order, message.release))
+            if heard is not None and not heard.done():
+                heard.set_result(message)

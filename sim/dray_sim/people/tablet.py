@@ -1,0 +1,118 @@
+"""An operator's tablet: it shows what vehicles say of themselves, and says commands until they are answered."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from dray.adapters.signing import SigningKey
+from dray.messages import AtvHeartbeat, CommandAnswered, CommandKind, Message, VehicleCommand
+from dray.messages.keys import Keys
+from dray.ports import Bus, Clock, Session
+from dray_sim.people.answers import Answers
+
+ANSWER_S = 2.0
+"""A vehicle answers within a network round trip; after this long a command is said again."""
+
+TRIES = 15
+"""Half a minute of saying it again; then the vehicle does not hear."""
+
+GRANT_S = 60.0
+"""How long a command is good for: as long as it is repeated, and as it may then be under way."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sight:
+    """A vehicle as the tablet shows it."""
+
+    heartbeat: AtvHeartbeat
+    at_s: float
+    """When that was heard."""
+
+
+class Tablet:
+    """One person's.
+
+    Args:
+        person: its user, on the bus too.
+        areas: in which that person's commands are granted; None for all.
+        keys: the plant's.
+        bus: joined while it is on.
+        clock: the plant's clock.
+        authority: grants the commands.
+
+    Attributes:
+        sights: the last heartbeat of every vehicle, wherever it is.
+    """
+
+    def __init__(
+        self,
+        person: str,
+        areas: tuple[str, ...] | None,
+        *,
+        keys: Keys,
+        bus: Bus,
+        clock: Clock,
+        authority: SigningKey,
+    ) -> None:
+        self.sights: dict[str, Sight] = {}
+        self._person = person
+        self._areas = areas
+        self._keys = keys
+        self._bus = bus
+        self._clock = clock
+        self._authority = authority
+        self._session: Session
+        """Of the last time that it was switched on."""
+        self._commands = 0
+        self._answers = Answers()
+
+    @contextmanager
+    def on(self) -> Iterator[None]:
+        """While this lasts, vehicles are heard and commands can be said."""
+        self._session = self._bus.join(self._person, self._hear)
+        self._session.subscribe(self._keys.atv_heartbeat("*"))
+        try:
+            yield
+        finally:
+            self._session.leave()
+
+    async def say(
+        self,
+        atv: str,
+        kind: CommandKind,
+        *,
+        speed_frac: float | None = None,
+        wait_s: float | None = None,
+    ) -> CommandAnswered | None:
+        """Give a command, again and again until it is answered; None when it never is."""
+        self._commands += 1
+        command = VehicleCommand(
+            command=f"{self._person}-{self._commands}",
+            kind=kind,
+            speed_frac=speed_frac,
+            wait_s=wait_s,
+            issued_by=self._person,
+        )
+        granted = self._authority.grant(
+            atv,
+            command,
+            person=self._person,
+            areas=self._areas,
+            valid_until_s=self._clock.now_s() + GRANT_S,
+        )
+        with self._answers.to(command.command) as answer:
+            for _ in range(TRIES):
+                self._session.send(atv, granted)
+                await asyncio.wait((answer,), timeout=ANSWER_S)
+                if answer.done():
+                    return answer.result()
+        return None
+
+    def _hear(self, _sender: str, message: Message) -> None:
+        if isinstance(message, AtvHeartbeat):
+            self.sights[message.atv] = Sight(message, self._clock.now_s())
+        elif isinstance(message, CommandAnswered):
+            self._answers.take(message)

@@ -1,0 +1,159 @@
+"""A scenario: a claim about the factory, what is done to it, and how its truth is seen."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from dray.errors import SettingsError
+from dray_sim.run.evidence import FIGURES, HELD, Check, Evidence, Table
+from dray_sim.run.report import Report
+from dray_sim.run.site import Site
+from dray_sim.run.stage import Played
+
+HERE = Site()
+"""As the scenario stands."""
+
+
+class Outcome(Protocol):
+    """What a run of anything in the list gives."""
+
+    @property
+    def failure(self) -> str:
+        """What did not hold; empty when all did."""
+        ...
+
+    def describe(self) -> str:
+        """For a reader; the same for the same seed."""
+        ...
+
+    def document(self) -> str:
+        """A section of a Markdown document; the same for the same seed."""
+        ...
+
+
+class Playable(Protocol):
+    """What `dray sim list` lists and `dray sim run` runs."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def shows(self) -> str:
+        """In one line."""
+        ...
+
+    @property
+    def source(self) -> str:
+        """Where its claim comes from; empty when there is none."""
+        ...
+
+    def run(self, seed: int, site: Site = HERE) -> Outcome:
+        """Play it; everything that is left to chance follows from the seed.
+
+        Raises:
+            SettingsError: it can be played as it stands only, and `site` is another.
+        """
+        ...
+
+    @property
+    def moves(self) -> bool:
+        """Whether it can be played in another plant."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """What the runs of a scenario have shown.
+
+    Attributes:
+        runs: all of them; their invariants and traces go into the report.
+        checks: what the claim rests on.
+        tables: figures beside it.
+        measured: what depends on the computer.
+    """
+
+    runs: tuple[Played[Any], ...]
+    checks: tuple[Check, ...]
+    tables: tuple[Table, ...] = ()
+    measured: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """A claim and its proof.
+
+    Attributes:
+        name: as in `dray sim run NAME`.
+        source: where the paper claims it, or that the claim is ours.
+        claim: in our words.
+        story: what is done.
+        play: does it, for a seed.
+        elsewhere: does it in another plant, under another load or for another time; None where what is done names
+            machines and vehicles of one plant.
+    """
+
+    name: str
+    shows: str
+    source: str
+    claim: str
+    story: str
+    play: Callable[[int], Findings]
+    elsewhere: Callable[[int, Site], Findings] | None = None
+
+    @property
+    def moves(self) -> bool:
+        """Whether it can be played in another plant."""
+        return self.elsewhere is not None
+
+    def run(self, seed: int, site: Site = HERE) -> Evidence:
+        """Play it, and put the claim beside what was seen.
+
+        Raises:
+            SettingsError: it can be played as it stands only, and `site` is another.
+        """
+        if not site.is_other:
+            found = self.play(seed)
+        elif self.elsewhere is not None:
+            found = self.elsewhere(seed, site)
+        else:
+            reason = f"{self.name} is about certain machines and vehicles of one plant and is played as it stands only"
+            raise SettingsError("--plant, --load and --hours", reason)
+        broken = [played.invariants for played in found.runs if played.invariants != HELD]
+        runs = len(found.runs)
+        unbroken = Check(
+            "Every invariant held all the time",
+            not broken,
+            f"{runs - len(broken)} of {runs} run{'s' if runs > 1 else ''}",
+        )
+        checks = (*found.checks, unbroken)
+        return Evidence(
+            scenario=self.name,
+            seed=seed,
+            source=self.source,
+            claim=self.claim,
+            story=f"{self.story} Played here with {site}." if site.is_other else self.story,
+            held=all(check.held for check in checks),
+            checks=checks,
+            tables=found.tables,
+            measured=found.measured,
+            invariants=broken[0] if broken else HELD,
+            trace=_fingerprint([played.report.trace for played in found.runs]),
+            **_figures([played.report for played in found.runs]),
+        )
+
+
+def _figures(reports: list[Report]) -> dict[str, Any]:
+    """Those of the run in which the fewest orders were on time, of equal ones the first; with its verdict."""
+    worst = min(reports, key=lambda report: report.on_time_frac if report.orders_due else 1.0)
+    names = (*FIGURES, "verdict")
+    return {name: getattr(worst, name) for name in names}
+
+
+def _fingerprint(traces: list[str]) -> str:
+    """One for all runs: a single run keeps its own."""
+    if len(traces) == 1:
+        return traces[0]
+    return hashlib.blake2b(" ".join(traces).encode(), digest_size=16).hexdigest()

@@ -1,0 +1,255 @@
+"""One seeded run: a factory, whoever watches it, and the orders that it gets.
+
+A *script* is a coroutine that does something to the running factory and tells what it has seen; the
+run ends with it. Everything else goes on by itself. All invariants are watched, and the first that
+breaks ends the run.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from random import Random
+from typing import Any, Generic, TypeVar
+
+from dray.messages import OrderItem
+from dray.plant import Plant
+from dray_sim.bodies.floor import FIRST_STOCK_FRAC
+from dray_sim.checks.invariants import Invariants
+from dray_sim.clock.loop import JUMP, clock, run
+from dray_sim.factory.sim_factory import SimFactory
+from dray_sim.faults import Faults
+from dray_sim.network.latency import WLAN, Latency
+from dray_sim.network.listeners import Ears
+from dray_sim.people import demand
+from dray_sim.people.desk import Desk
+from dray_sim.people.habits import Habits
+from dray_sim.people.operators import hire
+from dray_sim.run.evidence import HELD
+from dray_sim.run.observer import Observer
+from dray_sim.run.report import Report, make_report
+from dray_sim.run.shortfall import Shortfall
+from dray_sim.run.trace import Trace
+from dray_sim.run.witness import Witness
+
+T = TypeVar("T")
+
+DUE_IN_S = 7200.0
+"""When an order of a script is due: late enough that nothing is refused for its deadline."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shift:
+    """What is to be run.
+
+    Attributes:
+        name: of the scenario.
+        duration_s: virtual time in which demand comes in.
+        load: part of the machines' time that the demand takes; 0 for no demand.
+        codec: pass every message through the wire format.
+        stock_frac: how full buffers are at the start, from and to.
+        latency: of the network.
+        people: how the operators of all areas work; None for nobody on the floor.
+        keep: classes of facts and messages that the witness keeps.
+    """
+
+    name: str
+    duration_s: float
+    load: float = 0.0
+    codec: bool = False
+    stock_frac: tuple[float, float] = FIRST_STOCK_FRAC
+    latency: Latency = WLAN
+    people: Habits | None = None
+    keep: tuple[type[Any], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Played(Generic[T]):
+    """What came of a run.
+
+    Attributes:
+        told: what the script returned; None when a broken invariant has cut it short.
+        report: the figures of the run.
+        trace: counts of all that was said.
+    """
+
+    told: T | None
+    report: Report
+    counts: dict[str, int]
+
+    @property
+    def invariants(self) -> str:
+        return self.report.invariants
+
+
+class Stage:
+    """A run in progress, as its script sees it.
+
+    Args:
+        shift: how long, and how busy.
+        plant: the factory.
+        seed: everything else follows from it.
+
+    Attributes:
+        factory: bodies, network, agents.
+        faults: what goes wrong in it.
+        people: the operators.
+        witness: what was said.
+        observer: figures so far.
+        shortfall: who has waited for what so far.
+        ears: hear everything that is said; a script may add its own.
+        orders: all of them, placed or still to come.
+        ears: hear all that is said.
+    """
+
+    def __init__(self, shift: Shift, plant: Plant, seed: int) -> None:
+        self.shift = shift
+        self.plant = plant
+        self.seed = seed
+        self.orders: list[demand.Order] = []
+        if shift.load:
+            random = Random(f"{seed} demand")
+            self.orders += demand.orders(plant, random, load=shift.load, until_s=shift.duration_s)
+        self.observer, self.trace, self.witness = Observer(), Trace(), Witness(*shift.keep)
+        self.ears = ears = Ears()
+        self.factory = SimFactory(
+            plant,
+            clock(),
+            seed=seed,
+            stock_frac=shift.stock_frac,
+            latency=shift.latency,
+            codec=shift.codec,
+            ear=ears,
+        )
+        self.faults = Faults(self.factory)
+        self.people = hire(self.factory, seed=seed, habits=shift.people) if shift.people is not None else ()
+        self.checks = Invariants(self.factory)
+        self.shortfall = Shortfall(plant, self.factory.storages)
+        ears.add(self.trace, self.observer, self.checks, self.witness, self.shortfall)
+        self._desk = Desk(self.factory.bus, self.factory.clock)
+        self._demand = tuple(self.orders)
+        self._placing: list[asyncio.Task[None]] = []
+
+    def now_s(self) -> float:
+        return self.factory.clock.now_s()
+
+    def random(self, concern: str) -> Random:
+        """A generator of chances for one concern of the script."""
+        return Random(f"{self.seed} {self.shift.name} {concern}")
+
+    async def until_s(self, at_s: float) -> None:
+        """Let the factory run until this time (plant clock)."""
+        await asyncio.sleep(max(0.0, at_s - self.now_s()))
+
+    async def settle(self, within_s: float) -> float:
+        """Let it run until every order that was placed is delivered, looking once a second.
+
+        Returns:
+            How long that took (s), at most `within_s`.
+        """
+        begun_s = self.now_s()
+        for _ in range(int(within_s)):
+            if not self.undelivered():
+                break
+            await asyncio.sleep(1.0)
+        return self.now_s() - begun_s
+
+    def undelivered(self) -> list[demand.Order]:
+        """Orders that were placed and are not delivered in full."""
+        now_s = self.now_s()
+        done = self.observer.fulfilled_s
+        return [order for order in self.orders if order.at_s <= now_s and order.id not in done]
+
+    def order(self, product: str, quantity: int, due_in_s: float = DUE_IN_S) -> demand.Order:
+        """Place an order of one item now."""
+        now_s = self.now_s()
+        items = (OrderItem(product=product, quantity=quantity),)
+        placed = demand.Order(f"S{len(self._placing) + 1}", now_s, now_s + due_in_s, items)
+        self.place(placed)
+        return placed
+
+    def place(self, order: demand.Order) -> None:
+        """Place an order now, whatever its time says."""
+        self.orders.append(order)
+        self._placing.append(asyncio.create_task(self._desk.order(order)))
+
+    async def live(self) -> None:
+        """Run the factory and its demand until cancelled.
+
+        Raises:
+            ExceptionGroup: an agent ended by an exception (invariant 8).
+        """
+        try:
+            async with asyncio.TaskGroup() as group:
+                group.create_task(self.factory.run())
+                group.create_task(self._desk.place(self._demand))
+                for operator in self.people:
+                    group.create_task(operator.run(), name=operator.name)
+        finally:
+            for task in self._placing:
+                task.cancel()
+
+
+def play(
+    shift: Shift, plant: Plant, seed: int, script: Callable[[Stage], Awaitable[T]] | None = None
+) -> Played[T]:
+    """Run a script in virtual time, all invariants watched.
+
+    Args:
+        shift: how long, and how busy.
+        plant: the factory.
+        seed: everything else follows from it.
+        script: what is done to the factory; None for nothing but letting the shift's time pass.
+
+    Returns:
+        What was told, and the figures. A broken invariant ends the run and is named in the report.
+    """
+    return run(_play(shift, plant, seed, script), JUMP)
+
+
+async def _play(
+    shift: Shift, plant: Plant, seed: int, script: Callable[[Stage], Awaitable[T]] | None
+) -> Played[T]:
+    stage = Stage(shift, plant, seed)
+    life = asyncio.create_task(stage.live())
+    broken = asyncio.create_task(stage.checks.wait_broken())
+    acting = asyncio.ensure_future(_act(stage, script))
+    await asyncio.wait({life, broken, acting}, return_when=asyncio.FIRST_COMPLETED)
+    stage.checks.check_end(stage.now_s())
+    report = make_report(
+        shift.name,
+        seed=seed,
+        demand=stage.orders,
+        factory=stage.factory,
+        observer=stage.observer,
+        shortfall=stage.shortfall,
+        invariants=_verdict(stage.checks, life),
+        trace=stage.trace.hexdigest(),
+    )
+    told = acting.result() if acting.done() else None
+    for task in (life, broken, acting):
+        task.cancel()
+    await asyncio.gather(life, broken, acting, return_exceptions=True)
+    return Played(told, report, stage.trace.counts_by_name())
+
+
+async def _act(stage: Stage, script: Callable[[Stage], Awaitable[T]] | None) -> T | None:
+    if script is None:
+        await stage.until_s(stage.shift.duration_s)
+        return None
+    return await script(stage)
+
+
+def _verdict(checks: Invariants, life: asyncio.Task[None]) -> str:
+    if checks.broken is not None:
+        return str(checks.broken)
+    if life.done() and (error := life.exception()) is not None:
+        return f"invariant 8 is broken: an agent ended by {_innermost(error)!r}"
+    return HELD
+
+
+def _innermost(error: BaseException) -> BaseException:
+    while isinstance(error, BaseExceptionGroup):
+        error = error.exceptions[0]
+    return error

@@ -1,0 +1,257 @@
+"""The verdict on a run: what was short, what of it is too few, and a figure for each resource."""
+
+from __future__ import annotations
+
+import msgspec
+
+from dray.messages import MachineStatus
+from dray.overload import WAITED_S
+from dray.plant import Plant
+from dray_sim.run.shortfall import Cause, Shortfall
+
+SERVED_FRAC = 0.95
+"""Of the orders that were due, on time; with it and little lost, nothing is short."""
+
+LOST_FRAC = 0.05
+"""Of the time of machines with work."""
+
+FULL_FRAC = 0.85
+"""Of its time a machine made pieces: it has none left."""
+
+LEFT_FRAC = 0.5
+"""Of the time of the run: a machine that had so much left to make at the end was given more than it can make."""
+
+WAIT_FRAC = 0.2
+"""Of the time of all transports."""
+
+SHOWN_FRAC = 0.005
+"""What is used and waited for less is not shown."""
+
+TOLD = 3
+"""Resources of a kind that are named."""
+
+NOTHING = "nothing"
+
+
+class Resource(msgspec.Struct, frozen=True):
+    """One resource, as it was used. Shares are parts of 1."""
+
+    kind: str
+    """vehicles, charger, machine, material, dock, lane or buffer."""
+    name: str
+    busy_frac: float
+    """Of its time; of a material, the time in which no storage had a container of it. A dock may have more than 1 in a
+    simulation, where vehicles do not keep each other out: that many docks would be needed."""
+    waiting_frac: float
+    """Of the time of all transports, what they waited for it."""
+    lost_frac: float
+    """Of the time of machines with work, what they lost for it."""
+
+
+class Verdict(msgspec.Struct, frozen=True):
+    """What was short in a run."""
+
+    bottleneck: str
+    """A kind of resource, or `nothing`."""
+    name: str
+    """Which; empty for nothing."""
+    text: str
+    """In words: what is too few, how it shows, and what to do; and for how long the plant was overloaded."""
+    overloaded_frac: float
+    """Of the time; by the rule of the alert `overloaded`."""
+    overloaded_waiting: int
+    """Transports that had waited too long for a vehicle, when there were most of them."""
+    resources: tuple[Resource, ...]
+    """The scarcest of every kind."""
+
+    def lines(self) -> list[str]:
+        """For a reader."""
+        shown = [f"  {'verdict':<30} {self.text}"]
+        for each in self.resources:
+            figures = [f"{_busy(each)} {each.busy_frac:.0%}"]
+            if each.waiting_frac >= SHOWN_FRAC:
+                figures.append(f"transports waited {each.waiting_frac:.0%} of their time for it")
+            if each.lost_frac >= SHOWN_FRAC:
+                figures.append(f"machines lost {each.lost_frac:.0%} of theirs")
+            shown.append(f"    {each.kind + ' ' + each.name:<40} {', '.join(figures)}")
+        return shown
+
+
+def judge(
+    plant: Plant, seen: Shortfall, *, placed: int, delivered: int, due: int, on_time_frac: float
+) -> Verdict:
+    """The verdict on what was seen.
+
+    Args:
+        plant: the plant.
+        seen: of the whole run.
+        placed: orders.
+        delivered: those of them that have arrived.
+        due: those of them whose time was up.
+        on_time_frac: of the orders that were due.
+    """
+    found = sorted(
+        _resources(plant, seen), key=lambda each: (-each.lost_frac, -each.waiting_frac, -each.busy_frac)
+    )
+    kept: list[Resource] = []
+    for each in found:
+        told = each.busy_frac >= SHOWN_FRAC or each.waiting_frac >= SHOWN_FRAC or each.lost_frac >= SHOWN_FRAC
+        if told and sum(other.kind == each.kind for other in kept) < TOLD:
+            kept.append(each)
+    left_frac = max(seen.left_s.values(), default=0.0) / max(seen.looked_s, 1.0)
+    on_time = not due or on_time_frac >= SERVED_FRAC
+    short = _bottleneck(found, on_time=on_time, left=left_frac >= LEFT_FRAC)
+    kind, name = (NOTHING, "") if short is None else (short.kind, short.name)
+    text = (
+        _nothing(found, placed, delivered, due, on_time_frac)
+        if short is None
+        else _too_few(plant, seen, short)
+    )
+    overloaded_frac = seen.overloaded_s / max(seen.looked_s, 1.0)
+    return Verdict(
+        bottleneck=kind,
+        name=name,
+        text=text + _overloaded(overloaded_frac, seen.overloaded_waiting),
+        overloaded_frac=overloaded_frac,
+        overloaded_waiting=seen.overloaded_waiting,
+        resources=tuple(kept),
+    )
+
+
+def _bottleneck(found: list[Resource], *, on_time: bool, left: bool) -> Resource | None:
+    """What everything waits for; None when nothing was short."""
+    lost = sum(each.lost_frac for each in found)
+    full = max(
+        (each for each in found if each.kind == "machine"), key=lambda each: each.busy_frac, default=None
+    )
+    dock = max((each for each in found if each.kind == "dock"), key=lambda each: each.busy_frac, default=None)
+    waited = max(found, key=lambda each: each.waiting_frac)
+    if full is not None and full.busy_frac < FULL_FRAC:
+        full = None
+    worst = found[0]
+    # What machines lost here and there is nothing beside one that had no time left at all; and that a load comes too
+    # late is the fault of a dock at which several vehicles would have to stand.
+    if lost >= LOST_FRAC and (full is None or worst.lost_frac >= 2 * LOST_FRAC) and worst.kind != "buffer":
+        return worst
+    if dock is not None and dock.busy_frac > 1.0:
+        return dock
+    if lost >= LOST_FRAC and full is None:
+        return worst
+    if full is not None and (not on_time or left):
+        return full
+    return waited if not on_time and waited.waiting_frac >= WAIT_FRAC else None
+
+
+def _resources(plant: Plant, seen: Shortfall) -> list[Resource]:
+    looked_s = max(seen.looked_s, 1.0)
+    with_work_s = sum(
+        seconds
+        for spent in seen.machine_s.values()
+        for status, seconds in spent.items()
+        if status not in (MachineStatus.IDLE, MachineStatus.ERROR)
+    )
+
+    def resource(cause: Cause, busy_frac: float) -> Resource:
+        return Resource(
+            *cause,
+            busy_frac=busy_frac,
+            waiting_frac=seen.wait_s.get(cause, 0.0) / max(seen.open_s, 1.0),
+            lost_frac=seen.lost_s.get(cause, 0.0) / max(with_work_s, 1.0),
+        )
+
+    found = [
+        resource(("machine", machine), spent.get(MachineStatus.PRODUCING, 0.0) / looked_s)
+        for machine, spent in seen.machine_s.items()
+    ]
+    found.append(resource(("charger", "all"), sum(seen.charging_s.values()) / looked_s / len(plant.chargers)))
+    for ability in plant.abilities:
+        able = plant.able(ability)
+        busy_s = sum(seen.working_s.get(atv, 0.0) for atv in able)
+        found.append(resource(("vehicles", ability), busy_s / looked_s / len(able)))
+    found += [
+        resource(("material", material), seen.empty_s.get(material, 0.0) / looked_s)
+        for material in plant.materials
+    ]
+    docks = {place for kind, place in seen.wait_s if kind == "dock"} | set(seen.docked_s)
+    found += [resource(("dock", place), seen.docked_s.get(place, 0.0) / looked_s) for place in sorted(docks)]
+    others = {cause for cause in (*seen.wait_s, *seen.lost_s) if cause[0] in ("lane", "buffer")}
+    found += [resource(cause, 0.0) for cause in sorted(others)]
+    return found
+
+
+# --- in words -------------------------------------------------------------------------------------------
+
+
+def _busy(each: Resource) -> str:
+    return {"material": "out of stock", "machine": "producing", "dock": "in use", "charger": "in use"}.get(
+        each.kind, "at work"
+    )
+
+
+def _nothing(found: list[Resource], placed: int, delivered: int, due: int, on_time_frac: float) -> str:
+    if due and on_time_frac < SERVED_FRAC:
+        return (
+            f"{on_time_frac:.0%} of {due} orders on time, and no one resource is short: the orders come "
+            "together or are due too early for the ways and cycles"
+        )
+    busiest = max(
+        (each for each in found if each.kind in ("machine", "vehicles", "charger")),
+        key=lambda each: each.busy_frac,
+    )
+    where = "all chargers" if busiest.kind == "charger" else f"{busiest.kind} {busiest.name}"
+    return f"nothing is short: {delivered} of {placed} orders delivered; the busiest is {where}, {busiest.busy_frac:.0%}"
+
+
+def _overloaded(overloaded_frac: float, waiting: int) -> str:
+    if not overloaded_frac:
+        return ""
+    return (
+        f"; overloaded {overloaded_frac:.1%} of the time: up to {waiting} transports had waited for a vehicle for more than "
+        f"{WAITED_S / 60.0:.0f} min"
+    )
+
+
+def _too_few(plant: Plant, seen: Shortfall, short: Resource) -> str:
+    waited = f"transports waited {short.waiting_frac:.0%} of their time for it"
+    lost = f"machines lost {short.lost_frac:.0%} of theirs"
+    match short.kind:
+        case "vehicles":
+            able = plant.able(short.name)
+            queue = seen.wait_s.get(("vehicles", short.name), 0.0) / max(seen.looked_s, 1.0)
+            return (
+                f"too few vehicles that carry {short.name}: {len(able)} worked {short.busy_frac:.0%} of the time, and "
+                f"{queue:.1f} transports waited for one at any time; {waited}, {lost}"
+            )
+        case "charger":
+            hungry = sum(seen.hungry_s.values()) / max(seen.looked_s, 1.0)
+            return (
+                f"too few chargers: {len(plant.chargers)} for {len(plant.fleet)} vehicles, in use {short.busy_frac:.0%} of "
+                f"the time, and {hungry:.1f} vehicles stood with a low battery at any time; {waited}, {lost}"
+            )
+        case "material":
+            kept = [
+                f"{storage.id} {stock.capacity}"
+                for storage in plant.storages.values()
+                for stock in storage.stocks
+                if stock.material == short.name
+            ]
+            return (
+                f"too little {short.name}: no storage had a container of it {short.busy_frac:.0%} of the time "
+                f"(capacity {', '.join(kept)}); {waited}, {lost}"
+            )
+        case "machine":
+            left_h = seen.left_s.get(short.name, 0.0) / 3600.0
+            products = ", ".join(making.product for making in plant.machines[short.name].makes)
+            return (
+                f"too few machines for {products}: {short.name} made pieces {short.busy_frac:.0%} of the time, and "
+                f"{left_h:.1f} h of its work were left at the end"
+            )
+        case "dock":
+            return (
+                f"one dock of {short.name} is too few: vehicles stood there for {short.busy_frac:.0%} of the time; {waited}, "
+                f"{lost}; larger lots, quicker handling, or another place that shares the work"
+            )
+        case "buffer":
+            return f"too small a buffer for {short.name}: the next load came too late, though nothing kept it waiting; {lost}"
+        case _:
+            return f"the lane {short.name} is too narrow: {waited}, {lost}"
