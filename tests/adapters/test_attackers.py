@@ -212,7 +212,7 @@ class Spy:
 
     def __init__(self, bus: ZenohBus, key: str) -> None:
         self.taken: list[tuple[bytes, bytes]] = []
-        self._ear = bus.inner.declare_subscriber(key, Callback(self._take, indirect=False))
+        self._listener = bus.inner.declare_subscriber(key, Callback(self._take, indirect=False))
 
     def _take(self, sample: zenoh.Sample) -> None:
         stamp = sample.attachment

@@ -100,7 +100,7 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(crossing_module, "ORDER_ROOM", 3)
 
 
-class Ear:
+class Listener:
     """An agent on the other side."""
 
     def __init__(self) -> None:
@@ -116,44 +116,44 @@ def beat(seq: int) -> AtvHeartbeat:
 
 @pytest.mark.usefixtures("small")
 def test_of_the_heartbeats_that_crowd_the_queue_the_newest_is_kept(other_side: OtherSide) -> None:
-    crossing, ear, other_ear = Crossing(other_side), Ear(), Ear()
+    crossing, listener, other_ear = Crossing(other_side), Listener(), Listener()
     for seq in range(9):
-        crossing.say(beat(seq), ear.hear, "A1", beat(seq))
-    crossing.say(SAY, ear.hear, "A1", SAY)
-    for to, sender in ((ear, "A2"), (other_ear, "A1")):
+        crossing.say(beat(seq), listener.hear, "A1", beat(seq))
+    crossing.say(SAY, listener.hear, "A1", SAY)
+    for to, sender in ((listener, "A2"), (other_ear, "A1")):
         crossing.say(beat(9), to.hear, sender, beat(9))
-    crossing.say(beat(10), ear.hear, "A1", beat(10))
+    crossing.say(beat(10), listener.hear, "A1", beat(10))
     other_side.take_turn()
     first = [("A1", beat(seq)) for seq in range(5)]
-    assert ear.heard == [*first, ("A1", beat(10)), ("A1", SAY), ("A2", beat(9))]
+    assert listener.heard == [*first, ("A1", beat(10)), ("A1", SAY), ("A2", beat(9))]
     assert other_ear.heard == [("A1", beat(9))]
     assert (crossing.dropped_heartbeats, crossing.dropped_messages) == (4, 0)
 
 
 @pytest.mark.usefixtures("small")
 def test_a_heartbeat_takes_no_place_of_one_that_has_crossed(other_side: OtherSide) -> None:
-    crossing, ear = Crossing(other_side), Ear()
+    crossing, listener = Crossing(other_side), Listener()
     for seq in range(7):
-        crossing.say(beat(seq), ear.hear, "A1", beat(seq))
+        crossing.say(beat(seq), listener.hear, "A1", beat(seq))
     other_side.take_turn()
     for seq in range(7, 14):
-        crossing.say(beat(seq), ear.hear, "A1", beat(seq))
+        crossing.say(beat(seq), listener.hear, "A1", beat(seq))
     other_side.take_turn()
-    assert [message.seq for _, message in ear.heard] == [0, 1, 2, 3, 4, 6, 7, 8, 9, 10, 11, 13]
+    assert [message.seq for _, message in listener.heard] == [0, 1, 2, 3, 4, 6, 7, 8, 9, 10, 11, 13]
     assert crossing.dropped_heartbeats == 2
 
 
 @pytest.mark.usefixtures("small")
 def test_a_full_queue_drops_and_counts_all_messages_but_no_subscription(other_side: OtherSide) -> None:
-    crossing, ear = Crossing(other_side), Ear()
+    crossing, listener = Crossing(other_side), Listener()
     for number in range(13):
         message = OrderTaken(order=str(number))
-        crossing.say(message, ear.hear, "S", message)
-    crossing.say(HEARTBEAT, ear.hear, "A1", HEARTBEAT)
+        crossing.say(message, listener.hear, "S", message)
+    crossing.say(HEARTBEAT, listener.hear, "A1", HEARTBEAT)
     seen: list[str] = []
     crossing.order(seen.append, "subscription")
     other_side.take_turn()
-    assert [message.order for _, message in ear.heard] == [str(number) for number in range(10)]
+    assert [message.order for _, message in listener.heard] == [str(number) for number in range(10)]
     assert seen == ["subscription"]
     assert (crossing.dropped_heartbeats, crossing.dropped_messages) == (1, 3)
 

@@ -90,7 +90,7 @@ def in_a_house(test: Callable[[House], Coroutine[Any, Any, None]]) -> None:
     run(main(), paced(SPEED))
 
 
-class Ear:
+class Listener:
     """What a body reports, and a way to wait for it."""
 
     def __init__(self, body: RemoteBody) -> None:
@@ -125,9 +125,9 @@ def test_what_happens_there_is_reported_here_with_the_state_after_it() -> None:
     async def test(house: House) -> None:
         machine = next(iter(PLANT.machines))
         body = await house.take_over(machine, 1)
-        ear = Ear(body)
+        listener = Listener(body)
         house.floor.workcells[machine].break_down("a belt has torn")
-        await ear.until(Broken)
+        await listener.until(Broken)
         state = body.sense()
         assert isinstance(state, WorkcellState)
         assert state.broken == "a belt has torn"
@@ -161,10 +161,10 @@ def test_a_vehicle_drives_there_as_it_is_told_here() -> None:
     async def test(house: House) -> None:
         nodes = way_of(ATV)
         body = await house.take_over(ATV, 1)
-        ear = Ear(body)
+        listener = Listener(body)
         body.instruct(Drive(order=1, nodes=nodes, released=len(nodes)))
-        await ear.until(WayDone)
-        assert [report.node for report in ear.reports if isinstance(report, NodePassed)] == list(nodes)
+        await listener.until(WayDone)
+        assert [report.node for report in listener.reports if isinstance(report, NodePassed)] == list(nodes)
         state = body.sense()
         assert isinstance(state, VehicleState)
         assert state.node == nodes[-1]
@@ -194,12 +194,12 @@ def test_instructions_and_reports_arrive_once_and_in_order_also_when_most_messag
         server: Any = Leaky(house.there, 1)
         telling = asyncio.create_task(FloorServer(server, PLANT.id, floor).run())
         body = await house.take_over(ATV, 5, Leaky(house.here, 2))
-        ear = Ear(body)
+        listener = Listener(body)
         body.instruct(Drive(order=1, nodes=nodes, released=1))
         for released in range(2, len(nodes) + 1):
             body.instruct(ReleaseWay(order=1, released=released))
-        await ear.until(WayDone)
-        assert [report.node for report in ear.reports if isinstance(report, NodePassed)] == list(nodes)
+        await listener.until(WayDone)
+        assert [report.node for report in listener.reports if isinstance(report, NodePassed)] == list(nodes)
         telling.cancel()
 
     in_a_house(test)
@@ -235,10 +235,10 @@ def test_a_life_that_is_not_heard_too_long_gives_its_body_up_and_leaves_no_instr
         await asyncio.wait_for(lost, PATIENCE_S * SPEED)
         assert not there.sense().held
         after = await house.take_over(ATV, 2)
-        ear = Ear(after)
+        listener = Listener(after)
         after.instruct(Drive(order=2, nodes=nodes, released=len(nodes)))
-        await ear.until(WayDone)
-        assert {report.order for report in ear.reports if isinstance(report, NodePassed)} == {2}
+        await listener.until(WayDone)
+        assert {report.order for report in listener.reports if isinstance(report, NodePassed)} == {2}
 
     monkeypatch.setattr(exchange, "KEPT_MAX", 2)
     in_a_house(test)
@@ -265,7 +265,7 @@ def test_letters_that_find_no_room_are_said_again(monkeypatch: pytest.MonkeyPatc
     async def test(house: House) -> None:
         nodes = way_of(ATV)
         body = await house.take_over(ATV, 1)
-        ear = Ear(body)
+        listener = Listener(body)
         # By chance: every fourth one might for ever be the same side's.
         offer, chance, refused = Crossing.offer, Random(1), 0
 
@@ -278,9 +278,9 @@ def test_letters_that_find_no_room_are_said_again(monkeypatch: pytest.MonkeyPatc
 
         monkeypatch.setattr(Crossing, "offer", offer_one_in_four)
         body.instruct(Drive(order=1, nodes=nodes, released=len(nodes)))
-        await ear.until(WayDone)
+        await listener.until(WayDone)
         assert refused
-        assert [report.node for report in ear.reports if isinstance(report, NodePassed)] == list(nodes)
+        assert [report.node for report in listener.reports if isinstance(report, NodePassed)] == list(nodes)
 
     in_a_house(test)
 
@@ -301,9 +301,9 @@ def test_a_body_obeys_the_latest_life_of_its_agent_alone_and_goes_on_meanwhile()
         dead = await house.take_over(ATV, 1)
         dead.instruct(Drive(order=1, nodes=nodes, released=len(nodes)))
         after = await house.take_over(ATV, 2)
-        ear = Ear(after)
+        listener = Listener(after)
         dead.instruct(Drive(order=2, nodes=nodes[:1], released=1))
-        await ear.until(WayDone)
+        await listener.until(WayDone)
         assert house.floor.vehicles[ATV].sense().node == nodes[-1]
 
     in_a_house(test)
@@ -323,12 +323,12 @@ def test_a_floor_tells_who_has_its_bodies_and_what_went_between_them_over_all_li
         assert (told("bodies", state="free"), told("bodies", state="taken")) == (count, 0)
         nodes = way_of(ATV)
         dead = await house.take_over(ATV, 1)
-        ear = Ear(dead)
+        listener = Listener(dead)
         dead.instruct(Drive(order=1, nodes=nodes, released=len(nodes)))
-        await ear.until(WayDone)
+        await listener.until(WayDone)
         assert (told("bodies", state="free"), told("bodies", state="taken")) == (count - 1, 1)
         reports = told("reports_total")
-        assert reports == len(ear.reports)
+        assert reports == len(listener.reports)
         assert told("instructions_total") == 1
         await house.take_over(ATV, 2)
         assert told("reports_total") == reports, "a new life forgets nothing"
@@ -400,9 +400,9 @@ def test_a_newcomer_is_put_down_once_and_drives() -> None:
         assert len(house.floor.vehicles) == len(PLANT.fleet) + 1
         nodes = way_of(ATV)
         body = await house.take_over("ATV99", 1)
-        ear = Ear(body)
+        listener = Listener(body)
         body.instruct(Drive(order=1, nodes=nodes, released=len(nodes)))
-        await ear.until(WayDone)
+        await listener.until(WayDone)
         assert house.floor.vehicles["ATV99"].sense().node == nodes[-1]
 
     in_a_house(test)

@@ -102,7 +102,7 @@ def carry_goods(provider: TracerProvider) -> tuple[str, str, str, str]:
             PLANT,
             clock(),
             seed=1,
-            ear=facts,
+            listener=facts,
             meet=lambda network: TracedBus(network, provider, lambda plant_s: plant_s),
         )
         async with asyncio.timeout(LATEST_S):

@@ -40,7 +40,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made
 
 
-class Ear:
+class Listener:
     """Hears keys of a session, on the loop."""
 
     def __init__(self) -> None:
@@ -79,8 +79,8 @@ def test_what_is_a_wired_processs_own_comes_in_over_no_link_with_a_vehicle(
             house, there = (
                 stack.enter_context(closing(links.open())) for links in (house_links, guest_links)
             )
-            at_house, at_guest, tokens = Ear(), Ear(), Ear()
-            ears = [
+            at_house, at_guest, tokens = Listener(), Listener(), Listener()
+            listeners = [
                 house.declare_subscriber("p/**", at_house.callback),
                 house.declare_subscriber("p/agent/@M1", at_house.callback),
                 house.liveliness().declare_subscriber("p/alive/**", tokens.callback, history=True),
@@ -110,7 +110,7 @@ def test_what_is_a_wired_processs_own_comes_in_over_no_link_with_a_vehicle(
                 assert at_house.heard.isdisjoint(THEIRS)
                 assert at_guest.heard == {"p/said", "p/said/last"}
                 assert tokens.heard == {"p/alive/ATV2/1/-"}
-            for declared in (*ears, *there_now):
+            for declared in (*listeners, *there_now):
                 declared.undeclare()
 
     asyncio.run(main())

@@ -33,7 +33,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made
 
 
-class Ear:
+class Listener:
     """An agent that remembers what it has heard."""
 
     def __init__(self, bus: ZenohBus, name: str) -> None:
@@ -50,7 +50,7 @@ class Hall:
         self.exclusions = [
             Exclusions(bus, file) for bus, file in zip(self.row.buses, self.files, strict=True)
         ]
-        self.machine, self.atv, self.gateway = map(Ear, self.row.buses, KINDS)
+        self.machine, self.atv, self.gateway = map(Listener, self.row.buses, KINDS)
 
     async def decide(self, number: int, *agents: str) -> None:
         """The gateway tells who is shut out; returns when it is known everywhere."""
@@ -210,7 +210,7 @@ def test_the_longest_list_fits_into_a_message(tmp_path: Path) -> None:
             heard = asyncio.Event()
             loop = asyncio.get_running_loop()
             bus.inner.declare_subscriber("p/shut-out", lambda _: loop.call_soon_threadsafe(heard.set))
-            Ear(bus, "gateway").session.publish("p/shut-out", said)
+            Listener(bus, "gateway").session.publish("p/shut-out", said)
             await heard.wait()
             assert bus.refused == {}
             assert len(bus.shut_out) == MAX_SHUT_OUT

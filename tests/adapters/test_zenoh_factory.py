@@ -26,7 +26,7 @@ from dray_sim.clock.loop import clock, paced, run
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.insiders import BEHAVIOURS
 from dray_sim.insiders.joining import INSIDER, bring_in
-from dray_sim.network.listeners import Ear, Ears
+from dray_sim.network.listeners import Listener, Listeners
 from dray_sim.people.demand import Order
 from dray_sim.people.desk import Desk
 
@@ -46,29 +46,29 @@ ORDER = Order("O-1", 0.0, LATEST_S, (OrderItem("gear-unit-g1", 2),))
 
 
 class Overheard:
-    """A place on a bus, and an ear that hears what is said there."""
+    """A place on a bus, and a listener that hears what is said there."""
 
-    def __init__(self, inner: Session, agent: str, ear: Ear) -> None:
-        self._inner, self._agent, self._ear = inner, agent, ear
+    def __init__(self, inner: Session, agent: str, listener: Listener) -> None:
+        self._inner, self._agent, self._listener = inner, agent, listener
         self.subscribe, self.unsubscribe, self.leave = inner.subscribe, inner.unsubscribe, inner.leave
 
     def publish(self, key: str, message: Message) -> None:
-        self._ear.hear(clock().now_s(), self._agent, key, message)
+        self._listener.hear(clock().now_s(), self._agent, key, message)
         self._inner.publish(key, message)
 
     def send(self, to: str, message: Message) -> None:
-        self._ear.hear(clock().now_s(), self._agent, f">{to}", message)
+        self._listener.hear(clock().now_s(), self._agent, f">{to}", message)
         self._inner.send(to, message)
 
 
 class Spread:
     """A bus of several Zenoh sessions, with every so manyth agent each."""
 
-    def __init__(self, row: Row, ear: Ear) -> None:
-        self._turns, self._ear = cycle(row.buses), ear
+    def __init__(self, row: Row, listener: Listener) -> None:
+        self._turns, self._listener = cycle(row.buses), listener
 
     def join(self, agent: str, receive: Receive, life: int = 0) -> Overheard:
-        return Overheard(next(self._turns).join(agent, receive, life), agent, self._ear)
+        return Overheard(next(self._turns).join(agent, receive, life), agent, self._listener)
 
 
 class Stage:
@@ -99,10 +99,10 @@ class Stage:
 Story = Callable[[Stage], Coroutine[Any, Any, object]]
 
 
-async def tell(story: Story, factory: SimFactory, bus: Bus, ears: Ears) -> object:
+async def tell(story: Story, factory: SimFactory, bus: Bus, listeners: Listeners) -> object:
     """Tell a story; it ends by itself, or with the first broken invariant."""
     checks, stage = Invariants(factory), Stage(factory, bus)
-    ears.add(checks, stage)
+    listeners.add(checks, stage)
     async with asyncio.timeout(LATEST_S), asyncio.TaskGroup() as group:
         life = group.create_task(factory.run())
         ending = group.create_task(story(stage))
@@ -118,19 +118,19 @@ async def tell(story: Story, factory: SimFactory, bus: Bus, ears: Ears) -> objec
 
 def on_the_simulated_network(story: Story) -> object:
     async def main() -> object:
-        ears = Ears()
-        factory = SimFactory(PLANT, clock(), seed=1, ear=ears)
-        return await tell(story, factory, factory.bus, ears)
+        listeners = Listeners()
+        factory = SimFactory(PLANT, clock(), seed=1, listener=listeners)
+        return await tell(story, factory, factory.bus, listeners)
 
     return run(main())
 
 
 def on_zenoh(story: Story) -> object:
     async def main() -> object:
-        ears, row = Ears(), Row(SESSIONS, PLANT.id)
-        bus = Spread(row, ears)
+        listeners, row = Listeners(), Row(SESSIONS, PLANT.id)
+        bus = Spread(row, listeners)
         try:
-            told = await tell(story, SimFactory(PLANT, clock(), seed=1, meet=lambda _: bus), bus, ears)
+            told = await tell(story, SimFactory(PLANT, clock(), seed=1, meet=lambda _: bus), bus, listeners)
             assert [(dict(zenoh.refused), zenoh.missed) for zenoh in row.buses] == [({}, 0)] * SESSIONS
             return told
         finally:

@@ -33,16 +33,16 @@ def multicast_works() -> bool:
     """Whether this machine lets through what is sent to a multicast group."""
     group, patience_s = "224.0.0.224", 2.0
     with (
-        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as ear,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as listener,
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as mouth,
     ):
         try:
-            ear.bind(("", 0))
+            listener.bind(("", 0))
             membership = socket.inet_aton(group) + socket.inet_aton("0.0.0.0")
-            ear.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
-            ear.settimeout(patience_s)
-            mouth.sendto(b"?", (group, ear.getsockname()[1]))
-            return ear.recv(1) == b"?"
+            listener.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
+            listener.settimeout(patience_s)
+            mouth.sendto(b"?", (group, listener.getsockname()[1]))
+            return listener.recv(1) == b"?"
         except OSError:
             return False
 

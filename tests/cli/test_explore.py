@@ -7,7 +7,7 @@ from functools import partial
 
 import pytest
 
-from dray_sim.checks.bounds import Patience
+from dray_sim.checks.bounds import Bounds
 
 
 @pytest.fixture
@@ -20,17 +20,17 @@ def explore(call, monkeypatch, tmp_path):
 
 @pytest.fixture
 def impatient(monkeypatch) -> None:
-    """No task may take any time, so every trial breaks."""
-    monkeypatch.setattr(Patience, "task_s", lambda *_: 1.0)
+    """No task may take any time, so every run breaks."""
+    monkeypatch.setattr(Bounds, "task_s", lambda *_: 1.0)
 
 
 def test_a_search_that_holds_sums_up(explore, tmp_path) -> None:
-    code, out, _ = explore("--seeds", "3:5", "--profile", "calm", "--jobs", "1", "--json", "found.json")
+    code, out, _ = explore("--seeds", "3:5", "--profile", "faultless", "--jobs", "1", "--json", "found.json")
     assert code == 0
     assert "2 seeds: none broken" in out
     assert "seeds a minute and core" in out
     summary = json.loads((tmp_path / "found.json").read_text())
-    assert summary["trials"] == 2
+    assert summary["runs"] == 2
     assert summary["violations"] == []
 
 
@@ -77,7 +77,7 @@ def test_a_search_that_is_stopped_by_hand_tells_what_it_has_seen(explore, monkey
     def stop(_self: object, _plant: object, _habits: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(Patience, "__init__", stop)
+    monkeypatch.setattr(Bounds, "__init__", stop)
     code, out, _ = explore("--seeds", "0:4", "--jobs", "1")
     assert code == 1
     assert "0 seeds of 4, stopped by hand" in out

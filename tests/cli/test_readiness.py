@@ -42,12 +42,12 @@ def test_a_service_may_tell_other_things_first_and_several_at_once(monkeypatch: 
 
 
 def test_a_listener_may_have_a_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as ear:
-        ear.bind(str(tmp_path / "notify"))
-        ear.settimeout(LONG_S)
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as inbox:
+        inbox.bind(str(tmp_path / "notify"))
+        inbox.settimeout(LONG_S)
         monkeypatch.setenv(VARIABLE, str(tmp_path / "notify"))
         tell_ready()
-        assert ear.recv(100) == b"READY=1"
+        assert inbox.recv(100) == b"READY=1"
 
 
 @pytest.mark.parametrize("address", ["", "@nobody-listens-here", "/nowhere/notify"])

@@ -518,7 +518,7 @@ async def test_many_agents_may_come_and_go(world: World) -> None:
 # --- who may say what ------------------------------------------------------------------------------
 
 
-class Ear:
+class Listener:
     """An agent that remembers all that it has heard."""
 
     def __init__(self, world: World, name: str, *subscriptions: str) -> None:
@@ -576,12 +576,12 @@ every_signature = pytest.mark.parametrize(
 async def test_nobody_publishes_in_the_name_of_another(
     world: World, key: str, speak: Callable[[str], Message], honest: str, liar: str
 ) -> None:
-    ear, true, false = Ear(world, "A", "p/**"), Ear(world, honest), Ear(world, liar)
+    listener, true, false = Listener(world, "A", "p/**"), Listener(world, honest), Listener(world, liar)
     await world.settle()
     false.session.publish(key.format(liar), speak(honest))
     true.session.publish(key.format(honest), speak(honest))
     await world.settle()
-    assert ear.heard == [(honest, speak(honest))]
+    assert listener.heard == [(honest, speak(honest))]
     assert world.refused == {FOREIGN_NAME: 1}
 
 
@@ -589,12 +589,12 @@ async def test_nobody_publishes_in_the_name_of_another(
 async def test_nobody_sends_in_the_name_of_another(
     world: World, key: str, speak: Callable[[str], Message], honest: str, liar: str
 ) -> None:
-    ear, true, false = Ear(world, "A"), Ear(world, honest), Ear(world, liar)
+    listener, true, false = Listener(world, "A"), Listener(world, honest), Listener(world, liar)
     await world.settle()
     false.session.send("A", speak(honest))
     true.session.send("A", speak(honest))
     await world.settle()
-    assert ear.heard == [(honest, speak(honest))]
+    assert listener.heard == [(honest, speak(honest))]
     assert world.refused == {FOREIGN_NAME: 1}
 
 
@@ -603,11 +603,11 @@ async def test_nobody_sends_in_the_name_of_another(
     [("p/hb/atv/R1", beat("R2")), ("p/hb/machine/R1", beat("R2")), ("p/event/R1", tell("R2", ON_THE_WAY))],
 )
 async def test_nobody_speaks_on_another_agents_key(world: World, key: str, message: Message) -> None:
-    ear, stranger = Ear(world, "A", "p/**"), Ear(world, "R2")
+    listener, stranger = Listener(world, "A", "p/**"), Listener(world, "R2")
     await world.settle()
     stranger.session.publish(key, message)
     await world.settle()
-    assert ear.heard == []
+    assert listener.heard == []
     assert world.refused == {FOREIGN_KEY: 1}
 
 
@@ -631,10 +631,10 @@ where_kinds_are_known = pytest.mark.parametrize(
 async def test_nobody_tells_what_another_kind_of_agent_does(
     world: World, speaker: str, key: str, message: Message, reason: str
 ) -> None:
-    ear, stranger = Ear(world, "A", "p/**"), Ear(world, speaker)
+    listener, stranger = Listener(world, "A", "p/**"), Listener(world, speaker)
     await world.settle()
     stranger.session.publish(key, message)
     stranger.session.send("A", message)
     await world.settle()
-    assert ear.heard == []
+    assert listener.heard == []
     assert world.refused == {reason: 2}

@@ -11,7 +11,7 @@ from dray.adapters.zenoh_links import Links
 from dray.messages import OrderTaken
 from dray.messages.speakers import Kind
 from dray_sim.bench.bus import HEARTBEAT
-from dray_sim.bench.fleet import FLOOR, Ear, Observed, Size, _rows
+from dray_sim.bench.fleet import FLOOR, Listener, Observed, Size, _rows
 from dray_sim.bench.usage import Usage
 
 BUSY_S = 0.2
@@ -35,14 +35,14 @@ def test_every_message_is_counted_once_by_its_kind() -> None:
     async def main() -> dict[str, int]:
         bus = ZenohBus(Links(plain=True), "p")
         try:
-            ear = Ear(bus, frozenset({"A", "B"}))
+            listener = Listener(bus, frozenset({"A", "B"}))
             session = bus.join("ATV-07", lambda *_: None)
             session.publish(bus.keys.atv_heartbeat("ATV-07"), HEARTBEAT)
             session.publish(bus.keys.transports("1-1"), HEARTBEAT)
             session.publish(bus.keys.berth("C1"), HEARTBEAT)
             for to in ("A", "A", "B", "nobody"):
                 session.send(to, OrderTaken(order="1"))
-            return dict(ear.heard)
+            return dict(listener.heard)
         finally:
             bus.close()
 

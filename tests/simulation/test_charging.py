@@ -20,8 +20,9 @@ from dray.plant import Plant, VehicleSpec, default_plant
 from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.dwell_points import BLOCKED_S
 from dray_sim.bodies.vehicle import BATTERY_EMPTY
-from dray_sim.explore.play import play as play_trial
-from dray_sim.explore.trial import draw, with_scarce_power
+from dray_sim.explore.play import play as play_run
+from dray_sim.explore.run import draw
+from dray_sim.explore.small_plant import with_scarce_power
 from dray_sim.plants.generator import generate_plant
 from dray_sim.run.evidence import HELD
 from dray_sim.run.stage import Played, Shift, Stage, play
@@ -292,7 +293,7 @@ def charge_only_when_it_is_too_late(patch: pytest.MonkeyPatch) -> None:
 
 
 def test_the_search_sees_that_somebody_runs_flat(monkeypatch: pytest.MonkeyPatch) -> None:
-    trials = [draw(seed, "batteries") for seed in range(WITHIN)]
+    runs = [draw(seed, "batteries") for seed in range(WITHIN)]
     charge_only_when_it_is_too_late(monkeypatch)
-    found = (play_trial(trial).broken for trial in trials)
+    found = (play_run(run).broken for run in runs)
     assert any("run flat" in broken for broken in found)

@@ -14,7 +14,7 @@ from dray.protocol.vehicle.command_authorisation import NOT_GRANTED, NOT_HERE, N
 from dray_sim.checks.invariants import Invariants
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.sim_factory import SimFactory
-from dray_sim.network.listeners import Ears
+from dray_sim.network.listeners import Listeners
 from dray_sim.people import demand
 from dray_sim.people.desk import Desk
 
@@ -47,11 +47,11 @@ class Tablet:
 
 
 async def _stop_everybody_once(seed: int) -> tuple[Invariants, int]:
-    ears = Ears()
+    listeners = Listeners()
     plant = default_plant()
-    factory = SimFactory(plant, clock(), seed=seed, ear=ears)
+    factory = SimFactory(plant, clock(), seed=seed, listener=listeners)
     checks = Invariants(factory)
-    ears.add(checks)
+    listeners.add(checks)
     orders = demand.orders(plant, Random(seed), load=0.9, until_s=3600.0)
     chance, tablet = Random(seed), Tablet(factory)
     stops = 0

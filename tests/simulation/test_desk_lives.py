@@ -19,7 +19,7 @@ from dray.store.progress import OrderStatus
 from dray_sim.checks.invariants import Invariants
 from dray_sim.clock.loop import VirtualClock, clock, run
 from dray_sim.factory.sim_factory import SimFactory
-from dray_sim.network.listeners import Ears
+from dray_sim.network.listeners import Listeners
 from dray_sim.people import demand
 
 ORDERS_S = 1800.0
@@ -149,10 +149,10 @@ async def cancel_later(office: Office, order: str, wait_s: float) -> None:
 @pytest.mark.parametrize("seed", range(4))
 def test_every_order_is_delivered_once_or_dropped(seed: int) -> None:
     async def main() -> None:
-        ears, ended = Ears(), Ended()
-        factory = SimFactory(default_plant(), clock(), seed=seed, ear=ears)
+        listeners, ended = Listeners(), Ended()
+        factory = SimFactory(default_plant(), clock(), seed=seed, listener=listeners)
         checks = Invariants(factory)
-        ears.add(checks, ended)
+        listeners.add(checks, ended)
         office = Office(factory, Random(f"{seed} loss"))
         life = asyncio.create_task(factory.run())
         async with asyncio.TaskGroup() as group:

@@ -14,19 +14,20 @@ import pytest
 from dray.errors import UnavailableError
 from dray.plant.check import faults as plant_faults
 from dray.protocol.strategist.strategist import Strategist
-from dray_sim.checks.bounds import Patience
+from dray_sim.checks.bounds import Bounds
 from dray_sim.explore.outcome import Outcome
 from dray_sim.explore.play import play, try_seed
+from dray_sim.explore.profile import PROFILES
+from dray_sim.explore.run import FAULTS_UNTIL_S, draw
 from dray_sim.explore.search import search
-from dray_sim.explore.trial import FAULTS_UNTIL_S, PROFILES, draw
 
 PRINT_TRACES = """
 from dray_sim.explore.play import play
-from dray_sim.explore.trial import draw
+from dray_sim.explore.run import draw
 print(*(play(draw(seed, profile), listen=True).trace for seed, profile in ((4, "all"), (1, "links"))))
 """
 
-# --- trials -----------------------------------------------------------------------------------------
+# --- runs -----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("profile", PROFILES)
@@ -45,27 +46,27 @@ def test_trials_have_plants_without_faults() -> None:
 
 def test_trials_last_twenty_minutes_and_end_in_calm() -> None:
     for seed in range(20):
-        trial = draw(seed)
-        assert trial.duration_s >= 1200.0
-        assert trial.faults_until_s < trial.duration_s
-        assert all(timed.until_s is not None for timed in trial.schedule)
-        assert all((timed.until_s or 0.0) <= trial.faults_until_s for timed in trial.schedule)
-        assert all(order.at_s <= trial.faults_until_s for order in trial.orders)
+        run = draw(seed)
+        assert run.duration_s >= 1200.0
+        assert run.faults_until_s < run.duration_s
+        assert all(timed.until_s is not None for timed in run.schedule)
+        assert all((timed.until_s or 0.0) <= run.faults_until_s for timed in run.schedule)
+        assert all(order.at_s <= run.faults_until_s for order in run.orders)
 
 
 def test_trials_are_of_all_sorts() -> None:
-    trials = [draw(seed) for seed in range(60)]
-    assert {len(trial.plant.fleet) for trial in trials} == {1, 2, 3, 4, 5, 6}
-    assert {trial.habits is None for trial in trials} == {True, False}
-    assert {trial.passerby for trial in trials} == {True, False}
-    assert {trial.codec for trial in trials} == {True, False}
-    assert {len(trial.cancelled) > 0 for trial in trials} == {True, False}
-    assert {len(trial.revised) > 0 for trial in trials} == {True, False}
-    times = [revised.times_s for trial in trials for revised in trial.revised]
+    runs = [draw(seed) for seed in range(60)]
+    assert {len(run.plant.fleet) for run in runs} == {1, 2, 3, 4, 5, 6}
+    assert {run.habits is None for run in runs} == {True, False}
+    assert {run.random_operator for run in runs} == {True, False}
+    assert {run.codec for run in runs} == {True, False}
+    assert {len(run.cancelled) > 0 for run in runs} == {True, False}
+    assert {len(run.revocations) > 0 for run in runs} == {True, False}
+    times = [revocations.times_s for run in runs for revocations in run.revocations]
     assert {len(each) for each in times} == {1, 2, 3}
     flat = [[moment for pair in each for moment in pair] for each in times]
     assert all(each == sorted(each) and each[-1] <= FAULTS_UNTIL_S for each in flat)
-    assert len({type(timed.fault) for trial in trials for timed in trial.schedule}) >= 10
+    assert len({type(timed.fault) for run in runs for timed in run.schedule}) >= 10
 
 
 # --- playing ----------------------------------------------------------------------------------------
@@ -106,14 +107,14 @@ def test_an_outcome_passes_as_data() -> None:
     outcome = play(draw(2))
     assert msgspec.json.decode(msgspec.json.encode(outcome), type=Outcome) == outcome
     assert outcome.replay == "dray sim explore --seed 2"
-    assert play(draw(0, "calm")).replay == "dray sim explore --seed 0 --profile calm"
+    assert play(draw(0, "faultless")).replay == "dray sim explore --seed 0 --profile faultless"
 
 
 def test_a_violation_is_told_with_what_came_before_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    def patience_of_a_child(_self: Patience, _item: str, _done: int) -> float:
+    def bounds_of_no_time(_self: Bounds, _item: str, _done: int) -> float:
         return 1.0
 
-    monkeypatch.setattr(Patience, "task_s", patience_of_a_child)
+    monkeypatch.setattr(Bounds, "task_s", bounds_of_no_time)
     outcome = next(found for found in map(try_seed, range(50)) if found.broken)
     assert "did not end in" in outcome.broken
     assert outcome.story
@@ -122,16 +123,16 @@ def test_a_violation_is_told_with_what_came_before_it(monkeypatch: pytest.Monkey
     assert any(task in line for line in outcome.story)
 
 
-# --- many trials ------------------------------------------------------------------------------------
+# --- many runs ------------------------------------------------------------------------------------
 
 
 def test_processes_change_nothing_but_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("dray_sim.explore.search.CHUNK", 2)
     seeds: list[int] = []
-    one = search(0, 5, profile="calm")
-    two = search(0, 5, profile="calm", jobs=2, progress=lambda outcome: seeds.append(outcome.seed))
+    one = search(0, 5, profile="faultless")
+    two = search(0, 5, profile="faultless", jobs=2, progress=lambda outcome: seeds.append(outcome.seed))
     assert seeds == list(range(5))
-    assert one.trials == two.trials == 5
+    assert one.runs == two.runs == 5
     assert (one.virtual_s, one.messages, one.transports) == (two.virtual_s, two.messages, two.transports)
     assert not one.interrupted
     assert one.rate > 0
@@ -148,9 +149,9 @@ def test_a_search_that_is_stopped_tells_what_it_has_seen(
         if outcome.seed == 1:
             signal.raise_signal(how)
 
-    summary = search(0, 10_000, profile="calm", jobs=jobs, progress=stop)
+    summary = search(0, 10_000, profile="faultless", jobs=jobs, progress=stop)
     assert summary.interrupted
-    assert summary.trials == 2
+    assert summary.runs == 2
     assert (summary.first, summary.last) == (0, 10_000)
     assert not multiprocessing.active_children()
 
@@ -163,11 +164,11 @@ def test_a_process_that_is_killed_is_told(monkeypatch: pytest.MonkeyPatch) -> No
             child.kill()
 
     with pytest.raises(UnavailableError, match=r"one of its processes was killed; .* fewer --jobs"):
-        search(0, 10_000, profile="calm", jobs=2, progress=kill)
+        search(0, 10_000, profile="faultless", jobs=2, progress=kill)
 
 
 def test_violations_are_kept_for_reading(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Patience, "task_s", lambda *_: 1.0)
+    monkeypatch.setattr(Bounds, "task_s", lambda *_: 1.0)
     summary = search(0, 4)
     assert summary.broken == len(summary.violations) > 0
     assert [found.seed for found in summary.violations] == sorted(found.seed for found in summary.violations)

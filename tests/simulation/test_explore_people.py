@@ -1,4 +1,4 @@
-"""People in a trial: who passes by, and who cancels or takes back."""
+"""People in a run: who presses buttons at random, and who cancels or takes back."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ from dray.messages import (
 )
 from dray_sim.clock.loop import JUMP, clock, run
 from dray_sim.network.sim_network import SimNetwork
-from dray_sim.people.canceller import Regret
+from dray_sim.people.canceller import Canceller
 from dray_sim.people.demand import Order
-from dray_sim.people.random_operator import Passerby
-from dray_sim.people.revoker import Revised, Revision
+from dray_sim.people.random_operator import RandomOperator
+from dray_sim.people.revoker import Revocation, Revoker
 
 
 def test_a_passerby_presses_all_buttons_and_puts_everything_right() -> None:
@@ -42,7 +42,7 @@ def test_a_passerby_presses_all_buttons_and_puts_everything_right() -> None:
             return "forged"
         return "everywhere" if grant.everywhere else "an area"
 
-    async def pass_by() -> None:
+    async def press() -> None:
         network = SimNetwork(clock(), Random(1))
 
         def answer(sender: str, message: Message) -> None:
@@ -53,7 +53,7 @@ def test_a_passerby_presses_all_buttons_and_puts_everything_right() -> None:
                 atv.send(sender, CommandAnswered(command=message.command, done=True))
 
         atv = network.join("ATV1", answer)
-        passerby = Passerby(
+        random_operator = RandomOperator(
             network,
             clock(),
             key,
@@ -63,14 +63,14 @@ def test_a_passerby_presses_all_buttons_and_puts_everything_right() -> None:
             grants=Random(1),
         )
         with suppress(TimeoutError):
-            await asyncio.wait_for(passerby.meddle(), 3600.0)
+            await asyncio.wait_for(random_operator.meddle(), 3600.0)
         assert {command.kind for command in said} == set(CommandKind)
         assert len({command.command for command in said}) == len(said)
         assert {grant_of(command) for command in said} == {"none", "forged", "everywhere", "an area"}
         said.clear()
-        await passerby.put_right()
+        await random_operator.put_right()
 
-    run(pass_by(), JUMP)
+    run(press(), JUMP)
     assert {grant_of(command) for command in said} == {"everywhere"}
     once = list(dict.fromkeys((command.command, command.kind, command.speed_frac) for command in said))
     assert [kind for _, kind, _ in once] == [
@@ -84,7 +84,7 @@ def test_a_passerby_presses_all_buttons_and_puts_everything_right() -> None:
 def test_a_cancellation_is_said_until_it_is_heard() -> None:
     heard: list[str] = []
 
-    async def regret() -> None:
+    async def cancel() -> None:
         network = SimNetwork(clock(), Random(1))
 
         def answer(sender: str, message: Message) -> None:
@@ -94,16 +94,16 @@ def test_a_cancellation_is_said_until_it_is_heard() -> None:
                 strategist.send(sender, CancellationTaken(order=message.order))
 
         strategist = network.join("strategist", answer)
-        await Regret(network, clock()).cancel(((10.0, "D1"), (12.0, "D2")))
+        await Canceller(network, clock()).cancel(((10.0, "D1"), (12.0, "D2")))
 
-    run(regret(), JUMP)
+    run(cancel(), JUMP)
     assert sorted(heard) == ["D1"] * 3 + ["D2"] * 3
 
 
 def test_an_order_is_published_again_with_what_the_strategist_says_is_outstanding() -> None:
     said: list[Message] = []
 
-    async def revise() -> None:
+    async def revoke() -> None:
         network = SimNetwork(clock(), Random(1))
 
         def answer(sender: str, message: Message) -> None:
@@ -119,10 +119,10 @@ def test_an_order_is_published_again_with_what_the_strategist_says_is_outstandin
         strategist = network.join("strategist", answer)
         items = (OrderItem("P1", 6), OrderItem("P2", 1))
         order = Order(id="D1", at_s=0.0, items=items, due_s=900.0)
-        await Revision(network, clock()).revise((Revised(order, ((10.0, 50.0), (60.0, 70.0))),))
+        await Revoker(network, clock()).revoke((Revocation(order, ((10.0, 50.0), (60.0, 70.0))),))
         assert clock().now_s() >= 70.0
 
-    run(revise(), JUMP)
+    run(revoke(), JUMP)
     assert list(dict.fromkeys(said)) == [
         OrderRevoked("D1", 1),
         OrderReleased("D1", (OrderItem("P1", 4), OrderItem("P2", 0)), 900.0, release=2),
@@ -134,7 +134,7 @@ def test_an_order_is_published_again_with_what_the_strategist_says_is_outstandin
 def test_an_order_that_was_fulfilled_when_it_is_taken_back_is_not_published_again() -> None:
     said: list[Message] = []
 
-    async def revise() -> None:
+    async def revoke() -> None:
         network = SimNetwork(clock(), Random(1))
 
         def answer(sender: str, message: Message) -> None:
@@ -143,7 +143,7 @@ def test_an_order_that_was_fulfilled_when_it_is_taken_back_is_not_published_agai
 
         strategist = network.join("strategist", answer)
         order = Order(id="D1", at_s=0.0, items=(OrderItem("P1", 6),), due_s=900.0)
-        await Revision(network, clock()).revise((Revised(order, ((10.0, 20.0), (30.0, 40.0))),))
+        await Revoker(network, clock()).revoke((Revocation(order, ((10.0, 20.0), (30.0, 40.0))),))
 
-    run(revise(), JUMP)
+    run(revoke(), JUMP)
     assert said == [OrderRevoked("D1", 1)]

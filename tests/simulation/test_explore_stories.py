@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from trial_kit import TASK, WORK, closed, event, heartbeat
+from check_kit import TASK, WORK, closed, event, heartbeat
 
 from dray.messages import Release, Role, TaskAnnounced
 from dray_sim.explore.story import Story

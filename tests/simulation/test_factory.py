@@ -42,7 +42,7 @@ def in_a_factory(story: Callable[[SimFactory, Heard], Coroutine[Any, Any, None]]
 
     async def main() -> None:
         heard = Heard()
-        factory = SimFactory(default_plant(), clock(), seed=1, ear=heard, **options)
+        factory = SimFactory(default_plant(), clock(), seed=1, listener=heard, **options)
         async with asyncio.TaskGroup() as group:
             life = group.create_task(factory.run())
             await asyncio.sleep(BEATS_S)
@@ -211,7 +211,7 @@ def test_the_same_lives_give_the_same_run() -> None:
     def digest() -> str:
         async def main() -> str:
             trace = Trace()
-            factory = SimFactory(default_plant(), clock(), seed=3, ear=trace)
+            factory = SimFactory(default_plant(), clock(), seed=3, listener=trace)
             life = asyncio.create_task(factory.run())
             for agent in (*factory.workers, *factory.workers):
                 await asyncio.sleep(3.7)

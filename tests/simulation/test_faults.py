@@ -68,7 +68,7 @@ ONE_OF_EACH: tuple[Fault, ...] = (
     Crashed("strategist"),
     JournalLost("M6"),
     ClockSet("ATV6", by_s=-5.0),
-    SentAway("M5", trial=2),
+    SentAway("M5", probation=2),
     MachineBroken("M4", "no oil"),
     VehicleBroken("ATV4"),
     LoadShifted("ATV5"),
@@ -142,10 +142,10 @@ class FakeWorld:
         self.dead.add(agent)
         self.done.append(f"send {agent} away")
 
-    def restart(self, agent: str, *, trial: int = 0) -> None:
+    def restart(self, agent: str, *, probation: int = 0) -> None:
         if agent not in self.off:
             self.dead.discard(agent)
-            self.done.append(f"restart {agent}" + (f" on trial for {trial}" if trial else ""))
+            self.done.append(f"restart {agent}" + (f" on probation for {probation}" if probation else ""))
 
     def pass_time(self, until_s: float) -> None:
         while self.clock.heap and self.clock.heap[0][0] <= until_s:
@@ -183,7 +183,7 @@ def faults(world: FakeWorld) -> Faults:
         (JournalLost("M1"), "lose M1's journal", "restart M1"),
         (ClockSet("ATV1", 30.0), "set ATV1's clock by 30 s", "set ATV1's clock by -30 s"),
         (SentAway("ATV1"), "send ATV1 away", "restart ATV1"),
-        (SentAway("M1", trial=3), "send M1 away", "restart M1 on trial for 3"),
+        (SentAway("M1", probation=3), "send M1 away", "restart M1 on probation for 3"),
         (MachineBroken("M2", "no oil"), "break M2: no oil", "repair M2"),
         (VehicleBroken("ATV2", "blocked"), "break ATV2: blocked", "repair ATV2"),
         (LoadShifted("ATV1"), "shift ATV1", "repair ATV1"),
@@ -507,7 +507,7 @@ def test_agents_that_leave_are_drawn_apart_some_for_a_trial() -> None:
     leaving = [timed.fault for timed in schedule]
     assert {type(fault) for fault in leaving} == {SentAway}
     assert len({fault.agent for fault in leaving if isinstance(fault, SentAway)}) > 10
-    assert {fault.trial for fault in leaving if isinstance(fault, SentAway)} == {0, 1, 2, 3}
+    assert {fault.probation for fault in leaving if isinstance(fault, SentAway)} == {0, 1, 2, 3}
 
 
 def test_intensity_and_weights_are_obeyed() -> None:

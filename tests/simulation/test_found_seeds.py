@@ -1,6 +1,6 @@
-"""Trials in which the search has found a real fault of ours: they hold now, and must go on holding.
+"""Runs in which the search has found a real fault of ours: they hold now, and must go on holding.
 
-A trial follows from its seed and from the code that draws it; what a seed stood for when it was found
+A run follows from its seed and from the code that draws it; what a seed stood for when it was found
 is lost when that code changes. Whoever changes it puts the old fault back, looks for it again, and
 writes down the seed that finds it.
 """
@@ -10,7 +10,7 @@ from __future__ import annotations
 import pytest
 
 from dray_sim.explore.play import play
-from dray_sim.explore.trial import draw
+from dray_sim.explore.run import draw
 
 FOUND = [
     # A carrier that had been given up came back, found the dock still open and took the goods away; its

@@ -22,7 +22,7 @@ from dray_sim.checks.invariants import Invariants
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.journal import HeldJournal
 from dray_sim.factory.sim_factory import SimFactory
-from dray_sim.network.listeners import Ear, Ears
+from dray_sim.network.listeners import Listener, Listeners
 from dray_sim.network.sim_network import SimNetwork
 from dray_sim.people import demand
 from dray_sim.people.desk import Desk
@@ -140,14 +140,14 @@ class Beats:
 
 
 class FirstTime:
-    """An ear that does not hear what is told again to one agent alone."""
+    """A listener that does not hear what is told again to one agent alone."""
 
-    def __init__(self, ear: Ear) -> None:
-        self._ear = ear
+    def __init__(self, listener: Listener) -> None:
+        self._listener = listener
 
     def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
         if not (isinstance(message, Event) and address.startswith(">")):
-            self._ear.hear(at_s, sender, address, message)
+            self._listener.hear(at_s, sender, address, message)
 
 
 async def trouble(factory: SimFactory, chance: Random) -> None:
@@ -199,10 +199,10 @@ async def attend(shelf: Shelf, factory: SimFactory, chance: Random) -> Historian
 @pytest.mark.parametrize("seed", range(3))
 def test_agents_end_and_begin_at_any_moment_and_the_history_has_no_holes(seed: int) -> None:
     async def main() -> None:
-        plant, ears, beats, shelf = default_plant(), Ears(), Beats(), Shelf()
-        factory = beats.factory = SimFactory(plant, clock(), seed=seed, ear=ears)
+        plant, listeners, beats, shelf = default_plant(), Listeners(), Beats(), Shelf()
+        factory = beats.factory = SimFactory(plant, clock(), seed=seed, listener=listeners)
         checks = Invariants(factory)
-        ears.add(FirstTime(checks), beats)
+        listeners.add(FirstTime(checks), beats)
         orders = demand.orders(plant, Random(f"{seed} demand"), load=0.9, until_s=SPAN_S)
         async with asyncio.TaskGroup() as group:
             life = group.create_task(factory.run())

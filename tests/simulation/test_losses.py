@@ -15,7 +15,7 @@ from typing import Any
 
 import msgspec
 import pytest
-from trial_kit import opened
+from check_kit import opened
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "cli/fleet"))
 
@@ -77,7 +77,7 @@ from dray_sim.bench.losses.watch import gathered
 from dray_sim.bench.losses.works import Works
 from dray_sim.bench.postgres import PostgresServer
 from dray_sim.bodies.floor import Pieces
-from dray_sim.explore.trial import draw
+from dray_sim.explore.run import draw
 from dray_sim.run.witness import Witness
 
 GOAL = Production(product="pump-p3", quantity=24, order="O-1", item=0)
@@ -501,7 +501,7 @@ def test_a_fleet_that_ends_or_does_not_recover_ends_the_campaign_with_the_reason
     monkeypatch: pytest.MonkeyPatch, ended: bool, told: str
 ) -> None:
     monkeypatch.setattr(campaign, "RETURN_S", 0.0)
-    plan: Any = replace(SMALL, calm_s=0.0, pause_s=0.01, head_start_s=0.0)
+    plan: Any = replace(SMALL, quiet_s=0.0, pause_s=0.01, head_start_s=0.0)
     paper: Any = Ailing(ended=ended), Deaf(), None, None
 
     async def play() -> None:
@@ -631,7 +631,7 @@ SMALL = Campaign(
     load=0.8,
     head_start_s=100.0,
     warm_s=0.0,
-    calm_s=15.0,
+    quiet_s=15.0,
     each=1,
     lasting=1,
     kills=14,

@@ -40,7 +40,7 @@ from dray.protocol.vehicle.command_authorisation import CommandAuthorisation
 from dray.protocol.vehicle.command_handling import CommandHandling
 from dray_sim.clock import computer
 from dray_sim.explore.play import play
-from dray_sim.explore.trial import draw
+from dray_sim.explore.run import draw
 
 WITHIN = 300
 """Seeds in which a mutant must be found; it takes one to ten."""
@@ -214,7 +214,7 @@ MUTANTS = [
     pytest.param(with_handovers_that_count_twice, "answers", 0, "ended twice", id="handover-twice"),
     pytest.param(without_release_after_silence, "answers", 17, "invariant 3|still works", id="no-release"),
     pytest.param(that_resumes_unacknowledged, "hands", 0, "invariant 5", id="no-acknowledge"),
-    pytest.param(that_gives_orders_back_with_an_open_gate, "revisions", 0, "invariant 4", id="open-gate"),
+    pytest.param(that_gives_orders_back_with_an_open_gate, "revocations", 0, "invariant 4", id="open-gate"),
     pytest.param(that_passes_tasks_on_within_an_epoch, "updates", 0, "invariant 2", id="no-higher-epoch"),
     pytest.param(that_leaves_with_a_load, "updates", 0, "invariant 6", id="leaves-with-a-load"),
     pytest.param(
@@ -224,7 +224,7 @@ MUTANTS = [
     pytest.param(that_obeys_everywhere, "hands", 0, "invariant 9", id="no-areas"),
     pytest.param(that_believes_every_signature, "hands", 0, "invariant 9", id="no-signature"),
 ]
-"""A mutant, from where trials are drawn, the seed to begin with, and what will be seen."""
+"""A mutant, from where runs are drawn, the seed to begin with, and what will be seen."""
 
 
 @pytest.mark.parametrize(("mutant", "profile", "first", "finding"), MUTANTS)

@@ -169,7 +169,7 @@ def test_no_more_keys_are_remembered_than_the_bound(monkeypatch: pytest.MonkeyPa
         session.subscribe("p/**")
         for number in range(100):
             session.publish(f"p/{number}", say(number))
-            assert len(network._listeners.found) <= 10
+            assert len(network._subscriptions.found) <= 10
         await asyncio.sleep(1.0)
         return len(heard)
 
@@ -183,7 +183,7 @@ def test_who_leaves_leaves_nothing_behind() -> None:
         for key in ("p/k", "p/*", "**"):
             session.subscribe(key)
         session.leave()
-        assert not network._listeners
+        assert not network._subscriptions
         assert not network._sessions
 
     run(main())

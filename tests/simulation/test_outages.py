@@ -102,9 +102,9 @@ def test_an_outage_is_over_when_an_order_was_accepted_and_all_that_was_told_is_w
         writing = asyncio.create_task(write_history(store, watch))
         seen = await Breaker(mortal_postgres, *paper, single_pieces(PLANT), down_s=0.1).kill()
         await writing
-        (before, calm), (after, refused) = buyer.orders
+        (before, quiet), (after, refused) = buyer.orders
         assert (before, after) == ("S1", "S2")
-        assert not calm
+        assert not quiet
         assert seen.before == refused
         assert refused["503"]
         assert seen.away_s > 0.1

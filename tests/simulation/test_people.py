@@ -30,7 +30,7 @@ from dray_sim.checks.invariants import Invariants
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.faults import Faults, LinkTrouble
-from dray_sim.network.listeners import Ears
+from dray_sim.network.listeners import Listeners
 from dray_sim.network.sim_network import SimNetwork
 from dray_sim.people import demand
 from dray_sim.people.desk import Desk
@@ -560,10 +560,10 @@ async def _misfortunes(
     seed: int, turns: int = 12, *network: LinkTrouble
 ) -> tuple[SimFactory, Invariants, Counter[Duty]]:
     """A time in which loads shift and vehicles break or die, and people help."""
-    ears = Ears()
-    factory = SimFactory(PLANT, clock(), seed=seed, ear=ears)
+    listeners = Listeners()
+    factory = SimFactory(PLANT, clock(), seed=seed, listener=listeners)
     checks = Invariants(factory)
-    ears.add(checks)
+    listeners.add(checks)
     faults = Faults(factory)
     for each in network:
         faults.begin(each)

@@ -48,9 +48,9 @@ def test_a_seed_gives_the_same_plant_and_the_same_demand() -> None:
 
 def test_the_demand_stays_below_what_the_plant_can_bear() -> None:
     for seed in SEEDS:
-        trial = draw(seed, small=True)
-        assert 0.0 < trial.load <= 0.6 * min(1.0, trial.limit_load)
-        assert trial.orders
+        run = draw(seed, small=True)
+        assert 0.0 < run.load <= 0.6 * min(1.0, run.limit_load)
+        assert run.orders
 
 
 def test_what_is_drawn_survives_its_text() -> None:

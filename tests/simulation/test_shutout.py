@@ -30,7 +30,7 @@ TAKEN_OVER_S = 30.0
 """A silent primary is replaced within 3.5 s and a way of messages; this is ample."""
 
 
-class Ear:
+class Listener:
     """What is said, once the network has let it pass."""
 
     def __init__(self) -> None:
@@ -41,10 +41,10 @@ class Ear:
             self.last[sender] = at_s, message
 
 
-def in_a_busy_factory(story: Callable[[SimFactory, Ear], Coroutine[Any, Any, None]]) -> None:
+def in_a_busy_factory(story: Callable[[SimFactory, Listener], Coroutine[Any, Any, None]]) -> None:
     async def main() -> None:
-        ear, plant = Ear(), default_plant()
-        factory = SimFactory(plant, clock(), seed=1, ear=ear)
+        listener, plant = Listener(), default_plant()
+        factory = SimFactory(plant, clock(), seed=1, listener=listener)
         orders = demand.orders(plant, Random(1), load=0.6, until_s=BUSY_S + PATIENCE_S)
         async with asyncio.TaskGroup() as group:
             tasks = [
@@ -52,53 +52,53 @@ def in_a_busy_factory(story: Callable[[SimFactory, Ear], Coroutine[Any, Any, Non
                 group.create_task(Desk(factory.bus, clock()).place(orders)),
             ]
             await asyncio.sleep(BUSY_S)
-            await story(factory, ear)
+            await story(factory, listener)
             for task in tasks:
                 task.cancel()
 
     run(main())
 
 
-async def next_carrier(ear: Ear) -> AtvHeartbeat:
+async def next_carrier(listener: Listener) -> AtvHeartbeat:
     """The next vehicle that fetches something and is watched."""
     for _ in range(int(PATIENCE_S)):
-        if found := carrier(ear):
+        if found := carrier(listener):
             return found
         await asyncio.sleep(1.0)
     raise AssertionError("nobody carries anything")
 
 
-def carrier(ear: Ear) -> AtvHeartbeat | None:
+def carrier(listener: Listener) -> AtvHeartbeat | None:
     """A vehicle that fetches something and is watched."""
     watched = {
         brief.task
-        for _, beat in ear.last.values()
+        for _, beat in listener.last.values()
         if isinstance(beat, AtvHeartbeat)
         for brief in beat.watches
         if brief.role is Role.SECONDARY
     }
-    for _, beat in ear.last.values():
+    for _, beat in listener.last.values():
         if isinstance(beat, AtvHeartbeat) and beat.task and not beat.load and beat.task.task in watched:
             return beat
     return None
 
 
 def test_a_carrier_that_is_shut_out_is_replaced_and_takes_part_again_when_it_is_readmitted() -> None:
-    async def story(factory: SimFactory, ear: Ear) -> None:
+    async def story(factory: SimFactory, listener: Listener) -> None:
         gateway = factory.bus.join("gateway", lambda *_: None)
-        out = await next_carrier(ear)
+        out = await next_carrier(listener)
         assert out.task is not None
         gateway.publish(KEYS.shut_out, ShutOut(1, (out.atv,)))
         at_s = clock().now_s()
         await asyncio.sleep(TAKEN_OVER_S)
-        assert ear.last[out.atv][0] <= at_s, "nobody hears it"
+        assert listener.last[out.atv][0] <= at_s, "nobody hears it"
         assert factory.bus.refused[SHUT_OUT] > TAKEN_OVER_S / 5
-        (machine,) = (beat for name, (_, beat) in ear.last.items() if name == out.task.coordinator)
+        (machine,) = (beat for name, (_, beat) in listener.last.items() if name == out.task.coordinator)
         assert isinstance(machine, MachineHeartbeat)
         assert out.atv not in {task.primary for task in machine.tasks}
         gateway.publish(KEYS.shut_out, ShutOut(2))
         await asyncio.sleep(TAKEN_OVER_S)
-        assert ear.last[out.atv][0] > at_s + TAKEN_OVER_S
+        assert listener.last[out.atv][0] > at_s + TAKEN_OVER_S
 
     in_a_busy_factory(story)
 

@@ -19,7 +19,7 @@ SPAN_S = 7200.0
 """Of work and trouble: by then takeovers, lost goals and new elections have all been seen."""
 
 
-class Ear:
+class Listener:
     """The words and the facts that were heard."""
 
     def __init__(self) -> None:
@@ -67,11 +67,11 @@ def test_every_field_that_says_who_speaks_is_compared_with_the_speaker() -> None
 
 def test_nobody_says_in_a_troubled_factory_what_it_may_not() -> None:
     plant = default_plant()
-    ear = Ear()
+    listener = Listener()
     refused: list[Counter[str]] = []
 
     async def main() -> None:
-        factory = SimFactory(plant, clock(), seed=1, ear=ear)
+        factory = SimFactory(plant, clock(), seed=1, listener=listener)
         customers = Desk(factory.bus, clock())
         orders = demand.orders(plant, Random(1), load=0.8, until_s=SPAN_S)
         refused.append(factory.bus.refused)
@@ -88,5 +88,5 @@ def test_nobody_says_in_a_troubled_factory_what_it_may_not() -> None:
     run(main())
     assert not refused[0]
     # Nothing of the negotiation is left out of the test.
-    assert len(ear.said) >= 20, sorted(kind.__name__ for kind in ear.said)
-    assert len(ear.told) >= 20, sorted(kind.__name__ for kind in ear.told)
+    assert len(listener.said) >= 20, sorted(kind.__name__ for kind in listener.said)
+    assert len(listener.told) >= 20, sorted(kind.__name__ for kind in listener.told)

@@ -21,7 +21,7 @@ from dray.messages import (
 )
 from dray.plant import Plant, default_plant
 from dray_sim.checks.broken import InvariantBroken
-from dray_sim.checks.fault_attribution import Blame
+from dray_sim.checks.fault_attribution import FaultAttribution
 from dray_sim.checks.promised import PromisedLiesThere
 from dray_sim.checks.waiting import BEYOND_S, NobodyWaitsInVain
 from dray_sim.run.evidence import HELD
@@ -86,9 +86,9 @@ class _Ear:
             self.given_back.append(message.reason)
 
 
-def ordering(stage: Stage, ear: _Ear) -> None:
+def ordering(stage: Stage, listener: _Ear) -> None:
     """More gear units than there are bearings for, and then pumps, which need none."""
-    stage.ears.add(ear)
+    stage.listeners.add(listener)
     for _ in range(6):
         stage.order("gear-unit-g1", 40)
     stage.order("pump-p3", 24)
@@ -96,10 +96,10 @@ def ordering(stage: Stage, ear: _Ear) -> None:
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_scarce_material_holds_up_who_needs_it_and_nobody_else(seed: int) -> None:
-    ear = _Ear()
+    listener = _Ear()
 
     async def script(stage: Stage) -> list[str]:
-        ordering(stage, ear)
+        ordering(stage, listener)
         await stage.until_s(HOUR_S)
         return [order.items[0].product for order in stage.undelivered()]
 
@@ -109,16 +109,16 @@ def test_a_scarce_material_holds_up_who_needs_it_and_nobody_else(seed: int) -> N
     assert "pump-p3" not in played.told
     assert set(played.told) == {"gear-unit-g1"}, "there are not as many bearings"
     slowest_s = max(kind.load_s for kind in PLANT.vehicle_types.values())
-    assert ear.longest_s < slowest_s + 20.0, "nobody waits at the storage"
-    assert f"{SCARCE} (storage S1 has none)" in ear.waits
+    assert listener.longest_s < slowest_s + 20.0, "nobody waits at the storage"
+    assert f"{SCARCE} (storage S1 has none)" in listener.waits
 
 
 @pytest.mark.parametrize("loses_journal", [False, True])
 def test_a_station_that_is_away_for_a_while_costs_no_order(loses_journal: bool) -> None:
-    ear = _Ear()
+    listener = _Ear()
 
     async def script(stage: Stage) -> float:
-        stage.ears.add(ear)
+        stage.listeners.add(listener)
         for product in ("gear-unit-g1", "motor-e4", "pump-p3"):
             stage.order(product, 24)
         for _ in range(6):
@@ -139,7 +139,7 @@ def test_a_station_that_is_away_for_a_while_costs_no_order(loses_journal: bool) 
     assert played.invariants == HELD
     assert played.told is not None
     assert played.told < HOUR_S
-    assert any("answer" in told for told in ear.waits) or ear.given_back == []
+    assert any("answer" in told for told in listener.waits) or listener.given_back == []
 
 
 def accepted(finish_s: float) -> Accepted:
@@ -171,8 +171,8 @@ def test_a_promise_of_what_is_not_there_is_found() -> None:
 
 
 def test_a_vehicle_that_waits_in_vain_is_found() -> None:
-    ear = NobodyWaitsInVain(Blame(), ("S1",))
-    ear.hear(0.0, "ATV1", ">M1", accepted(finish_s=100.0))
-    ear.hear(100.0 + BEYOND_S, "ATV1", "", waiting())
+    listener = NobodyWaitsInVain(FaultAttribution(), ("S1",))
+    listener.hear(0.0, "ATV1", ">M1", accepted(finish_s=100.0))
+    listener.hear(100.0 + BEYOND_S, "ATV1", "", waiting())
     with pytest.raises(InvariantBroken, match="ATV1 is loading for M1-1 121 s after its promise"):
-        ear.hear(101.0 + BEYOND_S, "ATV1", "", waiting())
+        listener.hear(101.0 + BEYOND_S, "ATV1", "", waiting())

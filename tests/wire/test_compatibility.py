@@ -147,7 +147,7 @@ def day(monkeypatch: pytest.MonkeyPatch, newer: Callable[[str], bool]) -> str:
 
     async def main() -> str:
         trace, plant = Trace(), default_plant()
-        factory = SimFactory(plant, clock(), seed=1, codec=True, ear=trace)
+        factory = SimFactory(plant, clock(), seed=1, codec=True, listener=trace)
         orders = demand.orders(plant, Random(1), load=0.8, until_s=SPAN_S)
         async with asyncio.TaskGroup() as group:
             tasks = [

@@ -101,14 +101,14 @@ def test_everything_is_said_on_the_channel_that_is_published_for_it() -> None:
     }
     said: defaultdict[str, set[type[Message]]] = defaultdict(set)
 
-    class Ear:
+    class Listener:
         def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
             key = f"{plant.id}/agent/@{address[1:]}" if address.startswith(">") else address
             (channel,) = (channel for pattern, channel in addresses.items() if pattern.fullmatch(key))
             said[channel.name].add(type(message))
 
     async def main() -> None:
-        factory = SimFactory(plant, clock(), seed=1, ear=Ear())
+        factory = SimFactory(plant, clock(), seed=1, listener=Listener())
         orders = demand.orders(plant, Random(1), load=0.8, until_s=SPAN_S)
         async with asyncio.TaskGroup() as group:
             tasks = [

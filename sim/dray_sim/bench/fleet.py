@@ -1,7 +1,7 @@
 """Benchmark `fleet`: what a factory costs whose agents are processes, by the number of its vehicles.
 
 `dray fleet up` runs in real time, with certificates and with orders for all machines. Its processes are
-measured from outside: processor time and memory as the kernel tells them, messages by an ear on the bus. The
+measured from outside: processor time and memory as the kernel tells them, messages by a listener on the bus. The
 baseline is the same with as many vehicles as the default plant has.
 
 Every message of an agent counts once, however many hear it. What stands for a vehicle's own wires does not:
@@ -99,7 +99,7 @@ class Observed:
     memory_mb: float
 
 
-class Ear:
+class Listener:
     """Counts what is said on a bus, by kind.
 
     Attributes:
@@ -146,10 +146,10 @@ async def _observe(size: Size) -> Observed:
                 await asyncio.sleep(size.warm_s)
                 members = fleet.roll.members
                 before, began_s = _used(members), time.monotonic()
-                ear = Ear(bus, frozenset(member.name for member in members if member.joins))
+                listener = Listener(bus, frozenset(member.name for member in members if member.joins))
                 await asyncio.sleep(size.span_s)
                 _refuse_new_lives(members, fleet.roll.members)
-                said, span_s = Counter(ear.heard), time.monotonic() - began_s
+                said, span_s = Counter(listener.heard), time.monotonic() - began_s
                 after = _used(members)
     counts = Counter(member.kind for member in members)
     return Observed(

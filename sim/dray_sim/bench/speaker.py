@@ -28,7 +28,7 @@ class Speaker:
 
     def __init__(self, name: str, command: Sequence[str], environment: Mapping[str, str], log: Path) -> None:
         self._name, self._log, self._unread = name, log, b""
-        self._ear, mouth = os.pipe()
+        self._listener, mouth = os.pipe()
         try:
             with log.open("wb") as complaints:
                 self._process = subprocess.Popen(  # noqa: S603 (no shell, and no word of a stranger's)
@@ -44,9 +44,9 @@ class Speaker:
             UnavailableError: it says none, or has ended.
         """
         while b"\n" not in self._unread:
-            if not select.select([self._ear], [], [], SILENCE_S)[0]:
+            if not select.select([self._listener], [], [], SILENCE_S)[0]:
                 raise self.complaint("says nothing any more")
-            said = os.read(self._ear, CHUNK_BYTES)
+            said = os.read(self._listener, CHUNK_BYTES)
             if not said:
                 raise self.complaint("has ended")
             self._unread += said
@@ -60,7 +60,7 @@ class Speaker:
     def close(self) -> None:
         """Wait until it has ended."""
         self._process.wait()
-        os.close(self._ear)
+        os.close(self._listener)
 
     def complaint(self, what: str) -> UnavailableError:
         """That something is wrong with it, and its own last word."""

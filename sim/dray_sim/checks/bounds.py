@@ -38,10 +38,10 @@ GOAL_BIDDING_S = 60.0
 """The strategist's rounds for a goal, at most."""
 
 QUICK_CHARGE_S = 1200.0
-"""A battery that is filled in less is emptied in an hour of driving, and counts in a trial."""
+"""A battery that is filled in less is emptied in an hour of driving, and counts in a run."""
 
 
-class Patience:
+class Bounds:
     """The bounds of one plant.
 
     Args:
@@ -76,7 +76,7 @@ class Patience:
 
         Args:
             item: what is carried.
-            done_meanwhile: transports that were delivered since it was announced, or since the calm began.
+            done_meanwhile: transports that were delivered since it was announced, or since the quiet phase began.
         """
         able = self._able.get(self._plant.ability_of(item), 1)
         return self.settle_s + self.transport_s * (1.0 + done_meanwhile / able)
@@ -85,7 +85,7 @@ class Patience:
 def _charging_s(plant: Plant) -> float:
     """Until the last one of a fleet that is empty has charged, and once more for what it has used meanwhile.
 
-    Nothing where batteries outlast a trial by far.
+    Nothing where batteries outlast a run by far.
     """
     kinds = [plant.vehicle_types[spec.type] for spec in plant.fleet.values()]
     if min(kind.battery_wh / kind.charge_w for kind in kinds) * 3600.0 > QUICK_CHARGE_S:

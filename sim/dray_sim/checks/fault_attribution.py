@@ -66,7 +66,7 @@ class _Absence:
         """The faults that keep it away, by id."""
 
 
-class Blame:
+class FaultAttribution:
     """Knows which faults there were, and asks for one when somebody loses a contract.
 
     Args:
@@ -78,7 +78,7 @@ class Blame:
         self._absences: dict[str, _Absence] = {}
         """The last one of each agent."""
         self._spells: dict[str, _Spell] = {}
-        """By id of the fault. A trial has some dozens."""
+        """By id of the fault. A run has some dozens."""
         self._touched_s: dict[str, float] = {}
         """Until when an agent was in trouble last, or away (`_away`); `EVERYBODY` stands for the network."""
         self._stands: dict[str, None] = {}

@@ -38,7 +38,7 @@ from dray_sim.checks.granted import GrantedOnly
 from dray_sim.checks.isolation import ReplacedInTime, SpeaksOn
 from dray_sim.checks.promised import PromisedLiesThere
 from dray_sim.factory.sim_factory import SimFactory
-from dray_sim.network.listeners import Ear
+from dray_sim.network.listeners import Listener
 
 BRAKING_S = 10.0
 """By then a stopped vehicle stands, whatever its speed and load were."""
@@ -263,11 +263,11 @@ class Invariants:
         broken: the first violation; None while all hold.
     """
 
-    def __init__(self, factory: SimFactory, *more: Ear) -> None:
+    def __init__(self, factory: SimFactory, *more: Listener) -> None:
         self.broken: InvariantBroken | None = None
         self._broke = asyncio.Event()
         self._conservation = MaterialConserved(lambda: factory.floor.count().balance)
-        self._checks: tuple[Ear, ...] = (
+        self._checks: tuple[Listener, ...] = (
             TasksEnd(),
             HandedOverOnce(),
             EpochsRise(),
@@ -282,7 +282,7 @@ class Invariants:
             *more,
         )
 
-    def add(self, check: Ear) -> None:
+    def add(self, check: Listener) -> None:
         """Ask one more, which raises `InvariantBroken` as these do."""
         self._checks += (check,)
 

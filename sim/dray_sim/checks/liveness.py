@@ -1,7 +1,7 @@
 """Invariant 1 in time: when all faults have ended, every announced task ends within a computed bound.
 
 So does every vehicle's work for a task that has ended already: nobody stays bound by what is over. It
-hears everything and takes no part. Before the calm it only keeps books.
+hears everything and takes no part. Before the quiet phase it only keeps books.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from dray.messages.fact import (
     TaskClosed,
     TaskOpened,
 )
-from dray_sim.checks.bounds import Patience
+from dray_sim.checks.bounds import Bounds
 from dray_sim.checks.broken import InvariantBroken
 
 LOOK_S = 5.0
@@ -36,21 +36,21 @@ PROGRESS = (PieceMade, GoodsDelivered, TaskClosed, OrderFulfilled, OrderDropped)
 """What brings an order forward. Each can happen only so often for a finite demand."""
 
 
-class Calm:
+class LivenessCheck:
     """Watches that everything ends.
 
     Args:
-        patience: the bounds.
+        bounds: the bounds.
         liar: whose word on its own work counts for nothing; empty when everybody is honest.
 
     Attributes:
-        over: set when nothing is open and nobody is bound any more, after the calm has begun.
+        over: set when nothing is open and nobody is bound any more, after the quiet phase has begun.
     """
 
-    def __init__(self, patience: Patience, liar: str = "") -> None:
+    def __init__(self, bounds: Bounds, liar: str = "") -> None:
         self.over = asyncio.Event()
         self._liar = liar
-        self._patience = patience
+        self._bounds = bounds
         self._since_s = float("inf")
         self._open: dict[str, tuple[float, int, str]] = {}
         """By transport: when it was announced first, how many were done before, and what is carried."""
@@ -67,7 +67,7 @@ class Calm:
         """By vehicle: the ended task that it still names as its own, and since when."""
         self._done = 0
         self._done_before = 0
-        """Transports that were done when the calm began."""
+        """Transports that were done when the quiet phase began."""
         self._moved_s = 0.0
         """When something came forward last."""
         self._look_s = float("inf")
@@ -137,7 +137,7 @@ class Calm:
 
     def _look(self, at_s: float) -> None:
         for atv, (task, since_s) in self._busy.items():
-            bound_s = self._patience.settle_s + self._patience.transport_s
+            bound_s = self._bounds.settle_s + self._bounds.transport_s
             if at_s - max(since_s, self._since_s) > bound_s:
                 seen = f"{atv} still works for {task}, which ended {at_s - since_s:.0f} s ago"
                 raise InvariantBroken(1, at_s, seen)
@@ -147,12 +147,12 @@ class Calm:
         self.over.clear()
         for task, (opened_s, done_before, item) in self._open.items():
             waited_s = at_s - max(opened_s, self._since_s)
-            bound_s = self._patience.task_s(item, self._done - max(done_before, self._done_before))
+            bound_s = self._bounds.task_s(item, self._done - max(done_before, self._done_before))
             if waited_s > bound_s:
-                seen = f"{task} did not end in {waited_s:.0f} s of calm; its bound is {bound_s:.0f} s"
+                seen = f"{task} did not end in {waited_s:.0f} s of quiet; its bound is {bound_s:.0f} s"
                 raise InvariantBroken(1, at_s, seen)
         stood_s = at_s - self._moved_s
-        if stood_s > self._patience.stall_s:
+        if stood_s > self._bounds.stall_s:
             waiting = ", ".join((*self._orders, *self._open))
-            seen = f"nothing came forward in {stood_s:.0f} s of calm while these were open: {waiting}"
+            seen = f"nothing came forward in {stood_s:.0f} s of quiet while these were open: {waiting}"
             raise InvariantBroken(1, at_s, seen)

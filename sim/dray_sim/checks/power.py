@@ -1,4 +1,4 @@
-"""Invariant 12: in a trial without faults no vehicle runs flat. Chargers suffice there; see `trial`."""
+"""Invariant 12: in a run without faults no vehicle runs flat. Chargers suffice there; see `run`."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from dray_sim.checks.broken import InvariantBroken
 
 
 class Powered:
-    """Watches the batteries of a trial in which nothing goes wrong."""
+    """Watches the batteries of a run in which nothing goes wrong."""
 
     def hear(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
-        """See `dray_sim.network.listeners.Ear`.
+        """See `dray_sim.network.listeners.Listener`.
 
         Raises:
             InvariantBroken: a vehicle says that its battery is empty.

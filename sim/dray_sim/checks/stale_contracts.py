@@ -19,7 +19,7 @@ from dray.messages.fact import (
     TaskOpened,
 )
 from dray_sim.checks.broken import InvariantBroken
-from dray_sim.checks.fault_attribution import Blame
+from dray_sim.checks.fault_attribution import FaultAttribution
 from dray_sim.factory.sim_factory import SimFactory
 
 HEED_S = 30.0
@@ -39,17 +39,17 @@ class _GivenUp:
     since_s: float
 
 
-class Bonds:
+class StaleContracts:
     """Watches awards that were not answered in time.
 
     Args:
         factory: who is running.
-        blame: what the network may have lost.
+        attribution: what the network may have lost.
     """
 
-    def __init__(self, factory: SimFactory, blame: Blame) -> None:
+    def __init__(self, factory: SimFactory, attribution: FaultAttribution) -> None:
         self._factory = factory
-        self._blame = blame
+        self._attribution = attribution
         self._transports: dict[str, None] = {}
         self._given_up: dict[Key, _GivenUp] = {}
         self._bound: dict[Key, float] = {}
@@ -108,7 +108,7 @@ class Bonds:
         if not self._factory.running(atv):
             self._bound.pop(key, None)
         bound_s = self._bound.get(key)
-        lost = self._blame.may_have_lost(given_up.coordinator, atv, given_up.since_s)
+        lost = self._attribution.may_have_lost(given_up.coordinator, atv, given_up.since_s)
         if lost or not self._factory.running(given_up.coordinator):
             del self._given_up[key]
             return
@@ -118,7 +118,7 @@ class Bonds:
             # A pick that is held half-way goes on to its end when the vehicle may move again.
             self._bound[key] = at_s
             return
-        knows_s = max(given_up.since_s, bound_s) + HEED_S + self._blame.delay_s(given_up.since_s)
+        knows_s = max(given_up.since_s, bound_s) + HEED_S + self._attribution.delay_s(given_up.since_s)
         if at_s > knows_s:
             seen = (
                 f"{atv} believes to carry {task} (epoch {epoch}), on which {given_up.coordinator} gave up "

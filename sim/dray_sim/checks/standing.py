@@ -1,6 +1,6 @@
 """Invariant 6, on the carrier's side: no contract is ended that its coordinator still counts on.
 
-Blame asks why a coordinator replaces a carrier. Here it is asked why a carrier gives up: it was let go, or told that
+The attribution of faults asks why a coordinator replaces a carrier. Here it is asked why a carrier gives up: it was let go, or told that
 others carry, though its coordinator names it as the carrier in that very epoch. A restart that was over soon is no reason
 for that, whoever was restarted and in whatever order.
 """
@@ -10,7 +10,7 @@ from __future__ import annotations
 from dray.messages import Event, MachineHeartbeat, Message, Role
 from dray.messages.fact import CarrierChanged, ContractEnded, MemoryLost, TaskClosed
 from dray_sim.checks.broken import InvariantBroken
-from dray_sim.checks.fault_attribution import Blame
+from dray_sim.checks.fault_attribution import FaultAttribution
 
 LET_GO = ("released", "superseded")
 """How a carrier's contract ends that others have ended."""
@@ -20,11 +20,11 @@ class Standing:
     """Watches contracts that both sides have.
 
     Args:
-        blame: knows who was in trouble.
+        attribution: knows who was in trouble.
     """
 
-    def __init__(self, blame: Blame) -> None:
-        self._blame = blame
+    def __init__(self, attribution: FaultAttribution) -> None:
+        self._attribution = attribution
         self._carriers: dict[str, tuple[str, int, str]] = {}
         """By open task, as its coordinator has said last: the carrier, its epoch, and the coordinator."""
 
@@ -53,7 +53,7 @@ class Standing:
             }
         elif type(fact) is ContractEnded and fact.role is Role.PRIMARY and fact.reason in LET_GO:
             carrier, epoch, coordinator = self._carriers.get(fact.task, ("", 0, ""))
-            if (carrier, epoch) == (agent, fact.epoch) and not self._blame.in_trouble(
+            if (carrier, epoch) == (agent, fact.epoch) and not self._attribution.in_trouble(
                 at_s, agent, coordinator
             ):
                 seen = f"{agent} was told that it does not carry {fact.task} ({fact.reason}), on which {coordinator} counts"

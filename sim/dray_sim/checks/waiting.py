@@ -1,14 +1,14 @@
 """Invariant 11: no vehicle stands at a dock for its contract longer than it has promised to need, and two minutes.
 
 Who waits longer is held by a shortage, and cannot do what others need. A fault in those concerned explains a wait, and
-so does a person who has stopped the vehicle (`blame`).
+so does a person who has stopped the vehicle (`attribution`).
 """
 
 from __future__ import annotations
 
 from dray.messages import Accepted, AtvHeartbeat, Message, Phase, Role, TakenOver
 from dray_sim.checks.broken import InvariantBroken
-from dray_sim.checks.fault_attribution import Blame
+from dray_sim.checks.fault_attribution import FaultAttribution
 
 BEYOND_S = 120.0
 
@@ -19,12 +19,12 @@ class NobodyWaitsInVain:
     """Watches vehicles at docks.
 
     Args:
-        blame: knows who was in trouble.
+        attribution: knows who was in trouble.
         stations: those whose trouble keeps vehicles waiting, too.
     """
 
-    def __init__(self, blame: Blame, stations: tuple[str, ...]) -> None:
-        self._blame = blame
+    def __init__(self, attribution: FaultAttribution, stations: tuple[str, ...]) -> None:
+        self._attribution = attribution
         self._stations = stations
         self._promised_s: dict[str, tuple[str, float]] = {}
         """By vehicle: the task that it has taken last, and when it has promised to be done."""
@@ -50,6 +50,6 @@ class NobodyWaitsInVain:
             return
         if brief.phase not in AT_A_DOCK or at_s <= promised_s + BEYOND_S:
             return
-        if not self._blame.in_trouble(at_s, heartbeat.atv, brief.coordinator, *self._stations):
+        if not self._attribution.in_trouble(at_s, heartbeat.atv, brief.coordinator, *self._stations):
             seen = f"{heartbeat.atv} is {brief.phase} for {task} {at_s - promised_s:.0f} s after its promise"
             raise InvariantBroken(11, at_s, seen)

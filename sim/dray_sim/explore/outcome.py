@@ -1,4 +1,4 @@
-"""What became of one trial, and of many: plain data that passes from process to process."""
+"""What became of one run, and of many: plain data that passes from process to process."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import msgspec
 
 
 class Outcome(msgspec.Struct, frozen=True):
-    """One trial, played."""
+    """One run, played."""
 
     seed: int
     profile: str
@@ -29,7 +29,7 @@ class Outcome(msgspec.Struct, frozen=True):
 
     @property
     def replay(self) -> str:
-        """The command that plays this trial again."""
+        """The command that plays this run again."""
         profile = "" if self.profile == "all" else f" --profile {self.profile}"
         return f"dray sim explore --seed {self.seed}{profile}"
 
@@ -41,7 +41,7 @@ class Summary(msgspec.Struct, frozen=True):
     last: int
     """Seeds from the first to before the last were asked for."""
     profile: str
-    trials: int
+    runs: int
     """Played to their end."""
     interrupted: bool
     violations: tuple[Outcome, ...]
@@ -61,4 +61,4 @@ class Summary(msgspec.Struct, frozen=True):
     @property
     def rate(self) -> float:
         """Seeds in a minute of one core that does nothing else."""
-        return 60.0 * self.trials / self.busy_s if self.busy_s else 0.0
+        return 60.0 * self.runs / self.busy_s if self.busy_s else 0.0

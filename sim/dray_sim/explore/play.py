@@ -1,4 +1,4 @@
-"""One trial, played in virtual time with all invariants watched."""
+"""One run, played in virtual time with all invariants watched."""
 
 from __future__ import annotations
 
@@ -10,62 +10,63 @@ from dray.adapters.system_clock import SLEW_FRAC
 from dray.errors import DrayError
 from dray.messages import Event, Message
 from dray.messages.fact import TaskClosed, TookOver
-from dray_sim.checks.bounds import Patience
-from dray_sim.checks.fault_attribution import Blame
+from dray_sim.checks.bounds import Bounds
+from dray_sim.checks.fault_attribution import FaultAttribution
 from dray_sim.checks.invariants import Invariants
-from dray_sim.checks.liveness import Calm
+from dray_sim.checks.liveness import LivenessCheck
 from dray_sim.checks.power import Powered
-from dray_sim.checks.stale_contracts import Bonds
+from dray_sim.checks.stale_contracts import StaleContracts
 from dray_sim.checks.standing import Standing
 from dray_sim.checks.waiting import NobodyWaitsInVain
-from dray_sim.clock.loop import JUMP, clock, run
+from dray_sim.clock.loop import JUMP, clock
+from dray_sim.clock.loop import run as run_loop
 from dray_sim.explore.outcome import Outcome
+from dray_sim.explore.run import Run, draw
 from dray_sim.explore.story import Story
-from dray_sim.explore.trial import Trial, draw
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.faults import Fault, Faults, describe, kind_of
 from dray_sim.faults import play as let_happen
 from dray_sim.insiders import BEHAVIOURS
 from dray_sim.insiders.joining import INSIDER, bring_in
-from dray_sim.network.listeners import Ears
-from dray_sim.people.canceller import Regret
+from dray_sim.network.listeners import Listeners
+from dray_sim.people.canceller import Canceller
 from dray_sim.people.desk import Desk
 from dray_sim.people.operators import hire
-from dray_sim.people.random_operator import Passerby
-from dray_sim.people.revoker import Revision
+from dray_sim.people.random_operator import RandomOperator
+from dray_sim.people.revoker import Revoker
 from dray_sim.run.trace import Trace
 
 LONGEST_S = 6 * 3600.0
-"""Nothing in a trial takes so long; a run that does is broken, too."""
+"""Nothing in a run takes so long; a run that does is broken, too."""
 
 
 def try_seed(seed: int, profile: str = "all") -> Outcome:
-    """Play the trial of a seed; one that breaks is played again to tell how it came to that.
+    """Play the run of a seed; one that breaks is played again to tell how it came to that.
 
     Never raises an error of the run: whatever ends it is what the search is looking for.
     """
-    trial = draw(seed, profile)
-    outcome = play(trial)
-    return play(trial, listen=True) if outcome.broken else outcome
+    run = draw(seed, profile)
+    outcome = play(run)
+    return play(run, listen=True) if outcome.broken else outcome
 
 
-def play(trial: Trial, *, listen: bool = False) -> Outcome:
-    """Play one trial.
+def play(run: Run, *, listen: bool = False) -> Outcome:
+    """Play one run.
 
     Args:
-        trial: what is to be played.
+        run: what is to be played.
         listen: keep what was said for a story, and take the trace; both take a fifth more time.
     """
-    game = _Game(trial, listen=listen)
+    game = _Game(run, listen=listen)
     try:
-        run(game.play(), JUMP)
+        run_loop(game.play(), JUMP)
     except Exception as error:  # noqa: BLE001 (whatever ends a run is what the search is looking for)
         game.broken = game.broken or _in_words(error)
     return game.outcome()
 
 
 class _Tally:
-    """Counts what a trial has exercised."""
+    """Counts what a run has exercised."""
 
     def __init__(self) -> None:
         self.messages = self.transports = self.takeovers = 0
@@ -81,25 +82,25 @@ class _Tally:
 
 
 class _Diary(Faults):
-    """The faults of a trial, written down as they begin and end."""
+    """The faults of a run, written down as they begin and end."""
 
-    def __init__(self, world: SimFactory, blame: Blame, story: Story | None) -> None:
+    def __init__(self, world: SimFactory, attribution: FaultAttribution, story: Story | None) -> None:
         super().__init__(world)
         self.begun: Counter[str] = Counter()
         self._factory = world
-        self._blame = blame
+        self._attribution = attribution
         self._story = story
 
     def begin(self, fault: Fault) -> str:
         name = super().begin(fault)
         self.begun[kind_of(fault)] += 1
-        self._blame.begin(name, fault, self._factory.clock.now_s())
+        self._attribution.begin(name, fault, self._factory.clock.now_s())
         self._note(f"--- {name} begins: {describe(fault)}")
         return name
 
     def end(self, name: str) -> None:
         super().end(name)
-        self._blame.end(name, self._factory.clock.now_s())
+        self._attribution.end(name, self._factory.clock.now_s())
         self._note(f"--- {name} ends")
 
     def _note(self, what: str) -> None:
@@ -108,11 +109,11 @@ class _Diary(Faults):
 
 
 class _Game:
-    """A trial while it is played."""
+    """A run while it is played."""
 
-    def __init__(self, trial: Trial, *, listen: bool) -> None:
+    def __init__(self, run: Run, *, listen: bool) -> None:
         self.broken = ""
-        self._trial = trial
+        self._run = run
         self._story = Story() if listen else None
         self._trace = Trace() if listen else None
         self._tally = _Tally()
@@ -122,31 +123,38 @@ class _Game:
 
     async def play(self) -> None:
         """Run it to its end."""
-        trial, ears = self._trial, Ears()
+        run, listeners = self._run, Listeners()
         factory = SimFactory(
-            trial.plant, clock(), seed=trial.seed, stock_frac=trial.stock_frac, codec=trial.codec, ear=ears
+            run.plant, clock(), seed=run.seed, stock_frac=run.stock_frac, codec=run.codec, listener=listeners
         )
-        liar = INSIDER if trial.insider else ""
-        blame, calm = Blame(trial.plant.fleet), Calm(Patience(trial.plant, trial.habits), liar)
+        liar = INSIDER if run.insider else ""
+        attribution, liveness = (
+            FaultAttribution(run.plant.fleet),
+            LivenessCheck(Bounds(run.plant, run.habits), liar),
+        )
         checks = Invariants(
             factory,
-            blame,
-            Bonds(factory, blame),
-            Standing(blame),
-            NobodyWaitsInVain(blame, tuple(trial.plant.storages)),
-            calm,
+            attribution,
+            StaleContracts(factory, attribution),
+            Standing(attribution),
+            NobodyWaitsInVain(attribution, tuple(run.plant.storages)),
+            liveness,
         )
         if liar:
-            blame.distrust(liar)
-        faults = _Diary(factory, blame, self._story)
+            attribution.distrust(liar)
+        faults = _Diary(factory, attribution, self._story)
         self._faults = faults.begun
-        let_happen(trial.schedule, faults)
-        if not trial.has_faults:
+        let_happen(run.schedule, faults)
+        if not run.has_faults:
             checks.add(Powered())
-        ears.add(*(ear for ear in (self._story, self._trace) if ear is not None), self._tally, checks)
+        listeners.add(
+            *(listener for listener in (self._story, self._trace) if listener is not None),
+            self._tally,
+            checks,
+        )
         life = asyncio.create_task(self._live(factory))
         broken = asyncio.create_task(checks.wait_broken())
-        end = asyncio.create_task(self._await_end(factory, calm))
+        end = asyncio.create_task(self._await_end(factory, liveness))
         try:
             await asyncio.wait({life, broken, end}, timeout=LONGEST_S, return_when=asyncio.FIRST_COMPLETED)
             checks.check_end(factory.clock.now_s())
@@ -160,8 +168,8 @@ class _Game:
 
     def outcome(self) -> Outcome:
         return Outcome(
-            seed=self._trial.seed,
-            profile=self._trial.profile,
+            seed=self._run.seed,
+            profile=self._run.profile,
             broken=self.broken,
             duration_s=self._ended_s,
             transports=self._tally.transports,
@@ -174,50 +182,50 @@ class _Game:
         )
 
     async def _live(self, factory: SimFactory) -> None:
-        trial = self._trial
+        run = self._run
         async with asyncio.TaskGroup() as group:
             group.create_task(factory.run())
-            group.create_task(Desk(factory.bus, factory.clock).place(trial.orders))
-            if trial.cancelled:
-                group.create_task(Regret(factory.bus, factory.clock).cancel(trial.cancelled))
-            if trial.revised:
-                group.create_task(Revision(factory.bus, factory.clock).revise(trial.revised))
-            if trial.habits is not None:
-                for operator in hire(factory, seed=trial.seed, habits=trial.habits):
+            group.create_task(Desk(factory.bus, factory.clock).place(run.orders))
+            if run.cancelled:
+                group.create_task(Canceller(factory.bus, factory.clock).cancel(run.cancelled))
+            if run.revocations:
+                group.create_task(Revoker(factory.bus, factory.clock).revoke(run.revocations))
+            if run.habits is not None:
+                for operator in hire(factory, seed=run.seed, habits=run.habits):
                     group.create_task(operator.run())
-            if trial.passerby:
-                group.create_task(self._pass_by(factory))
-            if trial.insider:
+            if run.random_operator:
+                group.create_task(self._press_at_random(factory))
+            if run.insider:
                 group.create_task(self._lie(factory))
 
     async def _lie(self, factory: SimFactory) -> None:
-        """Somebody lies to the end: in the calm as well, whatever is open must end."""
-        await bring_in(factory, BEHAVIOURS[self._trial.insider]).run()
+        """Somebody lies to the end: in the quiet phase as well, whatever is open must end."""
+        await bring_in(factory, BEHAVIOURS[self._run.insider]).run()
 
-    async def _pass_by(self, factory: SimFactory) -> None:
-        trial = self._trial
-        passerby = Passerby(
+    async def _press_at_random(self, factory: SimFactory) -> None:
+        run = self._run
+        random_operator = RandomOperator(
             factory.bus,
             factory.clock,
             factory.authority,
-            fleet=tuple(trial.plant.fleet),
-            areas=tuple(trial.plant.areas),
-            random=Random(f"{trial.seed} passerby"),
-            grants=Random(f"{trial.seed} passerby's grants"),
+            fleet=tuple(run.plant.fleet),
+            areas=tuple(run.plant.areas),
+            random=Random(f"{run.seed} passerby"),
+            grants=Random(f"{run.seed} passerby's grants"),
         )
         try:
-            await asyncio.wait_for(passerby.meddle(), trial.faults_until_s)
+            await asyncio.wait_for(random_operator.meddle(), run.faults_until_s)
         except TimeoutError:
-            await passerby.put_right()
+            await random_operator.put_right()
 
-    async def _await_end(self, factory: SimFactory, calm: Calm) -> None:
-        """The faults, the calm, and the end of everything that is open."""
-        await asyncio.sleep(self._trial.faults_until_s)
+    async def _await_end(self, factory: SimFactory, liveness: LivenessCheck) -> None:
+        """The faults, the quiet phase, and the end of everything that is open."""
+        await asyncio.sleep(self._run.faults_until_s)
         # Nobody counts on the times of a clock that was set until it is steered back.
         await asyncio.sleep(factory.clock_error_s() / SLEW_FRAC)
-        calm.begin(factory.clock.now_s())
-        await asyncio.sleep(self._trial.duration_s - self._trial.faults_until_s)
-        await calm.over.wait()
+        liveness.begin(factory.clock.now_s())
+        await asyncio.sleep(self._run.duration_s - self._run.faults_until_s)
+        await liveness.over.wait()
 
     def _verdict(self, checks: Invariants, life: asyncio.Task[None], end: asyncio.Task[None]) -> str:
         if checks.broken is not None:
@@ -225,7 +233,7 @@ class _Game:
         for task in (life, end):
             if task.done() and (error := task.exception()) is not None:
                 return _in_words(error)
-        return "" if end.done() else f"the calm has not ended after {LONGEST_S:.0f} s"
+        return "" if end.done() else f"the quiet phase has not ended after {LONGEST_S:.0f} s"
 
 
 def _in_words(error: BaseException) -> str:

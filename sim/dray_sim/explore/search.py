@@ -1,4 +1,4 @@
-"""Many trials, in as many processes as are wanted, and what came of them.
+"""Many runs, in as many processes as are wanted, and what came of them.
 
 Outcomes come in the order of their seeds, however many processes play them. A search that is stopped
 sums up what it has seen so far.
@@ -51,7 +51,7 @@ def search(
     Args:
         first: the first one.
         last: the one after the last one.
-        profile: a name in `dray_sim.explore.trial.PROFILES`.
+        profile: a name in `dray_sim.explore.profile.PROFILES`.
         jobs: processes; 1 plays them in this one.
         progress: called with every outcome, in the order of seeds.
 
@@ -83,14 +83,14 @@ class _Tally:
     def __init__(self, first: int, last: int, profile: str, jobs: int) -> None:
         self.interrupted = False
         self._asked = (first, last, profile, jobs)
-        self._trials = self._broken = 0
+        self._runs = self._broken = 0
         self._violations: list[Outcome] = []
         self._virtual_s = self._busy_s = 0.0
         self._counts: Counter[str] = Counter()
         self._faults: Counter[str] = Counter()
 
     def add(self, outcome: Outcome, took_s: float) -> None:
-        self._trials += 1
+        self._runs += 1
         self._virtual_s += outcome.duration_s
         self._busy_s += took_s
         for name in ("transports", "takeovers", "restarts", "messages"):
@@ -107,7 +107,7 @@ class _Tally:
             first=first,
             last=last,
             profile=profile,
-            trials=self._trials,
+            runs=self._runs,
             interrupted=self.interrupted,
             violations=tuple(self._violations),
             broken=self._broken,

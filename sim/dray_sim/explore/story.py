@@ -29,7 +29,7 @@ from dray.messages import (
 from dray.messages.fact import BidReceived, BidRefused, BidSent, PieceMade, RoundFailed, TaskOpened
 
 KEPT = 20_000
-"""Utterances kept while a trial is played again: all of it, but for the longest."""
+"""Utterances kept while a run is played again: all of it, but for the longest."""
 
 LAST = 20
 """Lines of whatever was said at the end."""
@@ -71,7 +71,7 @@ class Line(NamedTuple):
 
 
 class Story:
-    """An ear that keeps what was said, and tells it afterwards."""
+    """A listener that keeps what was said, and tells it afterwards."""
 
     def __init__(self) -> None:
         self._lines: deque[Line] = deque(maxlen=KEPT)

@@ -35,12 +35,12 @@ from dray_sim.clock.loop import VirtualClock
 from dray_sim.factory.journal import HeldJournal
 from dray_sim.network.coverage import Coverage
 from dray_sim.network.latency import WLAN, Latency
-from dray_sim.network.listeners import Ear
+from dray_sim.network.listeners import Listener
 from dray_sim.network.sim_network import SimNetwork
 
 MakeAgent = Callable[[int, str, int], Agent]
 """Makes an agent for one life, from the number of that life, the version of its software, and the transports
-that it has to do well on trial."""
+that it has to do well on probation."""
 
 
 @dataclass(slots=True)
@@ -73,7 +73,7 @@ class SimFactory:
         stock_frac: how full buffers are at the start, from and to, of what they hold.
         latency: of the network.
         codec: pass every message through the wire format.
-        ear: hears everything that is said.
+        listener: hears everything that is said.
         meet: makes where the agents meet out of the simulated network.
         trusts: whose grants vehicles believe; by default those of `authority`.
 
@@ -99,7 +99,7 @@ class SimFactory:
         stock_frac: tuple[float, float] = FIRST_STOCK_FRAC,
         latency: Latency = WLAN,
         codec: bool = False,
-        ear: Ear | None = None,
+        listener: Listener | None = None,
         meet: Callable[[Bus], Bus] = lambda network: network,
         trusts: Trusts | None = None,
     ) -> None:
@@ -114,7 +114,7 @@ class SimFactory:
             Random(f"{seed} network"),
             latency,
             codec=codec,
-            trace=ear,
+            trace=listener,
             chance=Random(f"{seed} network faults"),
             coverage=Coverage.of_plant(plant),
         )
@@ -191,13 +191,13 @@ class SimFactory:
         """
         self.workers[agent].kill()
 
-    def restart(self, agent: str, software: str = "", *, trial: int = 0) -> None:
+    def restart(self, agent: str, software: str = "", *, probation: int = 0) -> None:
         """Begin an agent's next life; one that still lives ends first, one without power waits for it.
 
         Args:
             agent: a machine, a vehicle, a storage or the strategist.
             software: the version that it runs from now on; empty for the one that it has.
-            trial: transports that this life has to do well before it takes long tasks.
+            probation: transports that this life has to do well before it takes long tasks.
 
         Raises:
             KeyError: there is no such agent.
@@ -208,7 +208,7 @@ class SimFactory:
         if agent == STRATEGIST or agent in self.storages or not self._powered(agent).off:
             post.journal.begin_life()
             post.clock.begin_life()
-            self._enliven(agent, trial)
+            self._enliven(agent, probation)
             self._start(agent)
 
     def lose_journal(self, agent: str) -> None:
@@ -304,8 +304,8 @@ class SimFactory:
         return self.vehicles[agent] if agent in self.vehicles else self.workcells[agent]
 
     def _machine(self, machine: str, plant: Plant, *, newcomer: bool = False) -> MakeAgent:
-        return lambda life, software, trial: Machine(
-            machine, plant, incarnation=life, software=software, newcomer=newcomer, trial=trial
+        return lambda life, software, probation: Machine(
+            machine, plant, incarnation=life, software=software, newcomer=newcomer, trial=probation
         )
 
     def _station(self, storage: str) -> MakeAgent:
@@ -314,13 +314,13 @@ class SimFactory:
         )
 
     def _atv(self, spec: VehicleSpec) -> MakeAgent:
-        return lambda life, software, trial: Atv(
+        return lambda life, software, probation: Atv(
             spec.id,
             self.plant,
             vehicle_type=spec.type,
             incarnation=life,
             software=software,
-            trial=trial,
+            trial=probation,
             trusts=self.trusts,
         )
 
@@ -333,11 +333,11 @@ class SimFactory:
         self._posts[agent] = Post(make, body, journal, ComputerClock(self.clock), __version__)
         self._enliven(agent)
 
-    def _enliven(self, agent: str, trial: int = 0) -> None:
+    def _enliven(self, agent: str, probation: int = 0) -> None:
         """Give an agent its worker, which is not started yet."""
         post = self._posts[agent]
         self.workers[agent] = Worker(
-            post.make(post.journal.incarnation, post.software, trial),
+            post.make(post.journal.incarnation, post.software, probation),
             bus=self._meet,
             clock=post.clock,
             keys=self.keys,

@@ -88,7 +88,7 @@ class World(Protocol):
     def lose_journal(self, agent: str) -> None: ...
     def set_clock(self, agent: str, by_s: float) -> None: ...
     def ask_to_leave(self, agent: str) -> None: ...
-    def restart(self, agent: str, *, trial: int = 0) -> None: ...
+    def restart(self, agent: str, *, probation: int = 0) -> None: ...
 
 
 class Faults:
@@ -193,9 +193,9 @@ class Faults:
                     world.restart(agent)
             case ClockSet(agent, by_s):
                 world.set_clock(agent, -by_s)
-            case SentAway(agent, trial):
+            case SentAway(agent, probation):
                 if not self._holds(agent, *_ENDED):
-                    world.restart(agent, trial=trial)
+                    world.restart(agent, probation=probation)
             case MachineBroken(machine):
                 if not self._holds(machine, MachineBroken):
                     world.workcells[machine].repair()

@@ -1,7 +1,7 @@
 """Whole schedules of faults, drawn from a seed: the weather of a search.
 
 Faults begin as in a Poisson process, so they overlap as independent mishaps do; each ends after a time
-that fits its kind. Everything has ended by a given moment: after it a search may ask for calm.
+that fits its kind. Everything has ended by a given moment: after it a search asks that everything comes to its end.
 """
 
 from __future__ import annotations

@@ -47,7 +47,7 @@ class SentAway(FaultKind, frozen=True):
     """
 
     agent: Id
-    trial: Count = 0
+    probation: Count = 0
     """Transports that its next life has to do well before it takes long tasks."""
 
 

@@ -45,14 +45,14 @@ def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) 
     kind = list(plant.vehicle_types)[-1]
     spec = VehicleSpec(name, kind, next(iter(plant.nodes)), 1.0)
 
-    def make(life: int, software: str, trial: int) -> Turncoat:
+    def make(life: int, software: str, probation: int) -> Turncoat:
         atv = Atv(
             name,
             plant,
             vehicle_type=kind,
             incarnation=life,
             software=software,
-            trial=trial,
+            trial=probation,
             trusts=factory.trusts,
         )
         return Turncoat(atv, behaviour)

@@ -1,4 +1,4 @@
-"""Ears: whoever hears all that is said on a network, and takes no part."""
+"""Listeners: whoever hears all that is said on a network, and takes no part."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from dray.messages import Message
 
 
-class Ear(Protocol):
+class Listener(Protocol):
     """Whoever wants to know all that is said on a network."""
 
     def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
@@ -23,17 +23,17 @@ class Ear(Protocol):
         ...
 
 
-class Ears:
+class Listeners:
     """Several listeners in one, asked in the order in which they were added."""
 
     def __init__(self) -> None:
-        self._ears: tuple[Ear, ...] = ()
+        self._listeners: tuple[Listener, ...] = ()
 
-    def add(self, *ears: Ear) -> None:
+    def add(self, *listeners: Listener) -> None:
         """Let these hear everything, too, from now on."""
-        self._ears += ears
+        self._listeners += listeners
 
     def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
-        """See `Ear`."""
-        for ear in self._ears:
-            ear.hear(at_s, sender, address, message)
+        """See `Listener`."""
+        for listener in self._listeners:
+            listener.hear(at_s, sender, address, message)

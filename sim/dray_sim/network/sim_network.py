@@ -33,7 +33,7 @@ from dray_sim.network.latency import WLAN, Latency
 from dray_sim.network.links import Links
 from dray_sim.network.modem import Modem, Modems
 from dray_sim.network.radio import RADIO, UNFIT, Frame, Radio, RadioSpec
-from dray_sim.network.subscriptions import Listeners
+from dray_sim.network.subscriptions import Subscriptions
 from dray_sim.network.wlan import Wlan
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from dray.ports import Receive
     from dray_sim.clock.loop import VirtualClock
     from dray_sim.network.faults import NetworkFault
-    from dray_sim.network.listeners import Ear
+    from dray_sim.network.listeners import Listener
 
 GATEWAY_S = 12.0
 """A vehicle is reached over whom it was last heard over, for two heartbeats of an idle vehicle and some."""
@@ -113,7 +113,7 @@ class SimNetwork:
         random: the only source of chance for delays.
         latency: how long messages are under way.
         codec: pass every message through the wire format. Slower, and the trace is the same.
-        trace: a `Trace` or another ear; hears every utterance, whether or not anybody else does. What
+        trace: a `Trace` or another listener; hears every utterance, whether or not anybody else does. What
             a vehicle says by radio is heard when it says it, and a heartbeat once more when a gateway
             puts it on the bus: said by the gateway, with the way it came.
         chance: the only source of chance for faults and the radio.
@@ -140,7 +140,7 @@ class SimNetwork:
         latency: Latency = WLAN,
         *,
         codec: bool = False,
-        trace: Ear | None = None,
+        trace: Listener | None = None,
         chance: Random | None = None,
         coverage: Coverage | None = None,
         radio: RadioSpec = RADIO,
@@ -159,7 +159,7 @@ class SimNetwork:
         self._trace = trace
         self._joins = 0
         self._sessions: dict[str, SimSession] = {}
-        self._listeners = Listeners()
+        self._subscriptions = Subscriptions()
         # A generator of their own, so that a fault does not shift the chances of what it does not touch.
         chance = chance if chance is not None else Random("network faults")
         self._links = Links(coverage if coverage is not None else Coverage())
@@ -240,9 +240,9 @@ class SimNetwork:
         if type(message) is ShutOut:
             self._shut_out(message)
         message = self._utter(sender.agent, key, message)
-        receivers = self._listeners.found.get(key)
+        receivers = self._subscriptions.found.get(key)
         if receivers is None:
-            receivers = self._listeners.of(key)
+            receivers = self._subscriptions.of(key)
         if self._modems.busy:
             self._publish_ill(sender, key, message, receivers)
             return
@@ -266,18 +266,18 @@ class SimNetwork:
 
     def subscribe(self, session: SimSession, key: str) -> None:
         """Let `session` hear `key`, which may hold wildcards."""
-        self._listeners.add(session, key)
+        self._subscriptions.add(session, key)
 
     def unsubscribe(self, session: SimSession, key: str) -> None:
         """Let `session` hear `key` no longer."""
-        self._listeners.remove(session, key)
+        self._subscriptions.remove(session, key)
 
     def leave(self, session: SimSession) -> None:
         """Forget `session`; what is under way to it is dropped when it arrives."""
         session.joined = False
         if self._sessions.get(session.agent) is session:
             del self._sessions[session.agent]
-        self._listeners.forget(session)
+        self._subscriptions.forget(session)
 
     # --- the way of a message --------------------------------------------------------------------
 
@@ -392,7 +392,7 @@ class SimNetwork:
         if (
             frame.key
             and not self._modems.has_wlan(station.agent)
-            and session in self._listeners.of(frame.key)
+            and session in self._subscriptions.of(frame.key)
         ):
             session.deliver(frame.origin, _came_over(frame.message, via))
         if frame.rising and station.link is Link.WLAN:
@@ -415,7 +415,7 @@ class SimNetwork:
         if frame.key:
             message = _came_over(frame.message, (*via, gateway.agent))
             message = self._utter(gateway.agent, frame.key, message)
-            for receiver in self._listeners.of(frame.key):
+            for receiver in self._subscriptions.of(frame.key):
                 if receiver.agent != frame.origin:
                     self._carry_ill(gateway.agent, frame.origin, receiver, message)
             return

@@ -16,7 +16,7 @@ MAX_KEYS = 10_000
 """Keys whose receivers are remembered: ten times those of a plant of three hundred agents."""
 
 
-class Listeners:
+class Subscriptions:
     """Subscriptions to keys and to patterns of keys.
 
     Attributes:
@@ -48,24 +48,24 @@ class Listeners:
     def remove(self, session: SimSession, key: str) -> None:
         """Let `session` hear `key` no longer; harmless when it never did."""
         if "*" not in key:
-            listeners = self._exact.get(key, {})
-            listeners.pop(session, None)
-            if not listeners:
+            subscribers = self._exact.get(key, {})
+            subscribers.pop(session, None)
+            if not subscribers:
                 self._exact.pop(key, None)
             self.found.pop(key, None)
             return
         if key in self._patterns:
-            listeners = self._patterns[key][1]
-            listeners.pop(session, None)
-            if not listeners:
+            subscribers = self._patterns[key][1]
+            subscribers.pop(session, None)
+            if not subscribers:
                 del self._patterns[key]
             self.found.clear()
 
     def forget(self, session: SimSession) -> None:
         """Let `session` hear nothing any more."""
-        for key in [key for key, listeners in self._exact.items() if session in listeners]:
+        for key in [key for key, subscribers in self._exact.items() if session in subscribers]:
             self.remove(session, key)
-        for key in [key for key, (_, listeners) in self._patterns.items() if session in listeners]:
+        for key in [key for key, (_, subscribers) in self._patterns.items() if session in subscribers]:
             self.remove(session, key)
 
     def of(self, key: str) -> tuple[SimSession, ...]:
@@ -80,12 +80,12 @@ class Listeners:
     def _find(self, key: str) -> tuple[SimSession, ...]:
         if "*" in key:
             raise ProtocolViolation(f"published on {key!r}: only subscriptions may hold wildcards")
-        listeners = dict(self._exact.get(key, {}))
+        subscribers = dict(self._exact.get(key, {}))
         for matches, also in self._patterns.values():
             if matches(key):
-                listeners.update(also)
+                subscribers.update(also)
         # In the order of joining: who hears first must not hang on who subscribed how.
-        receivers = tuple(sorted(listeners, key=lambda session: session.number))
+        receivers = tuple(sorted(subscribers, key=lambda session: session.number))
         if len(self.found) >= MAX_KEYS:
             self.found.clear()
         self.found[key] = receivers

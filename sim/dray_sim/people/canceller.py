@@ -10,11 +10,14 @@ from dray.ports import Bus
 from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.clock.loop import VirtualClock
 
+NAME = "regret"
+"""On the bus. It is in the trace of every run that has one, and so it stays."""
+
 AGAIN_S = 5.0
 """A cancellation that nobody has answered is sent again after this long."""
 
 
-class Regret:
+class Canceller:
     """Cancels orders, each again and again until the strategist has heard it.
 
     Args:
@@ -23,7 +26,7 @@ class Regret:
     """
 
     def __init__(self, bus: Bus, clock: VirtualClock) -> None:
-        self._session = bus.join("regret", self._hear)
+        self._session = bus.join(NAME, self._hear)
         self._clock = clock
         self._waiting: dict[str, asyncio.Event] = {}
 

@@ -1,7 +1,7 @@
 """Somebody who presses buttons at random: the worst operator that a factory can have.
 
 Commands come in any order, to any vehicle, whatever it is doing; most of them must be refused. Some come
-with a grant for one area only, wherever the vehicle is, some with a forged one or with none. When the calm
+with a grant for one area only, wherever the vehicle is, some with a forged one or with none. When the quiet phase
 begins, everything is put right again.
 """
 
@@ -18,6 +18,7 @@ from dray.protocol.vehicle.command_handling import NOT_STOPPED
 from dray_sim.people.answers import Answers
 
 NAME = "passerby"
+"""On the bus. It is in the trace of every run that has one, and so it stays."""
 
 GAP_S = 40.0
 """Between two commands, in the mean."""
@@ -41,8 +42,8 @@ GRANT_S = 30.0
 FORGER = SigningKey(sha256(b"somebody whom no vehicle trusts").digest())
 
 
-class Passerby:
-    """Gives commands until the calm, then takes them back.
+class RandomOperator:
+    """Gives commands until the quiet phase, then takes them back.
 
     Args:
         bus: joined at once.

@@ -19,12 +19,15 @@ from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.clock.loop import VirtualClock
 from dray_sim.people.demand import Order
 
+NAME = "revision"
+"""On the bus. It is in the trace of every run that has one, and so it stays."""
+
 AGAIN_S = 5.0
 """What nobody has answered is said again after this long."""
 
 
 @dataclass(frozen=True, slots=True)
-class Revised:
+class Revocation:
     """An order that is taken back.
 
     Attributes:
@@ -36,7 +39,7 @@ class Revised:
     times_s: tuple[tuple[float, float], ...]
 
 
-class Revision:
+class Revoker:
     """Takes orders back, and publishes what is outstanding of them again.
 
     Like the gateway it publishes only after the strategist has answered, and with what that answer says.
@@ -47,19 +50,19 @@ class Revision:
     """
 
     def __init__(self, bus: Bus, clock: VirtualClock) -> None:
-        self._session = bus.join("revision", self._hear)
+        self._session = bus.join(NAME, self._hear)
         self._clock = clock
         self._waiting: dict[tuple[type[Message], str, int], asyncio.Future[Message]] = {}
 
-    async def revise(self, revised: Iterable[Revised]) -> None:
+    async def revoke(self, revocations: Iterable[Revocation]) -> None:
         """Do all of it; returns when the last order was taken again."""
         async with asyncio.TaskGroup() as group:
-            for each in revised:
-                group.create_task(self._revise(each))
+            for each in revocations:
+                group.create_task(self._revoke(each))
 
-    async def _revise(self, revised: Revised) -> None:
-        order, items = revised.order, revised.order.items
-        for release, (back_s, again_s) in enumerate(revised.times_s, 1):
+    async def _revoke(self, revocation: Revocation) -> None:
+        order, items = revocation.order, revocation.order.items
+        for release, (back_s, again_s) in enumerate(revocation.times_s, 1):
             await self._until(back_s)
             back = await self._say(OrderRevoked(order.id, release), RevocationTaken, order.id, release)
             if isinstance(back, RevocationTaken) and back.outstanding:

@@ -32,7 +32,7 @@ LEAST_ORDERS = 12
 """Orders of a plant that can make little are small, so that there are several."""
 
 
-class Trial(msgspec.Struct, frozen=True):
+class Run(msgspec.Struct, frozen=True):
     """One plant and its demand.
 
     Attributes:
@@ -138,7 +138,7 @@ class Judgement(msgspec.Struct, frozen=True):
         return lines
 
 
-def draw(seed: int, *, small: bool = False, hours: float = HOURS) -> Trial:
+def draw(seed: int, *, small: bool = False, hours: float = HOURS) -> Run:
     """The plant of a seed, and a demand that it can serve.
 
     Raises:
@@ -149,7 +149,7 @@ def draw(seed: int, *, small: bool = False, hours: float = HOURS) -> Trial:
     random = Random(f"{seed} load")
     load = random.uniform(*LOAD_FRAC) * min(1.0, limit.load_frac)
     orders = tuple(_orders(plant, Random(f"{seed} demand"), load, hours * 3600.0))
-    return Trial(seed, small, plant, hours, load, f"{limit.kind} {limit.name}", limit.load_frac, orders)
+    return Run(seed, small, plant, hours, load, f"{limit.kind} {limit.name}", limit.load_frac, orders)
 
 
 def _orders(plant: Plant, random: Random, load: float, until_s: float) -> Iterator[demand.Order]:
@@ -175,29 +175,29 @@ def _orders(plant: Plant, random: Random, load: float, until_s: float) -> Iterat
 
 def play_seed(seed: int, *, small: bool = False, hours: float = HOURS) -> Judgement:
     """Draw a plant, and let it work."""
-    trial = draw(seed, small=small, hours=hours)
+    run = draw(seed, small=small, hours=hours)
     began_s = time.process_time()
-    watch = Watch(trial.plant)
+    watch = Watch(run.plant)
 
     async def work(stage: Stage) -> float:
-        stage.ears.add(watch)
-        for order in trial.orders:
+        stage.listeners.add(watch)
+        for order in run.orders:
             await stage.until_s(order.at_s)
             stage.place(order)
-        await stage.until_s(trial.hours * 3600.0)
+        await stage.until_s(run.hours * 3600.0)
         return await stage.settle(SETTLE_S)
 
-    shift = Shift(name="plants", duration_s=trial.hours * 3600.0)
-    played = play(shift, trial.plant, seed, work)
+    shift = Shift(name="plants", duration_s=run.hours * 3600.0)
+    played = play(shift, run.plant, seed, work)
     report, longest = played.report, watch.longest
-    warned = advice(trial.plant)
+    warned = advice(run.plant)
     return Judgement(
         seed=seed,
-        plant=repr(trial.plant)[1:-1],
-        limit=trial.limit,
-        load=trial.load,
-        limit_load=trial.limit_load,
-        orders=len(trial.orders),
+        plant=repr(run.plant)[1:-1],
+        limit=run.limit,
+        load=run.load,
+        limit_load=run.limit_load,
+        orders=len(run.orders),
         delivered=report.orders_delivered,
         transports=report.transports,
         p50_s=report.transport_p50_s,
@@ -206,7 +206,7 @@ def play_seed(seed: int, *, small: bool = False, hours: float = HOURS) -> Judgem
         flat=tuple(watch.flat),
         waited=len(watch.waits),
         longest_s=longest.beyond_s,
-        longest=_told(trial.plant, longest),
+        longest=_told(run.plant, longest),
         settled_s=played.told or 0.0,
         utilisation_frac={str(name): part for name, part in report.utilisation_frac.items()},
         refusals=report.refusals,

@@ -35,7 +35,7 @@ class Waiting:
 
 
 class Watch:
-    """An ear for what vehicles do.
+    """A listener for what vehicles do.
 
     A carrier waits when it stands at a dock for longer than its manoeuvre takes.
 
@@ -61,7 +61,7 @@ class Watch:
         self._carries: dict[str, str] = {}
 
     def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
-        """See `Ear`."""
+        """See `Listener`."""
         if type(message) is AtvHeartbeat:
             self._note(message)
         elif type(message) is Event and isinstance(bid := message.fact, BidReceived):

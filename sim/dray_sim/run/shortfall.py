@@ -1,6 +1,6 @@
 """Why a plant has not done more: every wait of a transport and of a machine, with its cause.
 
-An ear that looks at the heartbeats and at the storages every `LOOK_S` and adds up. It takes no part, and the run is the same
+A listener that looks at the heartbeats and at the storages every `LOOK_S` and adds up. It takes no part, and the run is the same
 without it. What it saw becomes words in `dray_sim.run.verdict`.
 
 A transport waits for *material* that no storage has, for a *charger* when those that could carry it have no battery left,
@@ -119,7 +119,7 @@ class Shortfall:
         self._look_s = 0.0
 
     def hear(self, at_s: float, _sender: str, address: str, message: Message) -> None:
-        """See `Ear`."""
+        """See `Listener`."""
         if isinstance(message, AtvHeartbeat):
             self._note_atv(message)
         elif isinstance(message, MachineHeartbeat):

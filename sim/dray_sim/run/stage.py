@@ -21,7 +21,7 @@ from dray_sim.clock.loop import JUMP, clock, run
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.faults import Faults
 from dray_sim.network.latency import WLAN, Latency
-from dray_sim.network.listeners import Ears
+from dray_sim.network.listeners import Listeners
 from dray_sim.people import demand
 from dray_sim.people.desk import Desk
 from dray_sim.people.habits import Habits
@@ -98,9 +98,9 @@ class Stage:
         witness: what was said.
         observer: figures so far.
         shortfall: who has waited for what so far.
-        ears: hear everything that is said; a script may add its own.
+        listeners: hear everything that is said; a script may add its own.
         orders: all of them, placed or still to come.
-        ears: hear all that is said.
+        listeners: hear all that is said.
     """
 
     def __init__(self, shift: Shift, plant: Plant, seed: int) -> None:
@@ -112,7 +112,7 @@ class Stage:
             random = Random(f"{seed} demand")
             self.orders += demand.orders(plant, random, load=shift.load, until_s=shift.duration_s)
         self.observer, self.trace, self.witness = Observer(), Trace(), Witness(*shift.keep)
-        self.ears = ears = Ears()
+        self.listeners = listeners = Listeners()
         self.factory = SimFactory(
             plant,
             clock(),
@@ -120,13 +120,13 @@ class Stage:
             stock_frac=shift.stock_frac,
             latency=shift.latency,
             codec=shift.codec,
-            ear=ears,
+            listener=listeners,
         )
         self.faults = Faults(self.factory)
         self.people = hire(self.factory, seed=seed, habits=shift.people) if shift.people is not None else ()
         self.checks = Invariants(self.factory)
         self.shortfall = Shortfall(plant, self.factory.storages)
-        ears.add(self.trace, self.observer, self.checks, self.witness, self.shortfall)
+        listeners.add(self.trace, self.observer, self.checks, self.witness, self.shortfall)
         self._desk = Desk(self.factory.bus, self.factory.clock)
         self._demand = tuple(self.orders)
         self._placing: list[asyncio.Task[None]] = []

@@ -36,7 +36,7 @@ class Utterance(NamedTuple):
 
 
 class Trace:
-    """An `Ear` that listens to every utterance on a network, at the moment it is said.
+    """A `Listener` that listens to every utterance on a network, at the moment it is said.
 
     Args:
         tail: how many of the last utterances to keep.

@@ -39,7 +39,7 @@ class _Waiter:
 
 
 class Witness:
-    """An `Ear` for scenarios.
+    """A `Listener` for scenarios.
 
     Args:
         kinds: classes of facts and messages to keep.

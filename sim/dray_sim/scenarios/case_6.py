@@ -29,11 +29,11 @@ SPAN_S = 3 * 3600.0
 AWAY_S = 5.0
 """A process has ended, the new one starts."""
 
-FIRST_TRIAL, TRIAL = 2, 1
+FIRST_PROBATION, PROBATION = 2, 1
 """Transports that the first one has to do well, and each of the others."""
 
 FIRST_PATIENCE_S = 3600.0
-"""If the first one has not passed its trial by then nobody else is updated."""
+"""If the first one has not passed its probation by then nobody else is updated."""
 
 KINDS = ("vehicles", "machines", "strategist")
 
@@ -41,7 +41,7 @@ PHASES = (Phase.APPROACHING, Phase.CARRYING)
 """Vehicles are asked to leave in the middle of these, in turn: one hands its task over, the next finishes it."""
 
 PATIENCE_S = 300.0
-"""For the trial of each of the others: one that gets no work must not hold up all others."""
+"""For the probation of each of the others: one that gets no work must not hold up all others."""
 
 SHARE = 0.9
 """So much must be done all the same; what chance does to either run is about as much."""
@@ -64,7 +64,7 @@ class Replaced:
     Attributes:
         kind: of the agent, one of `KINDS`.
         left_s: from the wish that it leave until it had left.
-        tried_s: from its start until its trial was passed; None when it had no work in time.
+        tried_s: from its start until its probation was passed; None when it had no work in time.
     """
 
     kind: str
@@ -152,13 +152,14 @@ async def _update(stage: Stage) -> tuple[Replaced, ...]:
     vehicles, machines, strategist = KINDS
     old = list(stage.factory.vehicles)
     first = await _at_work(stage, old, PHASES[0])
-    replaced = [await _replace(stage, vehicles, first, FIRST_TRIAL, FIRST_PATIENCE_S)]
+    replaced = [await _replace(stage, vehicles, first, FIRST_PROBATION, FIRST_PATIENCE_S)]
     if replaced[0].tried_s is not None:
         while old:
             atv = await _at_work(stage, old, PHASES[len(old) % len(PHASES)])
-            replaced.append(await _replace(stage, vehicles, atv, TRIAL, PATIENCE_S))
+            replaced.append(await _replace(stage, vehicles, atv, PROBATION, PATIENCE_S))
         replaced += [
-            await _replace(stage, machines, machine, TRIAL, PATIENCE_S) for machine in stage.factory.workcells
+            await _replace(stage, machines, machine, PROBATION, PATIENCE_S)
+            for machine in stage.factory.workcells
         ]
         # It gets no transports that it could be tried with.
         replaced.append(await _replace(stage, strategist, STRATEGIST, 0, 0.0))
@@ -177,19 +178,19 @@ async def _at_work(stage: Stage, old: list[str], phase: Phase) -> str:
     return old.pop(0)
 
 
-async def _replace(stage: Stage, kind: str, agent: str, trial: int, patience_s: float) -> Replaced:
+async def _replace(stage: Stage, kind: str, agent: str, probation: int, patience_s: float) -> Replaced:
     asked_s = stage.now_s()
     await stage.factory.leave(agent)
     left_s = stage.now_s()
     await asyncio.sleep(AWAY_S)
-    stage.factory.restart(agent, software=NEW, trial=trial)
+    stage.factory.restart(agent, software=NEW, probation=probation)
     started_s = stage.now_s()
     passed = await _pass_trial(stage, agent, patience_s)
     return Replaced(kind, left_s - asked_s, stage.now_s() - started_s if passed else None)
 
 
 async def _pass_trial(stage: Stage, agent: str, patience_s: float) -> bool:
-    """Wait until an agent says that its trial is over; whether it came to that."""
+    """Wait until an agent says that its probation is over; whether it came to that."""
     witness = stage.witness
     for _ in range(int(patience_s)):
         await asyncio.sleep(1.0)
@@ -215,7 +216,7 @@ def case_6(seed: int) -> Findings:
         runs=(updated, twin_run),
         checks=(
             Check(
-                f"One vehicle is tried out alone, among others of the old version, and does {FIRST_TRIAL} transports",
+                f"One vehicle is tried out alone, among others of the old version, and does {FIRST_PROBATION} transports",
                 first.tried_s is not None,
                 "not in time" if first.tried_s is None else f"in {first.tried_s / 60:.0f} minutes",
             ),
@@ -254,7 +255,7 @@ def case_6(seed: int) -> Findings:
                 (told.row("update"), twin.row("no update")),
             ),
             Table(
-                "How long agents took to leave, and for their trials",
+                "How long agents took to leave, and for their probation",
                 ("", "agents", "left in, median", "longest", "tried in, median", "without work in time"),
                 tuple(_row(kind, told.replaced) for kind in KINDS),
             ),
@@ -278,7 +279,7 @@ def _row(kind: str, replaced: Sequence[Replaced]) -> tuple[str, ...]:
 
 CASE_6 = Scenario(
     name="case-6",
-    shows="Agents leave one by one and come back on trial with another software version, while production runs.",
+    shows="Agents leave one by one and come back on probation with another software version, while production runs.",
     source="paper, 4.2 case 6",
     claim=(
         "Software is updated agent by agent: one is tried out first, then the others follow. Neither the factory nor an "
@@ -286,8 +287,8 @@ CASE_6 = Scenario(
     ),
     story=(
         f"The default plant at {SHIFT.load:.0%} load. A vehicle leaves in order, comes back with another software version, "
-        f"and drives with it alone until it has done {FIRST_TRIAL} short transports. Then the other vehicles, the machines "
-        f"and the strategist follow: each leaves when the one before has done a transport on trial, or has had none to do "
+        f"and drives with it alone until it has done {FIRST_PROBATION} short transports. Then the other vehicles, the machines "
+        f"and the strategist follow: each leaves when the one before has done a transport on probation, or has had none to do "
         f"in {PATIENCE_S / 60:.0f} minutes. Every vehicle is asked to leave when it has a task: the first on its way to the "
         f"load, the next with the load on board, and so on. Beside it the same demand without an update."
     ),

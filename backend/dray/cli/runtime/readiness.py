@@ -50,25 +50,25 @@ class Listener:
     """Hears when one process takes part.
 
     Args:
-        ear: a datagram socket that has an address.
+        inbox: a datagram socket that has an address.
     """
 
-    def __init__(self, ear: socket.socket) -> None:
-        self._ear = ear
-        self.environment = {VARIABLE: "@" + ear.getsockname()[1:].decode()}
+    def __init__(self, inbox: socket.socket) -> None:
+        self._inbox = inbox
+        self.environment = {VARIABLE: "@" + inbox.getsockname()[1:].decode()}
         """What the process has to be started with."""
 
     async def ready(self) -> None:
         """Wait until it takes part."""
         loop = asyncio.get_running_loop()
-        while READY not in (await loop.sock_recv(self._ear, LONGEST_BYTES)).splitlines():
+        while READY not in (await loop.sock_recv(self._inbox, LONGEST_BYTES)).splitlines():
             pass
 
 
 @contextlib.contextmanager
 def listening() -> Iterator[Listener]:
     """Listen for one process, at an address that nobody else has."""
-    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as ear:
-        ear.setblocking(False)
-        ear.bind("")  # Linux chooses a free address that is no file (unix(7), autobind)
-        yield Listener(ear)
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as inbox:
+        inbox.setblocking(False)
+        inbox.bind("")  # Linux chooses a free address that is no file (unix(7), autobind)
+        yield Listener(inbox)

@@ -58,7 +58,7 @@ def measure(quick: bool) -> list[Row]:
         load=LOAD,
         head_start_s=HEAD_START_S,
         warm_s=60.0,
-        calm_s=120.0 / (2 if quick else 1),
+        quiet_s=120.0 / (2 if quick else 1),
         each=10 // share,
         lasting=3 if share == 1 else 1,
         kills=200 // share,

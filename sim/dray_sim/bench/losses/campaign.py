@@ -61,7 +61,7 @@ class Campaign:
         load: part of the machines' time that the demand takes.
         head_start_s: the demand begins as if it had run for so long (plant clock): busy from the first minute.
         warm_s: real seconds before anything is measured: buffers fill, and vehicles find their rhythm.
-        calm_s: real seconds in which nobody is killed: the baseline.
+        quiet_s: real seconds in which nobody is killed: the baseline.
         each: kills of every kind in turn.
         lasting: of these, a vehicle and a machine that stay away.
         kills: of all these and of random ones together.
@@ -79,7 +79,7 @@ class Campaign:
     load: float
     head_start_s: float
     warm_s: float
-    calm_s: float
+    quiet_s: float
     each: int
     lasting: int
     kills: int
@@ -99,7 +99,7 @@ class Outcome:
         campaign: what was done.
         kills: of processes, in order.
         outages: of the database, in order.
-        calm_s, killing_s: when nobody was killed, and when everybody was: from and to (plant clock).
+        quiet_s, killing_s: when nobody was killed, and when everybody was: from and to (plant clock).
         answered_s: until the slowest order was answered, in real seconds.
         after: what is left.
     """
@@ -107,7 +107,7 @@ class Outcome:
     campaign: Campaign
     kills: list[Kill]
     outages: list[Outage]
-    calm_s: tuple[float, float]
+    quiet_s: tuple[float, float]
     killing_s: tuple[float, float]
     answered_s: float
     after: Aftermath
@@ -135,7 +135,7 @@ async def play(campaign: Campaign, folder: Path, server: PostgresServer | None =
                 watch = await gathered(fleet, bus, JOIN_S)
                 first = await count_pieces(bus.inner, plant.id)
                 field = _Field(campaign, fleet, watch, store, server)
-                calm_s, killing_s = await field.play()
+                quiet_s, killing_s = await field.play()
                 last = await count_pieces(bus.inner, plant.id)
                 await caught_up(fleet, watch, store)
                 kills, roll = field.kills, fleet.roll
@@ -164,7 +164,7 @@ async def play(campaign: Campaign, folder: Path, server: PostgresServer | None =
         starts={member.name: member.starts for member in roll.members},
         kills=Counter(kill.victim.name for kill in kills),
     )
-    return Outcome(campaign, kills, field.outages, calm_s, killing_s, field.customer.waited_s, after)
+    return Outcome(campaign, kills, field.outages, quiet_s, killing_s, field.customer.waited_s, after)
 
 
 class _Field:
@@ -200,7 +200,7 @@ class _Field:
         try:
             await asyncio.sleep(campaign.warm_s)
             began_s = self._now_s()
-            await asyncio.sleep(campaign.calm_s)
+            await asyncio.sleep(campaign.quiet_s)
             kill_s = self._now_s()
             await self._kill_all()
             ended_s = self._now_s()

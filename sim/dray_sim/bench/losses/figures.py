@@ -17,7 +17,7 @@ from dray_sim.bench.losses.works import Works
 from dray_sim.bench.postgres import MISSING
 from dray_sim.bench.row import Row
 
-CALM = "nobody is killed"
+QUIET = "nobody is killed"
 
 REST = "the rest before a start"
 
@@ -34,17 +34,17 @@ def rows(outcome: Outcome) -> list[Row]:
         UnavailableError: too little was carried to tell anything.
     """
     works = Works(outcome.after.history.events)
-    calm_s, killing_s = works.durations_s(*outcome.calm_s), works.durations_s(*outcome.killing_s)
-    if min(len(calm_s), len(killing_s)) < 2:
-        reason = f"{len(calm_s)} transports while {CALM}, {len(killing_s)} after that"
+    quiet_s, killing_s = works.durations_s(*outcome.quiet_s), works.durations_s(*outcome.killing_s)
+    if min(len(quiet_s), len(killing_s)) < 2:
+        reason = f"{len(quiet_s)} transports while {QUIET}, {len(killing_s)} after that"
         raise UnavailableError("the benchmark", reason, "let it run for longer")
     return [
         *map(_finding, judge(outcome.after)),
-        _flow(outcome, len(killing_s), len(calm_s)),
-        Row("losses: half of all transports", median(killing_s), "s", median(calm_s), CALM),
-        Row("losses: 95 of 100 transports", _p95(killing_s), "s", _p95(calm_s), CALM),
+        _flow(outcome, len(killing_s), len(quiet_s)),
+        Row("losses: half of all transports", median(killing_s), "s", median(quiet_s), QUIET),
+        Row("losses: 95 of 100 transports", _p95(killing_s), "s", _p95(quiet_s), QUIET),
         _punctuality(outcome),
-        *(row for kind in Kind for row in _kind(kind, outcome, works, median(calm_s))),
+        *(row for kind in Kind for row in _kind(kind, outcome, works, median(quiet_s))),
         *outages_of(outcome.outages, outcome.campaign.dark_s),
     ]
 
@@ -56,16 +56,16 @@ def _finding(finding: Finding) -> Row:
     )
 
 
-def _flow(outcome: Outcome, killing: int, calm: int) -> Row:
+def _flow(outcome: Outcome, killing: int, quiet: int) -> Row:
     """Transports that were delivered while everybody was killed, and while nobody was."""
     figure, baseline = (
         count * HOUR_S / (until_s - since_s)
-        for count, (since_s, until_s) in ((killing, outcome.killing_s), (calm, outcome.calm_s))
+        for count, (since_s, until_s) in ((killing, outcome.killing_s), (quiet, outcome.quiet_s))
     )
     since_s, until_s = outcome.killing_s
     kills = len(outcome.kills) + len(outcome.outages)
     note = f"a kill every {(until_s - since_s) / kills:.0f} s of the plant"
-    return Row("losses: transports in an hour of the plant", figure, "1/h", baseline, CALM, note=note)
+    return Row("losses: transports in an hour of the plant", figure, "1/h", baseline, QUIET, note=note)
 
 
 def _punctuality(outcome: Outcome) -> Row:
@@ -80,7 +80,7 @@ def _punctuality(outcome: Outcome) -> Row:
     return Row("losses: orders delivered in time", in_time, "", len(orders), "orders placed", note=note)
 
 
-def _kind(kind: Kind, outcome: Outcome, works: Works, calm_s: float) -> Iterable[Row]:
+def _kind(kind: Kind, outcome: Outcome, works: Works, quiet_s: float) -> Iterable[Row]:
     """What it costs to lose one of this kind."""
     of_kind = [kill for kill in outcome.kills if kill.victim.kind is kind]
     away_s = [kill.away_s for kill in of_kind if kill.away_s is not None]
@@ -97,7 +97,7 @@ def _kind(kind: Kind, outcome: Outcome, works: Works, calm_s: float) -> Iterable
     ]
     if took_s:
         note = f"at most {max(took_s):.0f} s"
-        yield Row(f"losses: transport of a {kind}", median(took_s), "s", calm_s, CALM, note=note)
+        yield Row(f"losses: transport of a {kind}", median(took_s), "s", quiet_s, QUIET, note=note)
 
 
 def outages_of(outages: Sequence[Outage], dark_s: float) -> Iterable[Row]:

@@ -26,10 +26,10 @@ from dray_sim.bodies.floor import Pieces
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.checks.delivered import DeliveredExactly
 from dray_sim.checks.invariants import HandedOverOnce, MaterialConserved, OnePrimaryEach, TasksEnd
-from dray_sim.network.listeners import Ear
+from dray_sim.network.listeners import Listener
 
 ENDED = "processes ended by themselves"
-"""The finding that a busy computer may be to blame for, and no agent: a process gives up what does not answer."""
+"""The finding that a busy computer may have caused, and no agent: a process gives up what does not answer."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +130,7 @@ def _release(order: Order) -> OrderReleased:
     return OrderReleased(order=order.id, items=items, due_s=0.0)
 
 
-def _broken(check: Ear, said: Iterable[_Utterance]) -> tuple[str, ...]:
+def _broken(check: Listener, said: Iterable[_Utterance]) -> tuple[str, ...]:
     """What an invariant finds; after the first it may see what follows from that, too."""
     found = []
     for utterance in said:

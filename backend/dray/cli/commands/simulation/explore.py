@@ -27,13 +27,13 @@ def explore(
         int | None, typer.Option(help="Replay this one alone, and say what it stands for.")
     ] = None,
     jobs: Annotated[int, typer.Option(help="Processes; 0 for one per core.", min=0)] = 0,
-    profile: Annotated[str, typer.Option(help="From where trials are drawn.")] = "all",
+    profile: Annotated[str, typer.Option(help="From where runs are drawn.")] = "all",
     json: Annotated[Path | None, typer.Option(help="Write the summary here too.")] = None,
 ) -> None:
     """Try many seeds: a random plant, load and schedule of faults each. Exit 1 on a broken invariant."""
     from dray.cli.runtime.output import one_of, write_json
+    from dray_sim.explore.profile import PROFILES
     from dray_sim.explore.search import cores
-    from dray_sim.explore.trial import PROFILES
 
     one_of(PROFILES, profile, "--profile")
     if seed is not None:
@@ -62,13 +62,13 @@ def _range(seeds: str) -> tuple[int, int]:
 
 def _replay(seed: int, profile: str) -> Outcome:
     from dray_sim.explore.play import play
-    from dray_sim.explore.trial import draw
+    from dray_sim.explore.run import draw
 
-    trial = draw(seed, profile)
-    typer.echo(f"seed {seed}: {trial}")
-    for line in trial.timetable():
+    run = draw(seed, profile)
+    typer.echo(f"seed {seed}: {run}")
+    for line in run.timetable():
         typer.echo(f"  {line}")
-    outcome = play(trial, listen=True)
+    outcome = play(run, listen=True)
     _tell_story(outcome)
     typer.echo(
         f"{outcome.broken or 'held'}\n"
@@ -108,7 +108,7 @@ def _tell(summary: Summary, took_s: float) -> None:
         typer.echo(f"{outcome.broken}\nreplay: {outcome.replay}\n")
     asked = summary.last - summary.first
     stopped = f" of {asked}, stopped by hand" if summary.interrupted else ""
-    typer.echo(f"{summary.trials} seeds{stopped}: {summary.broken or 'none'} broken")
+    typer.echo(f"{summary.runs} seeds{stopped}: {summary.broken or 'none'} broken")
     typer.echo(
         f"{summary.virtual_s / 3600:.1f} h of factory time, {summary.transports} transports, "
         f"{summary.takeovers} takeovers, {summary.restarts} restarts"

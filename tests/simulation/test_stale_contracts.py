@@ -1,9 +1,9 @@
-"""In a trial nobody holds on to what was given up."""
+"""In a run nobody holds on to what was given up."""
 
 from __future__ import annotations
 
 import pytest
-from trial_kit import PLANT, TASK, event, opened
+from check_kit import PLANT, TASK, event, opened
 
 from dray.body import Hold, Unhold
 from dray.messages import Phase, Role
@@ -17,8 +17,8 @@ from dray.messages.fact import (
     PieceMade,
 )
 from dray_sim.checks.broken import InvariantBroken
-from dray_sim.checks.fault_attribution import Blame
-from dray_sim.checks.stale_contracts import HEED_S, Bonds
+from dray_sim.checks.fault_attribution import FaultAttribution
+from dray_sim.checks.stale_contracts import HEED_S, StaleContracts
 from dray_sim.clock.loop import VirtualClock
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.faults import LinkTrouble
@@ -32,13 +32,13 @@ class Bound:
 
     def __init__(self) -> None:
         self.factory = SimFactory(PLANT, VirtualClock(), seed=1)
-        self.blame = Blame()
-        self.bonds = Bonds(self.factory, self.blame)
+        self.attribution = FaultAttribution()
+        self.stale = StaleContracts(self.factory, self.attribution)
         for agent, fact in (("M8", opened()), ("ATV2", TAKEN), ("M8", SILENT)):
             self.say(0.0, agent, fact)
 
     def say(self, at_s: float, agent: str, fact: Fact) -> None:
-        self.bonds.hear(at_s, agent, "*", event(agent, fact))
+        self.stale.hear(at_s, agent, "*", event(agent, fact))
 
     def wait(self) -> None:
         for second in range(1, int(HEED_S) + 10):
@@ -66,7 +66,7 @@ def test_whoever_was_asked_again_may_keep_it() -> None:
 
 def test_a_release_may_have_been_lost() -> None:
     bound = Bound()
-    bound.blame.begin("F1", LinkTrouble(receiver="ATV2", loss_frac=0.1), 0.5)
+    bound.attribution.begin("F1", LinkTrouble(receiver="ATV2", loss_frac=0.1), 0.5)
     bound.wait()
 
 

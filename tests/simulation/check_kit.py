@@ -1,4 +1,4 @@
-"""What agents say in a trial of task M8-1, for tests."""
+"""What agents say in a run of task M8-1, for tests."""
 
 from __future__ import annotations
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from trial_kit import heartbeat
+from check_kit import heartbeat
 
 from dray.messages import (
     AtvStatus,

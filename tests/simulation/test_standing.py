@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import pytest
-from trial_kit import TASK, event
+from check_kit import TASK, event
 
 from dray.messages import MachineHeartbeat, MachineStatus, Role, TaskBrief
 from dray.messages.fact import CarrierChanged, ContractEnded, MemoryLost, TaskClosed
 from dray_sim.checks.broken import InvariantBroken
-from dray_sim.checks.fault_attribution import Blame
+from dray_sim.checks.fault_attribution import FaultAttribution
 from dray_sim.checks.standing import Standing
 from dray_sim.faults import Crashed, WlanCut
 
@@ -36,8 +36,8 @@ class Watched:
     """The check, and what is said before the carrier gives up."""
 
     def __init__(self) -> None:
-        self.blame = Blame(fleet=("ATV3",))
-        self.standing = Standing(self.blame)
+        self.attribution = FaultAttribution(fleet=("ATV3",))
+        self.standing = Standing(self.attribution)
         self.standing.hear(0.0, "M8", "*", heartbeat())
 
     def ends(self, ended: ContractEnded = RELEASED) -> None:
@@ -52,11 +52,11 @@ def test_a_carrier_that_is_let_go_though_it_is_counted_on_is_noticed(reason: str
 
 def test_a_restart_that_was_over_soon_is_no_reason_and_a_cut_is_one() -> None:
     watched = Watched()
-    watched.blame.begin("F1", Crashed("ATV3"), 1.0)
-    watched.blame.end("F1", 2.0)
+    watched.attribution.begin("F1", Crashed("ATV3"), 1.0)
+    watched.attribution.end("F1", 2.0)
     with pytest.raises(InvariantBroken):
         watched.ends()
-    watched.blame.begin("F2", WlanCut("M8"), 3.0)
+    watched.attribution.begin("F2", WlanCut("M8"), 3.0)
     watched.ends()
 
 

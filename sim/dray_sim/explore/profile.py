@@ -1,0 +1,112 @@
+"""From where the runs of a search are drawn: ranges, and the part of the runs that have something at all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from dray_sim.faults import (
+    WEIGHTS,
+    CoverageHole,
+    Crashed,
+    Fault,
+    JournalLost,
+    LinkTrouble,
+    LoadShifted,
+    Partition,
+    PoweredOff,
+    VehicleBroken,
+    WlanCut,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Profile:
+    """From where runs are drawn. Pairs are from and to, both included.
+
+    Attributes:
+        machines, vehicles: the size of the plant.
+        lot_frac: containers and buffers against those of the default plant: small ones make many transports.
+        cycle_frac: how long machines take for a piece, likewise.
+        load: the demand against what machines and vehicles can do, whichever is less.
+        stock_frac: how full buffers are at the beginning.
+        battery_frac: of the vehicles at the beginning.
+        intensity: faults in a minute.
+        weights: which kinds of faults, and how often each against the others.
+        leaving_frac: the part of the runs in which agents leave in order and come back.
+        leaving: how many of them in a minute.
+        waves_frac: the part of the runs in which whole sets of agents are restarted, in any order.
+        waves: how many times in a minute.
+        clocks_frac: the part of the runs in which computers' clocks are set wrong, and right again.
+        clocks: how often in a minute.
+        operators_frac: the part of the runs with operators.
+        random_operator_frac: the part in which somebody presses buttons at random.
+        cancelled_frac: the part of the orders that customers cancel.
+        revoking_frac: the part of the runs in which managers take orders back and publish them again.
+        revoked_frac: in these, the part of the orders.
+        insiders_frac: the part of the runs in which somebody lies who has a valid certificate.
+        scarce_power: whether batteries are so small that they are emptied and charged in minutes, and chargers and
+            parking places few; the chargers suffice.
+    """
+
+    machines: tuple[int, int] = (1, 6)
+    vehicles: tuple[int, int] = (1, 6)
+    lot_frac: tuple[float, float] = (0.1, 0.3)
+    cycle_frac: tuple[float, float] = (0.2, 0.8)
+    load: tuple[float, float] = (0.5, 1.5)
+    stock_frac: tuple[float, float] = (0.0, 0.8)
+    battery_frac: tuple[float, float] = (0.6, 1.0)
+    intensity: tuple[float, float] = (0.2, 4.0)
+    weights: Mapping[type[Fault], float] = field(default_factory=lambda: WEIGHTS)
+    leaving_frac: float = 0.0
+    leaving: tuple[float, float] = (0.2, 2.0)
+    waves_frac: float = 0.0
+    waves: tuple[float, float] = (0.1, 1.0)
+    clocks_frac: float = 0.0
+    clocks: tuple[float, float] = (0.2, 4.0)
+    operators_frac: float = 0.7
+    random_operator_frac: float = 0.4
+    cancelled_frac: float = 0.1
+    revoking_frac: float = 0.3
+    revoked_frac: float = 0.4
+    insiders_frac: float = 0.0
+    scarce_power: bool = False
+
+
+PROFILES: Mapping[str, Profile] = {
+    "all": Profile(
+        weights={**WEIGHTS, JournalLost: 1.0},
+        leaving_frac=0.3,
+        waves_frac=0.3,
+        clocks_frac=0.3,
+        insiders_frac=0.2,
+    ),
+    "mishaps": Profile(leaving_frac=0.3),
+    "deaths": Profile(weights={PoweredOff: 2.0, Crashed: 1.0}, random_operator_frac=0.0),
+    "links": Profile(weights={WlanCut: 2.0, LinkTrouble: 4.0, Partition: 2.0, CoverageHole: 1.0}),
+    "answers": Profile(
+        weights={LinkTrouble: 1.0}, intensity=(3.0, 8.0), operators_frac=0.0, random_operator_frac=0.0
+    ),
+    "hands": Profile(
+        weights={VehicleBroken: 1.0, LoadShifted: 2.0}, operators_frac=1.0, random_operator_frac=1.0
+    ),
+    "revocations": Profile(revoking_frac=1.0, revoked_frac=0.8),
+    "updates": Profile(intensity=(0.0, 1.0), leaving_frac=1.0, leaving=(0.5, 4.0), random_operator_frac=0.2),
+    "restarts": Profile(
+        intensity=(0.0, 0.3), random_operator_frac=0.0, operators_frac=0.3, waves_frac=1.0, waves=(0.3, 3.0)
+    ),
+    "notes": Profile(
+        weights={JournalLost: 2.0, Crashed: 1.0, PoweredOff: 0.5}, waves_frac=0.5, random_operator_frac=0.0
+    ),
+    "clocks": Profile(intensity=(0.0, 1.0), waves_frac=0.5, clocks_frac=1.0),
+    "liars": Profile(intensity=(0.0, 0.5), operators_frac=0.0, random_operator_frac=0.0, insiders_frac=1.0),
+    "faultless": Profile(intensity=(0.0, 0.0), random_operator_frac=0.0),
+    "batteries": Profile(
+        vehicles=(1, 10),
+        battery_frac=(0.2, 0.9),
+        intensity=(0.0, 0.0),
+        random_operator_frac=0.0,
+        scarce_power=True,
+    ),
+}
+"""By name, as `dray sim explore --profile` takes them."""

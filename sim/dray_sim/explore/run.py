@@ -1,0 +1,200 @@
+"""What one seed of the search stands for: a plant, a load, a schedule of faults and the people in it.
+
+Everything is drawn here, before anything runs, so that a run can be shown and replayed. Plants are
+small: what is wrong in a protocol goes wrong between a handful of agents, and a hundred small runs
+meet more of it than one large one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from random import Random
+
+from dray.plant import Plant
+from dray_sim.explore.profile import PROFILES, Profile
+from dray_sim.explore.small_plant import bearable_load, small_plant
+from dray_sim.faults import CLOCKS, LEAVING, Timed, describe, random_schedule, random_waves
+from dray_sim.insiders import BEHAVIOURS
+from dray_sim.people import demand
+from dray_sim.people.habits import Habits
+from dray_sim.people.revoker import Revocation
+
+DURATION_S = 1200.0
+"""The least virtual time of a run."""
+
+FAULTS_UNTIL_S = 900.0
+"""Then every fault has ended and no order comes any more: the quiet phase in which everything must end."""
+
+TAKEN_BACK_TIMES = (1, 1, 1, 2, 3)
+"""How often an order is taken back that is taken back at all."""
+
+LONGEST_REST_S = 120.0
+"""How long an order rests before it is published again: long enough for its goals to be gone, and for goods
+that were on the way to have found the gate shut."""
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """One run of the search, wholly decided.
+
+    Attributes:
+        seed: it follows from this, and from the profile.
+        profile: the name of the profile.
+        load: part of the machines' time that the demand takes.
+        faults_until_s: the quiet phase begins then.
+        duration_s: it lasts at least so long, and on until everything has ended.
+        orders: the demand.
+        codec: whether all messages go through the wire format.
+        habits: of the operators; None where there are none.
+        random_operator: whether somebody presses buttons at random.
+        cancelled: orders that are cancelled, and when (plant clock), in the order of their times.
+        revocations: orders that are taken back and published again.
+        insider: how somebody lies until the quiet phase (`dray_sim.insiders`); empty where nobody does.
+    """
+
+    seed: int
+    profile: str
+    plant: Plant
+    load: float
+    stock_frac: tuple[float, float]
+    faults_until_s: float
+    duration_s: float
+    codec: bool
+    habits: Habits | None
+    random_operator: bool
+    orders: tuple[demand.Order, ...] = field(repr=False)
+    schedule: tuple[Timed, ...] = field(repr=False)
+    cancelled: tuple[tuple[float, str], ...] = field(repr=False)
+    revocations: tuple[Revocation, ...] = field(repr=False)
+    insider: str = ""
+
+    @property
+    def has_faults(self) -> bool:
+        """Whether anything goes wrong in it."""
+        return bool(self.schedule or self.random_operator or self.insider)
+
+    def __str__(self) -> str:
+        """In one line, for a reader."""
+        parts = (
+            f"{len(self.plant.machines)} machines",
+            f"{len(self.plant.fleet)} vehicles",
+            f"{len(self.orders)} orders ({len(self.cancelled)} cancelled, {len(self.revocations)} taken back)",
+            f"load {self.load:.0%}",
+            f"{len(self.schedule)} faults",
+            "operators" if self.habits is not None else "no operators",
+        )
+        more = ("a random operator",) * self.random_operator + (f"one that {self.insider}",) * bool(
+            self.insider
+        )
+        return ", ".join((*parts, *more))
+
+    def timetable(self) -> list[str]:
+        """What will go wrong, and when, line by line."""
+        return [
+            f"{timed.at_s:7.1f} to {timed.until_s or self.faults_until_s:7.1f} s  {describe(timed.fault)}"
+            for timed in self.schedule
+        ]
+
+
+def draw(seed: int, profile: str = "all") -> Run:
+    """The run of a seed; the same in every process.
+
+    Args:
+        seed: decides everything.
+        profile: a name in `PROFILES`.
+    """
+    ranges = PROFILES[profile]
+    # A generator is named by the seed and a word. Another word draws another run, so these stay as they are.
+    random = Random(f"{seed} trial")
+    plant = small_plant(seed, ranges, random)
+    load = random.uniform(*ranges.load) * min(1.0, bearable_load(plant))
+    emptiest = random.uniform(*ranges.stock_frac)
+    orders = tuple(demand.orders(plant, Random(f"{seed} demand"), load=load, until_s=FAULTS_UNTIL_S))
+    return Run(
+        seed=seed,
+        profile=profile,
+        plant=plant,
+        load=load,
+        stock_frac=(emptiest, max(emptiest, ranges.stock_frac[1])),
+        faults_until_s=FAULTS_UNTIL_S,
+        duration_s=DURATION_S,
+        # It costs time and finds little that the other nine would not: some of them see that it is harmless.
+        codec=random.random() < 0.1,
+        habits=_habits(random) if random.random() < ranges.operators_frac else None,
+        random_operator=random.random() < ranges.random_operator_frac,
+        orders=orders,
+        schedule=_schedule(seed, plant, ranges, random.uniform(*ranges.intensity)),
+        cancelled=_cancelled(orders, ranges.cancelled_frac, Random(f"{seed} regret")),
+        revocations=_revocations(orders, ranges, Random(f"{seed} revised")),
+        insider=_insider(ranges, Random(f"{seed} insider")),
+    )
+
+
+def _insider(ranges: Profile, random: Random) -> str:
+    """How somebody lies who never moves; one that drives would leave its loads to the quiet phase."""
+    if random.random() >= ranges.insiders_frac:
+        return ""
+    return random.choice([name for name, behaviour in BEHAVIOURS.items() if not behaviour.drives])
+
+
+def _schedule(seed: int, plant: Plant, ranges: Profile, intensity: float) -> tuple[Timed, ...]:
+    """Mishaps, agents that leave or are restarted, and clocks that are set, in the order in which they begin."""
+    schedule = list(
+        random_schedule(plant, Random(f"{seed} faults"), FAULTS_UNTIL_S, intensity, weights=ranges.weights)
+    )
+    random = Random(f"{seed} sent away")
+    if random.random() < ranges.leaving_frac:
+        a_minute = random.uniform(*ranges.leaving)
+        schedule += random_schedule(plant, random, FAULTS_UNTIL_S, a_minute, weights=LEAVING)
+    random = Random(f"{seed} waves")
+    if random.random() < ranges.waves_frac:
+        schedule += random_waves(plant, random, FAULTS_UNTIL_S, random.uniform(*ranges.waves))
+    random = Random(f"{seed} clocks")
+    if random.random() < ranges.clocks_frac:
+        a_minute = random.uniform(*ranges.clocks)
+        schedule += random_schedule(plant, random, FAULTS_UNTIL_S, a_minute, weights=CLOCKS)
+    return tuple(sorted(schedule, key=lambda timed: timed.at_s))
+
+
+def _cancelled(
+    orders: tuple[demand.Order, ...], frac: float, random: Random
+) -> tuple[tuple[float, str], ...]:
+    """Some are cancelled at once, most while they are made."""
+    cancelled = [order for order in orders if random.random() < frac]
+    return tuple(sorted((random.uniform(order.at_s, FAULTS_UNTIL_S), order.id) for order in cancelled))
+
+
+def _revocations(orders: tuple[demand.Order, ...], ranges: Profile, random: Random) -> tuple[Revocation, ...]:
+    """Taken back at any moment of their lives, some more than once, and published again at once or later."""
+    if random.random() >= ranges.revoking_frac:
+        return ()
+    return tuple(
+        Revocation(order, tuple(_takings_back(order.at_s, random)))
+        for order in orders
+        if random.random() < ranges.revoked_frac
+    )
+
+
+def _takings_back(placed_s: float, random: Random) -> Iterator[tuple[float, float]]:
+    at_s = placed_s
+    for _ in range(random.choice(TAKEN_BACK_TIMES)):
+        at_s = random.uniform(at_s, FAULTS_UNTIL_S)
+        again_s = min(at_s + random.choice((0.0, random.uniform(0.0, LONGEST_REST_S))), FAULTS_UNTIL_S)
+        yield at_s, again_s
+        at_s = again_s
+
+
+def _habits(random: Random) -> Habits:
+    """Quick people, since runs are short; some promise more than they keep."""
+    return Habits(
+        react_s=(1.0, random.uniform(2.0, 15.0)),
+        promises_frac=random.random(),
+        estimate=(random.uniform(0.3, 1.0), 1.5),
+        walk_s=(5.0, 30.0),
+        mend_s=(5.0, random.uniform(10.0, 60.0)),
+        carry_s=(10.0, 30.0),
+        push_s=(10.0, 30.0),
+        silent_s=random.uniform(10.0, 40.0),
+        slow_frac=random.uniform(0.3, 1.0),
+    )
