@@ -7,7 +7,7 @@ import math
 from itertools import pairwise
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dray.adapters.system_clock import SLEW_FRAC, SystemClock
@@ -68,6 +68,7 @@ def test_beats_go_on_when_the_clock_is_set_back() -> None:
     run(main())
 
 
+@settings(deadline=None)  # A slow machine is no failure.
 @given(
     steps=st.lists(
         st.tuples(st.integers(1, 120), st.floats(-1e5, 1e5, allow_nan=False)), min_size=1, max_size=20
