@@ -25,7 +25,8 @@ from dray.messages import (
     VehicleCommand,
 )
 from dray.plant import default_plant
-from dray_sim.bodies.vehicle import BATTERY_EMPTY, LOAD_SHIFTED
+from dray_sim.bodies.condition import BATTERY_EMPTY
+from dray_sim.bodies.vehicle import LOAD_SHIFTED
 from dray_sim.checks.invariants import Invariants
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.sim_factory import SimFactory

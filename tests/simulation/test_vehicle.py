@@ -33,10 +33,11 @@ from dray.body import (
     WayDone,
 )
 from dray.messages import Pose
+from dray_sim.bodies.condition import BATTERY_EMPTY
 from dray_sim.bodies.docks import SHUT
 from dray_sim.bodies.odometer import Activity
 from dray_sim.bodies.stores import NO_ROOM, NOT_KEPT, TOO_LITTLE
-from dray_sim.bodies.vehicle import BATTERY_EMPTY, SimVehicle
+from dray_sim.bodies.vehicle import SimVehicle
 
 HOLD, UNHOLD = Hold(), Unhold()
 

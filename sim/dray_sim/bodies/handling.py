@@ -1,17 +1,18 @@
 """What a vehicle does where it stands: it loads, unloads and charges; and what it has on board.
 
-The counterpart of `dray_sim.bodies.travel`: no clock of its own, and nothing is said here. Whoever holds it tells how much time
-has passed, calls `transfer` when the manoeuvre ends, and reports. What the battery takes is left to that one, too.
+The counterpart of `dray_sim.bodies.travel`: no clock of its own. Whoever holds it tells how much time has passed, and calls
+`finish` when the manoeuvre ends; what came of an action is reported here. What the battery takes is left to the holder.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-from dray.body import Charge, Drop, Pick
+from dray.body import ActionDone, ActionFailed, Charge, Drop, Pick
 from dray.plant import Plant
 from dray.plant.model import VehicleType
 from dray_sim.bodies.chargers import Chargers
+from dray_sim.bodies.reporter import Reporter
 from dray_sim.bodies.stores import Place
 
 Action = Pick | Drop | Charge
@@ -29,6 +30,7 @@ class Handling:
         places: stations by id where it can load and unload; some may come later.
         docks: the node of each.
         chargers: who is plugged in where; shared by the fleet.
+        reporter: the vehicle's reports.
 
     Attributes:
         action: under way; None for none.
@@ -45,6 +47,7 @@ class Handling:
         places: Mapping[str, Place],
         docks: Mapping[str, str],
         chargers: Chargers,
+        reporter: Reporter,
     ) -> None:
         self.action: Action | None = None
         self.left_s = 0.0
@@ -56,6 +59,7 @@ class Handling:
         self._places = places
         self._docks = docks
         self._chargers = chargers
+        self._reporter = reporter
         self._charger = ""
         """Where it is plugged in."""
 
@@ -86,15 +90,23 @@ class Handling:
         if self.action is not None:
             self.left_s = max(self.left_s - seconds, 0.0)
 
-    def transfer(self, action: Pick | Drop) -> str:
-        """Let the load change hands at the end of the manoeuvre, at once and wholly.
+    def finish(self, action: Action) -> None:
+        """The manoeuvre has come to its end: the load changes hands, or the battery is full."""
+        reason = "" if isinstance(action, Charge) else self._transfer(action)
+        if reason:
+            self.abort(reason)
+        else:
+            self.end()
+            self._reporter.say(ActionDone(order=action.order))
 
-        Args:
-            action: the one under way.
+    def abort(self, reason: str) -> None:
+        """End the action, if any, without effect; a charge has had its effect and ends without a word."""
+        if self.action is not None and not isinstance(self.action, Charge):
+            self._reporter.say(ActionFailed(order=self.action.order, reason=reason))
+        self.end()
 
-        Returns:
-            "" when it has, else why it cannot.
-        """
+    def _transfer(self, action: Pick | Drop) -> str:
+        """Let the load change hands, at once and wholly; returns why it cannot."""
         place = self._places[action.station]
         if isinstance(action, Drop):
             reason = place.put(self._vehicle, self.load, self.quantity, action.goal)

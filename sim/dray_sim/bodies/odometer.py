@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from dray_sim.bodies.power import Power
+    from dray_sim.bodies.travel import Travel
 
 
 class Activity(StrEnum):
@@ -52,3 +58,27 @@ class Odometer:
     def stand(self, activity: Activity, seconds: float) -> None:
         """Add time without movement."""
         self.seconds[activity] += seconds
+
+    def add(
+        self, travel: Travel, power: Power, standing: Callable[[], Activity], now_s: float, *, loaded: bool
+    ) -> Odometer:
+        """Add what happened since the power was settled.
+
+        Args:
+            travel: how far the vehicle has come.
+            power: settled at some earlier moment.
+            standing: what it does when it does not move.
+            now_s: until when.
+            loaded: whether something is on board.
+
+        Returns:
+            These sums.
+        """
+        begin_s = power.settled_s
+        stands_s = min(max(travel.moves_until_s, begin_s), now_s)
+        if stands_s > begin_s:
+            metres = max(travel.driven_m(now_s) - power.settled_m, 0.0)
+            self.move(metres, stands_s - begin_s, loaded=loaded)
+        if now_s > stands_s:
+            self.stand(standing(), now_s - stands_s)
+        return self

@@ -19,6 +19,9 @@ from dray_sim.bodies.way import Way, join
 
 NEVER_S = float("inf")
 
+SLOWEST_FRAC = 0.01
+"""Of the top speed. A limit of nothing would be a hold that no resume ends."""
+
 
 class Travel:
     """Where one vehicle is and goes. Times are of the plant's clock and never go back.
@@ -195,9 +198,9 @@ class Travel:
         self.way = self.way.cut(self._released)
         self._plan(speed_mps)
 
-    def limit(self, top_mps: float, now_s: float) -> None:
-        """Keep below this speed."""
-        self._top_mps = top_mps
+    def limit(self, speed_frac: float, now_s: float) -> None:
+        """Keep below this part of the top speed."""
+        self._top_mps = min(max(speed_frac, SLOWEST_FRAC), 1.0) * self._type.max_speed_mps
         self._plan(self._settle(now_s))
 
     def halt(self, now_s: float) -> None:

@@ -4,11 +4,10 @@ It implements `dray.ports.Body`, behind which a real vehicle that speaks VDA 505
 ways have a released part (base) and one that is not (horizon), picking and dropping are actions, and
 what cannot be done is reported. It leaves all decisions to its agent, and does not see other vehicles.
 
-Theory of operation. Nothing ticks. A moving vehicle has a speed profile (`dray_sim.bodies.travel`), a working one
-a time when the action ends (`dray_sim.bodies.handling`); where it is and what its battery holds follow from the
-time in closed form. One call of the clock is open at a time, for the next node or the end of the action; it
-carries the number of the plan that it belongs to, and a change of plan makes it stale. Another watches the
-battery.
+Theory of operation. Nothing ticks. A moving vehicle has a speed profile (`travel`), a working one a time when the
+action ends (`handling`); where it is and what its battery holds (`power`) follow from the time in closed form. One
+call of the clock is open at a time, for the next node or the end of the action; it carries the number of the plan that
+it belongs to, and a change of plan makes it stale. Another watches the battery.
 
     standing --Drive--> driving --WayDone--> standing --Pick, Drop, Charge--> acting --> standing
     Hold, a breakdown and an empty battery stop either; the rest of the way or action is kept.
@@ -24,7 +23,6 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from dray.body import (
-    ActionDone,
     ActionFailed,
     Charge,
     Drive,
@@ -35,8 +33,6 @@ from dray.body import (
     LinkNoticed,
     NodePassed,
     Pick,
-    ProblemCleared,
-    ProblemRaised,
     ReleaseWay,
     Report,
     Unhold,
@@ -47,28 +43,18 @@ from dray.messages import Link
 from dray.plant import Plant
 from dray.plant.model import VehicleSpec, VehicleType
 from dray.ports import Clock
-from dray_sim.bodies.battery import Battery, runs_out_s
 from dray_sim.bodies.chargers import Chargers
+from dray_sim.bodies.condition import Condition
 from dray_sim.bodies.handling import Action, Handling
 from dray_sim.bodies.odometer import Activity, Odometer
+from dray_sim.bodies.power import Power
 from dray_sim.bodies.reporter import Reporter
 from dray_sim.bodies.stores import Place
 from dray_sim.bodies.travel import NEVER_S, Travel
 from dray_sim.bodies.way import Way
 
-BATTERY_EMPTY = "battery empty"
 LOAD_SHIFTED = "the load has shifted"
 MOVED_BY_HAND = "moved by hand"
-
-SLOWEST_FRAC = 0.01
-"""Of the top speed. A limit of nothing would be a hold that no resume ends."""
-
-EMPTY_FRAC = 1e-9
-"""Below this the battery is empty: milliseconds of an idle vehicle, and far above rounding."""
-
-WATCH_EXACT_S = 60.0
-"""A battery that lasts longer is looked at again after half of that time. So a vehicle keeps a handful
-of calls open, and not one for each time it has moved."""
 
 
 class SimVehicle:
@@ -105,26 +91,26 @@ class SimVehicle:
         self._type = vehicle_type
         self._clock = clock
         self._reporter = Reporter(clock)
-        self._battery = Battery(vehicle_type)
         self._travel = Travel(plant, vehicle_type, spec.node, clock.now_s())
-        self._handling = Handling(spec.id, vehicle_type, plant, places, docks, chargers)
-        self._held = False
-        self._fault = ""
-        self._empty = False
-        self._off = False
+        self._handling = Handling(spec.id, vehicle_type, plant, places, docks, chargers, self._reporter)
+        self._power = Power(
+            vehicle_type,
+            spec.battery_frac,
+            clock,
+            self._travel,
+            self._handling,
+            charging=lambda: self._charging,
+            look=self._look_at_battery,
+        )
+        self._condition = Condition(self._power, self._reporter)
         self._link = Link.WLAN
-        # As of `_settled_s`:
-        self._level_frac = spec.battery_frac
         self._sums = Odometer()
-        self._settled_s = clock.now_s()
-        self._settled_m = 0.0
+        """As of the moment in which the power was settled."""
         self._plan = 0
         """The number of the present plan: a call of the clock for another one is stale."""
         self._due_s = NEVER_S
         """When the present plan ends."""
-        self._watch_s = NEVER_S
-        """The next call that watches the battery; never after the battery is empty."""
-        self._watch_battery()
+        self._power.watch()
 
     # --- Body ------------------------------------------------------------------------------------
 
@@ -133,22 +119,21 @@ class SimVehicle:
 
         Without power nothing is heard.
         """
-        if self._off:
+        if self._power.off:
             return
         self._settle()
         match instruction:
             case Drive():
                 self._drive(instruction)
             case ReleaseWay(order, released):
-                self._travel.release(order, released, self._settled_s)
+                self._travel.release(order, released, self._power.settled_s)
             case Pick() | Drop() | Charge():
                 self._act(instruction)
             case Hold() | Unhold():
-                self._held = isinstance(instruction, Hold)
+                self._condition.held = isinstance(instruction, Hold)
                 self._obey_stops()
             case LimitSpeed(speed_frac):
-                frac = min(max(speed_frac, SLOWEST_FRAC), 1.0)
-                self._travel.limit(frac * self._type.max_speed_mps, self._settled_s)
+                self._travel.limit(speed_frac, self._power.settled_s)
         self._schedule()
         self._reporter.flush_soon()
 
@@ -161,10 +146,10 @@ class SimVehicle:
             next_node=travel.next_node(now_s),
             next_node_s=travel.next_node_s(now_s),
             speed_mps=travel.motion(now_s)[1],
-            battery_frac=self._level(now_s),
+            battery_frac=self._power.level(now_s),
             load=self._handling.load,
             load_quantity=self._handling.quantity,
-            held=self._held,
+            held=self._condition.held,
             charging=self._charging,
             link=self._link,
             problem=self.problem,
@@ -179,17 +164,17 @@ class SimVehicle:
     @property
     def problem(self) -> str:
         """What keeps it from going on; empty for nothing."""
-        return self._fault or (BATTERY_EMPTY if self._empty else "")
+        return self._condition.problem
 
     @property
     def off(self) -> bool:
         """Whether it has no power."""
-        return self._off
+        return self._power.off
 
     @property
     def stopped(self) -> bool:
         """Whether it is held, broken, empty or off: it neither moves nor goes on with an action."""
-        return self._held or bool(self._fault) or self._empty or self._off
+        return self._condition.stopped
 
     def notice_link(self, link: Link) -> None:
         """The modem has lost the WLAN or is back on it; told when that is a change."""
@@ -204,21 +189,21 @@ class SimVehicle:
         What stays: place, load, battery, plug, what is broken, and what holds for safety, a hold and a
         speed limit. What is lost without a word: the way, and a pick, drop or charge in progress.
         """
-        if self._off:
+        if self._power.off:
             return
         self._settle()
-        self._off = True
+        self._power.off = True
         self._handling.end()
-        self._travel.strand(self._settled_s)
+        self._travel.strand(self._power.settled_s)
         self._reporter.mute()
         self._schedule()
 
     def power_on(self) -> None:
         """Wake up where it stands, and stay there until the next instruction; harmless when it is on."""
-        if not self._off:
+        if not self._power.off:
             return
         self._settle()
-        self._off = False
+        self._power.off = False
         self._reporter.unmute()
         self._change_of_fortune()
 
@@ -242,7 +227,7 @@ class SimVehicle:
         self._settle()
         load = self._handling.take_off()
         if isinstance(self._handling.action, Drop):
-            self._end_action("the load was taken off by hand")
+            self._handling.abort("the load was taken off by hand")
         self._change_of_fortune()
         return load
 
@@ -251,51 +236,47 @@ class SimVehicle:
         self._settle()
         if self._travel.way is not None:
             self._fail(self._travel.way.order, MOVED_BY_HAND)
-        self._end_action(MOVED_BY_HAND)
+        self._handling.abort(MOVED_BY_HAND)
         self._handling.unplug()
-        self._travel.place_at(node, self._settled_s)
+        self._travel.place_at(node, self._power.settled_s)
         self._change_of_fortune()
 
     def break_down(self, reason: str) -> None:
         """Stop as if held, and say why. Another breakdown on top of it replaces the reason."""
         self._settle()
-        self._fault = reason
-        self._reporter.say(ProblemRaised(reason=reason))
+        self._condition.break_down(reason)
         self._change_of_fortune()
 
     def repair(self) -> None:
         """Go on; harmless when nothing is broken. An empty battery is another problem, and stays."""
-        if not self._fault:
+        if not self._condition.fault:
             return
         self._settle()
-        self._fault = ""
-        self._reporter.say(ProblemRaised(reason=BATTERY_EMPTY) if self._empty else ProblemCleared())
+        self._condition.mend()
         self._change_of_fortune()
 
     def replace_battery(self, level_frac: float = 1.0) -> None:
         """Put another battery in; an empty vehicle goes on with what it was doing."""
         self._settle()
-        self._level_frac = level_frac
-        self._revive()
+        self._power.level_frac = level_frac
+        self._condition.revive()
         self._change_of_fortune()
 
     def odometer(self) -> Odometer:
         """Metres and seconds from the beginning until now."""
-        sums = self._sums.copy()
-        self._add_to(sums, self._now_s())
-        return sums
+        return self._add_to(self._sums.copy(), self._now_s())
 
     # --- instructions ----------------------------------------------------------------------------
 
     def _drive(self, drive: Drive) -> None:
-        travel, now_s = self._travel, self._settled_s
+        travel, now_s = self._travel, self._power.settled_s
         reason = travel.begin(drive.order, drive.nodes, drive.released, now_s)
         if reason:
             self._fail(drive.order, reason)
             travel.cut(now_s)
             return
         if self._handling.action is not None:
-            self._end_action("a new way was given")
+            self._handling.abort("a new way was given")
         self._handling.unplug()
         way = travel.way
         if way is not None and not way.lead:
@@ -303,13 +284,13 @@ class SimVehicle:
 
     def _act(self, action: Action) -> None:
         if isinstance(self._handling.action, Charge):
-            self._end_action("")
+            self._handling.abort("")
         busy = self._travel.way is not None
         reason = "the way is not finished" if busy else self._handling.begin(action, self._travel.node)
         if reason:
             self._fail(action.order, reason)
         elif isinstance(action, Charge):
-            self._revive()
+            self._condition.revive()
             self._obey_stops()
 
     # --- what happens at its time ----------------------------------------------------------------
@@ -322,38 +303,19 @@ class SimVehicle:
         way, action = self._travel.way, self._handling.action
         if way is not None:
             self._pass_node(way, self._travel.arrive())
-        elif isinstance(action, Charge):
-            self._level_frac = 1.0
-            self._complete(action.order)
         elif action is not None:
-            self._transfer(action)
+            if isinstance(action, Charge):
+                self._power.level_frac = 1.0
+            self._handling.finish(action)
         self._schedule()
         self._reporter.flush()
 
     def _pass_node(self, way: Way, index: int) -> None:
         node = self._travel.node
-        report = NodePassed(order=way.order, node=node, index=index, battery_frac=self._level_frac)
+        report = NodePassed(order=way.order, node=node, index=index, battery_frac=self._power.level_frac)
         self._reporter.say(report)
-        if self._travel.finish(self._settled_s):
+        if self._travel.finish(self._power.settled_s):
             self._reporter.say(WayDone(order=way.order, node=node))
-
-    def _transfer(self, action: Pick | Drop) -> None:
-        reason = self._handling.transfer(action)
-        if reason:
-            self._end_action(reason)
-        else:
-            self._complete(action.order)
-
-    def _complete(self, order: int) -> None:
-        self._handling.end()
-        self._reporter.say(ActionDone(order=order))
-
-    def _end_action(self, reason: str) -> None:
-        """End the action without effect; a charge has had its effect and ends without a word."""
-        action = self._handling.action
-        if action is not None and not isinstance(action, Charge):
-            self._fail(action.order, reason)
-        self._handling.end()
 
     def _fail(self, order: int, reason: str) -> None:
         self._reporter.say(ActionFailed(order=order, reason=reason))
@@ -372,9 +334,9 @@ class SimVehicle:
 
     def _obey_stops(self) -> None:
         if self.stopped:
-            self._travel.halt(self._settled_s)
+            self._travel.halt(self._power.settled_s)
         else:
-            self._travel.go_on(self._settled_s)
+            self._travel.go_on(self._power.settled_s)
 
     def _schedule(self) -> None:
         """Ask to be called at the end of the present plan; calls for earlier plans are stale now."""
@@ -383,71 +345,28 @@ class SimVehicle:
         if self._travel.way is not None:
             when_s = self._travel.next_at_s
         elif self._handling.action is not None and not self.stopped:
-            charging_s = self._battery.charging_s(self._level_frac)
+            charging_s = self._power.charging_s
             left_s = charging_s if self._charging else self._handling.left_s
-            when_s = self._settled_s + left_s
+            when_s = self._power.settled_s + left_s
         self._due_s = when_s
         if when_s < NEVER_S:
             self._clock.call_at(when_s, partial(self._due, self._plan))
-        self._watch_battery()
+        self._power.watch()
 
     # --- the battery -----------------------------------------------------------------------------
 
-    def _level(self, now_s: float) -> float:
-        """The battery at a time not after the next plan."""
-        if self._off:
-            return self._level_frac
-        seconds = now_s - self._settled_s
-        if self._charging:
-            return self._battery.charged_frac(self._level_frac, seconds)
-        metres = self._travel.driven_m(now_s) - self._settled_m
-        return max(
-            self._level_frac - self._battery.spent_frac(metres, bool(self._handling.load), seconds), 0.0
-        )
-
-    def _watch_battery(self) -> None:
-        """See to it that a call comes not later than the battery is empty."""
-        if self._empty or self._off or self._charging:
-            return
-        left_s = self._empties_at_s() - self._settled_s
-        when_s = self._settled_s + (left_s if left_s <= WATCH_EXACT_S else left_s / 2.0)
-        if self._settled_s + left_s < self._watch_s:
-            self._watch_s = when_s
-            self._clock.call_at(when_s, partial(self._look_at_battery, when_s))
-
-    def _empties_at_s(self) -> float:
-        """When the battery is empty if the vehicle stands after its next node or stop."""
-        begin_s = self._settled_s
-        end_s = max(min(self._travel.next_at_s, self._travel.moves_until_s), begin_s)
-        level_frac = self._level(end_s)
-        if level_frac > 0.0:
-            return end_s + self._battery.lasts_s(level_frac)
-        return runs_out_s(self._level, begin_s, end_s)
-
-    def _look_at_battery(self, when_s: float) -> None:
-        if when_s == self._watch_s:
-            self._watch_s = NEVER_S
-        if self._empty or self._off or self._charging:
-            return
+    def _look_at_battery(self) -> None:
+        """The battery may be empty."""
         self._settle()
-        if self._level_frac > EMPTY_FRAC:
-            self._watch_battery()
+        if not self._power.is_spent:
+            self._power.watch()
             return
-        self._level_frac, self._empty = 0.0, True
-        self._travel.stop_dead(self._settled_s)
-        self._reporter.say(ProblemRaised(reason=BATTERY_EMPTY))
+        self._condition.run_flat()
+        self._travel.stop_dead(self._power.settled_s)
         self._schedule()
         self._reporter.flush()
 
-    def _revive(self) -> None:
-        """The battery gives power again."""
-        if self._empty:
-            self._empty = False
-            if not self._fault:
-                self._reporter.say(ProblemCleared())
-
     # --- time and sums --------------------------------------------------------------------------
-
     def _now_s(self) -> float:
         """The time, which stands still at the end of a plan until the clock calls: a real one calls late."""
         return min(self._clock.now_s(), self._due_s)
@@ -455,27 +374,21 @@ class SimVehicle:
     def _settle(self) -> None:
         """Bring battery, odometer and action up to now."""
         now_s = self._now_s()
-        if now_s == self._settled_s:
+        if now_s == self._power.settled_s:
             return
         self._add_to(self._sums, now_s)
-        self._level_frac = self._level(now_s)
+        passed_s = now_s - self._power.settled_s
+        self._power.settle(now_s)
         if not self.stopped:
-            self._handling.spend(now_s - self._settled_s)
-        self._settled_s, self._settled_m = now_s, self._travel.driven_m(now_s)
+            self._handling.spend(passed_s)
 
-    def _add_to(self, sums: Odometer, now_s: float) -> None:
+    def _add_to(self, sums: Odometer, now_s: float) -> Odometer:
         """Add what happened since it was settled."""
-        begin_s = self._settled_s
-        stands_s = min(max(self._travel.moves_until_s, begin_s), now_s)
-        if stands_s > begin_s:
-            metres = max(self._travel.driven_m(now_s) - self._settled_m, 0.0)
-            sums.move(metres, stands_s - begin_s, loaded=bool(self._handling.load))
-        if now_s > stands_s:
-            sums.stand(self._activity(), now_s - stands_s)
+        return sums.add(self._travel, self._power, self._activity, now_s, loaded=bool(self._handling.load))
 
     def _activity(self) -> Activity:
         """What it does when it does not move."""
-        if self._off:
+        if self._power.off:
             return Activity.OFF
         if self.stopped:
             return Activity.HELD

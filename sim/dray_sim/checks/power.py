@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dray.messages import AtvHeartbeat, Message
-from dray_sim.bodies.vehicle import BATTERY_EMPTY
+from dray_sim.bodies.condition import BATTERY_EMPTY
 from dray_sim.checks.broken import InvariantBroken
 
 

@@ -10,7 +10,7 @@ from dray.errors import ProtocolViolation
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from dray_sim.network.sim_network import SimSession
+    from dray_sim.network.session import SimSession
 
 MAX_KEYS = 10_000
 """Keys whose receivers are remembered: ten times those of a plant of three hundred agents."""

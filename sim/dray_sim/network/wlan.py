@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from dray.messages import Message
     from dray_sim.clock.loop import VirtualClock
     from dray_sim.network.links import Links
-    from dray_sim.network.sim_network import SimSession
+    from dray_sim.network.session import SimSession
 
 AGAIN_S = 1.0
 """A second copy comes at most so much later: longer than any protocol waits before it repeats."""

@@ -1,0 +1,59 @@
+"""A vehicle's condition: what keeps it from going on, and what it reports of that."""
+
+from __future__ import annotations
+
+from dray.body import ProblemCleared, ProblemRaised
+from dray_sim.bodies.power import Power
+from dray_sim.bodies.reporter import Reporter
+
+BATTERY_EMPTY = "battery empty"
+
+
+class Condition:
+    """Of one vehicle.
+
+    Args:
+        power: its battery and its switch.
+        reporter: its reports.
+
+    Attributes:
+        held: somebody has stopped it.
+        fault: what is broken; empty for nothing.
+    """
+
+    def __init__(self, power: Power, reporter: Reporter) -> None:
+        self.held = False
+        self.fault = ""
+        self._power, self._reporter = power, reporter
+
+    @property
+    def problem(self) -> str:
+        """What keeps it from going on; empty for nothing."""
+        return self.fault or (BATTERY_EMPTY if self._power.empty else "")
+
+    @property
+    def stopped(self) -> bool:
+        """Whether it is held, broken, empty or off: it neither moves nor goes on with an action."""
+        return self.held or bool(self.fault) or self._power.empty or self._power.off
+
+    def break_down(self, reason: str) -> None:
+        """Something breaks; another breakdown on top of it replaces the reason."""
+        self.fault = reason
+        self._reporter.say(ProblemRaised(reason=reason))
+
+    def mend(self) -> None:
+        """Nothing is broken any more. An empty battery is another problem, and stays."""
+        self.fault = ""
+        self._reporter.say(ProblemRaised(reason=BATTERY_EMPTY) if self._power.empty else ProblemCleared())
+
+    def run_flat(self) -> None:
+        """The battery is empty."""
+        self._power.level_frac, self._power.empty = 0.0, True
+        self._reporter.say(ProblemRaised(reason=BATTERY_EMPTY))
+
+    def revive(self) -> None:
+        """The battery gives power again."""
+        if self._power.empty:
+            self._power.empty = False
+            if not self.fault:
+                self._reporter.say(ProblemCleared())
