@@ -1,8 +1,4 @@
-"""A committed transport, as its carrier lives it: approach, load, carry, unload, hand over.
-
-    APPROACHING -> LOADING -> CARRYING -> UNLOADING -> HANDING_OVER -> ended
-         |            |           |            |
-         +-- ended    +-----------+------------+--> RETURNING -> ended      (superseded, withdrawn)
+"""A committed transport, as its carrier lives it: approach, load, carry, unload, hand over. Its states are in `job_state`.
 
 At every dock the carrier asks first (`Docked`): the coordinator opens its own to the present epoch alone, the station
 of a storage to whom it has promised the load. At a storage that has none it waits as long as it can keep its own promise,
@@ -45,6 +41,7 @@ from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Record, Send
 from dray.protocol.runtime.retransmission import ASK_AGAIN_S, Retransmitter
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.vehicle.driving import Driver
+from dray.protocol.vehicle.job_state import LOADED, MANOEUVRES, VOID, JobState, JobStates
 
 ASK = "ask"
 """The alarm for whatever the job waits for: an answer, or another try."""
@@ -69,6 +66,7 @@ TRIES = 3
 """Manoeuvres at one place before another one is looked for."""
 
 HANDED_OVER = "handed_over"
+GONE = "its load was taken off"
 
 
 class TransportJob:
@@ -83,7 +81,6 @@ class TransportJob:
         out: where effects go.
 
     Attributes:
-        phase: how far it has come.
         due_s: when it now expects to hand over (plant clock).
         ended: why it is over: `handed_over`, or another reason; empty while it lasts.
     """
@@ -107,7 +104,6 @@ class TransportJob:
         self.coordinator = contract.coordinator
         self.source = contract.source
         self.promised_s = contract.promised_s
-        self.phase = contract.phase
         self.due_s = contract.promised_s
         self.ended = ""
         self._plant = plant
@@ -116,17 +112,17 @@ class TransportJob:
         self._driver = driver
         self._timers = timers
         self._out = out
-        self._action = 0
-        """The order number of the running pick or drop; 0 for none."""
-        self._loaded = False
-        self._cancelled = contract.cancelled
-        """Why it is to end as soon as the running manoeuvre is over."""
+        self._states = JobStates(contract.phase)
+        self._order = 0
+        """The number of the newest pick or drop."""
+        self._void = contract.cancelled
+        """Why the contract is void; empty while it binds."""
         self._short = ""
         """The storage that had none of the load, which is why it was given back."""
         self._stands_s = NEVER_S
         """Since when it waits at its source."""
         self._given_back = ""
-        """Why the coordinator is asked to let another one carry it; empty while it is carried."""
+        """Why the coordinator was asked to let another one carry it."""
         self._may_be_dropping = False
         """An earlier life had come to the unloading: its drop may still be under way."""
         self._station = contract.source
@@ -140,6 +136,16 @@ class TransportJob:
         """What is said until the coordinator has confirmed a takeover, over all lives of the vehicle."""
         self.number = contract.number
         """Of the award that binds it; 0 for a takeover."""
+
+    @property
+    def state(self) -> JobState:
+        """How far it has come."""
+        return self._states.now
+
+    @property
+    def phase(self) -> Phase:
+        """The same, as others hear it."""
+        return self._states.phase
 
     def brief(self) -> Brief:
         """What the vehicle tells about it in its heartbeat."""
@@ -159,7 +165,7 @@ class TransportJob:
         return msgspec.structs.replace(
             self._contract,
             phase=self.phase,
-            cancelled=self._cancelled,
+            cancelled=self._void,
             number=self.number,
             claim=self._contract.claim if self.task in self._claim else None,
         )
@@ -167,12 +173,12 @@ class TransportJob:
     @property
     def is_void(self) -> bool:
         """Whether it is over but for the load, which is on its way back."""
-        return bool(self._cancelled)
+        return self.state in VOID
 
     @property
     def is_given_back(self) -> bool:
         """Whether it ends as soon as the coordinator has answered."""
-        return bool(self._given_back)
+        return self.state is JobState.GIVING_BACK
 
     @property
     def slack_s(self) -> float:
@@ -183,7 +189,7 @@ class TransportJob:
 
     def begin(self, now_s: float) -> None:
         """Set off for the source."""
-        self._enter(Phase.APPROACHING, self.source)
+        self._enter(JobState.APPROACHING, self.source)
         self._drive(self.source, now_s)
 
     def take_over(self, now_s: float) -> None:
@@ -197,13 +203,15 @@ class TransportJob:
         The coordinator is told again that the contract was accepted: if it has moved on, it says so now,
         and not at the end of a long way.
         """
-        self._loaded = load == self.work.item
+        loaded = load == self.work.item
         self._may_be_dropping = self.phase is Phase.UNLOADING
-        if not self._cancelled:
+        if not self._void:
             self._say_taken(now_s)
-        if self._cancelled:
-            self._give_up(now_s)
-        elif self._loaded:
+        if self._void and loaded:
+            self._return(now_s)
+        elif self._void:
+            self._end(self._void)
+        elif loaded:
             self._carry(now_s)
         elif self.phase in (Phase.UNLOADING, Phase.HANDING_OVER):
             self._hand_over(now_s)
@@ -214,17 +222,16 @@ class TransportJob:
 
     def arrived(self, now_s: float) -> None:
         """The vehicle stands where it was sent."""
-        if self._given_back:
-            return
-        if self.phase is Phase.APPROACHING:
-            self._enter(Phase.LOADING, self.source)
-            self._stands_s = now_s
-            self._ask_for_dock(now_s)
-        elif self.phase is Phase.CARRYING:
-            self._enter(Phase.UNLOADING, self.work.destination)
-            self._ask_to_unload(now_s)
-        elif self.phase is Phase.RETURNING:
-            self._drop()
+        match self.state:
+            case JobState.APPROACHING:
+                self._enter(JobState.AT_SOURCE, self.source)
+                self._stands_s = now_s
+                self._ask_for_dock(now_s)
+            case JobState.CARRYING:
+                self._enter(JobState.AT_DESTINATION, self.work.destination)
+                self._ask_to_unload(now_s)
+            case JobState.RETURNING:
+                self._drop(JobState.PUTTING_BACK)
 
     def way_refused(self, now_s: float) -> None:
         """The vehicle could not take the way: try again from where it is then."""
@@ -232,42 +239,43 @@ class TransportJob:
 
     def action_done(self, order: int, now_s: float) -> None:
         """A pick or drop has ended well."""
-        if order != self._action:
+        if not self._is_under_way(order):
             return
-        self._action, self._failed = 0, 0
-        if self.phase is Phase.LOADING:
-            self._loaded = True
-            if self._cancelled:
-                self._return(now_s)
-            else:
+        match self.state:
+            case JobState.PICKING:
                 self._carry(now_s)
-        elif self.phase is Phase.UNLOADING:
-            self._loaded = False
-            if self._cancelled:
-                self._end(self._cancelled)
-            else:
+            case JobState.DROPPING:
                 self._hand_over(now_s)
-        elif self.phase is Phase.RETURNING:
-            self._loaded = False
-            self._end(self._cancelled)
+            case JobState.VOID_PICKING:
+                self._return(now_s)
+            case _:
+                self._end(self._void)
 
     def action_failed(self, order: int, reason: str, now_s: float) -> None:
         """A pick or drop ended without effect."""
-        if order != self._action:
+        if not self._is_under_way(order):
             return
-        self._action = 0
         self._failed += 1
-        if self._cancelled and self.phase is not Phase.RETURNING:
-            self._give_up(now_s)
-        elif self._failed < TRIES:
-            self._timers.set(ASK, now_s + RETRY_S)
-        elif self.phase is Phase.RETURNING:
-            self._full.add(self._station)
-            self._return(now_s)
-        elif self.phase is Phase.UNLOADING and self._is_gated:
-            self.resign(f"refused: {reason}", now_s)
-        else:
-            self._timers.set(ASK, now_s + RETRY_S)
+        match self.state:
+            case JobState.PICKING:
+                self._states.enter(JobState.AT_SOURCE)
+                self._timers.set(ASK, now_s + RETRY_S)
+            case JobState.DROPPING:
+                self._states.enter(JobState.AT_DESTINATION)
+                if self._is_gated and self._failed >= TRIES:
+                    self.resign(f"refused: {reason}", now_s)
+                else:
+                    self._timers.set(ASK, now_s + RETRY_S)
+            case JobState.VOID_PICKING:
+                self._end(self._void)
+            case JobState.VOID_DROPPING:
+                self._return(now_s)
+            case _ if self._failed < TRIES:
+                self._states.enter(JobState.RETURNING)
+                self._timers.set(ASK, now_s + RETRY_S)
+            case _:
+                self._full.add(self._station)
+                self._return(now_s)
 
     def on_answer(self, message: Message, now_s: float) -> None:
         """Take an answer of the coordinator; what is late or doubled changes nothing."""
@@ -277,7 +285,7 @@ class TransportJob:
             self.cancel(self._given_back or "withdrawn", now_s)
         elif isinstance(message, Confirmed) and self.task in self._claim:
             self._claim.settle(self.task)
-        elif isinstance(message, HandoverAccepted) and self.phase is Phase.HANDING_OVER:
+        elif isinstance(message, HandoverAccepted) and self.state is JobState.HANDING_OVER:
             self._end(HANDED_OVER)
         elif isinstance(message, DockHeld) and self._waits_at(message.station):
             self._wait(message, now_s)
@@ -291,18 +299,23 @@ class TransportJob:
 
     def cancel(self, reason: str, now_s: float) -> None:
         """The contract is void: end, and take the load back if there is one."""
-        if self._cancelled or self.ended:
+        if self.is_void:
             return
-        self._cancelled = reason
+        self._void = reason
         self._timers.clear(ASK)
-        if not self._action:
-            self._give_up(now_s)
+        if self.state is JobState.PICKING:
+            self._states.enter(JobState.VOID_PICKING)
+        elif self.state is JobState.DROPPING:
+            self._states.enter(JobState.VOID_DROPPING)
+        elif self.state in LOADED:
+            self._return(now_s)
+        else:
+            self._end(reason)
 
     def resign(self, reason: str, now_s: float) -> None:
         """Give the contract back to its coordinator, and end it."""
-        if not self._cancelled and not self.ended:
-            resigned = Resigned(task=self.task, epoch=self.epoch, role=Role.PRIMARY, reason=reason)
-            self._out.append(Send(self.coordinator, resigned))
+        if not self.is_void:
+            self._say_resigned(reason)
         self.cancel(reason, now_s)
 
     def give_back(self, reason: str, now_s: float) -> None:
@@ -310,9 +323,9 @@ class TransportJob:
 
         Harmless when the load is on board, or a manoeuvre runs: that nobody else can finish.
         """
-        is_on_its_way = self.phase is Phase.APPROACHING or self.phase is Phase.LOADING
-        if self._given_back or self._cancelled or self._action or not is_on_its_way:
+        if self.state not in (JobState.APPROACHING, JobState.AT_SOURCE):
             return
+        self._states.enter(JobState.GIVING_BACK)
         self._given_back, self._asked = reason, 0
         if self._driver.way:
             self._driver.go(self._driver.next_node, now_s)
@@ -335,24 +348,33 @@ class TransportJob:
         elif load and load != self.work.item:
             # An earlier life has picked it up; whoever carries this task must be empty.
             self.resign(f"{load} is on board", now_s)
-        elif bool(load) != self._loaded:
-            self._loaded, self._given_back = bool(load), ""
-            if self._loaded:
-                self._carry(now_s)
-            else:
-                self._miss_load(now_s)
-        elif self._given_back:
-            self._say_given_back(now_s)
-        elif self.phase is Phase.LOADING:
-            self._ask_for_dock(now_s)
-        elif self.phase is Phase.UNLOADING:
-            self._ask_to_unload(now_s)
-        elif self.phase is Phase.HANDING_OVER:
-            self._say_handover(now_s)
+        elif load and self.state not in LOADED:
+            self._given_back = ""
+            self._carry(now_s)
+        elif not load and self.state in LOADED:
+            self._miss_load(now_s)
         else:
-            self._drive(self._station, now_s)
+            self._go_on(now_s)
 
     # --- how it is done ---
+
+    def _go_on(self, now_s: float) -> None:
+        """Do again what the present state waits for."""
+        match self.state:
+            case JobState.GIVING_BACK:
+                self._say_given_back(now_s)
+            case JobState.AT_SOURCE:
+                self._ask_for_dock(now_s)
+            case JobState.AT_DESTINATION:
+                self._ask_to_unload(now_s)
+            case JobState.HANDING_OVER:
+                self._say_handover(now_s)
+            case _:
+                self._drive(self._station, now_s)
+
+    def _is_under_way(self, order: int) -> bool:
+        """Whether this pick or drop is what the job waits for."""
+        return order == self._order and self.state in MANOEUVRES
 
     @property
     def _is_gated(self) -> bool:
@@ -374,17 +396,19 @@ class TransportJob:
         )
         self._out.append(Send(self.coordinator, accepted))
 
-    def _enter(self, phase: Phase, station: str) -> None:
-        self.phase, self._station, self._failed = phase, station, 0
-        fact = PhaseEntered(task=self.task, epoch=self.epoch, phase=phase, station=station)
+    def _enter(self, state: JobState, station: str) -> None:
+        """Begin a phase that others hear of."""
+        self._states.enter(state)
+        self._station, self._failed = station, 0
+        fact = PhaseEntered(task=self.task, epoch=self.epoch, phase=self.phase, station=station)
         self._out.append(Record(fact))
 
     def _drive(self, station: str, now_s: float) -> None:
         away = self._driver.go(self._dock(station), now_s)
         arrives_s = self._driver.arrives_s if away else now_s
-        if self.phase is Phase.APPROACHING:
+        if self.state is JobState.APPROACHING:
             self.due_s = arrives_s + self._from_here_s()
-        elif self.phase is Phase.CARRYING:
+        elif self.state is JobState.CARRYING:
             self.due_s = arrives_s + self._type.unload_s
         if not away:
             self.arrived(now_s)
@@ -398,16 +422,16 @@ class TransportJob:
         return dock_of(self._plant, self.work, place)
 
     def _carry(self, now_s: float) -> None:
-        self._enter(Phase.CARRYING, self.work.destination)
+        self._enter(JobState.CARRYING, self.work.destination)
         self._drive(self.work.destination, now_s)
 
     def _hand_over(self, now_s: float) -> None:
-        self._enter(Phase.HANDING_OVER, self.work.destination)
+        self._enter(JobState.HANDING_OVER, self.work.destination)
         self._say_handover(now_s)
 
     def _ask_to_unload(self, now_s: float) -> None:
         if self._is_gated:
-            self._drop()
+            self._drop(JobState.DROPPING)
         else:
             self._ask_for_dock(now_s)
 
@@ -429,18 +453,18 @@ class TransportJob:
         self._timers.set(ASK, now_s + ASK_AGAIN_S)
 
     def _say_given_back(self, now_s: float) -> None:
-        resigned = Resigned(
-            task=self.task,
-            epoch=self.epoch,
-            role=Role.PRIMARY,
-            reason=self._given_back,
-            short=self._short,
-        )
-        self._ask(self.coordinator, resigned, now_s)
+        resigned = self._resigned(self._given_back)
+        self._ask(self.coordinator, msgspec.structs.replace(resigned, short=self._short), now_s)
+
+    def _say_resigned(self, reason: str) -> None:
+        self._out.append(Send(self.coordinator, self._resigned(reason)))
+
+    def _resigned(self, reason: str) -> Resigned:
+        return Resigned(task=self.task, epoch=self.epoch, role=Role.PRIMARY, reason=reason)
 
     def _wait(self, held: DockHeld, now_s: float) -> None:
         """Ask again later; at a storage, as long as its promise can be kept and a moment longer."""
-        fetches = self.phase is Phase.LOADING and self.source != self.coordinator
+        fetches = self.state is JobState.AT_SOURCE and self.source != self.coordinator
         kept = now_s + self._from_here_s() <= self.promised_s
         if fetches and not kept and now_s >= self._stands_s + WAITS_AT_LEAST_S:
             self._short = self.source
@@ -449,37 +473,39 @@ class TransportJob:
             self._timers.set(ASK, now_s + HELD_ASK_AGAIN_S)
 
     def _waits_at(self, station: str) -> bool:
-        asking = self.phase is Phase.LOADING or self.phase is Phase.UNLOADING
-        return asking and station == self._station and not self._action and not self._given_back
+        asks = self.state in (JobState.AT_SOURCE, JobState.AT_DESTINATION)
+        return asks and station == self._station
 
     def _transfer(self) -> None:
-        if self.phase is Phase.LOADING:
+        if self.state is JobState.AT_SOURCE:
             self._pick()
         else:
-            self._drop()
+            self._drop(JobState.DROPPING)
 
     def _pick(self) -> None:
-        self._action = self._driver.next_order()
+        self._states.enter(JobState.PICKING)
+        self._order = self._driver.next_order()
         self._driver.act(
             Pick(
-                order=self._action,
+                order=self._order,
                 station=self.source,
                 item=self.work.item,
                 quantity=self.work.quantity,
             )
         )
 
-    def _drop(self) -> None:
-        self._action = self._driver.next_order()
-        goal = self.work.goal if self.phase is Phase.UNLOADING else ""
-        self._driver.act(Drop(order=self._action, station=self._station, goal=goal))
+    def _drop(self, state: JobState) -> None:
+        self._states.enter(state)
+        self._order = self._driver.next_order()
+        goal = self.work.goal if state is JobState.DROPPING else ""
+        self._driver.act(Drop(order=self._order, station=self._station, goal=goal))
 
     def _be_left_alone(self, now_s: float) -> None:
         """The coordinator answers nothing any more: its transports end with it (paper, case 1)."""
         self._asked = 0
-        if self.phase is Phase.HANDING_OVER:
+        if self.state is JobState.HANDING_OVER:
             self._end("handed over to a silent machine")
-        elif self.phase is Phase.LOADING and self.source != self.coordinator and not self._given_back:
+        elif self.state is JobState.AT_SOURCE and self.source != self.coordinator:
             self._short = self.source
             self.give_back(f"{self.source} does not answer", now_s)
         else:
@@ -487,20 +513,15 @@ class TransportJob:
 
     def _miss_load(self, now_s: float) -> None:
         """The load is gone: put down at last for an earlier life, or taken off by a person."""
-        if self._cancelled:
-            self._end(self._cancelled)
-        elif self._may_be_dropping and self.phase is Phase.UNLOADING:
+        if self.is_void:
+            self._end(self._void)
+        elif self._may_be_dropping and self.state is JobState.AT_DESTINATION:
             self._hand_over(now_s)
         elif self.work.goal:
-            self.resign("its load was taken off", now_s)
+            self._say_resigned(GONE)
+            self._end(GONE)
         else:
             self.begin(now_s)
-
-    def _give_up(self, now_s: float) -> None:
-        if self._loaded:
-            self._return(now_s)
-        else:
-            self._end(self._cancelled)
 
     def _return(self, now_s: float) -> None:
         """Bring the load to a storage that keeps it; goods are set aside at the delivery warehouse."""
@@ -512,7 +533,7 @@ class TransportJob:
         nearest = min(
             roomy or refuges, key=lambda each: self._routes.duration_s(here, self._plant.node_of(each))
         )
-        self._enter(Phase.RETURNING, nearest)
+        self._enter(JobState.RETURNING, nearest)
         self._drive(nearest, now_s)
 
     @property
@@ -520,6 +541,7 @@ class TransportJob:
         return self.work.item in self._plant.materials
 
     def _end(self, reason: str) -> None:
+        self._states.enter(JobState.ENDED)
         self.ended = reason
         self._timers.clear(ASK)
         self._claim.settle(self.task)

@@ -1,0 +1,37 @@
+"""The tables of all states, drawn: `python -m dray.protocol.states > docs/states.md`."""
+
+from __future__ import annotations
+
+import sys
+
+from dray.protocol.runtime.states import diagram
+from dray.protocol.vehicle import job_state
+
+TABLES = {
+    "A transport job": (
+        "vehicle/job_state.py",
+        "as the vehicle that carries it lives it",
+        job_state.TRANSITIONS,
+    )
+}
+"""By title: the file, what it is, and the table."""
+
+
+INTRODUCTION = """\
+# States
+
+Drawn from the tables in `backend/dray/protocol`, by which alone a state is changed: what is not drawn here is a fault of ours,
+and ends the agent. `python -m dray.protocol.states > docs/states.md` draws it again.
+"""
+
+
+def document() -> str:
+    """The text of docs/states.md."""
+    parts = [INTRODUCTION]
+    for title, (file, what, transitions) in TABLES.items():
+        parts.append(f"## {title}\n\n`{file}`: {what}.\n\n```mermaid\n{diagram(transitions)}\n```\n")
+    return "\n".join(parts)
+
+
+if __name__ == "__main__":
+    sys.stdout.write(document())
