@@ -6,9 +6,10 @@ import asyncio
 from collections.abc import Callable, Iterator
 from typing import Any
 
+import asyncpg
 import pytest
 from history import GEAR, PUMP, order
-from sqlalchemy import Engine, event
+from sqlalchemy import Engine, event, text
 from sqlalchemy.exc import IntegrityError
 
 from dray.errors import UnavailableError
@@ -57,9 +58,9 @@ def commits(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     counted: list[int] = []
     do = Database.do
 
-    async def counting(database: Database, work: Any) -> Any:
+    async def counting(database: Database, *work: Any) -> Any:
         counted.append(1)
-        return await do(database, work)
+        return await do(database, *work)
 
     monkeypatch.setattr(Database, "do", counting)
     return counted
@@ -81,13 +82,24 @@ async def test_what_comes_while_a_commit_is_on_its_way_shares_the_next(
 
 
 @pytest.fixture
-def statements() -> Iterator[list[str]]:
-    """All that is said to any database."""
+def statements(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
+    """All that is said to any database, by SQLAlchemy or past it."""
     said: list[str] = []
+
+    def noting(name: str) -> None:
+        ask = getattr(asyncpg.Connection, name)
+
+        async def asking(driver: asyncpg.Connection, statement: str, *rest: object, **more: object) -> Any:
+            said.append(statement)
+            return await ask(driver, statement, *rest, **more)
+
+        monkeypatch.setattr(asyncpg.Connection, name, asking)
 
     def note(_connection: object, _cursor: object, statement: str, *_rest: object) -> None:
         said.append(statement)
 
+    for name in ("execute", "fetchval"):
+        noting(name)
     event.listen(Engine, "before_cursor_execute", note)
     yield said
     event.remove(Engine, "before_cursor_execute", note)
@@ -96,9 +108,9 @@ def statements() -> Iterator[list[str]]:
 async def test_orders_are_as_few_statements_as_one_however_many_are_there(
     store: Store, placing: Placing, statements: list[str]
 ) -> None:
-    """PostgreSQL is told of the beginning and the end besides: four times there and back in all."""
+    """PostgreSQL is gone to once; at hand, each table is a statement."""
     await placing.place(wish(1, "k1"))
-    most = 2 if store.database.engine.dialect.name == "postgresql" else 7
+    most = 1 if store.database.engine.dialect.name == "postgresql" else 7
     costs = []
     for first in (100, 200, 300):
         statements.clear()
@@ -142,13 +154,69 @@ async def test_a_key_that_is_known_places_nothing_and_is_answered_as_before(
 ) -> None:
     await placing.place(wish(1, "k"))
 
-    def never() -> Order:
-        raise AssertionError
+    def refuse() -> Order:
+        raise UnavailableError("the plant", "is full", "come again")
 
-    orders, answer = await placing.place(wish(2, "k", never))
+    orders, answer = await placing.place(wish(2, "k", refuse))
     assert (orders, answer.answer, answer.order_id) == ((), "answer 1", "O-1")
     assert await kept(store) == ["O-1"]
     assert await lines(store) == ["O-1", "O-1"], "that it was asked again is a line of its own"
+
+
+async def test_two_gateways_that_are_asked_under_one_key_place_one_order(
+    store: Store, placing: Placing
+) -> None:
+    url = store.database.engine.url.render_as_string(hide_password=False)
+    other = await Database.open(url)
+    try:
+        gateways = (placing, Placing(other, keys_kept_s=100.0, lines_kept=1_000))
+        for number in range(20, 60, 2):
+            tried = [
+                gateway.place(wish(number + place, f"k{number}")) for place, gateway in enumerate(gateways)
+            ]
+            (_, one), (_, two) = await asyncio.gather(*tried)
+            assert one == two
+    finally:
+        await other.close()
+    assert len(await kept(store)) == 20
+
+
+async def test_the_next_order_is_placed_after_the_server_has_closed_the_connection(
+    store: Store, placing: Placing
+) -> None:
+    if store.database.engine.dialect.name != "postgresql":
+        pytest.skip("a file closes nothing")
+    for number in (1, 2, 3):
+        await placing.place(wish(number, f"k{number}"))
+        async with store.write() as work:
+            others = "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE pid <> pg_backend_pid() "
+            await work.orders._connection.execute(text(others + "AND datname = current_database()"))
+    assert await kept(store) == ["O-1", "O-2", "O-3"]
+
+
+async def test_an_order_whose_commit_was_not_told_is_not_placed_again(
+    store: Store, placing: Placing, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its connection breaks after the commit: whoever asked is told that nobody knows, and asks again under its key."""
+    if store.database.engine.dialect.name != "postgresql":
+        pytest.skip("a file is at hand")
+    await placing.place(wish(1, "k1"))
+    await placing.place(wish(2, "k2"))
+    ask = asyncpg.Connection.fetchval
+    breaks = [True]
+
+    async def broken(driver: asyncpg.Connection, statement: str, *rest: object) -> object:
+        done = await ask(driver, statement, *rest)
+        if breaks:
+            breaks.clear()
+            driver.terminate()
+            raise asyncpg.ConnectionDoesNotExistError("connection was closed in the middle of operation")
+        return done
+
+    monkeypatch.setattr(asyncpg.Connection, "fetchval", broken)
+    with pytest.raises(UnavailableError):
+        await placing.place(wish(3))
+    assert await kept(store) == await lines(store) == ["O-1", "O-2", "O-3"]
 
 
 async def test_whoever_goes_before_the_answer_spoils_nothing(store: Store, placing: Placing) -> None:
@@ -162,7 +230,7 @@ async def test_whoever_goes_before_the_answer_spoils_nothing(store: Store, placi
 async def test_a_database_that_is_away_is_told_to_all_who_wait_and_the_next_is_written(
     store: Store, placing: Placing, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async def away(_database: Database, _work: Any) -> Any:
+    async def away(_database: Database, *_work: Any) -> Any:
         raise UnavailableError("database", "away", "wait")
 
     with monkeypatch.context() as patch:

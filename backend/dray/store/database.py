@@ -21,7 +21,7 @@ from sqlalchemy.exc import TimeoutError as PoolTimeout
 from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine
 
 from dray.errors import UnavailableError
-from dray.store.dialect import Dialect
+from dray.store.dialect import AtOnce, Dialect
 from dray.store.postgresql import Postgresql
 from dray.store.sqlite import Sqlite
 
@@ -149,11 +149,15 @@ class Database:
                 await self._dialect.take_turn(connection)
                 yield connection
 
-    async def do(self, work: Callable[[Connection], T]) -> T:
+    async def do(
+        self, work: Callable[[Connection], T], at_once: Callable[[], AtOnce[T] | None] | None = None
+    ) -> T:
         """Do something in a transaction of its own, in as few steps as this database allows.
 
         Args:
             work: called with the connection, perhaps in another thread.
+            at_once: makes one statement that does the same, or None; tried first where that is the shorter way. When it has
+                written nothing, `work` is called.
 
         Returns:
             What it has returned; by then it is on disk.
@@ -163,6 +167,10 @@ class Database:
         """
         with self._told(self._unwritten):
             async with self._writing:
+                if at_once is not None:
+                    done: T | None = await self._dialect.at_once(self._writer, at_once)
+                    if done is not None:
+                        return done
                 return await self._dialect.do(self._writer, work)
 
     async def close(self) -> None:

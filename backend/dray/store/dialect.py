@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
+import msgspec
 from sqlalchemy import Connection, Insert, Table
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine
@@ -13,6 +14,16 @@ T = TypeVar("T")
 
 BUSY_TIMEOUT_MS = 5_000
 """How long to wait for another process's write: an upgrade or a backup takes seconds, no more."""
+
+
+class AtOnce(msgspec.Struct, Generic[T], frozen=True):
+    """A writing transaction that is one statement, which takes its turn itself."""
+
+    statement: str
+    """As the driver takes it; its only value tells whether anything was written."""
+    arguments: tuple[object, ...]
+    done: T
+    """What is told when it was."""
 
 
 class Dialect(Protocol):
@@ -48,6 +59,13 @@ class Dialect(Protocol):
 
     async def do(self, writer: AsyncEngine, work: Callable[[Connection], T]) -> T:
         """One writing transaction, turn and all; `work` may be called in another thread."""
+        ...
+
+    async def at_once(self, writer: AsyncEngine, make: Callable[[], AtOnce[T] | None]) -> T | None:
+        """One writing transaction by one message, where that is less than `do`; None when nothing was written.
+
+        It writes nothing when a row that it adds is there already.
+        """
         ...
 
     async def close(self) -> None:

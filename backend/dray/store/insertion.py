@@ -1,15 +1,22 @@
 """Insertion: new rows of several tables, written at once.
 
 The statements are written once and handed to the driver as they are. PostgreSQL gets one for all tables, with the rows
-of each as a JSON array, so that it is gone to once; SQLite is at hand, and gets one for each table.
+of each as a JSON array, so that it is gone to once, for the whole transaction where that is wanted; SQLite is at hand, and
+gets one for each table.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any, TypeVar
 
 import msgspec
-from sqlalchemy import Connection, Table
+from sqlalchemy import Column, Connection, Table
+
+from dray.store.dialect import AtOnce
+from dray.store.postgresql import WRITERS
+
+T = TypeVar("T")
 
 Rows = Sequence[Mapping[str, object]]
 """By the names of columns; those that a database counts by itself are left out."""
@@ -20,10 +27,12 @@ class Insertion:
 
     Args:
         tables: those that others refer to come first.
+        once: a unique column of one of them: `at_once` writes nothing when one of its values is known.
     """
 
-    def __init__(self, *tables: Table) -> None:
+    def __init__(self, *tables: Table, once: Column[Any]) -> None:
         self._for_postgresql = _one_statement(tables)
+        self._at_once = _one_transaction(tables, once)
         self._for_sqlite = [_statement(table) for table in tables]
 
     def write(self, connection: Connection, rows: Sequence[Rows]) -> None:
@@ -34,12 +43,25 @@ class Insertion:
             rows: of each of the tables, perhaps none.
         """
         if connection.dialect.name == "postgresql":
-            arrays = tuple(msgspec.json.encode(each).decode() for each in rows)
-            connection.exec_driver_sql(self._for_postgresql, arrays)
+            connection.exec_driver_sql(self._for_postgresql, _arrays(rows))
             return
         for statement, each in zip(self._for_sqlite, rows, strict=True):
             if each:
                 connection.exec_driver_sql(statement, list(map(dict, each)))
+
+    def at_once(self, rows: Sequence[Rows], values: Sequence[str], done: T) -> AtOnce[T]:
+        """One statement for PostgreSQL that is a transaction of its own and writes them, if all of that is new.
+
+        Args:
+            rows: as `write`.
+            values: of the column `once`.
+            done: what is told when they are written.
+        """
+        return AtOnce(self._at_once, (*_arrays(rows), list(values)), done)
+
+
+def _arrays(rows: Sequence[Rows]) -> tuple[str, ...]:
+    return tuple(msgspec.json.encode(each).decode() for each in rows)
 
 
 def _columns(table: Table) -> list[str]:
@@ -54,12 +76,28 @@ def _statement(table: Table) -> str:
 
 def _one_statement(tables: Sequence[Table]) -> str:
     """Foreign keys are looked at when all of it is done."""
-    each = [
+    *before, last = (_from_array(table, place) for place, table in enumerate(tables, 1))
+    return f"WITH {_named(before)} {last}" if before else last
+
+
+def _one_transaction(tables: Sequence[Table], once: Column[Any]) -> str:
+    """Every row comes after the writers' lock; what others have committed while it was waited for meets the unique keys."""
+    known = f"SELECT FROM {once.table} WHERE {once.name} = ANY(${len(tables) + 1}::text[])"
+    return (
+        f"WITH turn AS MATERIALIZED (SELECT pg_advisory_xact_lock({WRITERS})), "  # noqa: S608 - of our own names
+        f"free AS MATERIALIZED (SELECT FROM turn WHERE NOT EXISTS ({known})), "
+        + _named([_from_array(table, place, "free, ") for place, table in enumerate(tables, 1)])
+        + " SELECT EXISTS (SELECT FROM free)"
+    )
+
+
+def _from_array(table: Table, place: int, before: str = "") -> str:
+    columns = ", ".join(_columns(table))
+    return (
         f"INSERT INTO {table.name} ({columns}) SELECT {columns} "  # noqa: S608 - of our own names
-        f"FROM json_populate_recordset(NULL::{table.name}, ${place}::text::json)"
-        for place, table in enumerate(tables, 1)
-        for columns in [", ".join(_columns(table))]
-    ]
-    *before, last = each
-    named = ", ".join(f"written_{place} AS ({statement})" for place, statement in enumerate(before))
-    return f"WITH {named} {last}" if named else last
+        f"FROM {before}json_populate_recordset(NULL::{table.name}, ${place}::text::json)"
+    )
+
+
+def _named(statements: Sequence[str]) -> str:
+    return ", ".join(f"written_{place} AS ({statement})" for place, statement in enumerate(statements))

@@ -7,6 +7,7 @@ written by as few statements as one alone, and share its commit (`dray.store.tog
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import msgspec
 from sqlalchemy import Connection, delete, func, select
@@ -14,8 +15,9 @@ from sqlalchemy import Connection, delete, func, select
 from dray.errors import DrayError
 from dray.store.audit import AuditRow, row_of_line
 from dray.store.database import Database
+from dray.store.dialect import AtOnce
 from dray.store.digest import digest
-from dray.store.insertion import Insertion
+from dray.store.insertion import Insertion, Rows
 from dray.store.keys import KeptAnswer, known_answers
 from dray.store.links import Link
 from dray.store.orders import Order, rows_of_items, rows_of_orders
@@ -29,7 +31,9 @@ FORGOTTEN_EVERY_S = 600.0
 """Wall seconds between two looks for keys that are too old: they are kept for days."""
 
 
-_INSERTION = Insertion(orders, order_items, tracking_links, idempotency_keys, audit)
+_INSERTION = Insertion(
+    *(orders, order_items, tracking_links, idempotency_keys, audit), once=idempotency_keys.c.key
+)
 
 
 class Placement(msgspec.Struct, frozen=True):
@@ -49,8 +53,8 @@ class Wish(msgspec.Struct, frozen=True, kw_only=True):
     fingerprint: str = ""
     """A digest of what is asked."""
     prepare: Callable[[], Placement]
-    """Makes the orders, or refuses them by a `DrayError`. It is called inside the transaction, and not for a key that is
-    known, so that times follow one another as commits do; in another thread, and perhaps again."""
+    """Makes the orders, or refuses them by a `DrayError`. It is called when it is this process's turn to write, so that times
+    follow one another as its commits do; in another thread, and perhaps again. For a key that is known nothing comes of it."""
     line: Callable[[str], AuditRow] | None = None
     """The line of the audit log, given what it is about."""
 
@@ -75,7 +79,7 @@ class Placing:
     """
 
     def __init__(self, database: Database, *, keys_kept_s: float, lines_kept: int) -> None:
-        self._together: Together[Wish, Placed] = Together(database, self._write)
+        self._together: Together[Wish, Placed] = Together(database, self._write, self._at_once)
         self._keys_kept_s, self._lines_kept = keys_kept_s, lines_kept
         self._unpruned, self._forgotten_at_s = 0, 0.0
 
@@ -95,20 +99,25 @@ class Placing:
             raise placed.refused
         return placed.orders, placed.kept
 
+    def _at_once(self, wishes: Sequence[Wish]) -> AtOnce[Sequence[Placed]] | None:
+        """One statement for all of it, where nobody is refused and nothing is to be forgotten: as nearly always."""
+        done = [_placed(wish, None) for wish in wishes]
+        rows = _rows(wishes, done)
+        to_prune = self._unpruned + len(rows.lines) >= PRUNED_EVERY
+        if to_prune or self._is_time(rows) or any(placed.refused for placed in done):
+            return None
+        self._unpruned += len(rows.lines)
+        return _INSERTION.at_once(rows, [wish.key for wish in wishes if wish.key], done)
+
     def _write(self, connection: Connection, wishes: Sequence[Wish]) -> Sequence[Placed]:
         known = known_answers(connection, [wish.key for wish in wishes if wish.key])
         done = [_placed(wish, known.get(wish.key)) for wish in wishes]
-        new = [order for placed in done for order in placed.orders]
-        answers = [placed.kept for placed in done if placed.orders and placed.kept and placed.kept.key]
-        lines = [
-            row_of_line(wish.line(placed.kept.order_id))
-            for wish, placed in zip(wishes, done, strict=True)
-            if wish.line and placed.kept and placed.kept.fingerprint == wish.fingerprint
-        ]
-        _insert(connection, new, answers, lines)
-        self._prune(connection, len(lines))
-        if answers:
-            self._forget(connection, answers[0].at_s)
+        rows = _rows(wishes, done)
+        if rows.orders or rows.lines:
+            _INSERTION.write(connection, rows)
+        self._prune(connection, len(rows.lines))
+        if self._is_time(rows):
+            self._forget(connection, rows)
         return done
 
     def _prune(self, connection: Connection, lines: int) -> None:
@@ -118,11 +127,24 @@ class Placing:
             newest = select(func.max(audit.c.position)).scalar_subquery()
             connection.execute(delete(audit).where(audit.c.position <= newest - self._lines_kept))
 
-    def _forget(self, connection: Connection, now_s: float) -> None:
-        if abs(now_s - self._forgotten_at_s) >= FORGOTTEN_EVERY_S:
-            self._forgotten_at_s = now_s
-            too_old = idempotency_keys.c.at_s < now_s - self._keys_kept_s
-            connection.execute(delete(idempotency_keys).where(too_old))
+    def _is_time(self, rows: _Rows) -> bool:
+        """Whether to look for keys that are too old."""
+        return bool(rows.keys) and abs(_at_s(rows) - self._forgotten_at_s) >= FORGOTTEN_EVERY_S
+
+    def _forget(self, connection: Connection, rows: _Rows) -> None:
+        self._forgotten_at_s = _at_s(rows)
+        too_old = idempotency_keys.c.at_s < self._forgotten_at_s - self._keys_kept_s
+        connection.execute(delete(idempotency_keys).where(too_old))
+
+
+class _Rows(NamedTuple):
+    """Of the tables, in the order in which they are written."""
+
+    orders: Rows
+    items: Rows
+    links: Rows
+    keys: Rows
+    lines: Rows
 
 
 def _placed(wish: Wish, known: KeptAnswer | None) -> Placed:
@@ -137,16 +159,27 @@ def _placed(wish: Wish, known: KeptAnswer | None) -> Placed:
     return Placed(placement.orders, kept)
 
 
-def _insert(
-    connection: Connection,
-    new: Sequence[Order],
-    answers: Sequence[KeptAnswer],
-    lines: Sequence[dict[str, object]],
-) -> None:
-    links = [
-        {"token_hash": digest(order.token), **msgspec.structs.asdict(Link(order.id, order.created_at_s))}
-        for order in new
-    ]
-    keys = [msgspec.structs.asdict(answer) for answer in answers]
-    if new or lines:
-        _INSERTION.write(connection, (rows_of_orders(new), rows_of_items(new), links, keys, lines))
+def _rows(wishes: Sequence[Wish], done: Sequence[Placed]) -> _Rows:
+    new = [order for placed in done for order in placed.orders]
+    answers = [placed.kept for placed in done if placed.orders and placed.kept and placed.kept.key]
+    return _Rows(
+        orders=rows_of_orders(new),
+        items=rows_of_items(new),
+        links=[
+            {"token_hash": digest(order.token), **msgspec.structs.asdict(Link(order.id, order.created_at_s))}
+            for order in new
+        ],
+        keys=[msgspec.structs.asdict(answer) for answer in answers],
+        lines=[
+            row_of_line(wish.line(placed.kept.order_id))
+            for wish, placed in zip(wishes, done, strict=True)
+            if wish.line and placed.kept and placed.kept.fingerprint == wish.fingerprint
+        ],
+    )
+
+
+def _at_s(rows: _Rows) -> float:
+    """When the first key came."""
+    at_s = rows.keys[0]["at_s"]
+    assert isinstance(at_s, float)  # noqa: S101 - as its table has it
+    return at_s

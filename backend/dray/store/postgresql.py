@@ -6,13 +6,14 @@ transactions a second, so the queue is short, and queries are the same on both d
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from types import MappingProxyType
 from typing import Any, TypeVar
 
 import asyncpg
 from sqlalchemy import Connection, text
-from sqlalchemy.exc import DBAPIError
+from sqlalchemy.exc import DBAPIError, IntegrityError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine, create_async_engine
 
@@ -89,6 +90,34 @@ class Postgresql:
             raise
         return done
 
+    async def at_once(self, writer: AsyncEngine, make: Callable[[], dialect.AtOnce[T] | None]) -> T | None:
+        whole = make()
+        if whole is None:
+            return None
+        fresh = self._kept is None
+        try:
+            return await self._written(writer, whole)
+        except DBAPIError as error:
+            if fresh or not _is_gone(error):
+                raise
+            # The server was started anew while nothing was said; or it has written this, and then nothing is new in it.
+            done = await self._written(writer, whole)
+            if done is None:
+                raise
+            return done
+
+    async def _written(self, writer: AsyncEngine, whole: dialect.AtOnce[T]) -> T | None:
+        try:
+            driver = await _driver(await self._connected(writer))
+            with _raised(whole.statement):
+                written = await driver.fetchval(whole.statement, *whole.arguments)
+        except IntegrityError:
+            return None
+        except BaseException:
+            await self._hang_up()
+            raise
+        return whole.done if written else None
+
     async def close(self) -> None:
         await self._hang_up()
 
@@ -97,16 +126,23 @@ class Postgresql:
         while True:
             fresh = self._kept is None
             try:
-                if self._kept is None:
-                    self._kept = await writer.connect()
-                    await self._kept.execution_options(isolation_level="AUTOCOMMIT")
-                await _say(self._kept, _BEGIN)
+                await _say(await self._connected(writer), _BEGIN)
             except BaseException as error:
                 await self._hang_up()
                 if fresh or not _is_gone(error):
                     raise
             else:
+                assert self._kept is not None  # noqa: S101 - it has just answered
                 return self._kept
+
+    async def _connected(self, writer: AsyncEngine) -> AsyncConnection:
+        """The kept connection; a new one where there is none, or the server has closed it."""
+        if self._kept is not None and (await _driver(self._kept)).is_closed():
+            await self._hang_up()
+        if self._kept is None:
+            self._kept = await writer.connect()
+            await self._kept.execution_options(isolation_level="AUTOCOMMIT")
+        return self._kept
 
     async def _hang_up(self) -> None:
         """The server undoes what was not committed."""
@@ -140,9 +176,26 @@ async def _say(connection: AsyncConnection, command: str) -> None:
     Raises:
         DBAPIError: as SQLAlchemy itself would raise it.
     """
-    driver: Any = (await connection.get_raw_connection()).driver_connection
-    try:
+    driver = await _driver(connection)
+    with _raised(command):
         await driver.execute(command)
+
+
+async def _driver(connection: AsyncConnection) -> Any:
+    return (await connection.get_raw_connection()).driver_connection
+
+
+@contextmanager
+def _raised(command: str) -> Iterator[None]:
+    """Raise what the driver raises as SQLAlchemy itself would.
+
+    Raises:
+        DBAPIError: an `IntegrityError` for a row that is there already.
+    """
+    try:
+        yield
+    except asyncpg.UniqueViolationError as error:
+        raise IntegrityError(command, None, error) from error
     except (asyncpg.PostgresError, asyncpg.InterfaceError, asyncpg.InternalClientError) as error:
         # The server has said nothing: the driver finds the connection closed, or closing.
         gone = not isinstance(error, asyncpg.PostgresError)

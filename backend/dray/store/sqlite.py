@@ -25,6 +25,10 @@ T = TypeVar("T")
 
 _IMMEDIATE = "dray_immediate"
 
+CHECKPOINT_PAGES = 8_000
+"""Pages of the write-ahead log, 32 MB, after which a commit copies them into the file and waits for the disk twice more. An
+order changes some twenty pages, and the same ones as the orders before it."""
+
 
 class Sqlite:
     """See `dray.store.dialect.Dialect`."""
@@ -46,6 +50,10 @@ class Sqlite:
 
     async def do(self, writer: AsyncEngine, work: Callable[[Connection], T]) -> T:
         return await asyncio.get_running_loop().run_in_executor(self._thread, self._do, writer.url, work)
+
+    async def at_once(self, writer: AsyncEngine, make: Callable[[], dialect.AtOnce[T] | None]) -> T | None:
+        """The file is beside the process: several statements are no longer way."""
+        return None
 
     def _do(self, url: URL, work: Callable[[Connection], T]) -> T:
         if self._direct is None:
@@ -140,6 +148,7 @@ def _prepare(connection: Any, _record: Any) -> None:
         f"busy_timeout = {dialect.BUSY_TIMEOUT_MS}",
         "journal_mode = WAL",
         "synchronous = FULL",
+        f"wal_autocheckpoint = {CHECKPOINT_PAGES}",
         "foreign_keys = ON",
     ):
         cursor.execute(f"PRAGMA {pragma}")

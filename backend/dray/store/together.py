@@ -16,6 +16,7 @@ from sqlalchemy import Connection
 
 from dray.errors import UnavailableError
 from dray.store.database import Database
+from dray.store.dialect import AtOnce
 
 In = TypeVar("In")
 Out = TypeVar("Out")
@@ -34,12 +35,16 @@ class Together(Generic[In, Out]):
         database: where to.
         write: writes some in one transaction, in their order, and returns what became of each. It may run in another
             thread, and again when the transaction was undone.
+        at_once: see `Database.do`.
     """
 
     def __init__(
-        self, database: Database, write: Callable[[Connection, Sequence[In]], Sequence[Out]]
+        self,
+        database: Database,
+        write: Callable[[Connection, Sequence[In]], Sequence[Out]],
+        at_once: Callable[[Sequence[In]], AtOnce[Sequence[Out]] | None],
     ) -> None:
-        self._database, self._write = database, write
+        self._database, self._write, self._at_once = database, write, at_once
         self._waiting: deque[tuple[In, asyncio.Future[Out]]] = deque()
         self._writer: asyncio.Task[None] | None = None
 
@@ -71,8 +76,9 @@ class Together(Generic[In, Out]):
     async def _written(self, batch: Sequence[tuple[In, asyncio.Future[Out]]], *, alone: bool) -> bool:
         """Write some and answer; False when nothing was done and each is to be tried alone."""
         try:
+            items = [one for one, _ in batch]
             done = await self._database.do(
-                lambda connection: self._write(connection, [one for one, _ in batch])
+                lambda connection: self._write(connection, items), lambda: self._at_once(items)
             )
         except BaseException as error:
             if not (alone or isinstance(error, UnavailableError | asyncio.CancelledError)):
