@@ -211,6 +211,12 @@ def machine_heartbeat(machine: str = "M1", seq: int = 1, **fields: Any) -> Machi
     return MachineHeartbeat(machine=machine, seq=seq, **usual | fields)
 
 
+def station_heartbeat(station: str = "S1", seq: int = 1, **fields: Any) -> StationHeartbeat:
+    """The station of a storage, which tells nothing of what lies there; `fields` may change anything."""
+    usual: dict[str, Any] = {"incarnation": 1, "at_s": float(seq)}
+    return StationHeartbeat(station=station, seq=seq, **usual | fields)
+
+
 def events(agent: str, *facts: AnyFact, life: int = 1, first: int = 1, at_s: float = 100.0) -> list[Event]:
     """An agent's numbered facts, one second apart."""
     return [

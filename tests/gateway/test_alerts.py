@@ -14,6 +14,7 @@ from gateway_kit import (
     gateway,
     machine_heartbeat,
     problem,
+    station_heartbeat,
 )
 
 from dray.errors import UnavailableError
@@ -26,6 +27,7 @@ from dray.messages import AtvStatus, Brief, HelpWanted, MachineStatus, Phase, Ro
 from dray.messages.fact import GoalWaits, PhaseEntered, TaskClosed, TaskOpened
 from dray.overload import LEAST, WAITED_S
 from dray.store.acknowledgements import Acknowledgement
+from dray.store.exclusions import Exclusion
 from dray.store.orders import Item, Order
 from dray.store.progress import OrderStatus
 
@@ -124,6 +126,32 @@ def test_in_real_time_three_beats_and_a_half_second_are_silence(task: Brief | No
     assert projection.alerts.views() == ()
     projection.look(NOW_S + bound_s + 0.1)
     assert projection.alerts.views() != ()
+
+
+def test_a_storage_whose_station_is_silent_is_an_alarm_until_it_speaks_again(projection: Projection) -> None:
+    projection.fold(station_heartbeat("S3", 1, at_s=1.0))
+    # At ten times real time two wall seconds, 20 factory seconds, are the least.
+    assert alerts(projection, 20.9) == []
+    lost = the_alert(projection, 21.1)
+    assert (lost.kind, lost.level, lost.response, lost.agent, lost.seen_at_s) == (
+        "station_lost",
+        "alarm",
+        "look_at_station",
+        "S3",
+        at(1.0),
+    )
+    projection.fold(station_heartbeat("S3", 2, at_s=22.0))
+    assert alerts(projection, 23.0) == []
+
+
+def test_a_station_that_is_shut_out_or_stands_nowhere_is_not_called_silent(projection: Projection) -> None:
+    projection.fold(station_heartbeat("S3", 1, at_s=1.0))
+    projection.fold(station_heartbeat("S99", 1, at_s=1.0))
+    projection.shut_out([Exclusion("S3", "lies", "Maria Weber", NOW_S)])
+    (alert,) = alerts(projection, 60.0)
+    assert (alert.kind, alert.agent) == ("machine_shut_out", "S3")
+    (view,) = projection.stations.views()
+    assert (view.id, view.shut_out is not None) == ("S3", True)
 
 
 def test_of_who_is_silent_nothing_else_is_said(projection: Projection) -> None:

@@ -15,6 +15,7 @@ from areas_kit import (
     GOAL,
     MACHINE,
     ORDER,
+    STORAGE,
     TASK,
     after,
     everything,
@@ -25,7 +26,17 @@ from areas_kit import (
     told_of,
     words,
 )
-from gateway_kit import NOW_S, PLANT, FakeDesk, House, Wall, atv_heartbeat, gateway, problem
+from gateway_kit import (
+    NOW_S,
+    PLANT,
+    FakeDesk,
+    House,
+    Wall,
+    atv_heartbeat,
+    gateway,
+    problem,
+    station_heartbeat,
+)
 
 from dray.gateway.access.principal import ADMIN, SCOPES, Principal, Role
 from dray.gateway.access.rules import RULES
@@ -103,6 +114,20 @@ async def test_a_snapshot_holds_what_is_in_the_area(area: str) -> None:
     assert frame["orders"] == frame["faults"] == []
     assert frame["trials"] is False
     assert frame["factory"]["atvs_by_status"] == {}
+
+
+@every_area
+async def test_the_station_of_a_storage_is_seen_with_its_alarm_where_the_storage_stands(area: str) -> None:
+    stage = Stage(*everything(), *(station_heartbeat(storage, at_s=-60.0) for storage in STORAGE.values()))
+    stage.projection.look(NOW_S + 1.0)
+    client = stage.join(operator(area))
+    frame = await next_of(client)
+    assert ids(frame, "stations") == [STORAGE[area]]
+    assert [each["agent"] for each in frame["alerts"] if each["kind"] == "station_lost"] == [STORAGE[area]]
+    stage.tell(*(station_heartbeat(storage, 2) for storage in STORAGE.values()))
+    stage.wall.now_s += 1.0
+    stage.hub.tick()
+    assert ids(await next_of(client), "stations") == [STORAGE[area]]
 
 
 @every_area

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from gateway_kit import NOW_S, PLANT, House, atv_heartbeat, events
+from gateway_kit import NOW_S, PLANT, House, atv_heartbeat, events, station_heartbeat
 
 from dray.gateway.projection import Projection
 from dray.gateway.projection.tasks import MAX_OPEN_EACH
@@ -28,6 +28,9 @@ class Watch:
         for atv in ("ATV1", "ATV2", "ATV3", "ATV4"):
             at_s = self.now_s - NOW_S + ahead_s.get(atv, 0.0)
             self.projection.fold(atv_heartbeat(atv, self._seq, at_s=at_s))
+        if "S3" in ahead_s:
+            at_s = self.now_s - NOW_S + ahead_s["S3"]
+            self.projection.fold(station_heartbeat("S3", self._seq, at_s=at_s))
 
     def alerts(self) -> dict[str, tuple[str, str]]:
         self.projection.look(self.now_s)
@@ -51,6 +54,24 @@ def test_a_wrong_clock_is_an_alert_is_shown_and_leaves_the_fleets_figures_as_the
     assert used is not None
     assert told is not None
     assert used.idle == pytest.approx(told.idle, abs=0.02)
+
+
+@pytest.mark.parametrize(("ahead_s", "wrong"), [(90.0, True), (-90.0, True), (0.3, False)])
+def test_the_clock_of_a_station_is_measured_too_and_makes_nobody_silent(ahead_s: float, wrong: bool) -> None:
+    watch = Watch()
+    for _ in range(30):
+        watch.beat(S3=ahead_s)
+    view = watch.projection.stations.view("S3")
+    assert view is not None
+    assert view.clock is not None
+    assert view.clock.ahead_s == pytest.approx(ahead_s, abs=0.1)
+    assert view.clock.wrong is wrong
+    assert view.seen_at_s == pytest.approx(watch.now_s, abs=2.0)
+    assert watch.alerts().keys() == ({"clock_wrong"} if wrong else set())
+    honest = watch.projection.atvs.view("ATV1")
+    assert honest is not None
+    assert honest.clock is not None
+    assert not honest.clock.wrong
 
 
 def test_nobody_is_silent_because_of_its_clock() -> None:

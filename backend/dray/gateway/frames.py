@@ -15,6 +15,7 @@ from dray.gateway.views import (
     MachineView,
     NewsView,
     OrderView,
+    StationView,
     TaskView,
     View,
 )
@@ -29,6 +30,8 @@ class Snapshot(View, kw_only=True, tag_field="type", tag="snapshot"):
     factory: FactoryView
     atvs: tuple[AtvView, ...]
     machines: tuple[MachineView, ...]
+    stations: tuple[StationView, ...] = ()
+    """Of storages."""
     tasks: tuple[TaskView, ...]
     """The open ones and the last 50 that closed."""
     orders: tuple[OrderView, ...]
@@ -56,6 +59,7 @@ class Delta(View, kw_only=True, tag_field="type", tag="delta"):
     factory: FactoryView | None = None
     atvs: tuple[AtvView, ...] = ()
     machines: tuple[MachineView, ...] = ()
+    stations: tuple[StationView, ...] = ()
     tasks: tuple[TaskView, ...] = ()
     orders: tuple[OrderView, ...] = ()
     news: tuple[NewsView, ...] = ()
@@ -72,6 +76,7 @@ class Delta(View, kw_only=True, tag_field="type", tag="delta"):
             (
                 self.atvs,
                 self.machines,
+                self.stations,
                 self.tasks,
                 self.orders,
                 self.news,

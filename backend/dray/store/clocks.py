@@ -24,7 +24,7 @@ from statistics import median
 
 import msgspec
 
-from dray.messages import AtvHeartbeat, Event, MachineHeartbeat
+from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, StationHeartbeat
 
 HEARD_KEPT = 8
 """Heartbeats of each agent that are looked at: as the clock filter of NTP (RFC 5905, 10)."""
@@ -54,6 +54,10 @@ AGENTS_KEPT = 20_000
 
 _TIMES = ("deadline_s", "bids_until_s", "finish_s", "next_round_s", "promised_s", "until_s")
 """Fields of facts that are moments on the teller's clock; 0 stands for none."""
+
+
+Timed = AtvHeartbeat | MachineHeartbeat | StationHeartbeat | Event
+"""What tells the time by its sender's clock."""
 
 
 class Offset(msgspec.Struct, frozen=True):
@@ -86,9 +90,7 @@ class Clocks:
         self._common: tuple[float, float] | None = None
         """What all have in common, and when it was looked at."""
 
-    def right(
-        self, message: AtvHeartbeat | MachineHeartbeat | Event, now_s: float
-    ) -> AtvHeartbeat | MachineHeartbeat | Event:
+    def right(self, message: Timed, now_s: float) -> Timed:
         """A message with its times by the clock that is right; heartbeats are learned from.
 
         Args:
@@ -98,12 +100,16 @@ class Clocks:
         if isinstance(message, Event):
             ahead_s = self._shift_s(message.agent, message.at_s, now_s, oldest_s=OLDEST_S)
             return _event(message, ahead_s) if ahead_s else message
-        agent = message.atv if isinstance(message, AtvHeartbeat) else message.machine
+        agent = _speaker(message)
         self._note(agent, message.at_s, now_s)
         ahead_s = self._shift_s(agent, message.at_s, now_s, oldest_s=FUTURE_S + self._slack_s)
         if not ahead_s:
             return message
-        return _atv(message, ahead_s) if isinstance(message, AtvHeartbeat) else _machine(message, ahead_s)
+        if isinstance(message, AtvHeartbeat):
+            return _atv(message, ahead_s)
+        if isinstance(message, MachineHeartbeat):
+            return _machine(message, ahead_s)
+        return msgspec.structs.replace(message, at_s=message.at_s - ahead_s)
 
     def offset(self, agent: str) -> Offset | None:
         """How far an agent's clock is off; None when nothing is known."""
@@ -119,8 +125,12 @@ class Clocks:
         """The agents that were heard lately and whose clocks are wrong beyond doubt."""
         for agent, heard in self._heard.items():
             if now_s - heard.at_s <= LATELY_S + self._slack_s and (offset := self.offset(agent)) is not None:
-                if abs(offset.ahead_s) - offset.bound_s > self._threshold_s():
+                if self.is_wrong(offset):
                     yield agent, offset
+
+    def is_wrong(self, offset: Offset) -> bool:
+        """Whether a clock is off by more than clocks of one plant are, beyond doubt."""
+        return abs(offset.ahead_s) - offset.bound_s > self._threshold_s()
 
     def offsets(self) -> dict[str, Offset]:
         """Those of all agents."""
@@ -156,13 +166,23 @@ class Clocks:
     def _shift_s(self, agent: str, at_s: float, now_s: float, *, oldest_s: float) -> float:
         """What is to be taken off an agent's times."""
         offset, shift_s = self.offset(agent), 0.0
-        if offset is not None and abs(offset.ahead_s) - offset.bound_s > self._threshold_s():
+        if offset is not None and self.is_wrong(offset):
             shift_s = offset.ahead_s
         by_now_s = at_s - shift_s - now_s
         common_s = max(0.0, -self._common_s(now_s))
         if by_now_s > FUTURE_S + self._slack_s + common_s or by_now_s < -oldest_s:
             shift_s = at_s - now_s
         return shift_s
+
+
+def _speaker(heartbeat: AtvHeartbeat | MachineHeartbeat | StationHeartbeat) -> str:
+    match heartbeat:
+        case AtvHeartbeat():
+            return heartbeat.atv
+        case MachineHeartbeat():
+            return heartbeat.machine
+        case StationHeartbeat():
+            return heartbeat.station
 
 
 def _later(time_s: float | None, ahead_s: float) -> float | None:

@@ -24,6 +24,8 @@ function kindText(alert: AlertView, nowS: number, speed: number): string {
     case "machine_lost":
     case "atv_lost":
       return t("alerts.what.lost", { age: format.age(nowS - (seen_at_s ?? nowS)) });
+    case "station_lost":
+      return t("alerts.what.station_lost", { age: format.age(nowS - (seen_at_s ?? nowS)) });
     case "atv_help":
       return leftS > 0 ? t("alerts.what.atv_help", { left: format.duration(leftS) }) : t("alerts.what.help_late");
     case "atv_promised":

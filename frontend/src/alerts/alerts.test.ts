@@ -20,11 +20,15 @@ describe("alerts", () => {
   });
 
   test("lead to what they are about", () => {
-    expect(chosenOf(alert({}))).toEqual({ kind: "machine", id: "M8" });
-    expect(chosenOf(alert({ kind: "atv_lost", agent: "ATV3" }))).toEqual({ kind: "atv", id: "ATV3" });
-    expect(chosenOf(alert({ kind: "task_trouble", agent: "ATV3", task: "T1" }))).toEqual({ kind: "task", id: "T1" });
-    expect(chosenOf(alert({ kind: "order_late", agent: "", order: "O-1" }))).toBeNull();
-    expect(chosenOf(alert({ kind: "plant_behind", agent: "" }))).toBeNull();
+    const atvs = new Map([["ATV3", {}]]);
+    expect(chosenOf(alert({}), atvs)).toEqual({ kind: "machine", id: "M8" });
+    expect(chosenOf(alert({ kind: "atv_lost", agent: "ATV3" }), atvs)).toEqual({ kind: "atv", id: "ATV3" });
+    expect(chosenOf(alert({ kind: "station_lost", agent: "S1" }), atvs)).toEqual({ kind: "machine", id: "S1" });
+    expect(chosenOf(alert({ kind: "clock_wrong", agent: "ATV3" }), atvs)).toEqual({ kind: "atv", id: "ATV3" });
+    expect(chosenOf(alert({ kind: "clock_wrong", agent: "M8" }), atvs)).toEqual({ kind: "machine", id: "M8" });
+    expect(chosenOf(alert({ kind: "task_trouble", agent: "ATV3", task: "T1" }), atvs)).toEqual({ kind: "task", id: "T1" });
+    expect(chosenOf(alert({ kind: "order_late", agent: "", order: "O-1" }), atvs)).toBeNull();
+    expect(chosenOf(alert({ kind: "plant_behind", agent: "" }), atvs)).toBeNull();
     expect([isOfPlant(alert({ kind: "overloaded", agent: "" })), isOfPlant(alert({}))]).toEqual([true, false]);
   });
 });
@@ -38,6 +42,9 @@ describe("an alert says", () => {
 
   test("for how long nothing was heard", () => {
     expect(said({ kind: "atv_lost", seen_at_s: 70 })).toBe("No heartbeat for 30 s");
+    const station = alert({ kind: "station_lost", agent: "S1", response: "look_at_station", seen_at_s: 70 });
+    expect(whatText(station, 100, 1).replaceAll("\u202f", " ")).toBe("No heartbeat of its station for 30 s: nobody is promised material from here");
+    expect(asksText(station)).toContain("power and network");
   });
 
   test("how long help is waited for, in factory time", () => {
@@ -51,7 +58,7 @@ describe("an alert says", () => {
     const out = { by: "Maria", problem: "does not move" };
     expect(said({ ...out, kind: "atv_shut_out" })).toBe("Shut out by Maria: does not move");
     expect(said({ ...out, kind: "machine_shut_out" })).toBe("Shut out by Maria: does not move");
-    expect(chosenOf(alert({ ...out, kind: "machine_shut_out", agent: "M8" }))).toEqual({ kind: "machine", id: "M8" });
+    expect(chosenOf(alert({ ...out, kind: "machine_shut_out", agent: "M8" }), new Map())).toEqual({ kind: "machine", id: "M8" });
   });
 
   test("of the plant as a whole how far it is behind, and how much is not carried", () => {

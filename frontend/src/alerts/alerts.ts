@@ -23,9 +23,13 @@ export function isOfPlant({ agent, order, task }: AlertView): boolean {
   return agent === "" && order === "" && task === "";
 }
 
-/** What on the plant it is about; null for an order, and for the plant as a whole. */
-export function chosenOf({ agent, kind, task }: AlertView): Chosen | null {
+/**
+ * What on the plant it is about; null for an order, and for the plant as a whole.
+ *
+ * @param atvs the vehicles that are heard: a clock may be wrong, and a word disbelieved, of a vehicle or of what stands still
+ */
+export function chosenOf({ agent, kind, task }: AlertView, atvs: ReadonlyMap<string, unknown>): Chosen | null {
   if (task !== "") return { kind: "task", id: task };
   if (agent === "") return null;
-  return { kind: kind.startsWith("machine_") ? "machine" : "atv", id: agent };
+  return { kind: kind.startsWith("atv_") || atvs.has(agent) ? "atv" : "machine", id: agent };
 }

@@ -33,6 +33,7 @@ export interface AlertView {
     | "order_waits"
     | "overloaded"
     | "plant_behind"
+    | "station_lost"
     | "strangers"
     | "task_trouble"
     | "word_disbelieved";
@@ -50,6 +51,7 @@ export interface AlertView {
     | "look_at_machine"
     | "look_at_network"
     | "look_at_server"
+    | "look_at_station"
     | "promise_help"
     | "put_right_and_readmit"
     | "repair"
@@ -118,6 +120,7 @@ export interface AtvView {
 export interface ClockView {
   ahead_s: number;
   bound_s: number;
+  wrong: boolean;
 }
 /**
  * A problem that a person can solve, while its task waits for that.
@@ -273,6 +276,7 @@ export interface Delta {
   news: NewsView[];
   number: number;
   orders: OrderView[];
+  stations: StationView[];
   tasks: TaskView[];
   type: "delta";
 }
@@ -423,6 +427,29 @@ export interface OrderItemView {
   made: number;
   product: string;
   quantity: number;
+}
+/**
+ * The station of a storage, as its last heartbeat told.
+ */
+export interface StationView {
+  clock: ClockView | null;
+  id: string;
+  leaving: boolean;
+  name: string;
+  seen_at_s: number;
+  shut_out: ShutOutView | null;
+  software: string;
+  stocks: StockView[];
+}
+/**
+ * Pieces of one material in a storage.
+ */
+export interface StockView {
+  capacity: number;
+  item: string;
+  level: number;
+  promised: number;
+  wanted: number;
 }
 /**
  * A task from its announcement to its end.
@@ -749,6 +776,7 @@ export interface Snapshot {
   number: number;
   orders: OrderView[];
   plant: string;
+  stations: StationView[];
   tasks: TaskView[];
   trials: boolean;
   type: "snapshot";

@@ -1,16 +1,16 @@
 import { describe, expect, test } from "vitest";
-import type { AtvView, Delta, FactoryView, FaultView, NewsView, Snapshot, TaskView } from "../api/types";
+import type { AtvView, Delta, FactoryView, FaultView, NewsView, Snapshot, StationView, TaskView } from "../api/types";
 import { advance, worldOf } from "./world";
 
 const factory = { speed: 1 } as FactoryView;
 const atv = (id: string, battery_frac = 1) => ({ id, battery_frac }) as AtvView;
 
 export const snapshot = (number: number, atvs: AtvView[] = []): Snapshot => ({
-  type: "snapshot", number, at_s: 100, plant: "dray", factory, atvs, machines: [], tasks: [], orders: [],
+  type: "snapshot", number, at_s: 100, plant: "dray", factory, atvs, machines: [], stations: [], tasks: [], orders: [],
   news: [], alerts: [], trials: false, faults: [], commands: [], audience: null,
 });
 export const delta = (number: number, more: Partial<Delta> = {}): Delta => ({
-  type: "delta", number, at_s: 101, factory: null, atvs: [], machines: [], tasks: [], orders: [], news: [],
+  type: "delta", number, at_s: 101, factory: null, atvs: [], machines: [], stations: [], tasks: [], orders: [], news: [],
   alerts: [], faults: [], commands: [], gone: [], ...more,
 });
 
@@ -51,6 +51,13 @@ describe("a world", () => {
     }));
     const after = advance(begun, delta(3, { gone: ["fault:1"] }));
     expect([begun?.faults.size, after?.faults.size, after?.news.size]).toEqual([1, 0, 1]);
+  });
+
+  test("keeps what stations tell, until they have left", () => {
+    const station = { id: "S1", stocks: [] } as unknown as StationView;
+    const begun = advance(worldOf({ ...snapshot(1), stations: [station] }), delta(2, { stations: [{ ...station, id: "S2" }] }));
+    expect([...(begun?.stations.keys() ?? [])]).toEqual(["S1", "S2"]);
+    expect([...(advance(begun, delta(3, { gone: ["station:S1"] }))?.stations.keys() ?? [])]).toEqual(["S2"]);
   });
 
   test("keeps the very map of a kind that did not change", () => {

@@ -14,6 +14,7 @@ import type {
   NewsView,
   OrderView,
   Snapshot,
+  StationView,
   TaskView,
 } from "../api/types";
 
@@ -28,6 +29,8 @@ export interface World {
   readonly factory: FactoryView;
   readonly atvs: ReadonlyMap<string, AtvView>;
   readonly machines: ReadonlyMap<string, MachineView>;
+  /** Of storages, by the storage's id. */
+  readonly stations: ReadonlyMap<string, StationView>;
   readonly tasks: ReadonlyMap<string, TaskView>;
   readonly orders: ReadonlyMap<string, OrderView>;
   /** What has happened lately, oldest first. */
@@ -48,6 +51,7 @@ export interface World {
 const GONE = {
   atv: "atvs",
   machine: "machines",
+  station: "stations",
   task: "tasks",
   order: "orders",
   news: "news",
@@ -64,6 +68,7 @@ export function worldOf(frame: Snapshot): World {
     factory: frame.factory,
     atvs: byId(frame.atvs),
     machines: byId(frame.machines),
+    stations: byId(frame.stations),
     tasks: byId(frame.tasks),
     orders: byId(frame.orders),
     news: byId(frame.news),
@@ -90,6 +95,7 @@ export function advance(world: World | null, frame: Frame): World | null {
     factory: frame.factory ?? world.factory,
     atvs: changed(world.atvs, frame.atvs, gone.atvs),
     machines: changed(world.machines, frame.machines, gone.machines),
+    stations: changed(world.stations, frame.stations, gone.stations),
     tasks: changed(world.tasks, frame.tasks, gone.tasks),
     orders: changed(world.orders, frame.orders, gone.orders),
     news: changed(world.news, frame.news, gone.news),
@@ -120,7 +126,7 @@ type Kind = (typeof GONE)[keyof typeof GONE];
 
 function goneByKind(ids: readonly string[]): Record<Kind, string[]> {
   const gone: Record<Kind, string[]> = {
-    atvs: [], machines: [], tasks: [], orders: [], news: [], alerts: [], faults: [], commands: [],
+    atvs: [], machines: [], stations: [], tasks: [], orders: [], news: [], alerts: [], faults: [], commands: [],
   };
   for (const id of ids) {
     const cut = id.indexOf(":");

@@ -21,6 +21,7 @@ RESPONSES: Mapping[AlertKind, tuple[Literal["alarm", "warning"], AlertResponse]]
     "plant_behind": ("alarm", "look_at_server"),
     "overloaded": ("warning", "add_vehicles"),
     "machine_lost": ("alarm", "look_at_machine"),
+    "station_lost": ("alarm", "look_at_station"),
     "machine_error": ("alarm", "repair"),
     "machine_shut_out": ("warning", "put_right_and_readmit"),
     "atv_shut_out": ("warning", "put_right_and_readmit"),

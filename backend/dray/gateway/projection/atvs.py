@@ -29,7 +29,8 @@ def clock_of(clocks: Clocks, agent: str) -> ClockView | None:
     offset = clocks.offset(agent)
     if offset is None:
         return None
-    return ClockView(ahead_s=round(offset.ahead_s, 2), bound_s=round(offset.bound_s, 2))
+    wrong = clocks.is_wrong(offset)
+    return ClockView(ahead_s=round(offset.ahead_s, 2), bound_s=round(offset.bound_s, 2), wrong=wrong)
 
 
 class Atvs:

@@ -28,7 +28,7 @@ from dray.gateway.views import FactoryView, UseView
 from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, Message, StationHeartbeat
 from dray.overload import Overload
 from dray.plant.model import PlantFile
-from dray.store.clocks import Clocks
+from dray.store.clocks import Clocks, Timed
 from dray.store.exclusions import Exclusion
 from dray.store.kpis import KpiSample
 
@@ -63,7 +63,8 @@ class Projection:
         self.site = Site(plant)
         self.machines = Machines(self.site, time.to_wall_s, self.outsiders, self.clocks)
         self.tasks = Tasks(time.to_wall_s)
-        self.stations = Stations(time.to_wall_s)
+        storages = {storage.id: storage for storage in plant.storages}
+        self.stations = Stations(storages, time.to_wall_s, self.outsiders, self.clocks)
         self.orders = Orders(
             time.to_wall_s, frozenset(product.id for product in plant.products), _materials(plant)
         )
@@ -77,6 +78,7 @@ class Projection:
         kinds = (
             self.atvs,
             self.machines,
+            self.stations,
             self.tasks,
             self.orders,
             self.news,
@@ -106,7 +108,7 @@ class Projection:
 
     def fold(self, message: Message) -> None:
         """Take one message in; never raises for what a peer may say."""
-        if self._wall_s is not None and isinstance(message, AtvHeartbeat | MachineHeartbeat | Event):
+        if self._wall_s is not None and isinstance(message, Timed):
             message = self.clocks.right(message, self._time.to_plant_s(self._wall_s()))
         match message:
             case AtvHeartbeat():
@@ -143,6 +145,7 @@ class Projection:
         changed = self.outsiders.put(exclusions)
         self.atvs.mark(changed)
         self.machines.mark(changed)
+        self.stations.mark(changed)
 
     def look(self, wall_s: float) -> list[str]:
         """See what is wrong at this moment; silence is heard by nobody else.
@@ -155,6 +158,7 @@ class Projection:
         heard = [each for each in self.atvs.heartbeats() if each.atv not in self.outsiders]
         of_atvs = tuple(troubles.of_atvs(heard, now))
         machines = (each for each in self.machines.heartbeats() if each[0].machine not in self.outsiders)
+        stations = (each for each in self.stations.heartbeats() if each.station not in self.outsiders)
         clocks = {
             agent: offset for agent, offset in self.clocks.wrong(now.plant_s) if agent not in self.outsiders
         }
@@ -166,6 +170,7 @@ class Projection:
             *troubles.of_disputes(self.disputes, clocks.keys(), now),
             *troubles.of_strangers(self.atvs.strangers + self.machines.strangers),
             *troubles.of_machines(machines, now),
+            *troubles.of_stations(stations, now),
             *of_atvs,
             *troubles.of_transports(self.tasks.under_way(), of_atvs),
             *troubles.of_orders(self.orders.in_trouble(wall_s), self.orders.impossible(), now),
@@ -237,6 +242,7 @@ class Projection:
             factory=self.factory(wall_s),
             atvs=self.atvs.views(),
             machines=self.machines.views(),
+            stations=self.stations.views(),
             tasks=self.tasks.views(),
             orders=self.orders.views(),
             news=self.news.views(),
@@ -254,6 +260,7 @@ class Projection:
             factory=factory,
             atvs=self.atvs.take_changed(),
             machines=self.machines.take_changed(),
+            stations=self.stations.take_changed(),
             tasks=self.tasks.take_changed(),
             orders=self.orders.take_changed(),
             news=self.news.take_changed(),
@@ -268,6 +275,8 @@ class Projection:
         told_s = [each.at_s for each in self.atvs.heartbeats() if each.atv not in self.outsiders]
         machines = self.machines.heartbeats()
         told_s += [each.at_s for each, _ in machines if each.machine not in self.outsiders]
+        stations = self.stations.heartbeats()
+        told_s += [each.at_s for each in stations if each.station not in self.outsiders]
         return heard_until_s(told_s, self._time.to_plant_s(wall_s))
 
     def _present_s(self, wall_s: float) -> float:

@@ -102,6 +102,7 @@ class AreaScene:
         self._projection, self._sight = projection, sight
         self._others: Mapping[str, tuple[Show, Callable[[], Iterable[Any]]]] = {
             "machine": (sight.machine, projection.machines.views),
+            "station": (sight.station, projection.stations.views),
             "task": (sight.task, projection.tasks.views),
             "news": (sight.news, projection.news.views),
             "alert": (sight.alert, projection.alerts.views),
@@ -126,6 +127,7 @@ class AreaScene:
             factory=FactoryView(speed=self._projection.speed),
             atvs=shown["atv"],
             machines=shown["machine"],
+            stations=shown["station"],
             tasks=shown["task"],
             orders=(),
             news=tuple(news),
@@ -141,6 +143,7 @@ class AreaScene:
         crossed = bool(gone) or any(atv.id not in before for atv in atvs)
         changed = {
             "machine": told.machines,
+            "station": told.stations,
             "task": told.tasks,
             "news": told.news,
             "alert": told.alerts,
@@ -156,6 +159,7 @@ class AreaScene:
             at_s=told.at_s,
             atvs=atvs,
             machines=seen["machine"],
+            stations=seen["station"],
             tasks=seen["task"],
             news=seen["news"],
             alerts=seen["alert"],

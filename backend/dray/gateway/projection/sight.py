@@ -23,6 +23,7 @@ from dray.gateway.views import (
     NewsView,
     OpenTaskView,
     ShutOutView,
+    StationView,
     TaskView,
     WhyView,
 )
@@ -60,6 +61,10 @@ class WholeSight:
 
     def machine(self, view: MachineView) -> MachineView | None:
         """A machine."""
+        return view
+
+    def station(self, view: StationView) -> StationView | None:
+        """The station of a storage."""
         return view
 
     def task(self, view: TaskView) -> TaskView | None:
@@ -121,8 +126,9 @@ class AreaSight:
         return self._plant.is_in(x_m, y_m, self._areas)
 
     def has(self, agent: str) -> bool:
-        """Whether a machine or vehicle is there at this moment."""
-        if agent in self._projection.site.plant.machines:
+        """Whether a machine, the station of a storage or a vehicle is there at this moment."""
+        plant = self._projection.site.plant
+        if agent in plant.machines or agent in plant.storages:
             return agent in self._places
         place_m = self._projection.atvs.place_m(agent)
         return place_m is not None and self.reaches(*place_m)
@@ -174,6 +180,12 @@ class AreaSight:
             shut_out=self._shut_out(view.shut_out),
         )
 
+    def station(self, view: StationView) -> StationView | None:
+        """The station of a storage, where it is seen."""
+        if view.id not in self._places:
+            return None
+        return replace(view, shut_out=self._shut_out(view.shut_out))
+
     def task(self, view: TaskView) -> TaskView | None:
         """A transport that concerns the areas: from, to or on board of what is seen."""
         if not self._concerns(view):
@@ -202,7 +214,7 @@ class AreaSight:
         return None
 
     def alert(self, view: AlertView) -> AlertView | None:
-        """What is wrong with a machine, a vehicle or a transport that is seen, and that nothing new is heard at all."""
+        """What is wrong with a machine, a station, a vehicle or a transport that is seen, and that nothing new is heard at all."""
         if view.kind == "plant_behind":
             return view
         if view.task:

@@ -1,4 +1,4 @@
-"""Troubles: what of machines, vehicles, transports and orders is not as it should be. Pure rules.
+"""Troubles: what of machines, storages, vehicles, transports and orders is not as it should be. Pure rules.
 
 Each thing has at most one trouble at a time, the gravest: who is silent is not said to be starved as well.
 """
@@ -13,7 +13,7 @@ from dray.gateway.projection.disputes import Dispute, Disputes
 from dray.gateway.projection.silence import bound_s
 from dray.gateway.projection.tasks import Tasks
 from dray.gateway.views import AlertKind, OrderView, TaskView
-from dray.messages import AtvHeartbeat, AtvStatus, MachineHeartbeat, MachineStatus
+from dray.messages import AtvHeartbeat, AtvStatus, MachineHeartbeat, MachineStatus, StationHeartbeat
 from dray.overload import Overload
 from dray.store.clocks import Offset
 from dray.store.exclusions import Exclusion
@@ -151,6 +151,14 @@ def of_machines(heartbeats: Iterable[tuple[MachineHeartbeat, float]], now: Momen
             yield Trouble(kind="machine_starved", agent=agent, problem=heard.problem)
         elif heard.status is MachineStatus.BLOCKED and not patient:
             yield Trouble(kind="machine_blocked", agent=agent, problem=heard.problem)
+
+
+def of_stations(heartbeats: Iterable[StationHeartbeat], now: Moment) -> Iterator[Trouble]:
+    """What is wrong with the stations of storages: nothing is promised or handed out where one is silent."""
+    silent_before_s = now.heard_s - bound_s(working=False, speed=now.speed)
+    for heard in heartbeats:
+        if heard.at_s < silent_before_s:
+            yield Trouble(kind="station_lost", agent=heard.station, seen_at_s=now.to_wall_s(heard.at_s))
 
 
 def of_atvs(heartbeats: Iterable[AtvHeartbeat], now: Moment) -> Iterator[Trouble]:

@@ -11,8 +11,8 @@ from fastapi import APIRouter, Query
 from dray.gateway.answers import PAGE, Cursor, Json, Limit, list_of, page
 from dray.gateway.parts import Gateway, Parts
 from dray.gateway.projection.sight import Sight
-from dray.gateway.projection.stations import Stations
 from dray.gateway.seen import Seen
+from dray.gateway.views import ClockView, StationView
 from dray.plant.model import Storage
 
 router = APIRouter(tags=["factory"])
@@ -62,6 +62,8 @@ class StorageAnswer(msgspec.Struct, frozen=True, kw_only=True):
     stocks: tuple[StoredMaterial, ...]
     seen_at_s: float | None = None
     """Wall clock: when its station said so; null when it was never heard."""
+    clock: ClockView | None = None
+    """How far its station's clock is off; null while nothing is known of it."""
 
 
 class MaterialAnswer(msgspec.Struct, frozen=True, kw_only=True):
@@ -102,7 +104,9 @@ async def list_inventory(
 async def list_storages(gateway: Gateway, seen: Seen, cursor: Cursor = None, limit: Limit = PAGE) -> Json:
     """Interim storages, what lies there and what of it is promised; of them all, those in the caller's areas."""
     stations = gateway.projection.stations
-    storages = sorted((_storage(each, stations) for each in seen.plant().storages), key=lambda each: each.id)
+    storages = sorted(
+        (_storage(each, stations.view(each.id)) for each in seen.plant().storages), key=lambda each: each.id
+    )
     return page(storages, lambda each: each.id, cursor, limit)
 
 
@@ -160,11 +164,12 @@ def _place(line: InventoryLine) -> str:
     return f"{line.item} {line.place} {line.kind}"
 
 
-def _storage(storage: Storage, stations: Stations) -> StorageAnswer:
+def _storage(storage: Storage, station: StationView | None) -> StorageAnswer:
+    told = {} if station is None else {stock.item: stock for stock in station.stocks}
     stocks = tuple(
         StoredMaterial(stock.material, stock.capacity)
-        if (told := stations.stock(storage.id, stock.material)) is None
-        else StoredMaterial(stock.material, stock.capacity, told.level, told.promised, told.wanted)
+        if (kept := told.get(stock.material)) is None
+        else StoredMaterial(stock.material, stock.capacity, kept.level, kept.promised, kept.wanted)
         for stock in storage.stocks
     )
     return StorageAnswer(
@@ -172,5 +177,6 @@ def _storage(storage: Storage, stations: Stations) -> StorageAnswer:
         name=storage.name,
         node=storage.node,
         stocks=stocks,
-        seen_at_s=stations.seen_at_s(storage.id),
+        seen_at_s=None if station is None else station.seen_at_s,
+        clock=None if station is None else station.clock,
     )

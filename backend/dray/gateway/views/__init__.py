@@ -20,6 +20,7 @@ from dray.gateway.views.machine import BufferView, GoalView, MachineView, OpenTa
 from dray.gateway.views.news import NewsView
 from dray.gateway.views.order import OrderItemView, OrderView
 from dray.gateway.views.shutout import ShutOutView
+from dray.gateway.views.station import StationView, StockView
 from dray.gateway.views.task import BidView, CarrierView, RefusalView, TaskView
 from dray.gateway.views.trial import TrialView
 from dray.gateway.views.why import PassedView, RefusedView, WhyView
@@ -50,6 +51,8 @@ __all__ = [
     "RefusalView",
     "RefusedView",
     "ShutOutView",
+    "StationView",
+    "StockView",
     "TaskView",
     "TrialView",
     "UseView",

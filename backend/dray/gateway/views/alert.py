@@ -10,6 +10,7 @@ AlertKind = Literal[
     "plant_behind",
     "machine_lost",
     "machine_error",
+    "station_lost",
     "atv_lost",
     "atv_help",
     "atv_error",
@@ -36,6 +37,7 @@ AlertResponse = Literal[
     "look_at_server",
     "add_vehicles",
     "look_at_machine",
+    "look_at_station",
     "repair",
     "see_to_supply",
     "see_to_removal",
@@ -65,7 +67,7 @@ class AlertView(View, kw_only=True):
     response: AlertResponse
     since_at_s: float
     agent: str = ""
-    """The machine or vehicle that it is about; of a transport, who carries it. Empty for an order, and for the plant as a
+    """The machine, storage or vehicle that it is about; of a transport, who carries it. Empty for an order, and for the plant as a
     whole."""
     task: str = ""
     order: str = ""

@@ -12,3 +12,5 @@ class ClockView(View, kw_only=True):
     """Behind if below 0."""
     bound_s: float
     """It may be so much more or less: what the link takes and varies by."""
+    wrong: bool
+    """It is off by more than clocks of one plant are, beyond doubt."""

@@ -14,7 +14,7 @@ export function subjectOf(alert: AlertView): string {
 }
 
 export function showSubject(alert: AlertView): void {
-  const chosen = chosenOf(alert);
+  const chosen = chosenOf(alert, world.value?.atvs ?? new Map());
   if (chosen) choose(chosen);
   go(chosen || isOfPlant(alert) ? "plant" : "orders");
 }

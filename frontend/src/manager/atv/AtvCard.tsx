@@ -9,6 +9,7 @@ import { selection } from "../../selection/selection";
 import { nowS, presentS, world } from "../../stream/stream";
 import { failureText } from "../../text/failure";
 import { format, t, word } from "../../text/manager";
+import { ClockMark } from "../agents/ClockMark";
 import { ShutOutMenu } from "../agents/ShutOutMenu";
 import { ShutOutNote } from "../agents/ShutOutNote";
 import { UpdateFact } from "../agents/UpdateFact";
@@ -70,7 +71,8 @@ function AtvCard({ atv }: { atv: AtvView }) {
         <Fact name={t("atv.heartbeat")}>
           <span class={lost ? "tone-alarm" : atv.link === "mesh" ? "tone-warn" : ""}>
             {t("atv.heardBy", { age: format.age(nowS.value - atv.seen_at_s), link: lost ? t("atv.noLink") : linkText(atv) })}
-          </span>
+          </span>{" "}
+          <ClockMark clock={atv.clock} />
         </Fact>
       </Facts>
       <div class="stock-row battery">

@@ -8,6 +8,7 @@ import { byId } from "../../plant/places";
 import { nowS, presentS, world } from "../../stream/stream";
 import { failureText } from "../../text/failure";
 import { format, t, word } from "../../text/manager";
+import { ClockMark } from "../agents/ClockMark";
 import { updateText } from "../agents/update-text";
 import { doingText } from "../atv/doing";
 import { helpText } from "../atv/help";
@@ -68,7 +69,9 @@ function Row({ atv }: { atv: AtvView }) {
         </span>
       </td>
       <td>{lost ? t("atv.noLink") : atv.link === "mesh" ? <Tag tone="warn">{linkText(atv)}</Tag> : linkText(atv)}</td>
-      <td class={`num ${lost ? "tone-alarm" : ""}`}>{t("machine.ago", { age: format.age(nowS.value - atv.seen_at_s) })}</td>
+      <td class={`num ${lost ? "tone-alarm" : ""}`}>
+        {t("machine.ago", { age: format.age(nowS.value - atv.seen_at_s) })} <ClockMark clock={atv.clock} />
+      </td>
       <td class="muted">
         {atv.software} {update !== "" && <Tag>{update}</Tag>}
       </td>

@@ -8,6 +8,7 @@ import { isLost } from "../../plant/silence";
 import { nowS, presentS, world } from "../../stream/stream";
 import { failureText } from "../../text/failure";
 import { format, n, t, word } from "../../text/manager";
+import { ClockMark } from "../agents/ClockMark";
 import { ShutOutMenu } from "../agents/ShutOutMenu";
 import { ShutOutNote } from "../agents/ShutOutNote";
 import { UpdateFact } from "../agents/UpdateFact";
@@ -46,7 +47,8 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
         <Fact name={t("machine.heartbeat")}>
           <span class={lost ? "tone-alarm" : ""}>
             {machine ? t("machine.ago", { age: format.age(nowS.value - machine.seen_at_s) }) : t("machine.never")}
-          </span>
+          </span>{" "}
+          <ClockMark clock={machine?.clock} />
         </Fact>
       </Facts>
       <Stock title={t("machine.buffers")} buffers={machine?.buffers ?? []} />

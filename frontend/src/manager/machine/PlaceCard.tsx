@@ -1,10 +1,13 @@
-import type { TaskView } from "../../api/types";
+import type { StockView, TaskView } from "../../api/types";
 import { Card } from "../../parts/Card";
 import { Fact, Facts } from "../../parts/Facts";
 import { Link } from "../../parts/Link";
 import { Tag } from "../../parts/Tag";
-import { world } from "../../stream/stream";
+import { isLost } from "../../plant/silence";
+import { nowS, presentS, world } from "../../stream/stream";
 import { format, t } from "../../text/manager";
+import { ClockMark } from "../agents/ClockMark";
+import { ShutOutNote } from "../agents/ShutOutNote";
 import { isOpen } from "../auction/auction";
 import { names } from "../state";
 import type { PlaceInfo } from "./place";
@@ -14,9 +17,24 @@ export function PlaceCard({ place }: { place: PlaceInfo }) {
   const atvs = [...(world.value?.atvs.values() ?? [])].filter((atv) => atv.berth === place.id);
   const tasks = [...(world.value?.tasks.values() ?? [])].filter(isOpen);
   const charger = place.kind === "charger";
+  const station = place.kind === "storage" ? world.value?.stations.get(place.id) : undefined;
+  const lost = station !== undefined && isLost(station, presentS.value, world.value?.factory.speed ?? 1);
   return (
-    <Card title={place.name} aside={<Tag>{t(`place.${place.kind}`)}</Tag>} class="place">
+    <Card
+      title={place.name}
+      aside={lost ? <Tag tone="alarm">{t(station.shut_out ? "machine.shut_out" : "machine.lost")}</Tag> : <Tag>{t(`place.${place.kind}`)}</Tag>}
+      class={`place ${lost ? "silent" : ""}`}
+    >
+      {station?.shut_out && <ShutOutNote agent={place.id} kind="machine" out={station.shut_out} />}
       <Facts>
+        {place.kind === "storage" && (
+          <Fact name={t("machine.heartbeat")}>
+            <span class={lost ? "tone-alarm" : ""}>
+              {station ? t("machine.ago", { age: format.age(nowS.value - station.seen_at_s) }) : t("machine.never")}
+            </span>{" "}
+            <ClockMark clock={station?.clock} />
+          </Fact>
+        )}
         {charger ? (
           <Fact name={t("place.charging")}>
             {atvs.length === 0 ? t("place.free") : atvs.map((atv) => <Link key={atv.id} kind="atv" id={atv.id} />)}
@@ -34,13 +52,25 @@ export function PlaceCard({ place }: { place: PlaceInfo }) {
           <Facts>
             {place.stocks.map(({ capacity, material }) => (
               <Fact key={material} name={names.value(material)}>
-                {t("place.upTo", { quantity: format.count(capacity) })}
+                <Kept stock={station?.stocks.find((stock) => stock.item === material)} capacity={capacity} />
               </Fact>
             ))}
           </Facts>
         </div>
       )}
     </Card>
+  );
+}
+
+/** What lies there, as the station has told, and who waits for more; without a word of it, what finds room there. */
+function Kept({ stock, capacity }: { stock: StockView | undefined; capacity: number }) {
+  if (!stock) return <>{t("place.upTo", { quantity: format.count(capacity) })}</>;
+  return (
+    <>
+      {t("place.stock", { level: format.count(stock.level), capacity: format.count(stock.capacity) })}
+      {stock.promised > 0 && <small>{t("place.promised", { quantity: format.count(stock.promised) })}</small>}
+      {stock.wanted > 0 && <small class="tone-warn">{t("place.wanted", { quantity: format.count(stock.wanted) })}</small>}
+    </>
   );
 }
 
