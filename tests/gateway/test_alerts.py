@@ -23,7 +23,17 @@ from dray.gateway.projection.alerts import LOOK_S, REMEMBERED_S, RESPONSES
 from dray.gateway.projection.troubles import PATIENCE_S
 from dray.gateway.timescale import TimeScale
 from dray.gateway.views import AlertKind, AlertView
-from dray.messages import AtvStatus, Brief, HelpWanted, MachineStatus, Phase, Role, TaskBrief, Transport
+from dray.messages import (
+    AtvStatus,
+    Brief,
+    HelpWanted,
+    MachineStatus,
+    MaterialWait,
+    Phase,
+    Role,
+    TaskBrief,
+    Transport,
+)
 from dray.messages.fact import GoalWaits, PhaseEntered, TaskClosed, TaskOpened
 from dray.overload import LEAST, WAITED_S
 from dray.store.acknowledgements import Acknowledgement
@@ -89,6 +99,17 @@ def test_a_machine_may_wait_for_a_vehicle_as_long_as_one_takes(
         projection.fold(machine_heartbeat("M8", seq, status=status))
     assert alerts(projection, PATIENCE_S) == []
     assert the_alert(projection, PATIENCE_S + 2).kind == kind
+
+
+def test_a_machine_that_starves_tells_for_what_it_waits(projection: Projection) -> None:
+    material = PLANT.materials[0]
+    wait = MaterialWait(item=material.id, quantity=5, short=("S3",))
+    for at_s in (1.0, PATIENCE_S + 2):
+        projection.fold(
+            machine_heartbeat("M8", int(at_s), at_s=at_s, status=MachineStatus.STARVED, waits=(wait,))
+        )
+    alert = the_alert(projection, PATIENCE_S + 3)
+    assert alert.problem == f"for {material.name} (storage S3 has none)"
 
 
 @pytest.mark.parametrize(

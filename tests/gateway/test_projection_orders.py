@@ -142,6 +142,8 @@ def test_an_order_tells_by_name_what_material_it_waits_for(projection: Projectio
     [view] = projection.orders.views()
     assert view.waits == f"for {name} (storage S3 has none and storages S4, S5 do not answer)"
     assert projection.orders.take_changed() == (view,)
+    [machine] = projection.machines.views()
+    assert machine.waits.endswith(f"; {name} (storage S3 has none and storages S4, S5 do not answer)")
     assert not projection.orders.waits("O-1"), "somebody can make it"
     projection.fold(lacking(wait, made_of=4, seq=2))
     assert projection.orders.views()[0].waits == "", "what is made waits for nothing"

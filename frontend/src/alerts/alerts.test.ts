@@ -40,6 +40,22 @@ describe("an alert says", () => {
     expect(said({ problem: "spindle" })).toBe("Stopped by a fault: spindle");
   });
 
+  test("for what a machine waits", () => {
+    const waits = { kind: "machine_starved", problem: "for Rotor (storage S3 has none)" } as const;
+    expect(said(waits)).toBe("Has waited long for material: Rotor (nothing in storage S3)");
+  });
+
+  test("what was said that is not believed, and how often", () => {
+    expect(said({ kind: "handover_disputed", problem: "says 20 of shaft to M1, counted 0 (2 times)" })).toBe(
+      "Says that loads are down which were not counted: says 20 \u00d7 shaft to M1, 0 counted (2 times)",
+    );
+    expect(said({ kind: "word_disbelieved", problem: "a bid with a negative part" })).toBe(
+      "Says what cannot be: a bid with a negative part",
+    );
+    expect(said({ kind: "word_disbelieved", problem: "clock wrong by -400 s" })).toBe("Says what cannot be: Its clock is 6:40 min behind");
+    expect(said({ kind: "word_disbelieved", problem: "a later word (2 times)" })).toBe("Says what cannot be: a later word (2 times)");
+  });
+
   test("for how long nothing was heard", () => {
     expect(said({ kind: "atv_lost", seen_at_s: 70 })).toBe("No heartbeat for 30 s");
     const station = alert({ kind: "station_lost", agent: "S1", response: "look_at_station", seen_at_s: 70 });

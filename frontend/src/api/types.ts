@@ -346,6 +346,7 @@ export interface MachineView {
   status: "blocked" | "error" | "idle" | "producing" | "starved";
   tasks: OpenTaskView[];
   trial: TrialView | null;
+  waits: string;
 }
 /**
  * A production goal in a machine's queue.

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 
 from dray.gateway.projection.atvs import clock_of, newcomers_max, plain, trial_of
 from dray.gateway.projection.changes import Changes
+from dray.gateway.projection.materials import Materials
 from dray.gateway.projection.outsiders import Outsiders
 from dray.gateway.projection.site import Site
 from dray.gateway.projection.timeuse import TimeUse
@@ -31,9 +32,13 @@ class Machines:
         to_wall_s: plant clock to wall clock.
         outsiders: who is shut out.
         clocks: of all agents.
+        materials: knows their names.
     """
 
-    def __init__(self, site: Site, to_wall_s: ToWall, outsiders: Outsiders, clocks: Clocks) -> None:
+    def __init__(
+        self, site: Site, to_wall_s: ToWall, outsiders: Outsiders, clocks: Clocks, materials: Materials
+    ) -> None:
+        self._materials = materials
         self._outsiders = outsiders
         self._clocks = clocks
         self._known = frozenset(site.plant.machines)
@@ -121,6 +126,7 @@ class Machines:
             buffers=tuple(_buffer(level) for level in heartbeat.buffers),
             goods=tuple(_buffer(level) for level in heartbeat.goods),
             problem=heartbeat.problem,
+            waits=self._materials.told(heartbeat.waits),
             software=heartbeat.software,
             leaving=heartbeat.leaving,
             trial=trial_of(heartbeat),

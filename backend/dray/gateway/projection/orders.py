@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator
 from heapq import heappop, heappush
 
 from dray.gateway.projection.changes import Changes
+from dray.gateway.projection.materials import Materials
 from dray.gateway.views import OrderItemView, OrderView
 from dray.messages import Event, MachineHeartbeat, MaterialWait
 from dray.messages.fact import GoalContracted, GoalWaits
@@ -28,36 +29,6 @@ from dray.store.progress import (
 
 ENDED_KEPT = 50
 """Ended orders that panels still show; all of them are in SQL."""
-
-
-class Materials:
-    """What products take, for telling whose goals wait for what.
-
-    Args:
-        names: of all materials, by id.
-        bills: by product, the materials of one piece.
-    """
-
-    def __init__(self, names: Mapping[str, str], bills: Mapping[str, Collection[str]]) -> None:
-        self._names, self._bills = names, bills
-
-    def lacking(self, heartbeat: MachineHeartbeat) -> dict[str, tuple[MaterialWait, ...]]:
-        """By goal of a machine that is not made and waits: for what."""
-        lacking: dict[str, tuple[MaterialWait, ...]] = {}
-        for goal in heartbeat.goals:
-            bill = self._bills.get(goal.product, ())
-            waits = tuple(wait for wait in heartbeat.waits if wait.item in bill)
-            if goal.made < goal.quantity and waits:
-                lacking[goal.goal] = waits
-        return lacking
-
-    def name(self, material: str) -> str:
-        """What people call a material."""
-        return self._names.get(material, material)
-
-    def told(self, waits: Iterable[MaterialWait]) -> str:
-        """For what somebody waits and why, as "for rotor (storage S3 has none)"."""
-        return f"for {'; '.join(wait.told(self.name(wait.item)) for wait in waits)}"
 
 
 class Orders:

@@ -13,8 +13,9 @@ from dray.gateway.projection.fleet import BLOCKED
 from dray.gateway.projection.given import Given
 from dray.gateway.projection.interventions import Interventions
 from dray.gateway.projection.machines import BROKEN, DOWN, Machines
+from dray.gateway.projection.materials import Materials
 from dray.gateway.projection.news import News
-from dray.gateway.projection.orders import Materials, Orders
+from dray.gateway.projection.orders import Orders
 from dray.gateway.projection.outsiders import Outsiders
 from dray.gateway.projection.silence import bound_s, heard_until_s
 from dray.gateway.projection.site import Site
@@ -61,12 +62,13 @@ class Projection:
         top_mps = max(kind.max_speed_mps for kind in plant.vehicle_types)
         self.atvs = Atvs(plant.fleet, time.to_wall_s, self.outsiders, self.clocks, top_mps)
         self.site = Site(plant)
-        self.machines = Machines(self.site, time.to_wall_s, self.outsiders, self.clocks)
+        self._materials = _materials(plant)
+        self.machines = Machines(self.site, time.to_wall_s, self.outsiders, self.clocks, self._materials)
         self.tasks = Tasks(time.to_wall_s)
         storages = {storage.id: storage for storage in plant.storages}
         self.stations = Stations(storages, time.to_wall_s, self.outsiders, self.clocks)
         self.orders = Orders(
-            time.to_wall_s, frozenset(product.id for product in plant.products), _materials(plant)
+            time.to_wall_s, frozenset(product.id for product in plant.products), self._materials
         )
         self.news = News(time.to_wall_s)
         self.alerts = Alerts()
@@ -169,7 +171,7 @@ class Projection:
             *troubles.of_clocks(clocks.items()),
             *troubles.of_disputes(self.disputes, clocks.keys(), now),
             *troubles.of_strangers(self.atvs.strangers + self.machines.strangers),
-            *troubles.of_machines(machines, now),
+            *troubles.of_machines(machines, self._materials, now),
             *troubles.of_stations(stations, now),
             *of_atvs,
             *troubles.of_transports(self.tasks.under_way(), of_atvs),

@@ -10,6 +10,7 @@ from collections.abc import Container, Iterable, Iterator
 import msgspec
 
 from dray.gateway.projection.disputes import Dispute, Disputes
+from dray.gateway.projection.materials import Materials
 from dray.gateway.projection.silence import bound_s
 from dray.gateway.projection.tasks import Tasks
 from dray.gateway.views import AlertKind, OrderView, TaskView
@@ -133,11 +134,14 @@ def _told(dispute: Dispute) -> str:
     return dispute.what if dispute.times == 1 else f"{dispute.what} ({dispute.times} times)"
 
 
-def of_machines(heartbeats: Iterable[tuple[MachineHeartbeat, float]], now: Moment) -> Iterator[Trouble]:
+def of_machines(
+    heartbeats: Iterable[tuple[MachineHeartbeat, float]], materials: Materials, now: Moment
+) -> Iterator[Trouble]:
     """What is wrong with machines.
 
     Args:
         heartbeats: the last one of each, and since when it has had that status (plant clock).
+        materials: knows their names.
         now: when it is looked at.
     """
     silent_before_s = now.heard_s - bound_s(working=False, speed=now.speed)
@@ -148,7 +152,8 @@ def of_machines(heartbeats: Iterable[tuple[MachineHeartbeat, float]], now: Momen
         elif heard.status is MachineStatus.ERROR:
             yield Trouble(kind="machine_error", agent=agent, problem=heard.problem)
         elif heard.status is MachineStatus.STARVED and not patient:
-            yield Trouble(kind="machine_starved", agent=agent, problem=heard.problem)
+            lacking = heard.problem or materials.told(heard.waits)
+            yield Trouble(kind="machine_starved", agent=agent, problem=lacking)
         elif heard.status is MachineStatus.BLOCKED and not patient:
             yield Trouble(kind="machine_blocked", agent=agent, problem=heard.problem)
 

@@ -61,6 +61,9 @@ class MachineView(View, kw_only=True):
     buffers: tuple[BufferView, ...] = ()
     goods: tuple[BufferView, ...] = ()
     problem: str = ""
+    waits: str = ""
+    """The materials that it needs and that nobody can fetch now, and why, as "for rotor (storage S3 has none)"; empty where
+    there are none."""
     software: str = ""
     leaving: bool = False
     """It was asked to leave, takes nothing new, and goes when nothing holds it any more."""

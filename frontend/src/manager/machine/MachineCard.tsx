@@ -7,6 +7,7 @@ import { Tag, toneOfMachine } from "../../parts/Tag";
 import { isLost } from "../../plant/silence";
 import { nowS, presentS, world } from "../../stream/stream";
 import { failureText } from "../../text/failure";
+import { shortageText } from "../../text/shortage";
 import { format, n, t, word } from "../../text/manager";
 import { ClockMark } from "../agents/ClockMark";
 import { ShutOutMenu } from "../agents/ShutOutMenu";
@@ -44,6 +45,11 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
         {machine && <UpdateFact agent={machine} />}
         <Goal machine={machine} />
         <Task machine={machine} />
+        {machine !== undefined && machine.waits !== "" && (
+          <Fact name={t("machine.waits")}>
+            <span class="tone-warn">{shortageText(machine.waits)}</span>
+          </Fact>
+        )}
         <Fact name={t("machine.heartbeat")}>
           <span class={lost ? "tone-alarm" : ""}>
             {machine ? t("machine.ago", { age: format.age(nowS.value - machine.seen_at_s) }) : t("machine.never")}

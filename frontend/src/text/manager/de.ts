@@ -375,6 +375,7 @@ export const de: Catalogue<typeof en> = {
   "fleet.link": "Verbindung",
   "fleet.heartbeat": "Herzschlag",
   "fleet.software": "Software",
+  "machine.waits": "Wartet auf",
   "place.stock": "{level} von {capacity}",
   "place.promised": "{quantity} für Transporte zurückgelegt",
   "place.wanted": "{quantity} verlangt und nicht da",

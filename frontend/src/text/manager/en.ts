@@ -373,6 +373,7 @@ export const en = {
   "fleet.link": "Link",
   "fleet.heartbeat": "Heartbeat",
   "fleet.software": "Software",
+  "machine.waits": "Waits for",
   "place.stock": "{level} of {capacity}",
   "place.promised": "{quantity} set aside for transports",
   "place.wanted": "{quantity} asked for and not there",

@@ -375,6 +375,7 @@ export const es: Catalogue<typeof en> = {
   "fleet.link": "Conexión",
   "fleet.heartbeat": "Latido",
   "fleet.software": "Programa",
+  "machine.waits": "Espera",
   "place.stock": "{level} de {capacity}",
   "place.promised": "{quantity} apartadas para transportes",
   "place.wanted": "{quantity} pedidas y no disponibles",

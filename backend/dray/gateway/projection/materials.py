@@ -1,0 +1,38 @@
+"""Materials by name: who waits for which, in words for people."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+
+from dray.messages import MachineHeartbeat, MaterialWait
+
+
+class Materials:
+    """What products take, for telling whose goals wait for what.
+
+    Args:
+        names: of all materials, by id.
+        bills: by product, the materials of one piece.
+    """
+
+    def __init__(self, names: Mapping[str, str], bills: Mapping[str, Collection[str]]) -> None:
+        self._names, self._bills = names, bills
+
+    def lacking(self, heartbeat: MachineHeartbeat) -> dict[str, tuple[MaterialWait, ...]]:
+        """By goal of a machine that is not made and waits: for what."""
+        lacking: dict[str, tuple[MaterialWait, ...]] = {}
+        for goal in heartbeat.goals:
+            bill = self._bills.get(goal.product, ())
+            waits = tuple(wait for wait in heartbeat.waits if wait.item in bill)
+            if goal.made < goal.quantity and waits:
+                lacking[goal.goal] = waits
+        return lacking
+
+    def name(self, material: str) -> str:
+        """What people call a material."""
+        return self._names.get(material, material)
+
+    def told(self, waits: Iterable[MaterialWait]) -> str:
+        """For what somebody waits and why, as "for rotor (storage S3 has none)"; empty for nothing."""
+        told = "; ".join(wait.told(self.name(wait.item)) for wait in waits)
+        return f"for {told}" if told else ""
