@@ -181,11 +181,10 @@ async def test_two_gateways_that_are_asked_under_one_key_place_one_order(
     assert len(await kept(store)) == 20
 
 
+@pytest.mark.parametrize("url", ["postgresql"], indirect=True)
 async def test_the_next_order_is_placed_after_the_server_has_closed_the_connection(
     store: Store, placing: Placing
 ) -> None:
-    if store.database.engine.dialect.name != "postgresql":
-        pytest.skip("a file closes nothing")
     for number in (1, 2, 3):
         await placing.place(wish(number, f"k{number}"))
         async with store.write() as work:
@@ -194,12 +193,11 @@ async def test_the_next_order_is_placed_after_the_server_has_closed_the_connecti
     assert await kept(store) == ["O-1", "O-2", "O-3"]
 
 
+@pytest.mark.parametrize("url", ["postgresql"], indirect=True)
 async def test_an_order_whose_commit_was_not_told_is_not_placed_again(
     store: Store, placing: Placing, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Its connection breaks after the commit: whoever asked is told that nobody knows, and asks again under its key."""
-    if store.database.engine.dialect.name != "postgresql":
-        pytest.skip("a file is at hand")
     await placing.place(wish(1, "k1"))
     await placing.place(wish(2, "k2"))
     ask = asyncpg.Connection.fetchval
