@@ -144,11 +144,11 @@ async def _observe(size: Size) -> Observed:
                 joined_s = time.monotonic() - began_s
                 await _order(fleet, plant)
                 await asyncio.sleep(size.warm_s)
-                members = fleet.roll.members
+                members = fleet.registry.members
                 before, began_s = _used(members), time.monotonic()
                 listener = Listener(bus, frozenset(member.name for member in members if member.joins))
                 await asyncio.sleep(size.span_s)
-                _refuse_new_lives(members, fleet.roll.members)
+                _refuse_new_lives(members, fleet.registry.members)
                 said, span_s = Counter(listener.heard), time.monotonic() - began_s
                 after = _used(members)
     counts = Counter(member.kind for member in members)

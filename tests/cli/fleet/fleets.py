@@ -19,7 +19,7 @@ from msgspec.structs import replace
 
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Links
-from dray.cli.fleet.process_registry import Roll, read_roll
+from dray.cli.fleet.process_registry import ProcessRegistry, read_registry
 from dray.cli.fleet.rollout.report import Report
 from dray.messages import Message
 from dray.messages.keys import Keys
@@ -83,8 +83,8 @@ class Fleet:
         pytest.fail(f"the fleet has ended, or does not start: {self.told}")
 
     @property
-    def roll(self) -> Roll:
-        return read_roll(self.folder)
+    def registry(self) -> ProcessRegistry:
+        return read_registry(self.folder)
 
     def metrics(self) -> dict[str, str]:
         """What every process tells Prometheus, by its name."""
@@ -129,13 +129,13 @@ class Fleet:
 class Witness:
     """A peer on the fleet's bus that waits for what it wants to hear."""
 
-    def __init__(self, roll: Roll) -> None:
-        peers = tuple(member.address for member in roll.members)
-        self.bus = ZenohBus(Links(peers=peers, plain=True), roll.plant)
+    def __init__(self, registry: ProcessRegistry) -> None:
+        peers = tuple(member.address for member in registry.members)
+        self.bus = ZenohBus(Links(peers=peers, plain=True), registry.plant)
         self._heard: list[Message] = []
         self._came = asyncio.Event()
         session = self.bus.join("witness", self._hear)
-        for key in (Keys(roll.plant).all_events, Keys(roll.plant).all_heartbeats):
+        for key in (Keys(registry.plant).all_events, Keys(registry.plant).all_heartbeats):
             session.subscribe(key)
 
     def _hear(self, sender: str, message: Message) -> None:

@@ -1,4 +1,4 @@
-"""The roll of a fleet that nobody has started, for tests of whoever reads one."""
+"""The registry of a fleet that nobody has started, for tests of whoever reads one."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from pathlib import Path
 
 import msgspec
 
-from dray.cli.fleet.folder import ROLL
-from dray.cli.fleet.process_registry import Member, Roll
+from dray.cli.fleet.folder import REGISTRY
+from dray.cli.fleet.process_registry import Member, ProcessRegistry
 from dray.cli.fleet.processes import Process
 from dray.cli.fleet.software import Software
 
 NOBODY = Process(1, "")
 
 
-def write_roll(folder: Path, keeper: Process, *processes: Process) -> None:
+def write_registry(folder: Path, supervisor: Process, *processes: Process) -> None:
     """Vehicles ATV1, ATV2 and so on, one for each of these processes."""
     software = Software("python", "1.0", 1)
     members = tuple(
@@ -30,5 +30,5 @@ def write_roll(folder: Path, keeper: Process, *processes: Process) -> None:
         )
         for number, each in enumerate(processes, 1)
     )
-    roll = Roll("plant", plain=True, keeper=keeper, members=members)
-    (folder / ROLL).write_bytes(msgspec.json.encode(roll))
+    registry = ProcessRegistry("plant", plain=True, supervisor=supervisor, members=members)
+    (folder / REGISTRY).write_bytes(msgspec.json.encode(registry))

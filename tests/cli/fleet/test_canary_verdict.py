@@ -1,11 +1,11 @@
-"""The trial of a newcomer, judged by what others say: facts and heartbeats in, a verdict out."""
+"""The verdict on a canary, by what others say: facts and heartbeats in, a verdict out."""
 
 from __future__ import annotations
 
 import msgspec
 import pytest
 
-from dray.cli.fleet.rollout.canary_verdict import AtvJudge, Judge, MachineJudge, StrategistJudge
+from dray.cli.fleet.rollout.canary_verdict import AtvCanary, Canary, MachineCanary, StrategistCanary
 from dray.messages import (
     AnyFact,
     AtvHeartbeat,
@@ -53,17 +53,17 @@ def beat(atv: str = "ATV1", life: int = 2, software: str = NEW) -> AtvHeartbeat:
     )
 
 
-def tell(judge: Judge, agent: str, *facts: AnyFact, at_s: float = 50.0) -> None:
+def tell(canary: Canary, agent: str, *facts: AnyFact, at_s: float = 50.0) -> None:
     for number, fact in enumerate(facts, 1):
-        judge.hear(agent, Event(agent=agent, incarnation=1, number=number, at_s=at_s, fact=fact))
+        canary.hear(agent, Event(agent=agent, incarnation=1, number=number, at_s=at_s, fact=fact))
 
 
-def vehicle(tasks: int = 1) -> AtvJudge:
-    """The trial of ATV1, which was heard in its second life."""
-    judge = AtvJudge("ATV1", NEW, tasks, 1, LATE_S)
-    judge.hear("ATV1", beat())
-    assert judge.joined
-    return judge
+def vehicle(tasks: int = 1) -> AtvCanary:
+    """ATV1 as a canary, which was heard in its second life."""
+    canary = AtvCanary("ATV1", NEW, tasks, 1, LATE_S)
+    canary.hear("ATV1", beat())
+    assert canary.joined
+    return canary
 
 
 def hired(task: str = "M1-1", by: str = "ATV1", epoch: int = 1) -> tuple[AnyFact, ...]:
@@ -92,38 +92,38 @@ def changed(reason: str, task: str = "M1-1") -> CarrierChanged:
 
 
 def test_a_vehicle_passes_by_tasks_that_its_coordinators_closed_in_time() -> None:
-    judge = vehicle(tasks=2)
-    tell(judge, "M1", *hired(), closed())
-    assert (judge.done, judge.passed) == (1, False)
-    tell(judge, "M2", *hired("M2-1"), closed("M2-1"), at_s=PROMISED_S + LATE_S)
-    assert (judge.done, judge.passed, judge.failure) == (2, True, "")
+    canary = vehicle(tasks=2)
+    tell(canary, "M1", *hired(), closed())
+    assert (canary.done, canary.passed) == (1, False)
+    tell(canary, "M2", *hired("M2-1"), closed("M2-1"), at_s=PROMISED_S + LATE_S)
+    assert (canary.done, canary.passed, canary.failure) == (2, True, "")
 
 
 def test_its_own_word_counts_for_nothing() -> None:
-    judge = vehicle()
+    canary = vehicle()
     ended = ContractEnded(task="M1-1", epoch=1, role=Role.PRIMARY, reason="handed_over")
-    tell(judge, "ATV1", ended)
-    assert judge.done == 0
+    tell(canary, "ATV1", ended)
+    assert canary.done == 0
 
 
 def test_what_others_do_and_what_its_last_life_had_begun_counts_for_nothing() -> None:
-    judge = vehicle()
-    tell(judge, "M1", *hired(by="ATV2"), closed(carrier="ATV2"), closed("M1-7"), changed(SILENT, "M1-8"))
-    assert (judge.done, judge.failure) == (0, "")
+    canary = vehicle()
+    tell(canary, "M1", *hired(by="ATV2"), closed(carrier="ATV2"), closed("M1-7"), changed(SILENT, "M1-8"))
+    assert (canary.done, canary.failure) == (0, "")
 
 
 def test_what_was_said_before_it_was_there_is_about_its_last_life() -> None:
-    judge = AtvJudge("ATV1", NEW, 1, 1, LATE_S)
-    judge.hear("ATV1", beat(life=1, software="1.0"))
-    tell(judge, "M1", *hired(), changed(SILENT))
-    assert (judge.joined, judge.failure) == (False, "")
+    canary = AtvCanary("ATV1", NEW, 1, 1, LATE_S)
+    canary.hear("ATV1", beat(life=1, software="1.0"))
+    tell(canary, "M1", *hired(), changed(SILENT))
+    assert (canary.joined, canary.failure) == (False, "")
 
 
 @pytest.mark.parametrize("reason", [SILENT, IN_ERROR, "its load was taken off"])
 def test_a_task_that_had_to_be_taken_from_it_fails_it(reason: str) -> None:
-    judge = vehicle()
-    tell(judge, "M1", *hired(), changed(reason))
-    assert judge.failure == f"M1-1 had to be taken from it: {reason}"
+    canary = vehicle()
+    tell(canary, "M1", *hired(), changed(reason))
+    assert canary.failure == f"M1-1 had to be taken from it: {reason}"
 
 
 def test_a_late_task_fails_it_whether_it_was_delivered_in_the_end_or_is_under_way() -> None:
@@ -143,109 +143,109 @@ def test_a_late_task_fails_it_whether_it_was_delivered_in_the_end_or_is_under_wa
     "end", [closed(outcome="withdrawn"), closed(carrier="ATV2")], ids=["withdrawn", "closed by another"]
 )
 def test_what_its_coordinator_takes_back_counts_neither_way(end: TaskClosed) -> None:
-    judge = vehicle()
-    tell(judge, "M1", *hired(), end)
-    judge.look(1e9)
-    assert (judge.done, judge.failure) == (0, "")
+    canary = vehicle()
+    tell(canary, "M1", *hired(), end)
+    canary.look(1e9)
+    assert (canary.done, canary.failure) == (0, "")
 
 
 def test_a_persons_stop_is_no_fault_of_it() -> None:
-    judge = vehicle()
-    tell(judge, "M1", *hired())
-    tell(judge, "ATV1", CommandObeyed(command="C1", what=CommandKind.STOP.value, done=True))
-    tell(judge, "M1", changed(IN_ERROR))
-    judge.look(1e9)
-    assert judge.failure == ""
+    canary = vehicle()
+    tell(canary, "M1", *hired())
+    tell(canary, "ATV1", CommandObeyed(command="C1", what=CommandKind.STOP.value, done=True))
+    tell(canary, "M1", changed(IN_ERROR))
+    canary.look(1e9)
+    assert canary.failure == ""
 
 
 def test_a_stop_that_it_refused_excuses_nothing() -> None:
-    judge = vehicle()
-    tell(judge, "M1", *hired())
-    tell(judge, "ATV1", CommandObeyed(command="C1", what=CommandKind.STOP.value, done=False))
-    tell(judge, "M1", changed(SILENT))
-    assert judge.failure
+    canary = vehicle()
+    tell(canary, "M1", *hired())
+    tell(canary, "ATV1", CommandObeyed(command="C1", what=CommandKind.STOP.value, done=False))
+    tell(canary, "M1", changed(SILENT))
+    assert canary.failure
 
 
 def test_a_task_that_it_takes_over_is_its_own_from_then_on() -> None:
-    judge = vehicle()
+    canary = vehicle()
     taken = CarrierChanged(task="M1-1", epoch=2, replaced="ATV2", carrier="ATV1", reason=SILENT)
-    tell(judge, "M1", taken, closed())
-    assert judge.passed
+    tell(canary, "M1", taken, closed())
+    assert canary.passed
 
 
 def test_another_version_than_it_should_have_fails_it() -> None:
-    judge = AtvJudge("ATV1", NEW, 1, 1, LATE_S)
-    judge.hear("ATV1", beat(software="1.0"))
-    assert judge.failure == "it says that it runs 1.0, not 2.0"
+    canary = AtvCanary("ATV1", NEW, 1, 1, LATE_S)
+    canary.hear("ATV1", beat(software="1.0"))
+    assert canary.failure == "it says that it runs 1.0, not 2.0"
 
 
 def test_a_second_life_within_its_trial_fails_it() -> None:
-    judge = vehicle()
-    judge.hear("ATV1", beat(life=3))
-    assert judge.failure == "it was started again"
+    canary = vehicle()
+    canary.hear("ATV1", beat(life=3))
+    assert canary.failure == "it was started again"
 
 
 def test_the_first_reason_is_kept() -> None:
-    judge = vehicle()
-    judge.fail("one")
-    judge.fail("two")
-    assert judge.failure == "one"
+    canary = vehicle()
+    canary.fail("one")
+    canary.fail("two")
+    assert canary.failure == "one"
 
 
-def machine(tasks: int = 1) -> MachineJudge:
-    judge = MachineJudge("M1", NEW, tasks, 1, LATE_S)
+def machine(tasks: int = 1) -> MachineCanary:
+    canary = MachineCanary("M1", NEW, tasks, 1, LATE_S)
     heard = MachineHeartbeat(
         machine="M1", incarnation=2, seq=1, at_s=0.0, status=MachineStatus.IDLE, software=NEW
     )
-    judge.hear("M1", heard)
-    assert judge.joined
-    return judge
+    canary.hear("M1", heard)
+    assert canary.joined
+    return canary
 
 
 def test_a_machine_passes_by_what_the_vehicles_that_it_has_hired_hand_over() -> None:
-    judge = machine(tasks=2)
+    canary = machine(tasks=2)
     taken = ContractTaken(task="M1-1", epoch=1, role=Role.PRIMARY, coordinator="M1")
     ended = ContractEnded(task="M1-1", epoch=1, role=Role.PRIMARY, reason="handed_over")
-    tell(judge, "ATV1", taken, ended, ended)
-    tell(judge, "ATV2", msgspec.structs.replace(ended, task="M2-1"))
-    assert judge.done == 1
-    tell(judge, "ATV2", msgspec.structs.replace(taken, role=Role.SECONDARY, task="M1-2"))
-    tell(judge, "ATV2", msgspec.structs.replace(ended, task="M1-2"))
-    assert judge.done == 1
-    tell(judge, "ATV2", msgspec.structs.replace(taken, task="M1-3"))
-    tell(judge, "ATV2", msgspec.structs.replace(ended, task="M1-3"))
-    assert judge.passed
+    tell(canary, "ATV1", taken, ended, ended)
+    tell(canary, "ATV2", msgspec.structs.replace(ended, task="M2-1"))
+    assert canary.done == 1
+    tell(canary, "ATV2", msgspec.structs.replace(taken, role=Role.SECONDARY, task="M1-2"))
+    tell(canary, "ATV2", msgspec.structs.replace(ended, task="M1-2"))
+    assert canary.done == 1
+    tell(canary, "ATV2", msgspec.structs.replace(taken, task="M1-3"))
+    tell(canary, "ATV2", msgspec.structs.replace(ended, task="M1-3"))
+    assert canary.passed
 
 
 def test_what_a_successor_hands_over_counts_though_the_contract_before_ends_later() -> None:
-    judge = machine()
+    canary = machine()
     first = ContractTaken(task="M1-1", epoch=1, role=Role.PRIMARY, coordinator="M1")
-    tell(judge, "ATV1", first)
-    tell(judge, "ATV2", msgspec.structs.replace(first, epoch=2))
+    tell(canary, "ATV1", first)
+    tell(canary, "ATV2", msgspec.structs.replace(first, epoch=2))
     ended = ContractEnded(task="M1-1", epoch=1, role=Role.PRIMARY, reason="superseded")
-    tell(judge, "ATV1", ended)
-    assert judge.done == 0
-    tell(judge, "ATV2", msgspec.structs.replace(ended, epoch=2, reason=HANDED_OVER))
-    assert judge.passed
+    tell(canary, "ATV1", ended)
+    assert canary.done == 0
+    tell(canary, "ATV2", msgspec.structs.replace(ended, epoch=2, reason=HANDED_OVER))
+    assert canary.passed
 
 
 def test_a_machine_fails_by_a_goal_that_it_took_and_others_had_to_get() -> None:
     lost = GoalLost(goal="G1", machine="M1", arrived=0, successor="G2")
-    judge = machine()
-    tell(judge, STRATEGIST, lost)
-    assert not judge.failure, "of its last life"
+    canary = machine()
+    tell(canary, STRATEGIST, lost)
+    assert not canary.failure, "of its last life"
     contracted = GoalContracted(
         goal="G1", order="O1", item=0, product="P1", quantity=1, machine="M1", finish_s=1.0
     )
-    tell(judge, STRATEGIST, contracted, lost)
-    assert judge.failure == "its goal G1 had to be given to others"
+    tell(canary, STRATEGIST, contracted, lost)
+    assert canary.failure == "its goal G1 had to be given to others"
 
 
 def test_a_strategist_passes_by_goals_that_machines_take_from_it() -> None:
-    judge = StrategistJudge(STRATEGIST, NEW, 1, 0, LATE_S)
+    canary = StrategistCanary(STRATEGIST, NEW, 1, 0, LATE_S)
     taken = ContractTaken(task="G1", epoch=1, role=Role.PRIMARY, coordinator=STRATEGIST)
-    tell(judge, "M1", taken)
-    assert not judge.passed, "nobody has seen it yet"
-    judge.note_present()
-    tell(judge, "M1", taken)
-    assert judge.passed
+    tell(canary, "M1", taken)
+    assert not canary.passed, "nobody has seen it yet"
+    canary.note_present()
+    tell(canary, "M1", taken)
+    assert canary.passed

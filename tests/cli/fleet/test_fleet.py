@@ -34,8 +34,8 @@ DELIVERED_S = 240.0
 
 @contextmanager
 def newcomer(fleet: Fleet, *agent: str) -> Iterator[subprocess.Popen[bytes]]:
-    """An agent that the plant file does not know, on trial; when the context ends it has left."""
-    options = ("--trial", "1", "--settings", str(fleet.folder / "fleet.env"))
+    """An agent that the plant file does not know, on probation; when the context ends it has left."""
+    options = ("--probation", "1", "--settings", str(fleet.folder / "fleet.env"))
     process = subprocess.Popen([sys.executable, "-m", "dray", "agent", *agent, *options], cwd=fleet.folder)
     try:
         yield process
@@ -63,7 +63,7 @@ def test_an_order_is_delivered_whoever_is_killed_and_a_newcomer_joins_and_leaves
     atv = next(iter(PLANT.fleet))
 
     async def story() -> None:
-        witness = Witness(fleet.roll)
+        witness = Witness(fleet.registry)
         try:
             async with asyncio.timeout(START_S):
                 while AGENTS - await witness.bus.roll_call():
@@ -117,14 +117,14 @@ def test_an_order_is_delivered_whoever_is_killed_and_a_newcomer_joins_and_leaves
             witness.bus.close()
 
     asyncio.run(story())
-    starts = {member.name: member.starts for member in fleet.roll.members}
+    starts = {member.name: member.starts for member in fleet.registry.members}
     assert {name for name, count in starts.items() if count > 1} == {atv, STRATEGIST}
     table = fleet.run("status")
     assert all(
         re.search(rf"^ {name} +\d+ +yes +(yes)? +{count} +{re.escape(__version__)} *$", table, re.MULTILINE)
         for name, count in starts.items()
     )
-    pids = [member.pid for member in fleet.roll.members]
+    pids = [member.pid for member in fleet.registry.members]
     assert fleet.stop() == 0
     for pid in pids:
         with pytest.raises(ProcessLookupError):

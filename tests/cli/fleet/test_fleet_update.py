@@ -71,7 +71,7 @@ class Customers:
 @contextlib.asynccontextmanager
 async def ordering(fleet: Fleet) -> AsyncIterator[Customers]:
     """Orders come in as long as the context lasts; all of them are delivered before it ends."""
-    witness = Witness(fleet.roll)
+    witness = Witness(fleet.registry)
     customers = Customers(witness)
     try:
         at_it = asyncio.create_task(customers.order())
@@ -87,7 +87,7 @@ async def ordering(fleet: Fleet) -> AsyncIterator[Customers]:
 
 
 def versions_of(fleet: Fleet) -> dict[str, str]:
-    return {member.name: member.software.version for member in fleet.roll.members}
+    return {member.name: member.software.version for member in fleet.registry.members}
 
 
 def assert_nothing_was_lost(report: Report) -> None:
@@ -98,7 +98,7 @@ def assert_nothing_was_lost(report: Report) -> None:
 async def roll_out(fleet: Fleet, python: Path) -> tuple[int, Report]:
     """Update all; again when an agent looked silent, as one does whose computer is busy with other tests."""
     for _ in range(TRIES):
-        code, report = await asyncio.to_thread(fleet.update, python, "--trial", "1")
+        code, report = await asyncio.to_thread(fleet.update, python, "--canary-tasks", "1")
         assert_nothing_was_lost(report)
         if report.done or "silent" not in report.end:
             break
@@ -117,7 +117,7 @@ def test_bad_versions_go_back_by_themselves_and_a_good_one_comes_to_all(fleet: F
     async def story() -> None:
         async with ordering(fleet) as customers:
             for python in (dead, fatal):
-                code, report = await asyncio.to_thread(fleet.update, python, "--trial", "1")
+                code, report = await asyncio.to_thread(fleet.update, python, "--canary-tasks", "1")
                 assert (code, report.done) == (1, False)
                 assert [(step.agent, step.verdict) for step in report.steps] == [
                     (first, Verdict.FAILED),

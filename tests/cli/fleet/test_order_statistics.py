@@ -1,4 +1,4 @@
-"""The books of a fleet: orders late or in time, and whether the history is whole."""
+"""The statistics of a fleet: orders late or in time, and whether the history is whole."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import time
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 
-from dray.cli.fleet.rollout.order_statistics import Books, OrderCount
+from dray.cli.fleet.rollout.order_statistics import OrderCount, OrderStatistics
 from dray.messages import Event
 from dray.messages.fact import TaskClosed
 from dray.plant.model import BillLine, Product
@@ -35,7 +35,7 @@ def order(number: int, due_at_s: float | None, delivered_at_s: float | None = No
 
 
 def with_books(
-    folder: Path, fill: Callable[[Store], Awaitable[None]], look: Callable[[Books], Awaitable[None]]
+    folder: Path, fill: Callable[[Store], Awaitable[None]], look: Callable[[OrderStatistics], Awaitable[None]]
 ) -> None:
     """Fill a database, and look into it as a command does."""
     url = f"sqlite+aiosqlite:///{folder / 'dray.db'}"
@@ -46,8 +46,8 @@ def with_books(
             await fill(store)
         finally:
             await store.close()
-        async with Books.open(url) as books:
-            await look(books)
+        async with OrderStatistics.open(url) as statistics:
+            await look(statistics)
 
     asyncio.run(story())
 
@@ -70,8 +70,8 @@ def test_an_order_is_late_when_its_time_is_over_whether_or_not_it_has_come(tmp_p
             for each in orders:
                 await work.orders.add(each)
 
-    async def look(books: Books) -> None:
-        assert await books.orders() == OrderCount(delivered=2, late=2)
+    async def look(statistics: OrderStatistics) -> None:
+        assert await statistics.orders() == OrderCount(delivered=2, late=2)
 
     with_books(tmp_path, fill, look)
     assert OrderCount(5, 3).since(OrderCount(2, 2)) == OrderCount(3, 1)
@@ -83,7 +83,7 @@ def test_the_history_is_whole_when_all_facts_of_the_present_lives_are_written(tm
             told = [closed(1), closed(1, life=2), closed(3, life=2), closed(6, life=2)]
             await work.events.add(told, lambda plant_s: plant_s)
 
-    async def look(books: Books) -> None:
+    async def look(statistics: OrderStatistics) -> None:
         for numbers, lacking in (
             ({}, 0),
             ({"M1": (2, 1)}, 0),
@@ -93,7 +93,7 @@ def test_the_history_is_whole_when_all_facts_of_the_present_lives_are_written(tm
             ({"M1": (3, 2)}, 2),
             ({"M1": (2, 3), "M2": (1, 4)}, 5),
         ):
-            assert await books.missing(numbers) == lacking
+            assert await statistics.missing(numbers) == lacking
 
     with_books(tmp_path, fill, look)
 
@@ -105,7 +105,7 @@ def test_the_history_is_that_of_a_time(tmp_path: Path) -> None:
                 [closed(number, at_s=100.0 * number) for number in range(1, 6)], lambda plant_s: plant_s
             )
 
-    async def look(books: Books) -> None:
-        assert (await books.history(200.0, 400.0)).delivered_s == [200.0, 300.0, 400.0]
+    async def look(statistics: OrderStatistics) -> None:
+        assert (await statistics.history(200.0, 400.0)).delivered_s == [200.0, 300.0, 400.0]
 
     with_books(tmp_path, fill, look)

@@ -1,4 +1,4 @@
-"""A keeper: its post stays filled as was asked last, whatever happens; others ask for a replacement by a socket."""
+"""A supervisor: its process runs as was asked last, whatever happens; others ask for a replacement by a socket."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from actor import ends_at_once, make_actor
 
 from dray.cli.fleet import control
 from dray.cli.fleet.control import Refused, Replace, controlled
-from dray.cli.fleet.process_registry import Member, RollKeeper, State, read_roll
-from dray.cli.fleet.process_specs import Post
-from dray.cli.fleet.process_supervisor import Filling, Keeper, Replaced
+from dray.cli.fleet.process_registry import Member, RegistryWriter, State, read_registry
+from dray.cli.fleet.process_specs import ProcessSpec
+from dray.cli.fleet.process_supervisor import Filling, ProcessSupervisor, Replaced
 from dray.cli.fleet.software import Software
 from dray.errors import UnavailableError
 from dray.messages import WIRE_VERSION
@@ -27,16 +27,20 @@ LONG_S = 60.0
 
 
 class Kept:
-    """A keeper at work, and what its processes say."""
+    """A supervisor at work, and what its processes say."""
 
     def __init__(
-        self, folder: Path, keeper: Keeper, keeping: asyncio.Task[None], words: asyncio.StreamReader
+        self,
+        folder: Path,
+        supervisor: ProcessSupervisor,
+        keeping: asyncio.Task[None],
+        words: asyncio.StreamReader,
     ) -> None:
-        self.folder, self.keeper, self.keeping, self._words = folder, keeper, keeping, words
+        self.folder, self.supervisor, self.keeping, self._words = folder, supervisor, keeping, words
 
     @property
     def member(self) -> Member:
-        return read_roll(self.folder).member("ATV1")
+        return read_registry(self.folder).member("ATV1")
 
     async def says(self) -> str:
         """The next line that one of its processes says."""
@@ -53,7 +57,7 @@ async def kept(
     leave_s: float = LONG_S,
     turns: asyncio.Semaphore | None = None,
 ) -> AsyncIterator[Kept]:
-    """A keeper of one post; what its processes say comes through a pipe in the place of their log."""
+    """A supervisor of one spec; what its processes say comes through a pipe in the place of their log."""
     pipe = folder / "ATV1.log"
     os.mkfifo(pipe)
     words = asyncio.StreamReader()
@@ -64,12 +68,14 @@ async def kept(
             lambda: asyncio.StreamReaderProtocol(words), reading
         )
         environment = {**os.environ, "TOLD": "here"}
-        post = Post("ATV1", kind, ("agent", "atv", "ATV1"), "127.0.0.1:1", environment, "", pipe)
-        roll = RollKeeper(folder, "plant", plain=True)
-        keeper = Keeper(post, roll, turns or asyncio.Semaphore(), leave_s, Filling(software))
-        keeping = asyncio.create_task(keeper.keep())
+        spec = ProcessSpec("ATV1", kind, ("agent", "atv", "ATV1"), "127.0.0.1:1", environment, "", pipe)
+        registry = RegistryWriter(folder, "plant", plain=True)
+        supervisor = ProcessSupervisor(
+            spec, registry, turns or asyncio.Semaphore(), leave_s, Filling(software)
+        )
+        keeping = asyncio.create_task(supervisor.keep())
         try:
-            yield Kept(folder, keeper, keeping, words)
+            yield Kept(folder, supervisor, keeping, words)
         finally:
             keeping.cancel()
             with contextlib.suppress(asyncio.CancelledError):
@@ -83,17 +89,17 @@ def test_another_software_comes_when_the_old_one_has_left_in_order(tmp_path: Pat
     async def story() -> None:
         async with kept(tmp_path, old) as there:
             assert await there.says() == "1.0 agent atv ATV1 here"
-            done = await there.keeper.replace(Filling(new, trial=3), at_once=False)
+            done = await there.supervisor.replace(Filling(new, canary_tasks=3), at_once=False)
             assert (done.killed, done.starts) == (False, 2)
             assert await there.says() == "1.0 ends by SIGTERM"
-            assert await there.says() == "2.0 agent atv ATV1 --trial 3 here"
+            assert await there.says() == "2.0 agent atv ATV1 --probation 3 here"
             assert (there.member.software, there.member.state, there.member.starts) == (
                 new,
-                State.ON_TRIAL,
+                State.CANARY,
                 2,
             )
             assert there.member.proven == old
-            there.keeper.settle()
+            there.supervisor.settle()
             assert (there.member.state, there.member.proven) == (State.AT_WORK, new)
             there.member.signal(signal.SIGKILL)
             assert await there.says() == "2.0 agent atv ATV1 here"
@@ -108,7 +114,7 @@ def test_whoever_need_not_finish_ends_by_an_interrupt_as_all_do_when_the_fleet_e
     async def story() -> None:
         async with kept(tmp_path, old) as there:
             await there.says()
-            await there.keeper.replace(Filling(new), at_once=True)
+            await there.supervisor.replace(Filling(new), at_once=True)
             assert await there.says() == "1.0 ends by SIGINT"
             assert await there.says() == "2.0 agent atv ATV1 here"
             last = there
@@ -124,7 +130,7 @@ def test_whoever_does_not_leave_in_time_is_killed(tmp_path: Path, monkeypatch: p
     async def story() -> None:
         async with kept(tmp_path, old, leave_s=0.0) as there:
             await there.says()
-            done = await there.keeper.replace(Filling(new), at_once=False)
+            done = await there.supervisor.replace(Filling(new), at_once=False)
             assert done.killed
             assert await there.says() == "2.0 agent atv ATV1 here"
 
@@ -135,7 +141,7 @@ def test_what_ends_by_itself_is_replaced_too(tmp_path: Path) -> None:
     async def story() -> None:
         async with kept(tmp_path, ends_at_once(tmp_path)) as there:
             assert [await there.says() for _ in range(2)] == ["dead", "dead"]
-            done = await there.keeper.replace(Filling(make_actor(tmp_path, "2.0")), at_once=False)
+            done = await there.supervisor.replace(Filling(make_actor(tmp_path, "2.0")), at_once=False)
             assert not done.killed
             while (said := await there.says()) == "dead":
                 pass
@@ -153,9 +159,9 @@ def test_what_ends_again_and_again_is_started_ever_more_rarely(
     async def story() -> None:
         async with kept(tmp_path, ends_at_once(tmp_path)) as there:
             rests_s = list[float]()
-            rest = there.keeper._rest
+            rest = there.supervisor._rest
             monkeypatch.setattr(
-                there.keeper, "_rest", lambda lived_s: rests_s.append(rest(lived_s)) or rests_s[-1]
+                there.supervisor, "_rest", lambda lived_s: rests_s.append(rest(lived_s)) or rests_s[-1]
             )
             for _ in range(7):
                 assert await there.says() == "dead"
@@ -172,9 +178,9 @@ def test_another_software_is_not_made_to_wait_for_what_the_one_before_it_did(tmp
     async def story() -> None:
         async with kept(tmp_path, ends_at_once(tmp_path)) as there:
             await there.says()
-            there.keeper._rest_s = LONG_S
-            await there.keeper.replace(Filling(make_actor(tmp_path, "2.0")), at_once=True)
-            assert there.keeper._rest(0.0) == 1.0
+            there.supervisor._rest_s = LONG_S
+            await there.supervisor.replace(Filling(make_actor(tmp_path, "2.0")), at_once=True)
+            assert there.supervisor._rest(0.0) == 1.0
 
     asyncio.run(story())
 
@@ -193,7 +199,7 @@ def test_what_hinders_a_start_is_told_and_tried_again_when_it_is_over(
             pipe.mkdir()
             async with asyncio.timeout(LONG_S):
                 with pytest.raises(IsADirectoryError):
-                    await there.keeper.replace(Filling(new), at_once=True)
+                    await there.supervisor.replace(Filling(new), at_once=True)
             pipe.rmdir()
             away.rename(pipe)
             assert await there.says() == "1.0 ends by SIGINT"
@@ -211,7 +217,7 @@ def test_what_is_killed_to_stay_away_is_started_when_its_time_is_over(
     async def story() -> None:
         async with kept(tmp_path, make_actor(tmp_path, "1.0")) as there:
             assert await there.says() == "1.0 agent atv ATV1 here"
-            assert there.keeper.kill(away_s=0.05)
+            assert there.supervisor.kill(away_s=0.05)
             assert await there.says() == "1.0 agent atv ATV1 here"
             assert there.member.starts == 2
 
@@ -222,7 +228,7 @@ def test_who_stays_away_is_no_more_to_be_killed_and_comes_back_for_a_replacement
     old, new = make_actor(tmp_path, "1.0"), make_actor(tmp_path, "2.0")
 
     async def story() -> None:
-        async with kept(tmp_path, old) as there, controlled(tmp_path, {"ATV1": there.keeper}):
+        async with kept(tmp_path, old) as there, controlled(tmp_path, {"ATV1": there.supervisor}):
             await there.says()
             process = there.member
             assert await control.kill(tmp_path, "ATV1", away_s=1e6)
@@ -246,7 +252,7 @@ def test_a_roll_that_cannot_be_written_ends_nobody(tmp_path: Path, caplog: pytes
             assert "fleet.json is not up to date for other commands" in caplog.text
             hindrance.rmdir()
             async with asyncio.timeout(LONG_S):
-                await there.keeper.replace(Filling(new), at_once=True)
+                await there.supervisor.replace(Filling(new), at_once=True)
             assert (there.member.software, there.member.starts) == (new, 2)
 
     asyncio.run(story())
@@ -312,7 +318,7 @@ def test_kinds_that_know_no_trial_are_not_put_on_one(tmp_path: Path) -> None:
     async def story() -> None:
         async with kept(tmp_path, old, kind="strategist") as there:
             await there.says()
-            await there.keeper.replace(Filling(new, trial=3), at_once=True)
+            await there.supervisor.replace(Filling(new, canary_tasks=3), at_once=True)
             await there.says()
             assert await there.says() == "2.0 agent atv ATV1 here"
 
@@ -326,13 +332,13 @@ def test_other_commands_reach_the_keeper_by_a_socket_for_its_owner_alone(tmp_pat
     nowhere = Software(str(tmp_path / "nothing"), "3.0", WIRE_VERSION)
 
     async def story() -> None:
-        async with kept(deep, old) as there, controlled(deep, {"ATV1": there.keeper}):
+        async with kept(deep, old) as there, controlled(deep, {"ATV1": there.supervisor}):
             await there.says()
             assert stat.S_IMODE((deep / control.SOCKET).stat().st_mode) == 0o600
-            done = await control.replace(deep, Replace("ATV1", new, trial=2))
+            done = await control.replace(deep, Replace("ATV1", new, canary_tasks=2))
             assert isinstance(done, Replaced)
             assert done.starts == 2
-            assert there.member.state is State.ON_TRIAL
+            assert there.member.state is State.CANARY
             await control.settle(deep, "ATV1")
             assert there.member.state is State.AT_WORK
             stranger = await control.replace(deep, Replace("ATV2", new))

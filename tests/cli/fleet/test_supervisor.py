@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from dray.cli.fleet.folder import read_settings, write_settings
-from dray.cli.fleet.supervisor import Muster, _common_environment
+from dray.cli.fleet.supervisor import FleetOptions, _common_environment
 from dray.plant import default_plant
 from dray.settings import Settings
 
@@ -17,19 +17,19 @@ Call = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture
-def mustered(monkeypatch: pytest.MonkeyPatch) -> list[Muster]:
+def mustered(monkeypatch: pytest.MonkeyPatch) -> list[FleetOptions]:
     """The fleets that were to be started; none is."""
-    asked: list[Muster] = []
+    asked: list[FleetOptions] = []
 
-    async def note(muster: Muster) -> None:
-        asked.append(muster)
+    async def note(options: FleetOptions) -> None:
+        asked.append(options)
 
-    monkeypatch.setattr("dray.cli.fleet.supervisor.run_muster", note)
+    monkeypatch.setattr("dray.cli.fleet.supervisor.run_fleet", note)
     return asked
 
 
 def test_the_database_is_the_options_the_environments_or_the_folders(
-    call: Call, mustered: list[Muster], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    call: Call, mustered: list[FleetOptions], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.delenv("DRAY_DATABASE_URL", raising=False)
     call("fleet", "up", "--folder", tmp_path)
@@ -49,8 +49,10 @@ def test_what_the_environment_says_of_one_process_is_not_said_of_a_fleet(
     monkeypatch.setenv("DRAY_BUS_CERTIFICATES", "/etc/dray/certs")
     monkeypatch.setenv("DRAY_GATEWAY_NAME", "gateway2")
     settings = Settings.load(database_url=f"sqlite:///{tmp_path / 'dray.db'}")
-    muster = Muster(settings, default_plant(), tmp_path, speed=1.0, plain=True, demand=False, metrics=False)
-    common = asyncio.run(_common_environment(muster, tmp_path, port=8000))
+    options = FleetOptions(
+        settings, default_plant(), tmp_path, speed=1.0, plain=True, demand=False, metrics=False
+    )
+    common = asyncio.run(_common_environment(options, tmp_path, port=8000))
     for name, value in common.items():
         monkeypatch.setenv(name, value)
     write_settings(tmp_path, common, ())

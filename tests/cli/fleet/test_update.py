@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from dray.cli.fleet.process_registry import Member, Roll, State
+from dray.cli.fleet.process_registry import Member, ProcessRegistry, State
 from dray.cli.fleet.processes import Process
 from dray.cli.fleet.rollout.history import History, Told
 from dray.cli.fleet.rollout.order_statistics import OrderCount
@@ -50,13 +50,13 @@ def member(
     )
 
 
-def roll(*changed: Member) -> Roll:
+def registry(*changed: Member) -> ProcessRegistry:
     members = {name: member(name) for name in KINDS} | {each.name: each for each in changed}
-    return Roll("plant", plain=True, keeper=Process(1, ""), members=tuple(members.values()))
+    return ProcessRegistry("plant", plain=True, supervisor=Process(1, ""), members=tuple(members.values()))
 
 
 def plan(*only: str, target: Software = NEW) -> Plan:
-    return Plan(Path("fleet"), target, only, trial=2, patience_s=60.0)
+    return Plan(Path("fleet"), target, only, canary_tasks=2, patience_s=60.0)
 
 
 class Scene:
@@ -75,8 +75,8 @@ class Scene:
         return self._now_s
 
     async def replace(self, member: Member, terms: Terms) -> Step:
-        self.done.append((member.name, terms.software.version, terms.trial, terms.at_once))
-        verdict = self._verdicts.get(member.name, Verdict.PASSED) if terms.trial else self._back
+        self.done.append((member.name, terms.software.version, terms.canary_tasks, terms.at_once))
+        verdict = self._verdicts.get(member.name, Verdict.PASSED) if terms.canary_tasks else self._back
         began_s, self._now_s = self._now_s, self._now_s + 10.0
         return Step(
             agent=member.name,
@@ -96,7 +96,7 @@ class Scene:
         self.settled.append(member.name)
 
 
-class Books:
+class OrderStatistics:
     """The database on paper."""
 
     def __init__(self, history: History | None = None) -> None:
@@ -126,36 +126,39 @@ class Listener:
 
 
 def update(
-    scene: Scene, members: Sequence[Member], books: Books | None = None, proven: Sequence[str] = ()
+    scene: Scene,
+    members: Sequence[Member],
+    statistics: OrderStatistics | None = None,
+    proven: Sequence[str] = (),
 ) -> Report:
-    paper: Any = (scene, Listener(), books or Books(History(())))
+    paper: Any = (scene, Listener(), statistics or OrderStatistics(History(())))
     return asyncio.run(Update(plan(), *paper, lambda _: None).run(members, set(proven)))
 
 
 def test_vehicles_come_first_and_people_last_and_the_floor_never() -> None:
-    names = [each.name for each in replaceable(roll(), plan())]
+    names = [each.name for each in replaceable(registry(), plan())]
     assert names == ["ATV1", "ATV2", "M1", "strategist", "historian", "gateway"]
-    assert [each.name for each in replaceable(roll(), plan("M1", "ATV2"))] == ["ATV2", "M1"]
-    assert [each.name for each in replaceable(roll(), plan("ATV1", "ATV1"))] == ["ATV1"]
+    assert [each.name for each in replaceable(registry(), plan("M1", "ATV2"))] == ["ATV2", "M1"]
+    assert [each.name for each in replaceable(registry(), plan("ATV1", "ATV1"))] == ["ATV1"]
 
 
 def test_an_update_goes_on_where_it_was_stopped() -> None:
-    there = roll(member("ATV1", NEW), member("ATV2", NEW, State.ON_TRIAL))
+    there = registry(member("ATV1", NEW), member("ATV2", NEW, State.CANARY))
     assert [each.name for each in replaceable(there, plan())][:2] == ["ATV2", "M1"]
     assert proven_kinds(there, NEW) == {"atv"}
-    assert proven_kinds(roll(member("ATV2", NEW, State.ON_TRIAL)), NEW) == set()
+    assert proven_kinds(registry(member("ATV2", NEW, State.CANARY)), NEW) == set()
 
 
 @pytest.mark.parametrize("name", ["ATV9", "floor"])
 def test_nobody_is_replaced_who_is_not_there_or_has_no_software(name: str) -> None:
     with pytest.raises(SettingsError, match="--only: there is no"):
-        replaceable(roll(), plan(name))
+        replaceable(registry(), plan(name))
 
 
 @pytest.mark.parametrize("wire", [0, 2])
 def test_another_wire_version_is_refused(wire: int) -> None:
     with pytest.raises(SettingsError, match=f"3.0 speaks wire version {wire} and historian 1"):
-        replaceable(roll(), plan(target=Software("/new", "3.0", wire)))
+        replaceable(registry(), plan(target=Software("/new", "3.0", wire)))
 
 
 def test_all_are_replaced_on_trial_and_each_that_passes_is_settled() -> None:
@@ -184,7 +187,7 @@ def test_when_one_fails_it_goes_back_at_once_and_then_all_others_in_order() -> N
 def test_each_goes_back_to_the_software_that_it_had() -> None:
     older = Software("/older/python", "0.9", 1)
     scene = Scene({"M1": Verdict.FAILED})
-    interrupted = member("ATV2", NEW, State.ON_TRIAL, proven=OLD)
+    interrupted = member("ATV2", NEW, State.CANARY, proven=OLD)
     update(scene, [member("ATV1", older), interrupted, member("M1")])
     back = [(name, version) for name, version, _, _ in scene.done[3:]]
     assert back == [("M1", "1.0"), ("ATV2", "1.0"), ("ATV1", "0.9")]
@@ -228,7 +231,7 @@ def test_the_report_tells_what_it_has_cost() -> None:
         for at_s in moments_s
     ]
     left = CarrierChanged(task="t", epoch=2, replaced="ATV1", carrier="ATV2", reason="leaves in order")
-    report = update(Scene({}), [member("ATV1")], Books(History([*told, Told("M1", 4005.0, left)])))
+    report = update(Scene({}), [member("ATV1")], OrderStatistics(History([*told, Told("M1", 4005.0, left)])))
     assert report.cost is not None
     assert report.cost.before.mean == pytest.approx(50 / 60)
     assert report.cost.during.mean == 0.0
@@ -237,6 +240,6 @@ def test_the_report_tells_what_it_has_cost() -> None:
 
 
 def test_without_a_database_the_update_is_told_all_the_same() -> None:
-    report = update(Scene({}), [member("ATV1")], Books(None))
+    report = update(Scene({}), [member("ATV1")], OrderStatistics(None))
     assert report.done
     assert report.cost is None

@@ -20,10 +20,12 @@ if TYPE_CHECKING:
 
 app = typer.Typer(no_args_is_help=True, help="One agent of a plant as a process of its own.")
 
-Trial = Annotated[
+Probation = Annotated[
     int,
     typer.Option(
-        "--trial", min=0, help="On trial: take short tasks only until so many transports were done well."
+        "--probation",
+        min=0,
+        help="On probation: take short tasks only until so many transports were done well.",
     ),
 ]
 
@@ -42,7 +44,7 @@ def machine(
             "--newcomer", help="A plant file that has it, when that of the others does not know it."
         ),
     ] = None,
-    trial: Trial = 0,
+    probation: Probation = 0,
     settings: SettingsFile = None,
 ) -> None:
     """Run the agent of a machine; a newcomer takes part as soon as it is there. SIGTERM lets it leave in order."""
@@ -64,7 +66,7 @@ def machine(
             incarnation=life,
             software=__version__,
             newcomer=newcomer is not None,
-            trial=trial,
+            trial=probation,
         )
 
     asyncio.run(run_agent(where, name, make, None if newcomer is None else spec))
@@ -77,7 +79,7 @@ def atv(
         str | None, typer.Option("--type", help="Of a newcomer that the plant file does not know.")
     ] = None,
     node: Annotated[str | None, typer.Option(help="Where the newcomer stands.")] = None,
-    trial: Trial = 0,
+    probation: Probation = 0,
     settings: SettingsFile = None,
 ) -> None:
     """Run the agent of a vehicle; a newcomer takes part as soon as it is there. SIGTERM lets it leave in order."""
@@ -100,7 +102,7 @@ def atv(
             vehicle_type=spec.type,
             incarnation=life,
             software=__version__,
-            trial=trial,
+            trial=probation,
             trusts=trusts,
         )
 

@@ -51,7 +51,7 @@ def up(
     import asyncio
 
     from dray.cli.commands.plant import chosen_plant
-    from dray.cli.fleet.supervisor import Muster, run_muster
+    from dray.cli.fleet.supervisor import FleetOptions, run_fleet
     from dray.cli.runtime.options import load_settings
 
     settings = load_settings(port=port, plant_file=plant, database_url=db)
@@ -59,8 +59,8 @@ def up(
         own = f"sqlite:///{folder.resolve() / 'dray.db'}"
         settings = load_settings(port=port, plant_file=plant, database_url=own)
     asyncio.run(
-        run_muster(
-            Muster(
+        run_fleet(
+            FleetOptions(
                 settings,
                 chosen_plant(settings.plant_file),
                 folder,
@@ -82,14 +82,16 @@ def update(
     only: Annotated[
         list[str] | None, typer.Option("--only", help="This process; may be given several times.")
     ] = None,
-    trial: Annotated[int, typer.Option(min=1, max=100, help="Tasks that each agent has to do well.")] = 3,
+    canary_tasks: Annotated[
+        int, typer.Option(min=1, max=100, help="Tasks that each agent has to do well.")
+    ] = 3,
     patience: Annotated[
         float, typer.Option(min=1.0, help="Factory seconds in which there should be work for that.")
     ] = 1800.0,
     folder: Folder = DEFAULT_FOLDER,
     json: Annotated[Path | None, typer.Option(help="Write the report here too.")] = None,
 ) -> None:
-    """Replace agents one at a time, on trial; all go back by themselves when one fails. Ctrl-C stops it there."""
+    """Replace agents one at a time, each a canary; all go back by themselves when one fails. Ctrl-C stops it there."""
     import asyncio
 
     from dray.cli.fleet.rollout.report import show
@@ -97,7 +99,7 @@ def update(
     from dray.cli.fleet.software import ask
     from dray.cli.runtime.output import write_json
 
-    plan = Plan(folder, ask(python), tuple(only or ()), trial, patience)
+    plan = Plan(folder, ask(python), tuple(only or ()), canary_tasks, patience)
     report = asyncio.run(update_fleet(plan, lambda line: typer.echo(line, err=True)))
     show(report)
     typer.echo(f"{report.version}: {report.end}")
@@ -122,11 +124,11 @@ def status(folder: Folder = DEFAULT_FOLDER) -> None:
     """Show the processes: who runs, who is on the bus, how often each was started, which version it is."""
     import asyncio
 
-    from dray.cli.fleet.process_registry import read_roll, roll_call
+    from dray.cli.fleet.process_registry import present_agents, read_registry
     from dray.cli.runtime.output import table
 
-    roll = read_roll(folder)
-    present = asyncio.run(roll_call(roll, folder))
+    registry = read_registry(folder)
+    present = asyncio.run(present_agents(registry, folder))
     table(
         ("process", "pid", "runs", "on the bus", "starts", "version", ""),
         [
@@ -139,7 +141,7 @@ def status(folder: Folder = DEFAULT_FOLDER) -> None:
                 member.software.version,
                 member.state,
             )
-            for member in roll.members
+            for member in registry.members
         ],
     )
 
@@ -160,11 +162,11 @@ def kill(
     import signal
 
     from dray.cli.fleet import control
-    from dray.cli.fleet.process_registry import read_roll
+    from dray.cli.fleet.process_registry import read_registry
     from dray.cli.runtime.output import one_of
     from dray.errors import UnavailableError
 
-    member = one_of({member.name: member for member in read_roll(folder).members}, name, "NAME")
+    member = one_of({member.name: member for member in read_registry(folder).members}, name, "NAME")
     killed = member.signal(signal.SIGKILL) if away is None else asyncio.run(control.kill(folder, name, away))
     if not killed:
         raise UnavailableError(name, "does not run", "wait until `dray fleet up` has started it")

@@ -1,6 +1,6 @@
 """How other commands reach a running `dray fleet up`: a socket in the fleet's folder, for its owner alone.
 
-    asked     {"type": "Replace", "name": "ATV3", "software": {...}, "trial": 3}
+    asked     {"type": "Replace", "name": "ATV3", "software": {...}, "canary_tasks": 3}
     answered  {"type": "Replaced", "left_s": 1.8, "starts": 2}   or   {"type": "Refused", "reason": "..."}
 
 One line each, one question per connection. A replacement that has begun is brought to its end, also when
@@ -18,7 +18,7 @@ from pathlib import Path
 
 import msgspec
 
-from dray.cli.fleet.process_supervisor import Filling, Keeper, Replaced
+from dray.cli.fleet.process_supervisor import Filling, ProcessSupervisor, Replaced
 from dray.cli.fleet.software import Software
 from dray.errors import UnavailableError
 
@@ -30,16 +30,16 @@ BACKLOG = 4
 
 
 class Replace(msgspec.Struct, frozen=True, tag=True):
-    """Replace the process of one post; all its later lives are of this software, too."""
+    """Replace the process of one spec; all its later lives are of this software, too."""
 
     name: str
     software: Software
-    trial: int = 0
+    canary_tasks: int = 0
     at_once: bool = False
 
 
 class Settle(msgspec.Struct, frozen=True, tag=True):
-    """The trial of this process is passed."""
+    """This process has passed as a canary."""
 
     name: str
 
@@ -83,7 +83,7 @@ async def replace(folder: Path, wanted: Replace) -> Replaced | Refused:
 
 
 async def settle(folder: Path, name: str) -> None:
-    """Tell the `dray fleet up` of a folder that a trial is passed.
+    """Tell the `dray fleet up` of a folder that a canary has passed.
 
     Raises:
         UnavailableError: nobody answers.
@@ -106,12 +106,12 @@ async def kill(folder: Path, name: str, away_s: float) -> bool:
 
 
 @contextlib.asynccontextmanager
-async def controlled(folder: Path, keepers: Mapping[str, Keeper]) -> AsyncIterator[None]:
+async def controlled(folder: Path, supervisors: Mapping[str, ProcessSupervisor]) -> AsyncIterator[None]:
     """Answer other commands, as long as the context lasts.
 
     Args:
         folder: the fleet's, where nobody else does the same.
-        keepers: by name.
+        supervisors: by name.
 
     Raises:
         UnavailableError: there can be no socket in that folder.
@@ -119,7 +119,7 @@ async def controlled(folder: Path, keepers: Mapping[str, Keeper]) -> AsyncIterat
     at_work: set[asyncio.Task[None]] = set()
 
     def let_in(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        serving = asyncio.create_task(_serve(keepers, reader, writer))
+        serving = asyncio.create_task(_serve(supervisors, reader, writer))
         at_work.add(serving)
         serving.add_done_callback(at_work.discard)
 
@@ -149,30 +149,30 @@ def _bound(folder: Path) -> socket.socket:
 
 
 async def _serve(
-    keepers: Mapping[str, Keeper], reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+    supervisors: Mapping[str, ProcessSupervisor], reader: asyncio.StreamReader, writer: asyncio.StreamWriter
 ) -> None:
     with contextlib.closing(writer), contextlib.suppress(ConnectionError):
         try:
             question = _question.decode(await reader.readline())
-            answer = await _obey(keepers, question)
+            answer = await _obey(supervisors, question)
         except (msgspec.MsgspecError, ValueError) as error:
             answer = Refused(f"not understood: {error}")
         writer.write(msgspec.json.encode(answer) + b"\n")
         await writer.drain()
 
 
-async def _obey(keepers: Mapping[str, Keeper], question: Question) -> Answer:
-    keeper = keepers.get(question.name)
-    if keeper is None:
+async def _obey(supervisors: Mapping[str, ProcessSupervisor], question: Question) -> Answer:
+    supervisor = supervisors.get(question.name)
+    if supervisor is None:
         return Refused("there is no such process")
     if isinstance(question, Settle):
-        keeper.settle()
+        supervisor.settle()
         return Settled()
     if isinstance(question, Kill):
-        return Killed() if keeper.kill(question.away_s) else Refused("it does not run")
-    filling = Filling(question.software, question.trial)
+        return Killed() if supervisor.kill(question.away_s) else Refused("it does not run")
+    filling = Filling(question.software, question.canary_tasks)
     try:
-        return await keeper.replace(filling, at_once=question.at_once)
+        return await supervisor.replace(filling, at_once=question.at_once)
     except OSError as error:
         return Refused(f"{question.software.python} cannot be started: {error.strerror or error}")
 

@@ -6,8 +6,8 @@ import asyncio
 import signal
 from pathlib import Path
 
-from dray.cli.fleet.folder import ROLL
-from dray.cli.fleet.process_registry import read_roll
+from dray.cli.fleet.folder import REGISTRY
+from dray.cli.fleet.process_registry import read_registry
 from dray.cli.fleet.process_supervisor import STOP_S
 from dray.cli.fleet.processes import Process
 
@@ -21,19 +21,19 @@ async def end_fleet(folder: Path) -> int:
     Raises:
         UnavailableError: there is no fleet, or it is somebody else's.
     """
-    roll = read_roll(folder)
-    running = roll.running
-    if roll.keeper.signal(signal.SIGTERM):
-        await roll.keeper.gone()
-        if not (folder / ROLL).exists():
+    registry = read_registry(folder)
+    running = registry.running
+    if registry.supervisor.signal(signal.SIGTERM):
+        await registry.supervisor.gone()
+        if not (folder / REGISTRY).exists():
             return len(running)
         # It was told a second time, and has ended without its processes.
-        roll = read_roll(folder)
-    told = [member for member in roll.members if member.signal(signal.SIGINT)]
+        registry = read_registry(folder)
+    told = [member for member in registry.members if member.signal(signal.SIGINT)]
     async with asyncio.TaskGroup() as group:
         for member in told:
             group.create_task(_ended(member))
-    (folder / ROLL).unlink(missing_ok=True)
+    (folder / REGISTRY).unlink(missing_ok=True)
     return len(running)
 
 

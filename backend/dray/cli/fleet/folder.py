@@ -20,7 +20,7 @@ from dray.plant import Plant
 from dray.protocol.strategist.strategist import STRATEGIST
 from dray.settings import PREFIX, Settings
 
-ROLL, SETTINGS, CERTIFICATES, JOURNALS, LOGS = "fleet.json", "fleet.env", "certs", "journals", "logs"
+REGISTRY, SETTINGS, CERTIFICATES, JOURNALS, LOGS = "fleet.json", "fleet.env", "certs", "journals", "logs"
 METRICS = "metrics.json"
 
 FLEET_LOCK, UPDATE_LOCK = "fleet.lock", "update.lock"

@@ -1,4 +1,4 @@
-"""The roll of a fleet: who runs, where, and after how many starts, in a file that other commands read."""
+"""The registry of a fleet: who runs, where, and after how many starts, in a file that other commands read."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ import msgspec
 
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Identity, Links
-from dray.cli.fleet.folder import CERTIFICATES, OBSERVER, ROLL
-from dray.cli.fleet.process_specs import Post
+from dray.cli.fleet.folder import CERTIFICATES, OBSERVER, REGISTRY
+from dray.cli.fleet.process_specs import ProcessSpec
 from dray.cli.fleet.processes import Process
 from dray.cli.fleet.software import Software
 from dray.cli.runtime.roster import FLOOR
@@ -24,24 +24,24 @@ OBSERVER_LINKS = 5
 """Of somebody who looks at a fleet. Every new link is told to everybody, so one to each process would keep a large
 fleet busy; with so many, a few processes that are away cut nobody off."""
 
-ROLL_CALL_S = 3.0
+PRESENCE_S = 3.0
 """For the links of whoever asks who is there; they take milliseconds when the computer is not busy."""
 
-ROLL_CALL_AGAIN_S = 0.1
+PRESENCE_AGAIN_S = 0.1
 
 _log = logging.getLogger(__name__)
 
 
 class State(StrEnum):
-    """What a process is about, as far as its keeper knows."""
+    """What a process is about, as far as its supervisor knows."""
 
     AT_WORK = ""
     LEAVING = "leaving"
-    ON_TRIAL = "on trial"
+    CANARY = "canary"
 
 
 class Member(Process, frozen=True, kw_only=True):
-    """The process of one post.
+    """The process of one spec.
 
     Attributes:
         name: of its agent.
@@ -49,7 +49,7 @@ class Member(Process, frozen=True, kw_only=True):
         address: where it is called.
         starts: how often it was started.
         software: of its last start.
-        proven: the last that was not on trial: what it goes back to.
+        proven: the last that was no canary: what it goes back to.
         state: see there.
     """
 
@@ -67,18 +67,18 @@ class Member(Process, frozen=True, kw_only=True):
         return self.kind != FLOOR
 
 
-class Roll(msgspec.Struct, frozen=True):
+class ProcessRegistry(msgspec.Struct, frozen=True):
     """All processes of a fleet.
 
     Attributes:
         plant: the plant's id.
         plain: links have no certificates.
-        keeper: the `dray fleet up` that keeps them.
+        supervisor: the `dray fleet up` that keeps them.
     """
 
     plant: str
     plain: bool
-    keeper: Process
+    supervisor: Process
     members: tuple[Member, ...]
 
     def member(self, name: str) -> Member:
@@ -91,47 +91,47 @@ class Roll(msgspec.Struct, frozen=True):
         return tuple(member for member in self.members if member.runs)
 
 
-def read_roll(folder: Path) -> Roll:
+def read_registry(folder: Path) -> ProcessRegistry:
     """The fleet of a folder.
 
     Raises:
         UnavailableError: there is none.
     """
     try:
-        return msgspec.json.decode((folder / ROLL).read_bytes(), type=Roll)
+        return msgspec.json.decode((folder / REGISTRY).read_bytes(), type=ProcessRegistry)
     except (OSError, msgspec.MsgspecError) as error:
         reason = (isinstance(error, OSError) and error.strerror) or str(error)
-        raise UnavailableError(str(folder / ROLL), reason, "start a fleet with `dray fleet up`") from None
+        raise UnavailableError(str(folder / REGISTRY), reason, "start a fleet with `dray fleet up`") from None
 
 
-def peer_of(roll: Roll, folder: Path) -> ZenohBus:
+def peer_of(registry: ProcessRegistry, folder: Path) -> ZenohBus:
     """A place on a fleet's bus for a command that looks at it; on the running loop."""
-    identity = None if roll.plain else Identity.in_folder(folder / CERTIFICATES, OBSERVER)
-    running = roll.running
+    identity = None if registry.plain else Identity.in_folder(folder / CERTIFICATES, OBSERVER)
+    running = registry.running
     linked = running[:: -(-len(running) // OBSERVER_LINKS) or 1]
     peers = tuple(member.address for member in linked)
-    return ZenohBus(Links(peers=peers, identity=identity, plain=roll.plain), roll.plant)
+    return ZenohBus(Links(peers=peers, identity=identity, plain=registry.plain), registry.plant)
 
 
-async def roll_call(roll: Roll, folder: Path) -> frozenset[str]:
+async def present_agents(registry: ProcessRegistry, folder: Path) -> frozenset[str]:
     """Who of a fleet is on the bus at this moment; waits a little for those whose process runs."""
-    expected = {member.name for member in roll.running if member.joins}
-    bus = peer_of(roll, folder)
+    expected = {member.name for member in registry.running if member.joins}
+    bus = peer_of(registry, folder)
     present: frozenset[str] = frozenset()
     try:
         with contextlib.suppress(TimeoutError):
-            async with asyncio.timeout(ROLL_CALL_S):
+            async with asyncio.timeout(PRESENCE_S):
                 present = await bus.roll_call()
                 while not expected <= present:
-                    await asyncio.sleep(ROLL_CALL_AGAIN_S)
+                    await asyncio.sleep(PRESENCE_AGAIN_S)
                     present = await bus.roll_call()
     finally:
         bus.close()
     return present
 
 
-class RollKeeper:
-    """Writes the roll anew whenever something changes.
+class RegistryWriter:
+    """Writes the registry anew whenever something changes.
 
     Args:
         folder: the fleet's.
@@ -140,7 +140,7 @@ class RollKeeper:
     """
 
     def __init__(self, folder: Path, plant: str, *, plain: bool) -> None:
-        self._file, self._plant, self._plain = folder / ROLL, plant, plain
+        self._file, self._plant, self._plain = folder / REGISTRY, plant, plain
         self._keeper = Process.of(os.getpid())
         self._members: dict[str, Member] = {}
         self._grown = asyncio.Event()
@@ -151,15 +151,15 @@ class RollKeeper:
             self._grown.clear()
             await self._grown.wait()
 
-    def started(self, post: Post, pid: int, software: Software, state: State) -> Member:
+    def started(self, spec: ProcessSpec, pid: int, software: Software, state: State) -> Member:
         """A process was started, for the first time or again."""
-        process, before = Process.of(pid), self._members.get(post.name)
-        member = self._members[post.name] = Member(
+        process, before = Process.of(pid), self._members.get(spec.name)
+        member = self._members[spec.name] = Member(
             pid=process.pid,
             born=process.born,
-            name=post.name,
-            kind=post.kind,
-            address=post.address,
+            name=spec.name,
+            kind=spec.kind,
+            address=spec.address,
             starts=1 if before is None else before.starts + 1,
             software=software,
             proven=software if before is None or state is State.AT_WORK else before.proven,
@@ -181,11 +181,11 @@ class RollKeeper:
         self._file.unlink(missing_ok=True)
 
     def _write(self) -> None:
-        roll = Roll(self._plant, self._plain, self._keeper, tuple(self._members.values()))
+        registry = ProcessRegistry(self._plant, self._plain, self._keeper, tuple(self._members.values()))
         # Replaced as a whole: a reader sees the old list or the new one.
         fresh = self._file.with_suffix(".new")
         try:
-            fresh.write_bytes(msgspec.json.encode(roll))
+            fresh.write_bytes(msgspec.json.encode(registry))
             fresh.replace(self._file)
         except OSError as error:
             # The processes go on all the same, and the next change is another attempt.

@@ -1,4 +1,4 @@
-"""The posts of a fleet: which processes there are, and how each is started.
+"""The process specs of a fleet: which processes there are, and how each is started.
 
 Every process calls three others, at distances of 1, 2 and 4 in a ring, so that no single one is between
 any two others, and the number of links grows with the factory and not with its square.
@@ -24,7 +24,7 @@ DISTANCES = (1, 2, 4)
 
 
 @dataclass(frozen=True, slots=True)
-class Post:
+class ProcessSpec:
     """One process to be kept running.
 
     Attributes:
@@ -55,16 +55,16 @@ class Post:
         """Whether another process can go on where it has ended; not the floor, whose bodies end with it."""
         return self.kind != FLOOR
 
-    def trial(self, tasks: int) -> tuple[str, ...]:
-        """What follows the command when it is to be on trial for so many tasks; it may know no trial."""
-        return ("--trial", str(tasks)) if tasks and self.kind in ON_TRIAL else ()
+    def probation(self, tasks: int) -> tuple[str, ...]:
+        """What follows the command of a canary with so many tasks; not every kind knows probation."""
+        return ("--probation", str(tasks)) if tasks and self.kind in ON_PROBATION else ()
 
 
-ON_TRIAL = frozenset[str]({Kind.ATV, Kind.MACHINE})
-"""Kinds of agents that take no more than they can show themselves by, while they are on trial."""
+ON_PROBATION = frozenset[str]({Kind.ATV, Kind.MACHINE})
+"""Kinds of agents that take no more than they can show themselves by, while they are on probation."""
 
 
-def posts_of(
+def specs_of(
     plant: Plant,
     folder: Path,
     common: Mapping[str, str],
@@ -72,8 +72,8 @@ def posts_of(
     *,
     demand: bool,
     metrics: bool,
-) -> list[Post]:
-    """All posts of a plant, in the order in which they are to be started: agents need a floor, people a panel.
+) -> list[ProcessSpec]:
+    """The specs of all processes of a plant, in the order in which they are to be started: agents need a floor, people a panel.
 
     Args:
         plant: the factory.
@@ -94,7 +94,7 @@ def posts_of(
     free = free_addresses(2 * len(names))
     addresses = dict(zip(names, free, strict=False))
     told = dict(zip(names, free[len(names) :], strict=True)) if metrics else dict.fromkeys(names, "")
-    posts = []
+    specs = []
     for place, name in enumerate(names):
         called = {names[(place + distance) % len(names)] for distance in DISTANCES} - {name}
         links = {
@@ -104,8 +104,8 @@ def posts_of(
             f"{PREFIX}METRICS_LISTEN": told[name],
         }
         command = commands[name]
-        posts.append(
-            Post(
+        specs.append(
+            ProcessSpec(
                 name=name,
                 kind=command[1] if command[0] == "agent" else name,
                 command=command,
@@ -115,4 +115,4 @@ def posts_of(
                 log=folder / LOGS / f"{name}.log",
             )
         )
-    return posts
+    return specs

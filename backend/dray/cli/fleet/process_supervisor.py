@@ -1,4 +1,4 @@
-"""A keeper: it keeps the process of one post running, as a service manager does, and replaces it when asked."""
+"""A supervisor of one process: it keeps that process running, as a service manager does, and replaces it when asked."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import msgspec
 
-from dray.cli.fleet.process_registry import RollKeeper, State
-from dray.cli.fleet.process_specs import Post
+from dray.cli.fleet.process_registry import RegistryWriter, State
+from dray.cli.fleet.process_specs import ProcessSpec
 from dray.cli.fleet.software import Software
 from dray.cli.runtime.readiness import listening
 
@@ -37,20 +37,20 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class Filling:
-    """How a post is to be filled from now on.
+    """How a process is to be started from now on.
 
     Attributes:
         software: what runs.
-        trial: tasks that every life has to do well before it counts as one like the others; 0 for none.
+        canary_tasks: tasks that every life has to do well before it counts as one like the others; 0 for none.
     """
 
     software: Software
-    trial: int = 0
+    canary_tasks: int = 0
 
     @property
     def state(self) -> State:
         """What a process is about that was started so."""
-        return State.ON_TRIAL if self.trial else State.AT_WORK
+        return State.CANARY if self.canary_tasks else State.AT_WORK
 
 
 class Replaced(msgspec.Struct, frozen=True, tag=True):
@@ -59,7 +59,7 @@ class Replaced(msgspec.Struct, frozen=True, tag=True):
     Attributes:
         left_s: real seconds until the old one had ended.
         killed: it had to be killed.
-        starts: of the post, with the one of the new process.
+        starts: of the process, with the one of the new process.
     """
 
     left_s: float
@@ -67,21 +67,26 @@ class Replaced(msgspec.Struct, frozen=True, tag=True):
     starts: int
 
 
-class Keeper:
+class ProcessSupervisor:
     """Keeps one process running.
 
     Args:
-        post: what is to be kept.
-        roll: where every start is written down.
+        spec: what is to be kept.
+        registry: where every start is written down.
         turns: held from a start until the process takes part: how many may begin at once.
         leave_s: real seconds in which a process that is asked to leave in order does so.
-        filling: how the post is filled at first.
+        filling: how the process is started at first.
     """
 
     def __init__(
-        self, post: Post, roll: RollKeeper, turns: asyncio.Semaphore, leave_s: float, filling: Filling
+        self,
+        spec: ProcessSpec,
+        registry: RegistryWriter,
+        turns: asyncio.Semaphore,
+        leave_s: float,
+        filling: Filling,
     ) -> None:
-        self._post, self._roll, self._turns = post, roll, turns
+        self._spec, self._registry, self._turns = spec, registry, turns
         self._leave_s = leave_s
         self._filling = filling
         self._process: asyncio.subprocess.Process | None = None
@@ -93,7 +98,7 @@ class Keeper:
         self._rest_s = REST_S
         """Before the next start, should the process end by itself."""
         self._away_s: float | None = None
-        """How long the post stays empty when its process ends next; None for as long as usual."""
+        """How long the process stays away when it ends next; None for as long as usual."""
         self._next_start: asyncio.Future[int] = asyncio.get_running_loop().create_future()
 
     async def keep(self) -> None:
@@ -113,7 +118,7 @@ class Keeper:
                     await _end(self._process)
                 raise
             self._process = None
-            if not self._post.comes_back:
+            if not self._spec.comes_back:
                 return
             rest_s = self._rest(time.monotonic() - began_s)
             with contextlib.suppress(TimeoutError):
@@ -121,19 +126,19 @@ class Keeper:
                     await self._hurry.wait()
 
     def _rest(self, lived_s: float) -> float:
-        """How long the post stays empty now that its process has ended."""
+        """How long the process stays away now that it has ended."""
         if self._away_s is not None:
             rest_s, self._away_s = self._away_s, None
             return rest_s
         rest_s = REST_S if lived_s >= STEADY_S else self._rest_s
         self._rest_s = min(2.0 * rest_s, REST_MAX_S)
         if rest_s > REST_S:
-            name, lived = self._post.name, f"{lived_s:.0f} s"
+            name, lived = self._spec.name, f"{lived_s:.0f} s"
             _log.warning("%s has ended again, after %s: it is started in %.0f s", name, lived, rest_s)
         return rest_s
 
     def kill(self, away_s: float) -> bool:
-        """Kill the process, and leave the post empty, as of a computer that stays away.
+        """Kill the process, and keep it away, as of a computer that stays away.
 
         Args:
             away_s: real seconds; a replacement ends them.
@@ -149,7 +154,7 @@ class Keeper:
         return True
 
     async def replace(self, filling: Filling, *, at_once: bool) -> Replaced:
-        """Let the process leave, and fill the post so; one replacement after the other.
+        """Let the process leave, and start another one so; one replacement after the other.
 
         Args:
             filling: holds for all later starts, too.
@@ -165,7 +170,7 @@ class Keeper:
                 started = self._next_start
             killed = False
             if process is not None:
-                self._roll.entered(self._post.name, State.LEAVING)
+                self._registry.entered(self._spec.name, State.LEAVING)
                 killed = await (_end(process) if at_once else _leave(process, self._leave_s))
             left_s = time.monotonic() - began_s
             self._hurry.set()
@@ -175,9 +180,9 @@ class Keeper:
             return Replaced(left_s, killed, starts)
 
     def settle(self) -> None:
-        """The trial is passed: no later life is on trial any more."""
+        """It has passed: no later life is a canary any more."""
         self._filling = Filling(self._filling.software)
-        self._roll.entered(self._post.name, State.AT_WORK)
+        self._registry.entered(self._spec.name, State.AT_WORK)
 
     async def _begin(self) -> None:
         """Start it, and wait until it takes part, has ended, or must not hold up the others any longer.
@@ -194,7 +199,7 @@ class Keeper:
                     for each in waits:
                         each.cancel()
         except OSError as error:
-            _log.warning("%s cannot be started: %s", self._post.name, error)
+            _log.warning("%s cannot be started: %s", self._spec.name, error)
             if self._process is not None:
                 await _end(self._process)
             self._answer(error)
@@ -206,15 +211,15 @@ class Keeper:
             OSError: that cannot be done.
         """
         async with self._starting:
-            post, filling = self._post, self._filling
+            spec, filling = self._spec, self._filling
             self._hurry.clear()
-            with post.log.open("ab") as log:
+            with spec.log.open("ab") as log:
                 try:
                     process = self._process = await asyncio.create_subprocess_exec(
-                        *filling.software.command(*post.command, *post.trial(filling.trial)),
-                        env=filling.software.environment({**post.environment, **told}),
+                        *filling.software.command(*spec.command, *spec.probation(filling.canary_tasks)),
+                        env=filling.software.environment({**spec.environment, **told}),
                         # The gateway tells on the terminal where the panels are.
-                        stdout=None if post.speaks else log,
+                        stdout=None if spec.speaks else log,
                         stderr=log,
                         # Ctrl-C is for us; we tell them.
                         start_new_session=True,
@@ -222,7 +227,7 @@ class Keeper:
                 except OSError as error:
                     log.write(f"{filling.software.python}: {error}\n".encode())
                     raise
-            member = self._roll.started(post, process.pid, filling.software, filling.state)
+            member = self._registry.started(spec, process.pid, filling.software, filling.state)
             self._answer(member.starts)
         return process
 

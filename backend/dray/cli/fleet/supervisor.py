@@ -27,9 +27,9 @@ from dray.cli.fleet.folder import (
     write_settings,
     write_targets,
 )
-from dray.cli.fleet.process_registry import RollKeeper, read_roll
-from dray.cli.fleet.process_specs import DISTANCES, posts_of
-from dray.cli.fleet.process_supervisor import Filling, Keeper
+from dray.cli.fleet.process_registry import RegistryWriter, read_registry
+from dray.cli.fleet.process_specs import DISTANCES, specs_of
+from dray.cli.fleet.process_supervisor import Filling, ProcessSupervisor
 from dray.cli.fleet.software import OWN
 from dray.cli.runtime.authority import authority_of
 from dray.cli.runtime.roster import FLOOR
@@ -46,7 +46,7 @@ heard for so long that others give them up, which is more work still."""
 
 
 @dataclass(frozen=True, slots=True)
-class Muster:
+class FleetOptions:
     """A fleet that is to be started.
 
     Attributes:
@@ -68,57 +68,64 @@ class Muster:
     metrics: bool
 
 
-async def run_muster(muster: Muster) -> None:
+async def run_fleet(options: FleetOptions) -> None:
     """Run a fleet until a signal.
 
     Raises:
         UnavailableError: the folder, the port or the database is not to be had, processes of an earlier fleet
             run, or the floor has ended.
     """
-    folder = muster.folder.resolve()
+    folder = options.folder.resolve()
     make(folder)
     remedy = "end it with `dray fleet down`, or choose another --folder"
     with alone(folder, FLEET_LOCK, "`dray fleet up`", remedy):
         _refuse_leftovers(folder)
-        token = muster.settings.admin_token or SecretStr(new_token())
+        token = options.settings.admin_token or SecretStr(new_token())
         # Held until all others have addresses: then the gateway finds it free.
-        with contextlib.closing(listen(muster.settings.host, muster.settings.port)) as held:
-            prepare(folder, muster.plant, plain=muster.plain)
-            common = await _common_environment(muster, folder, port=held.getsockname()[1])
-            posts = posts_of(
-                muster.plant,
+        with contextlib.closing(listen(options.settings.host, options.settings.port)) as held:
+            prepare(folder, options.plant, plain=options.plain)
+            common = await _common_environment(options, folder, port=held.getsockname()[1])
+            specs = specs_of(
+                options.plant,
                 folder,
                 common,
                 # The same for all of its lives: programs that have it go on after an update.
                 {f"{PREFIX}ADMIN_TOKEN": token.get_secret_value()},
-                demand=muster.demand,
-                metrics=muster.metrics,
+                demand=options.demand,
+                metrics=options.metrics,
             )
-        write_settings(folder, common, [post.address for post in posts[: len(DISTANCES)]])
-        write_targets(folder, {post.name: post.metrics for post in posts if post.metrics})
-        roll = RollKeeper(folder, muster.plant.id, plain=muster.plain)
-        leave_s = muster.settings.leave_s
+        write_settings(folder, common, [spec.address for spec in specs[: len(DISTANCES)]])
+        write_targets(folder, {spec.name: spec.metrics for spec in specs if spec.metrics})
+        registry = RegistryWriter(folder, options.plant.id, plain=options.plain)
+        leave_s = options.settings.leave_s
         turns = asyncio.Semaphore(STARTS_AT_ONCE)
-        keepers = {post.name: Keeper(post, roll, turns, leave_s, Filling(OWN)) for post in posts}
-        greeting = f"{len(posts)} processes; `dray fleet status --folder {muster.folder}` shows them"
-        if muster.settings.admin_token is None:
+        supervisors = {
+            spec.name: ProcessSupervisor(spec, registry, turns, leave_s, Filling(OWN)) for spec in specs
+        }
+        greeting = f"{len(specs)} processes; `dray fleet status --folder {options.folder}` shows them"
+        if options.settings.admin_token is None:
             greeting += f"\n  Admin token       {token.get_secret_value()}"
-        async with controlled(folder, keepers):
-            bodies_gone = await _keep(keepers, roll, greeting)
-        roll.close()
+        async with controlled(folder, supervisors):
+            bodies_gone = await _keep(supervisors, registry, greeting)
+        registry.close()
     if bodies_gone:
         remedy = f"see {folder / LOGS / FLOOR}.log, and start the fleet again"
         raise UnavailableError("the floor", "has ended, and all vehicles and machines with it", remedy)
 
 
-async def _keep(keepers: Mapping[str, Keeper], roll: RollKeeper, greeting: str) -> bool:
+async def _keep(
+    supervisors: Mapping[str, ProcessSupervisor], registry: RegistryWriter, greeting: str
+) -> bool:
     """Keep all running until a signal, or until the floor has ended; returns whether it has."""
     stopped = asyncio.Event()
     with stopped_by_signals(stopped.set):
         async with asyncio.TaskGroup() as group:
-            running = {name: group.create_task(keeper.keep(), name=name) for name, keeper in keepers.items()}
+            running = {
+                name: group.create_task(supervisor.keep(), name=name)
+                for name, supervisor in supervisors.items()
+            }
             running[FLOOR].add_done_callback(lambda _: stopped.set())
-            greeted = group.create_task(_greet(greeting, len(keepers), roll))
+            greeted = group.create_task(_greet(greeting, len(supervisors), registry))
             await stopped.wait()
             bodies_gone = running[FLOOR].done()
             for each in (*running.values(), greeted):
@@ -129,7 +136,7 @@ async def _keep(keepers: Mapping[str, Keeper], roll: RollKeeper, greeting: str) 
 def _refuse_leftovers(folder: Path) -> None:
     """A `dray fleet up` that was killed has left its processes behind: on one floor, two fleets would quarrel."""
     try:
-        left = read_roll(folder).running
+        left = read_registry(folder).running
     except UnavailableError:
         return
     if left:
@@ -141,9 +148,9 @@ def _refuse_leftovers(folder: Path) -> None:
         )
 
 
-async def _common_environment(muster: Muster, folder: Path, port: int) -> dict[str, str]:
+async def _common_environment(options: FleetOptions, folder: Path, port: int) -> dict[str, str]:
     """The settings of all processes; the port is the gateway's, in all of its lives."""
-    settings = muster.settings
+    settings = options.settings
     # Opened here first, so that no two processes make its tables at once.
     store = await open_store(settings.database_url)
     try:
@@ -156,11 +163,11 @@ async def _common_environment(muster: Muster, folder: Path, port: int) -> dict[s
         f"{PREFIX}PORT": str(port),
         f"{PREFIX}JOURNAL_FOLDER": str(folder / JOURNALS),
         f"{PREFIX}TRUSTED_KEYS": trusted,
-        f"{PREFIX}PLANT_SPEED": str(muster.speed),
+        f"{PREFIX}PLANT_SPEED": str(options.speed),
         f"{PREFIX}PLANT_EPOCH_S": str(time.time()),
-        f"{PREFIX}BUS_PLAIN": str(muster.plain),
+        f"{PREFIX}BUS_PLAIN": str(options.plain),
         # Said also where it is as ever: whoever has started us may have set something else for one process.
-        f"{PREFIX}BUS_CERTIFICATES": "" if muster.plain else str(folder / CERTIFICATES),
+        f"{PREFIX}BUS_CERTIFICATES": "" if options.plain else str(folder / CERTIFICATES),
         f"{PREFIX}GATEWAY_NAME": GATEWAY,
     }
     if settings.plant_file is not None:
@@ -171,7 +178,7 @@ async def _common_environment(muster: Muster, folder: Path, port: int) -> dict[s
     return environment
 
 
-async def _greet(greeting: str, count: int, roll: RollKeeper) -> None:
-    await roll.has(count)
+async def _greet(greeting: str, count: int, registry: RegistryWriter) -> None:
+    await registry.has(count)
     typer.echo(greeting)
     sys.stdout.flush()

@@ -138,7 +138,7 @@ async def play(campaign: Campaign, folder: Path, server: PostgresServer | None =
                 quiet_s, killing_s = await field.play()
                 last = await count_pieces(bus.inner, plant.id)
                 await caught_up(fleet, watch, store)
-                kills, roll = field.kills, fleet.roll
+                kills, registry = field.kills, fleet.registry
                 heartbeats = list(watch.heard.machines.values())
         finally:
             await store.close()
@@ -161,7 +161,7 @@ async def play(campaign: Campaign, folder: Path, server: PostgresServer | None =
         orders=orders,
         first=first,
         last=last,
-        starts={member.name: member.starts for member in roll.members},
+        starts={member.name: member.starts for member in registry.members},
         kills=Counter(kill.victim.name for kill in kills),
     )
     return Outcome(campaign, kills, field.outages, quiet_s, killing_s, field.customer.waited_s, after)

@@ -15,7 +15,7 @@ from dray.adapters.zenoh_bus import ZenohBus
 from dray.cli.fleet import control
 from dray.cli.fleet.ending import end_fleet
 from dray.cli.fleet.folder import JOURNALS, LOGS, read_settings
-from dray.cli.fleet.process_registry import Roll, peer_of, read_roll
+from dray.cli.fleet.process_registry import ProcessRegistry, peer_of, read_registry
 from dray.cli.runtime.serving import url_of
 from dray.errors import UnavailableError
 from dray.gateway.access.tokens import new_token
@@ -59,13 +59,13 @@ class Fleet:
         self.time = TimeScale(settings.plant_epoch_s, settings.plant_epoch_s, settings.plant_speed)
 
     @property
-    def roll(self) -> Roll:
+    def registry(self) -> ProcessRegistry:
         """Who runs."""
-        return read_roll(self._folder)
+        return read_registry(self._folder)
 
     def kill(self, name: str) -> bool:
         """Kill a process as a power failure does; False when it had ended by itself."""
-        return self.roll.member(name).signal(signal.SIGKILL)
+        return self.registry.member(name).signal(signal.SIGKILL)
 
     async def take_away(self, name: str, away_s: float) -> bool:
         """Likewise, and it stays away for so many real seconds."""
@@ -82,7 +82,7 @@ class Fleet:
     @contextmanager
     def bus(self) -> Iterator[ZenohBus]:
         """A place on its bus for an observer, as long as the context lasts."""
-        bus = peer_of(self.roll, self._folder)
+        bus = peer_of(self.registry, self._folder)
         try:
             yield bus
         finally:

@@ -28,7 +28,7 @@ async def gathered(fleet: Fleet, bus: ZenohBus, within_s: float) -> Watch:
         UnavailableError: one of them is not there in time.
     """
     watch = Watch(bus)
-    agents = frozenset(member.name for member in fleet.roll.members if member.joins)
+    agents = frozenset(member.name for member in fleet.registry.members if member.joins)
     try:
         async with asyncio.timeout(within_s):
             await watch.until_joined(agents)

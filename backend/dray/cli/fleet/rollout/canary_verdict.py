@@ -1,4 +1,4 @@
-"""The judge of a newcomer's trial: what others have said of it, and what follows. Pure: told what is heard.
+"""The verdict on a canary, a process of another version: what others have said of it, and what follows. Pure: told what is heard.
 
 An agent of a bad version may believe that it does well. So it is not asked: what counts is what those say
 that it works for and with.
@@ -48,11 +48,11 @@ BIDS_KEPT = 100
 NOT_YET = float("inf")
 
 
-class Judge:
-    """What is common to all trials.
+class Canary:
+    """What is common to all canaries.
 
     Args:
-        agent: who is on trial.
+        agent: who is the canary.
         version: what its heartbeats should say that it runs.
         tasks: so many have to be done well.
         before: the incarnation of its last life, as far as one was heard.
@@ -60,7 +60,7 @@ class Judge:
 
     Attributes:
         done: tasks done well.
-        failure: why the trial has failed; empty while it has not.
+        failure: why it has failed; empty while it has not.
         joined: its present life was heard.
     """
 
@@ -110,8 +110,8 @@ class Judge:
             self.fail(f"it says that it runs {heartbeat.software or 'no version'}, not {self._version}")
 
 
-class AtvJudge(Judge):
-    """The trial of a vehicle: what coordinators say of its transports."""
+class AtvCanary(Canary):
+    """A vehicle as a canary: what coordinators say of its transports."""
 
     def __init__(self, agent: str, version: str, tasks: int, before: int, late_s: float) -> None:
         super().__init__(agent, version, tasks, before, late_s)
@@ -167,8 +167,8 @@ class AtvJudge(Judge):
             self._carries.clear()
 
 
-class MachineJudge(Judge):
-    """The trial of a machine: what vehicles and the strategist say of it."""
+class MachineCanary(Canary):
+    """A machine as a canary: what vehicles and the strategist say of it."""
 
     def __init__(self, agent: str, version: str, tasks: int, before: int, late_s: float) -> None:
         super().__init__(agent, version, tasks, before, late_s)
@@ -202,8 +202,8 @@ class MachineJudge(Judge):
             self.fail(f"its goal {lost.goal} had to be given to others")
 
 
-class StrategistJudge(Judge):
-    """The trial of a strategist, which has no heartbeat: machines take goals from it."""
+class StrategistCanary(Canary):
+    """A strategist as a canary, which has no heartbeat: machines take goals from it."""
 
     def __init__(self, agent: str, version: str, tasks: int, before: int, late_s: float) -> None:
         super().__init__(agent, version, tasks, before, late_s)
@@ -213,10 +213,10 @@ class StrategistJudge(Judge):
         self.done += taken.coordinator == self.agent
 
 
-JUDGES: Mapping[str, type[Judge]] = {
-    Kind.ATV: AtvJudge,
-    Kind.MACHINE: MachineJudge,
-    Kind.STRATEGIST: StrategistJudge,
+CANARIES: Mapping[str, type[Canary]] = {
+    Kind.ATV: AtvCanary,
+    Kind.MACHINE: MachineCanary,
+    Kind.STRATEGIST: StrategistCanary,
 }
 """By kind of agent. The others have nothing to show but that they are there."""
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from dray.cli.fleet.folder import OBSERVER
-from dray.cli.fleet.process_registry import Roll, peer_of
+from dray.cli.fleet.process_registry import ProcessRegistry, peer_of
 from dray.messages import Event, Heartbeat, MachineHeartbeat, Message
 from dray.messages.keys import Keys
 
@@ -21,7 +21,7 @@ class Listener:
     Made on the loop on which it is used; closed by `close`.
 
     Args:
-        roll: whose fleet.
+        registry: whose fleet.
         folder: the fleet's.
 
     Attributes:
@@ -30,14 +30,14 @@ class Listener:
         numbers: the life and the number of the newest fact of each agent.
     """
 
-    def __init__(self, roll: Roll, folder: Path) -> None:
+    def __init__(self, registry: ProcessRegistry, folder: Path) -> None:
         self.lives: dict[str, int] = {}
         self.machines: dict[str, MachineHeartbeat] = {}
         self.numbers: dict[str, tuple[int, int]] = {}
         self._told: list[Hear] = []
-        self._bus = peer_of(roll, folder)
+        self._bus = peer_of(registry, folder)
         session = self._bus.join(OBSERVER, self._hear)
-        keys = Keys(roll.plant)
+        keys = Keys(registry.plant)
         for key in (keys.all_heartbeats, keys.all_events):
             session.subscribe(key)
 

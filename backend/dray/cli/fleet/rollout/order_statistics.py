@@ -1,4 +1,4 @@
-"""The books of a fleet: what its database says of orders, and of what agents have told."""
+"""The statistics of a fleet: what its database says of orders, and of what agents have told."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class OrderCount(msgspec.Struct, frozen=True):
         return OrderCount(self.delivered - before.delivered, self.late - before.late)
 
 
-class Books:
+class OrderStatistics:
     """Reads only.
 
     Args:

@@ -11,9 +11,9 @@ from urllib.request import ProxyHandler, build_opener
 
 from dray.cli.fleet import control
 from dray.cli.fleet.folder import GATEWAY, LOGS
-from dray.cli.fleet.process_registry import Member, read_roll
+from dray.cli.fleet.process_registry import Member, read_registry
 from dray.cli.fleet.process_supervisor import Replaced
-from dray.cli.fleet.rollout.canary_verdict import HEARD, JUDGES, Judge
+from dray.cli.fleet.rollout.canary_verdict import CANARIES, HEARD, Canary
 from dray.cli.fleet.rollout.listener import Listener
 from dray.cli.fleet.rollout.report import Step, Verdict
 from dray.cli.fleet.software import Software
@@ -47,13 +47,13 @@ class Terms:
 
     Attributes:
         software: what runs from now on.
-        trial: tasks that it has to do well; 0 for none.
+        canary_tasks: tasks that it has to do well; 0 for none.
         patience_s: so long it is given work for that (plant clock).
         at_once: the old one need not finish what it has begun.
     """
 
     software: Software
-    trial: int = 0
+    canary_tasks: int = 0
     patience_s: float = 0.0
     at_once: bool = False
 
@@ -95,75 +95,75 @@ class Scene:
         """Replace one process, and wait for the verdict.
 
         Raises:
-            UnavailableError: the fleet's keeper does not answer.
+            UnavailableError: the fleet's supervisor does not answer.
         """
         began_s = self.now_s()
-        wanted = control.Replace(member.name, terms.software, terms.trial, terms.at_once)
+        wanted = control.Replace(member.name, terms.software, terms.canary_tasks, terms.at_once)
         done = await control.replace(self._folder, wanted)
         gone_s = joined_s = time.monotonic()
         # Whatever was heard of it until now was said by the old one: the new one has only begun to start.
-        judge = self._judge(member, terms)
+        canary = self._canary(member, terms)
         if isinstance(done, control.Refused):
-            judge.fail(done.reason)
+            canary.fail(done.reason)
             done = Replaced(left_s=0.0, killed=False, starts=member.starts)
         else:
-            with self._listener.telling(judge.hear):
-                await self._until_joined(member, done.starts, judge)
+            with self._listener.telling(canary.hear):
+                await self._until_joined(member, done.starts, canary)
                 joined_s = time.monotonic()
-                await self._until_judged(member, done.starts, judge, terms.patience_s)
+                await self._until_judged(member, done.starts, canary, terms.patience_s)
         return Step(
             agent=member.name,
             kind=member.kind,
             version=terms.software.version,
-            verdict=_verdict(judge),
+            verdict=_verdict(canary),
             began_s=began_s,
             ended_s=self.now_s(),
             left_s=done.left_s,
             killed=done.killed,
             away_s=joined_s - gone_s,
             trial_s=time.monotonic() - joined_s,
-            tasks=judge.done,
-            why=judge.failure,
+            tasks=canary.done,
+            why=canary.failure,
         )
 
     async def settle(self, member: Member) -> None:
-        """Its trial is over, and well: its later lives are on none.
+        """It has passed as a canary: its later lives are on none.
 
         Raises:
-            UnavailableError: the fleet's keeper does not answer.
+            UnavailableError: the fleet's supervisor does not answer.
         """
         await control.settle(self._folder, member.name)
 
-    def _judge(self, member: Member, terms: Terms) -> Judge:
-        judges = JUDGES.get(member.kind) if terms.trial else None
+    def _canary(self, member: Member, terms: Terms) -> Canary:
+        canaries = CANARIES.get(member.kind) if terms.canary_tasks else None
         before = self._listener.lives.get(member.name, 0)
-        if judges is None:
-            return Judge(member.name, terms.software.version, 0, before, self.late_s)
-        return judges(member.name, terms.software.version, terms.trial, before, self.late_s)
+        if canaries is None:
+            return Canary(member.name, terms.software.version, 0, before, self.late_s)
+        return canaries(member.name, terms.software.version, terms.canary_tasks, before, self.late_s)
 
-    async def _until_joined(self, member: Member, starts: int, judge: Judge) -> None:
+    async def _until_joined(self, member: Member, starts: int, canary: Canary) -> None:
         latest_s = time.monotonic() + JOIN_S
-        while not (judge.joined or judge.failure):
+        while not (canary.joined or canary.failure):
             await asyncio.sleep(LOOK_S)
-            self._look_after(member, starts, judge)
+            self._look_after(member, starts, canary)
             if member.kind not in HEARD and await self._is_ready(member):
-                judge.note_present()
+                canary.note_present()
             elif time.monotonic() > latest_s:
-                judge.fail(f"it was not on the bus within {JOIN_S:.0f} s; see {self._log(member)}")
+                canary.fail(f"it was not on the bus within {JOIN_S:.0f} s; see {self._log(member)}")
 
-    async def _until_judged(self, member: Member, starts: int, judge: Judge, patience_s: float) -> None:
+    async def _until_judged(self, member: Member, starts: int, canary: Canary, patience_s: float) -> None:
         held_s, latest_s = time.monotonic() + HOLD_S, self.now_s() + patience_s
-        while not judge.failure and (time.monotonic() < held_s or not judge.passed):
-            if not judge.passed and self.now_s() > latest_s and time.monotonic() > held_s:
+        while not canary.failure and (time.monotonic() < held_s or not canary.passed):
+            if not canary.passed and self.now_s() > latest_s and time.monotonic() > held_s:
                 return
             await asyncio.sleep(LOOK_S)
-            judge.look(self.now_s())
-            self._look_after(member, starts, judge)
+            canary.look(self.now_s())
+            self._look_after(member, starts, canary)
 
-    def _look_after(self, member: Member, starts: int, judge: Judge) -> None:
-        now = read_roll(self._folder).member(member.name)
+    def _look_after(self, member: Member, starts: int, canary: Canary) -> None:
+        now = read_registry(self._folder).member(member.name)
         if now.starts != starts or not now.runs:
-            judge.fail(f"its process has ended; see {self._log(member)}")
+            canary.fail(f"its process has ended; see {self._log(member)}")
 
     async def _is_ready(self, member: Member) -> bool:
         if member.name not in await self._listener.present():
@@ -174,10 +174,10 @@ class Scene:
         return self._folder / LOGS / f"{member.name}.log"
 
 
-def _verdict(judge: Judge) -> Verdict:
-    if judge.failure:
+def _verdict(canary: Canary) -> Verdict:
+    if canary.failure:
         return Verdict.FAILED
-    return Verdict.PASSED if judge.passed else Verdict.UNTRIED
+    return Verdict.PASSED if canary.passed else Verdict.UNTRIED
 
 
 def _answers(url: str) -> bool:

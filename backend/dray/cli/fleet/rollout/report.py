@@ -30,7 +30,7 @@ class Step(msgspec.Struct, frozen=True, kw_only=True):
         killed: it had to be killed.
         away_s: from then on until the new one was on the bus.
         trial_s: from then on until the verdict.
-        tasks: done well on trial.
+        tasks: done well as a canary.
         passed_on: tasks that somebody else carries because of it.
         why: of a verdict that is not the usual one.
     """
@@ -107,7 +107,7 @@ def show(report: Report) -> None:
     """Print the report on stdout."""
     if report.steps:
         table(
-            ("process", "version", "left in", "away", "on trial", "tasks", "passed on", "verdict"),
+            ("process", "version", "left in", "away", "as canary", "tasks", "passed on", "verdict"),
             [_row(step) for step in report.steps],
         )
         table(("", "before", "during"), _costs(report))

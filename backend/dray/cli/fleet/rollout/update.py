@@ -1,6 +1,6 @@
-"""The update of a running fleet: agents are replaced one at a time, on trial, and all go back when one fails.
+"""The update of a running fleet: agents are replaced one at a time, each a canary, and all go back when one fails.
 
-    leaves in order -> ends -> the new one starts -> is on the bus -> on trial -> passed -> the next agent
+    leaves in order -> ends -> the new one starts -> is on the bus -> is a canary -> has passed -> the next agent
                                     |                    |               |
                                     +-- ends, is not there in time, says another version, does badly
                                                          |
@@ -25,10 +25,10 @@ from pathlib import Path
 import msgspec
 
 from dray.cli.fleet.folder import GATEWAY, HISTORIAN, UPDATE_LOCK, alone, read_settings
-from dray.cli.fleet.process_registry import Member, Roll, State, read_roll
+from dray.cli.fleet.process_registry import Member, ProcessRegistry, State, read_registry
 from dray.cli.fleet.rollout.history import History
 from dray.cli.fleet.rollout.listener import Listener
-from dray.cli.fleet.rollout.order_statistics import Books, OrderCount
+from dray.cli.fleet.rollout.order_statistics import OrderCount, OrderStatistics
 from dray.cli.fleet.rollout.replacement import Scene, Terms
 from dray.cli.fleet.rollout.report import Cost, Flow, Report, Step, Verdict
 from dray.cli.fleet.software import Software
@@ -61,14 +61,14 @@ class Plan:
         folder: of the fleet.
         target: what all are to run.
         only: these processes; empty for all.
-        trial: tasks that each agent has to do well.
+        canary_tasks: tasks that each agent has to do well.
         patience_s: so long each is given work for that (plant clock).
     """
 
     folder: Path
     target: Software
     only: Sequence[str]
-    trial: int
+    canary_tasks: int
     patience_s: float
 
 
@@ -79,27 +79,27 @@ async def update_fleet(plan: Plan, tell: Tell) -> Report:
         SettingsError: a name that is none, or a software that does not speak with the others.
         UnavailableError: there is no fleet, or its `dray fleet up` does not answer.
     """
-    roll = read_roll(plan.folder)
+    registry = read_registry(plan.folder)
     with alone(plan.folder, UPDATE_LOCK, "`dray fleet update`", "wait for its end"):
         settings = read_settings(plan.folder)
-        members = replaceable(roll, plan)
-        listener = Listener(roll, plan.folder)
+        members = replaceable(registry, plan)
+        listener = Listener(registry, plan.folder)
         try:
-            async with Books.open(settings.database_url) as books:
+            async with OrderStatistics.open(settings.database_url) as statistics:
                 scene = Scene(plan.folder, settings, listener)
-                update = Update(plan, scene, listener, books, tell)
-                return await update.run(members, proven_kinds(roll, plan.target))
+                update = Update(plan, scene, listener, statistics, tell)
+                return await update.run(members, proven_kinds(registry, plan.target))
         finally:
             listener.close()
 
 
-def replaceable(roll: Roll, plan: Plan) -> list[Member]:
-    """Who is to be replaced, in order: those that do not run the target yet, or only on trial.
+def replaceable(registry: ProcessRegistry, plan: Plan) -> list[Member]:
+    """Who is to be replaced, in order: those that do not run the target yet, or only as a canary.
 
     Raises:
         SettingsError: a name that is none, or a software that does not speak with the others.
     """
-    there = {member.name: member for member in roll.members if member.kind in ORDER}
+    there = {member.name: member for member in registry.members if member.kind in ORDER}
     chosen = [one_of(there, name, "--only") for name in dict.fromkeys(plan.only)] or list(there.values())
     for member in there.values():
         if member.software.wire != plan.target.wire:
@@ -108,15 +108,15 @@ def replaceable(roll: Roll, plan: Plan) -> list[Member]:
                 f"{plan.target.version} speaks wire version {plan.target.wire} and {member.name} "
                 f"{member.software.wire}: they would not understand each other; end the fleet, and start it anew",
             )
-    wanted = [each for each in chosen if each.software != plan.target or each.state is State.ON_TRIAL]
+    wanted = [each for each in chosen if each.software != plan.target or each.state is State.CANARY]
     return sorted(wanted, key=lambda member: ORDER.index(member.kind))
 
 
-def proven_kinds(roll: Roll, software: Software) -> set[str]:
-    """Kinds of agents of which one runs this software and has passed its trial."""
+def proven_kinds(registry: ProcessRegistry, software: Software) -> set[str]:
+    """Kinds of agents of which one runs this software and has passed its time as a canary."""
     return {
         member.kind
-        for member in roll.members
+        for member in registry.members
         if member.software == software and member.state is State.AT_WORK
     }
 
@@ -128,13 +128,15 @@ class Update:
         plan: what is to be done.
         scene: where it is done.
         listener: on the fleet's bus.
-        books: of the fleet.
+        statistics: of the fleet.
         tell: how far it is.
     """
 
-    def __init__(self, plan: Plan, scene: Scene, listener: Listener, books: Books, tell: Tell) -> None:
+    def __init__(
+        self, plan: Plan, scene: Scene, listener: Listener, statistics: OrderStatistics, tell: Tell
+    ) -> None:
         self._plan, self._scene, self._listener = plan, scene, listener
-        self._books, self._tell = books, tell
+        self._statistics, self._tell = statistics, tell
         self._steps: list[Step] = []
         self._done = False
         self._end = (
@@ -148,7 +150,7 @@ class Update:
             members: in order.
             proven: kinds of which one agent has passed already; grows.
         """
-        began_s, before = self._scene.now_s(), await self._books.orders()
+        began_s, before = self._scene.now_s(), await self._statistics.orders()
         working = asyncio.create_task(self._work(members, proven))
         with stopped_by_signals(lambda: _cancel(working)), contextlib.suppress(asyncio.CancelledError):
             await working
@@ -179,7 +181,7 @@ class Update:
             if step.verdict is Verdict.UNTRIED and member.kind not in proven:
                 await self._go_back(member)
                 self._end = (
-                    f"stopped: {member.name} has done {step.tasks} of {self._plan.trial} tasks, and no other "
+                    f"stopped: {member.name} has done {step.tasks} of {self._plan.canary_tasks} tasks, and no other "
                     f"{member.kind} has passed; start it again when there is more to do, or with more --patience"
                 )
                 return
@@ -192,7 +194,7 @@ class Update:
     async def _try(self, member: Member) -> Step:
         plan = self._plan
         self._tell(f"{member.name}: leaves, and comes back with {plan.target.version}")
-        return await self._replace(member, Terms(plan.target, plan.trial, plan.patience_s))
+        return await self._replace(member, Terms(plan.target, plan.canary_tasks, plan.patience_s))
 
     async def _roll_back(self, failed: Member, replaced: Sequence[Member]) -> list[str]:
         """Give everybody back the software of before: the one that has failed at once, the others in order.
@@ -229,7 +231,7 @@ class Update:
         numbers, machines = dict(self._listener.numbers), dict(self._listener.machines)
         missing = await self._until_written(numbers)
         since_s = max(self._scene.first_s, began_s - BASELINE_S)
-        history = await self._books.history(since_s, ended_s)
+        history = await self._statistics.history(since_s, ended_s)
         self._steps = [
             msgspec.structs.replace(step, passed_on=history.passed_on(step.agent, step.began_s, step.ended_s))
             for step in self._steps
@@ -237,7 +239,7 @@ class Update:
         return Cost(
             before=_flow(history, since_s, began_s),
             during=_flow(history, began_s, ended_s),
-            orders=(await self._books.orders()).since(orders),
+            orders=(await self._statistics.orders()).since(orders),
             lost=tuple(sorted(history.lost(machines))),
             twice=tuple(sorted(history.twice)),
             missing=missing,
@@ -247,7 +249,7 @@ class Update:
         """Wait until the history holds all that was told up to these numbers; how much it lacks in the end."""
         latest_s = time.monotonic() + WHOLE_S
         while True:
-            missing = await self._books.missing(numbers)
+            missing = await self._statistics.missing(numbers)
             if not missing or time.monotonic() > latest_s:
                 return missing
             await asyncio.sleep(ASK_AGAIN_S)
