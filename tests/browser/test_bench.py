@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from dray_sim.bench import paint, plantmap
+from dray_sim.bench.panels import paint
+from dray_sim.bench.panels import plant_map as plantmap
 
 
 def test_the_map_is_measured_far_and_near_beside_its_baselines(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,10 +11,10 @@ from forbidden import forbidden
 
 from dray.errors import UnavailableError
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, bound_s
-from dray_sim.bench.computers import Computers
-from dray_sim.bench.field import LEASE_S, Field
-from dray_sim.bench.links import AGAIN_S, AIR_S, cut_wlan, switch_off
-from dray_sim.scenarios.figure_6 import PRIMARY, SECONDARY
+from dray_sim.bench.network.computers import Computers
+from dray_sim.bench.network.field import LEASE_S, Field
+from dray_sim.bench.network.links import AGAIN_S, AIR_S, cut_wlan, switch_off
+from dray_sim.scenarios.paper.figure_6 import PRIMARY, SECONDARY
 
 LOSS_FRAC = 0.1
 """Of the primary's heartbeats, as the secondary estimates it after the cut."""

@@ -9,7 +9,7 @@ import pytest
 from dray.plant import Plant, default_plant, parse_plant
 from dray.plant.advice import Advice, advice
 from dray.plant.flow import Flow
-from dray_sim.scenarios.laboratory import only_on
+from dray_sim.scenarios.paper.laboratory import only_on
 
 
 def change(text: str, *changes: tuple[str, str]) -> Plant:

@@ -14,8 +14,10 @@ from dray.gateway.projection import Projection
 from dray.gateway.timescale import TimeScale
 from dray.messages import AtvHeartbeat
 from dray_sim import bench
-from dray_sim.bench import Row, bus, orders, projection, rates, zenoh
-from dray_sim.bench.crowd import GROUP, Crowd
+from dray_sim.bench import Row, orders, rates
+from dray_sim.bench.network import bus, zenoh
+from dray_sim.bench.panels import projection
+from dray_sim.bench.panels.crowd import GROUP, Crowd
 from dray_sim.bench.postgres import installed
 
 

@@ -10,8 +10,8 @@ from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Links
 from dray.messages import OrderTaken
 from dray.messages.speakers import Kind
-from dray_sim.bench.bus import HEARTBEAT
 from dray_sim.bench.fleet import FLOOR, Listener, Observed, Size, _rows
+from dray_sim.bench.network.bus import HEARTBEAT
 from dray_sim.bench.usage import Usage
 
 BUSY_S = 0.2

@@ -17,17 +17,15 @@ from dray_sim.run.stage import Played, Shift, Stage, play
 from dray_sim.scenarios import (
     SCENARIOS,
     document,
-    experiment_power_off,
-    experiment_wlan,
     fault_cost,
-    figure_6,
     latency_sweep,
     loss_sweep,
     peak_season,
     soak,
     takeover,
 )
-from dray_sim.scenarios.laboratory import laboratory
+from dray_sim.scenarios.paper import experiment_power_off, experiment_wlan, figure_6
+from dray_sim.scenarios.paper.laboratory import laboratory
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "scenarios.md"
 

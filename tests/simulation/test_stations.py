@@ -22,7 +22,7 @@ from dray.messages import (
 from dray.plant import Plant, default_plant
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.checks.fault_attribution import FaultAttribution
-from dray_sim.checks.promised import PromisedLiesThere
+from dray_sim.checks.invariants import PromisedLiesThere
 from dray_sim.checks.waiting import BEYOND_S, NobodyWaitsInVain
 from dray_sim.run.evidence import HELD
 from dray_sim.run.stage import Shift, Stage, play

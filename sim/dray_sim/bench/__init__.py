@@ -13,7 +13,9 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
-from dray_sim.bench import bus, fleet, links, losses, orders, paint, plantmap, projection, sim, stop, zenoh
+from dray_sim.bench import fleet, losses, orders, sim, stop
+from dray_sim.bench.network import bus, links, zenoh
+from dray_sim.bench.panels import paint, plant_map, projection
 from dray_sim.bench.row import Row, rates
 
 __all__ = ["BENCHES", "LONG", "Bench", "Row", "as_json", "rates"]
@@ -26,7 +28,7 @@ BENCHES: dict[str, Bench] = {
     "bus": bus.measure,
     "projection": projection.measure,
     "sim": sim.measure,
-    "map": plantmap.measure,
+    "map": plant_map.measure,
     "paint": paint.measure,
     "zenoh": zenoh.measure,
     "fleet": fleet.measure,

@@ -19,6 +19,7 @@ from dray.messages import (
     MachineHeartbeat,
     Message,
     Role,
+    StationHeartbeat,
 )
 from dray.messages.fact import (
     AtvStatusChanged,
@@ -36,7 +37,6 @@ from dray_sim.checks.broken import InvariantBroken
 from dray_sim.checks.delivered import DeliveredExactly
 from dray_sim.checks.granted import GrantedOnly
 from dray_sim.checks.isolation import ReplacedInTime, SpeaksOn
-from dray_sim.checks.promised import PromisedLiesThere
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.network.listeners import Listener
 
@@ -247,6 +247,23 @@ class MaterialConserved:
             if first != now:
                 seen = f"{abs(now - first)} pieces of {item} {'appeared' if now > first else 'are lost'}"
                 raise InvariantBroken(2, at_s, seen)
+
+
+class PromisedLiesThere:
+    """Invariant 10: what the station of a storage promises lies there."""
+
+    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+        """Look at what is promised.
+
+        Raises:
+            InvariantBroken: more than lies there.
+        """
+        if type(message) is not StationHeartbeat:
+            return
+        for stock in message.stocks:
+            if stock.promised > stock.level:
+                seen = f"{sender} has promised {stock.promised} of the {stock.level} {stock.item} that it has"
+                raise InvariantBroken(10, at_s, seen)
 
 
 class Invariants:

@@ -8,13 +8,14 @@ from random import Random
 
 from dray.adapters.system_clock import SLEW_FRAC
 from dray.errors import DrayError
-from dray.messages import Event, Message
+from dray.messages import AtvHeartbeat, Event, Message
 from dray.messages.fact import TaskClosed, TookOver
+from dray_sim.bodies.condition import BATTERY_EMPTY
 from dray_sim.checks.bounds import Bounds
+from dray_sim.checks.broken import InvariantBroken
 from dray_sim.checks.fault_attribution import FaultAttribution
 from dray_sim.checks.invariants import Invariants
 from dray_sim.checks.liveness import LivenessCheck
-from dray_sim.checks.power import Powered
 from dray_sim.checks.stale_contracts import StaleContracts
 from dray_sim.checks.standing import Standing
 from dray_sim.checks.waiting import NobodyWaitsInVain
@@ -108,6 +109,20 @@ class _Diary(Faults):
             self._story.note(self._factory.clock.now_s(), what)
 
 
+class _Powered:
+    """Invariant 12: in a run without faults no vehicle runs flat. Chargers suffice there; see `small_plant`."""
+
+    def hear(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
+        """See `dray_sim.network.listeners.Listener`.
+
+        Raises:
+            InvariantBroken: a vehicle says that its battery is empty.
+        """
+        if type(message) is AtvHeartbeat and message.problem == BATTERY_EMPTY:
+            seen = f"{message.atv} has run flat at {message.node} though nothing had gone wrong"
+            raise InvariantBroken(12, at_s, seen)
+
+
 class _Game:
     """A run while it is played."""
 
@@ -146,7 +161,7 @@ class _Game:
         self._faults = faults.begun
         let_happen(run.schedule, faults)
         if not run.has_faults:
-            checks.add(Powered())
+            checks.add(_Powered())
         listeners.add(
             *(listener for listener in (self._story, self._trace) if listener is not None),
             self._tally,

@@ -10,15 +10,7 @@ from collections.abc import Mapping
 
 from dray_sim.run.scenario import Playable
 from dray_sim.scenarios import (
-    case_1,
-    case_2,
-    case_3,
-    case_4,
-    case_5,
-    case_6,
     day,
-    experiment_power_off,
-    experiment_wlan,
     fault_cost,
     insider,
     latency_sweep,
@@ -26,6 +18,16 @@ from dray_sim.scenarios import (
     peak_season,
     soak,
     takeover,
+)
+from dray_sim.scenarios.paper import (
+    case_1,
+    case_2,
+    case_3,
+    case_4,
+    case_5,
+    case_6,
+    experiment_power_off,
+    experiment_wlan,
 )
 
 _ALL: tuple[Playable, ...] = (

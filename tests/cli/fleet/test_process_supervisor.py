@@ -57,7 +57,7 @@ async def kept(
     leave_s: float = LONG_S,
     turns: asyncio.Semaphore | None = None,
 ) -> AsyncIterator[Kept]:
-    """A supervisor of one spec; what its processes say comes through a pipe in the place of their log."""
+    """A supervisor of one process; what its lives say comes through a pipe in the place of their log."""
     pipe = folder / "ATV1.log"
     os.mkfifo(pipe)
     words = asyncio.StreamReader()

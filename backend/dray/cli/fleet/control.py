@@ -30,7 +30,7 @@ BACKLOG = 4
 
 
 class Replace(msgspec.Struct, frozen=True, tag=True):
-    """Replace the process of one spec; all its later lives are of this software, too."""
+    """Replace one process; all its later lives are of this software, too."""
 
     name: str
     software: Software

@@ -41,7 +41,7 @@ class State(StrEnum):
 
 
 class Member(Process, frozen=True, kw_only=True):
-    """The process of one spec.
+    """One process of a fleet.
 
     Attributes:
         name: of its agent.

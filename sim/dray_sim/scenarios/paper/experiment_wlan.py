@@ -11,7 +11,7 @@ from dray_sim.faults import WlanCut
 from dray_sim.run.evidence import Check
 from dray_sim.run.scenario import Findings, Scenario
 from dray_sim.run.stage import Stage
-from dray_sim.scenarios.figure_6 import (
+from dray_sim.scenarios.paper.figure_6 import (
     PRIMARY,
     as_in_figure_6,
     carriers,
@@ -23,7 +23,7 @@ from dray_sim.scenarios.figure_6 import (
     reached,
     replenishment,
 )
-from dray_sim.scenarios.laboratory import MACHINE
+from dray_sim.scenarios.paper.laboratory import MACHINE
 
 ON_THE_WAY_S = 3.0
 """After ATV3 has left: both contracts stand, and it drives."""

@@ -34,7 +34,7 @@ from dray.errors import UnavailableError
 from dray.messages import AtvHeartbeat
 from dray.messages.speakers import Kind
 from dray.ports import Session
-from dray_sim.bench.bus import HEARTBEAT
+from dray_sim.bench.network.bus import HEARTBEAT
 from dray_sim.bench.row import Row, rates
 
 ROUND_TRIPS = 2_000

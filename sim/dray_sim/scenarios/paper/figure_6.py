@@ -25,7 +25,7 @@ from dray.messages.fact import (
 )
 from dray_sim.run.evidence import Check
 from dray_sim.run.stage import Played, Shift, Stage, T, play
-from dray_sim.scenarios.laboratory import MACHINE, PRODUCT, laboratory
+from dray_sim.scenarios.paper.laboratory import MACHINE, PRODUCT, laboratory
 
 PRIMARY, SECONDARY = "ATV3", "ATV1"
 """As in Figure 6, left."""

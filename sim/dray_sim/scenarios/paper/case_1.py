@@ -13,7 +13,7 @@ from dray_sim.people.demand import Order
 from dray_sim.run.evidence import Check, Table
 from dray_sim.run.scenario import Findings, Scenario
 from dray_sim.run.stage import Played, Shift, Stage, play
-from dray_sim.scenarios.laboratory import only_on
+from dray_sim.scenarios.paper.laboratory import only_on
 
 # --- others can make it --------------------------------------------------------------------------
 

@@ -15,8 +15,8 @@ from dray_sim.network.radio import RADIO
 from dray_sim.run.evidence import Check, Table
 from dray_sim.run.scenario import Findings, Scenario
 from dray_sim.run.stage import Played, Shift, Stage, play
-from dray_sim.scenarios.figure_6 import STOCK_FRAC, WAIT_S
-from dray_sim.scenarios.laboratory import MACHINE, PRODUCT, laboratory
+from dray_sim.scenarios.paper.figure_6 import STOCK_FRAC, WAIT_S
+from dray_sim.scenarios.paper.laboratory import MACHINE, PRODUCT, laboratory
 from dray_sim.scenarios.reach import Reach
 from dray_sim.scenarios.tally import SETTLE_S
 

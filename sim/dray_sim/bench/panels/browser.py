@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from dray.errors import UnavailableError
 from dray.gateway.access.gate import COOKIE
-from dray_sim.bench.panel import House
+from dray_sim.bench.panels.panel import House
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, BrowserContext, ViewportSize

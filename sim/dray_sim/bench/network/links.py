@@ -1,6 +1,6 @@
 """Benchmark `links`: the experiments of the paper's Figure 6 on real links (paper, 4.3).
 
-They run on computers of their own (`dray_sim.bench.field`). The baselines are what links and agents are given:
+They run on computers of their own (`dray_sim.bench.network.field`). The baselines are what links and agents are given:
 a link's lease, after which it is gone round, and the silence after which a vehicle is suspected.
 """
 
@@ -19,7 +19,7 @@ from dray.adapters.zenoh_links import RETRY_MS
 from dray.messages import AtvHeartbeat, Link, MachineHeartbeat, TaskBrief
 from dray.messages.fact import CarrierChanged, PrimarySuspected, TookOver
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, bound_s
-from dray_sim.bench.field import LEASE_S, Field
+from dray_sim.bench.network.field import LEASE_S, Field
 from dray_sim.bench.row import Row
 
 T = TypeVar("T")

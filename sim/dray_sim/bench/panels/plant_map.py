@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from dray_sim.bench.browser import chromium, profile
-from dray_sim.bench.crowd import Crowd
-from dray_sim.bench.panel import House, serving
+from dray_sim.bench.panels.browser import chromium, profile
+from dray_sim.bench.panels.crowd import Crowd
+from dray_sim.bench.panels.panel import House, serving
 from dray_sim.bench.row import Row
 
 if TYPE_CHECKING:

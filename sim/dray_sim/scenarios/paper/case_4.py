@@ -13,7 +13,7 @@ from dray_sim.people.habits import Habits
 from dray_sim.run.evidence import Check, Table
 from dray_sim.run.scenario import Findings, Scenario
 from dray_sim.run.stage import Played, Shift, Stage
-from dray_sim.scenarios.figure_6 import Contract, closed, in_laboratory, reached, replenishment
+from dray_sim.scenarios.paper.figure_6 import Contract, closed, in_laboratory, reached, replenishment
 
 REASON = "the way is blocked"
 

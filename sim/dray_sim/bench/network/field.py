@@ -24,11 +24,11 @@ from dray.messages.speakers import Kind
 from dray.plant import Plant, plant_yaml
 from dray.plant.model import BillLine
 from dray.protocol.strategist.strategist import STRATEGIST
-from dray_sim.bench.computers import RADIO_NETWORK, Computers
-from dray_sim.bench.probe import AGENTS, LOOKOUT, Post, read, write
-from dray_sim.bench.speaker import Speaker
+from dray_sim.bench.network.computers import RADIO_NETWORK, Computers
+from dray_sim.bench.network.probe import AGENTS, LOOKOUT, Post, read, write
+from dray_sim.bench.network.speaker import Speaker
 from dray_sim.run.witness import Seen, Witness
-from dray_sim.scenarios.laboratory import MACHINE, PRODUCT, START_NODES, laboratory
+from dray_sim.scenarios.paper.laboratory import MACHINE, PRODUCT, START_NODES, laboratory
 
 T = TypeVar("T")
 
@@ -151,7 +151,7 @@ class Field:
             lease_s=LEASE_S,
             order=OrderItem(PRODUCT, PIECES),
         )
-        self._run(LOOKOUT, "dray_sim.bench.probe", write(post))
+        self._run(LOOKOUT, "dray_sim.bench.network.probe", write(post))
 
     def _end(self) -> None:
         for process in self._processes.values():

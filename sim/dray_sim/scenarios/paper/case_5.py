@@ -14,7 +14,7 @@ from dray_sim.run.evidence import Check
 from dray_sim.run.scenario import Findings, Scenario
 from dray_sim.run.stage import Shift, Stage
 from dray_sim.run.witness import Seen
-from dray_sim.scenarios.figure_6 import (
+from dray_sim.scenarios.paper.figure_6 import (
     Contract,
     closed,
     handed_over_once,

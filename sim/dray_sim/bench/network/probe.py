@@ -2,7 +2,7 @@
 
 It runs as a process of its own, wherever the network is that it is to look at:
 
-    python -m dray_sim.bench.probe '{"plant": ...}'       a `Post`
+    python -m dray_sim.bench.network.probe '{"plant": ...}'       a `Post`
 
 and writes every message to its standard output, a line each, with the moment at which it came.
 """

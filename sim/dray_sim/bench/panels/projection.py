@@ -31,7 +31,7 @@ from dray.messages.fact import (
 from dray.messages.heartbeat import Phase
 from dray.plant import default_plant
 from dray.plant.model import PlantFile
-from dray_sim.bench.bus import HEARTBEAT
+from dray_sim.bench.network.bus import HEARTBEAT
 from dray_sim.bench.row import Row, rates
 
 VEHICLES = 1_000

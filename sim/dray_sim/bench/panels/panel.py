@@ -29,7 +29,7 @@ from dray.ports import Receive, Session
 from dray.settings import Settings
 from dray.store import open_store
 from dray.store.people import Person
-from dray_sim.bench.crowd import Crowd
+from dray_sim.bench.panels.crowd import Crowd
 
 TICK_S = 0.05
 """The crowd is asked for news twice as often as the gateway makes frames."""

@@ -1,0 +1,1 @@
+"""What the panels cost: projection, map, painting, and a crowd of browsers."""
