@@ -28,8 +28,8 @@ def test_a_task_that_is_opened_is_announced_with_epoch_1() -> None:
 def test_who_accepts_becomes_the_primary_with_its_promise_and_its_source() -> None:
     office = contracted()
     assert office.task.primary == "ATV2"
-    assert office.task.promised_s == 100.0
-    assert office.task.source == "S3"
+    assert office.task.contract.promised_s == 100.0
+    assert office.task.contract.source == "S3"
     assert office.contracted == ["T1"]
 
 

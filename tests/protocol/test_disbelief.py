@@ -13,6 +13,7 @@ from dray.messages.fact import CarrierChanged, NotBelieved, WordDisbelieved
 from dray.protocol.contract_net.assessment import Assessor
 from dray.protocol.contract_net.disbelief import TOLD_EVERY_S
 from dray.protocol.contract_net.plausibility import CLOCK
+from dray.protocol.contract_net.task import StandbyContract
 from dray.protocol.liveness.failure_detector import IN_ERROR, PROMISE_MAX_S, FailureDetector
 from dray.protocol.runtime.events import Effect, Ignore
 
@@ -78,14 +79,14 @@ def test_a_promise_by_a_clock_that_is_a_little_wrong_is_understood_by_ours() -> 
     )
     [task] = [task for task in rig.agent._tasks if task.id == "M7-1"]
     assert task.primary == "ATV1"
-    assert task.promised_s == pytest.approx(rig.now_s + 70.0)
+    assert task.contract.promised_s == pytest.approx(rig.now_s + 70.0)
 
 
 def test_a_takeover_by_a_wrong_clock_is_refused() -> None:
     rig = m7(NO_HOUSINGS, goal=24)
     rig.hire("M7-1", "ATV1")
     [task] = [task for task in rig.agent._tasks if task.id == "M7-1"]
-    task.secondary = "ATV2"
+    task.standby = StandbyContract("ATV2")
     rig.now_s += 60.0
     said = TakenOver("M7-1", 2, "ATV1", "silent", rig.now_s - 3600.0 + 80.0, at_s=rig.now_s - 3600.0)
     effects = rig.hear("ATV2", said)

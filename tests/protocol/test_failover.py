@@ -35,6 +35,7 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import CarrierChanged, ContractEnded, HelpAsked, HelpPromised, TaskClosed, TookOver
+from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.liveness.failure_detector import UNNAMED_S
 from dray.protocol.liveness.suspicion import LATENESS_MAX_S, WORKING_INTERVAL_S, bound_s
 from dray.protocol.machine.transports import ADOPT_S
@@ -306,7 +307,7 @@ def failed() -> Office:
 def test_the_machine_accepts_a_takeover_and_the_old_carrier_is_superseded() -> None:
     office = failed()
     takes_over(office)
-    assert (office.task.primary, office.task.epoch, office.task.promised_s) == ("ATV1", 2, 200.0)
+    assert (office.task.primary, office.task.epoch, office.task.contract.promised_s) == ("ATV1", 2, 200.0)
     assert sent(office.out, Confirmed, to="ATV1") == [Confirmed(task="T1", epoch=2)]
     assert sent(office.out, Superseded, to="ATV2") == [Superseded(task="T1", epoch=2)]
     [changed] = facts(office.out, CarrierChanged)
@@ -420,7 +421,7 @@ def test_a_secondary_that_does_not_name_its_watch_is_replaced() -> None:
 
 def test_goods_on_board_of_a_silent_vehicle_are_waited_for_and_then_given_up() -> None:
     office = failed()
-    office.task.loaded = True
+    office.task.states.enter(TaskState.IN_TRANSIT)
     office.run(office.now_s + TAKEOVER_TIMEOUT_S + 1.0, "ATV1")
     assert (office.task.primary, office.task.epoch) == ("ATV2", 1)
     assert "with the load on board" in office.task.trouble

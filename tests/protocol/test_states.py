@@ -19,7 +19,7 @@ def test_the_drawing_is_that_of_the_tables() -> None:
 
 @pytest.mark.parametrize("title", TABLES)
 def test_a_table_knows_each_of_its_states_and_all_lead_to_an_end(title: str) -> None:
-    transitions: Transitions[str] = TABLES[title][2]  # type: ignore[assignment,type-var]
+    transitions: Transitions[str] = TABLES[title][2]
     assert {after for row in transitions.values() for after in row} <= transitions.keys()
     ends = {state for state, row in transitions.items() if not row}
     assert ends

@@ -191,7 +191,7 @@ def told(office: Office) -> dict[str, float]:
 def test_a_coordinator_tells_the_next_ones_how_long_its_carriers_have_waited() -> None:
     office = watched()
     carrier = office.task.primary
-    office.task.source = "S3"
+    office.task.contract.source = "S3"
     work = office.task.work
     assert isinstance(work, Transport)
     assert told(office) == {}
@@ -212,7 +212,7 @@ def test_who_stands_at_its_dock_now_counts_too() -> None:
     office = watched()
     work = office.task.work
     assert isinstance(work, Transport)
-    office.task.held_s = office.now_s
+    office.task.contract.held_s = office.now_s
     office.now_s += 33.0
     waits = {wait.place: wait.wait_s for wait in office.desk.told_waits(work, office.now_s)}
     assert waits[office.desk.agent] == pytest.approx(33.0)

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import sys
+from typing import Any
 
-from dray.protocol.runtime.states import diagram
+from dray.protocol.contract_net import task_state
+from dray.protocol.runtime.states import Transitions, diagram
 from dray.protocol.vehicle import job_state
 
-TABLES = {
+TABLES: dict[str, tuple[str, str, Transitions[Any]]] = {
+    "A task": ("contract_net/task_state.py", "as its coordinator knows it", task_state.TRANSITIONS),
     "A transport job": (
         "vehicle/job_state.py",
         "as the vehicle that carries it lives it",
         job_state.TRANSITIONS,
-    )
+    ),
 }
 """By title: the file, what it is, and the table."""
 

@@ -30,7 +30,8 @@ from dray.protocol.contract_net.auction import Auction, Place, Terms
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.auctions import Auctions
 from dray.protocol.contract_net.plausibility import CLOCK, by_our_clock
-from dray.protocol.contract_net.task import ClosedTask, OpenTask, Outcome
+from dray.protocol.contract_net.task import CarrierContract, ClosedTask, OpenTask, Outcome
+from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.liveness.suspicion import ArrivalStatistics
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Effect, Ignore, Record, Send
@@ -113,7 +114,8 @@ class Coordinator:
 
     def close(self, task: OpenTask, outcome: Outcome) -> None:
         """End a task; whoever is bound by it, except a contractor that has delivered, is let go."""
-        carrier = task.primary
+        contract = task.contract
+        carrier = contract.primary
         task.auction.cancel()
         self._timers.clear((PRIMARY_AUCTION, task.id))
         self._let_go(task, "the task has ended")
@@ -121,9 +123,14 @@ class Coordinator:
             withdrawn = Withdrawn(task=task.id, epoch=task.epoch, reason="not needed any more")
             self._out.append(Send(carrier, withdrawn))
         fact = TaskClosed(
-            task=task.id, epoch=task.epoch, outcome=outcome, carrier=carrier, promised_s=task.promised_s
+            task=task.id,
+            epoch=task.epoch,
+            outcome=outcome,
+            carrier=carrier,
+            promised_s=contract.promised_s,
         )
         self._out.append(Record(fact))
+        task.states.enter(TaskState(outcome))
         del self._open[task.id]
         self._closed[task.id] = ClosedTask(carrier, task.epoch, outcome)
 
@@ -207,12 +214,12 @@ class Coordinator:
         bid = auction.winning_bid
         # What was bid long ago, to watch, tells nothing of ways from where the contractor is now.
         fresh = bid if auction.round else None
-        task.primary = contractor
-        task.promised_s = self._assessor.believed_s(fresh, answer.finish_s, now_s)
-        task.source = bid.source if bid is not None else ""
-        if task.source and isinstance(task.work, Transport):
+        source = bid.source if bid is not None else ""
+        promised_s = self._assessor.believed_s(fresh, answer.finish_s, now_s)
+        task.assign(CarrierContract(contractor, source, promised_s))
+        if source and isinstance(task.work, Transport):
             # From now on the load is there and nowhere else: whoever takes over fetches it there, too.
-            task.work = replace(task.work, sources=(task.source,))
+            task.work = replace(task.work, sources=(source,))
         # Whoever is awarded a task by this life loads under its eyes, whatever an earlier life may have missed.
         task.witnessed = True
         self._timers.clear((PRIMARY_AUCTION, task.id))

@@ -7,9 +7,11 @@ from typing import Literal, cast
 from dray.memory import TaskMemory
 from dray.messages import Bid, Phase, TaskBrief, Transport, Work
 from dray.protocol.contract_net.auction import Auction
+from dray.protocol.contract_net.task_state import TRANSITIONS, TaskState
 from dray.protocol.liveness.failure_detector import FailureDetector
 from dray.protocol.liveness.progress import Progress
 from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.runtime.states import States
 
 Outcome = Literal["delivered", "withdrawn"]
 
@@ -30,36 +32,96 @@ class Receipt:
         """A body that does not count was told of it, on the carrier's word."""
 
 
-class OpenTask:
-    """A task that has not ended, as its coordinator knows it."""
+class CarrierContract:
+    """The contract with a task's primary, as its coordinator knows it.
+
+    Args:
+        primary: who has it; empty for nobody.
+        source: where the load is fetched; empty where that is not known, and for goals.
+        promised_s: when the primary has promised to be done.
+    """
 
     __slots__ = (
-        "adopted",
-        "auction",
-        "awaits_takeover",
         "detector",
-        "due_s",
-        "epoch",
         "held_s",
-        "id",
-        "loaded",
-        "opened_s",
         "phase",
         "phase_s",
         "primary",
         "progress",
         "promised_s",
         "receipt",
-        "secondary",
         "source",
-        "standby_detector",
-        "trouble",
-        "unloaded",
         "unnamed_s",
-        "unwatched_s",
+    )
+
+    def __init__(self, primary: str = "", source: str = "", promised_s: float = 0.0) -> None:
+        self.primary = primary
+        self.source = source
+        self.promised_s = promised_s
+        self.detector: FailureDetector | None = None
+        """Of the primary, while it is followed."""
+        self.progress: Progress | None = None
+        """How the primary comes on, while it is followed."""
+        self.unnamed_s = NEVER_S
+        """Since when the primary does not name the task in its heartbeat."""
+        self.phase: Phase | None = None
+        """How far the primary had come when it was heard last; None before it has said so."""
+        self.phase_s = 0.0
+        """Since when it has been heard in that phase."""
+        self.held_s = NEVER_S
+        """Since when it stands at the coordinator's dock and finds no room, or nothing to fetch."""
+        self.receipt = Receipt()
+
+
+class StandbyContract:
+    """The contract with a task's secondary, as its coordinator knows it.
+
+    Args:
+        secondary: who watches; empty for nobody.
+        number: of the award by which it watches.
+        bid: what it would carry the task for, when it was asked to watch; None if an earlier life has asked it.
+        detector: of the secondary; None for nobody.
+    """
+
+    __slots__ = ("bid", "detector", "number", "secondary", "unnamed_s")
+
+    def __init__(
+        self,
+        secondary: str = "",
+        number: int = 0,
+        bid: Bid | None = None,
+        detector: FailureDetector | None = None,
+    ) -> None:
+        self.secondary = secondary
+        self.number = number
+        self.bid = bid
+        self.detector = detector
+        self.unnamed_s = NEVER_S
+        """Since when the secondary does not name the watch in its heartbeat."""
+
+
+class OpenTask:
+    """A task that has not ended, as its coordinator knows it.
+
+    Args:
+        task: its id.
+        work: what is to be done.
+        auction: for its primary.
+        opened_s: when it was announced first.
+    """
+
+    __slots__ = (
+        "adopted",
+        "auction",
+        "contract",
+        "due_s",
+        "epoch",
+        "id",
+        "opened_s",
+        "standby",
+        "states",
+        "trouble",
         "watch",
-        "watch_bid",
-        "watch_number",
         "witnessed",
         "work",
     )
@@ -67,54 +129,51 @@ class OpenTask:
     def __init__(self, task: str, work: Work, auction: Auction, opened_s: float) -> None:
         self.id = task
         self.work = work
+        self.states = States("a task", TRANSITIONS, TaskState.UNASSIGNED)
         self.epoch = auction.terms.epoch
         """Rises whenever the carrier changes; whatever comes with a lower one is refused."""
         self.auction = auction
         self.watch: Auction | None = None
         """The auction for a secondary, while one is sought."""
-        self.primary = ""
-        self.secondary = ""
-        self.watch_bid: Bid | None = None
-        """What the secondary would carry it for, when it was asked to watch; None if an earlier life has asked it."""
-        self.watch_number = 0
-        """Of the award by which the secondary watches."""
-        self.source = ""
-        self.promised_s = 0.0
-        """When the primary has promised to be done."""
-        self.detector: FailureDetector | None = None
-        """The watch over the primary."""
-        self.progress: Progress | None = None
-        """How the primary comes on."""
-        self.standby_detector: FailureDetector | None = None
-        """The watch over the secondary."""
+        self.contract = CarrierContract()
+        self.standby = StandbyContract()
         self.opened_s = opened_s
         self.due_s = auction.terms.deadline_s
         """The first deadline; that of the auction moves when nobody could keep it."""
         self.adopted = False
         """Taken up on its carrier's word alone: which epochs it has had is in notes that are lost, so it never gets
         another one. Without its carrier it is withdrawn, and what is still needed is announced under another name."""
-        self.loaded = False
-        """FinishedGoods that have left this machine: nobody else can fetch them again."""
-        self.unloaded = False
-        """The coordinator has seen the load put down in its own buffer; the handover is still to come."""
-        self.receipt = Receipt()
-        """What its carrier says of the load, and what was counted."""
         self.witnessed = True
         """This life of the coordinator has seen all of it: what a carrier says of the load is compared with that."""
-        self.held_s = NEVER_S
-        """Since when its carrier stands at this machine's dock and finds no room, or nothing to fetch."""
         self.trouble = ""
         """Why it does not go on, in words."""
-        self.awaits_takeover = False
-        """The primary has failed, and the secondary may still take over."""
-        self.phase: Phase | None = None
-        """How far its primary had come when it was heard last; None before it has said so."""
-        self.phase_s = 0.0
-        """Since when it has been heard in that phase."""
-        self.unnamed_s = NEVER_S
-        """Since when the primary does not name this task in its heartbeat."""
-        self.unwatched_s = NEVER_S
-        """Since when the secondary does not."""
+
+    def assign(self, contract: CarrierContract) -> None:
+        """Somebody has it from now on."""
+        self.states.enter(TaskState.ASSIGNED)
+        self.contract = contract
+
+    @property
+    def state(self) -> TaskState:
+        return self.states.now
+
+    @property
+    def primary(self) -> str:
+        return self.contract.primary
+
+    @property
+    def secondary(self) -> str:
+        return self.standby.secondary
+
+    @property
+    def is_loaded(self) -> bool:
+        """Whether goods have left with its carrier."""
+        return self.state is TaskState.IN_TRANSIT
+
+    @property
+    def is_counted(self) -> bool:
+        """Whether its load was seen put down, and not handed over yet."""
+        return self.state is TaskState.COUNTED
 
     @property
     def deadline_s(self) -> float:
@@ -128,7 +187,7 @@ class OpenTask:
     @property
     def is_changing_hands(self) -> bool:
         """Whether its carrier takes goods, puts material down or hands over, as it has told last."""
-        last = self.detector.last if self.detector is not None else None
+        last = self.contract.detector.last if self.contract.detector is not None else None
         brief = last.task if last is not None else None
         if brief is None or brief.task != self.id:
             return False
@@ -147,7 +206,7 @@ class OpenTask:
             epoch=self.epoch,
             item=work.item,
             quantity=work.quantity,
-            source=self.source,
+            source=self.contract.source,
             destination=work.destination,
             deadline_s=self.deadline_s,
             primary=self.primary,
@@ -165,11 +224,11 @@ class OpenTask:
             deadline_s=self.due_s,
             opened_s=self.opened_s,
             primary=self.primary,
-            source=self.source,
-            promised_s=self.promised_s,
-            loaded=self.loaded,
+            source=self.contract.source,
+            promised_s=self.contract.promised_s,
+            loaded=self.is_loaded,
             secondary=self.secondary,
-            watch_number=self.watch_number,
+            watch_number=self.standby.number,
             offered=self.is_offered,
             adopted=self.adopted,
         )

@@ -43,7 +43,7 @@ class Dock:
         work = cast(Transport, task.work)
         here = message.station == self._machine
         held = self._why_held(work) if here else ""
-        task.held_s = min(task.held_s, now_s) if held else NEVER_S
+        task.contract.held_s = min(task.contract.held_s, now_s) if held else NEVER_S
         if held:
             self._door.hold(sender, message, held)
         elif here:

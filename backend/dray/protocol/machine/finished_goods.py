@@ -141,7 +141,7 @@ class FinishedGoods:
     def lack(self, task: OpenTask) -> bool:
         """Whether the load of a transport does not lie there, though nobody has fetched it."""
         work = cast(Transport, task.work)
-        if work.item not in self._products or task.loaded:
+        if work.item not in self._products or task.is_loaded:
             return False
         return self._supply.level(work.item) < work.quantity
 
@@ -164,7 +164,7 @@ class FinishedGoods:
         """Pieces that nobody wants any more and nobody has fetched yet stay here, as spare."""
         for task in list(self._tasks):
             work = cast(Transport, task.work)
-            if work.goal and not task.loaded and self._goals.get(work.goal) is None:
+            if work.goal and not task.is_loaded and self._goals.get(work.goal) is None:
                 self._tasks.close(task, "withdrawn")
                 lie_there = self._supply.level(work.item) - self._claimed(work.item)
                 unbooked = max(0, lie_there - self._goals.spare(work.item))
@@ -181,14 +181,14 @@ class FinishedGoods:
         """A person has brought them, from a vehicle that has failed."""
         for task in list(self._tasks):
             work = cast(Transport, task.work)
-            if task.loaded and work.item == report.item and work.quantity == report.change:
+            if task.is_loaded and work.item == report.item and work.quantity == report.change:
                 self._tasks.reopen(task, "its load was brought back", now_s)
                 return
         self._goals.add_spare(report.item, report.change)
 
     def _waiting(self, product: str) -> list[OpenTask]:
         """Transports of a product whose load has not been fetched."""
-        return [task for task in self._tasks if not task.loaded and task.work_item == product]
+        return [task for task in self._tasks if not task.is_loaded and task.work_item == product]
 
     def _claimed(self, product: str) -> int:
         """Pieces in the goods that belong to a goal or wait for a vehicle."""

@@ -67,6 +67,7 @@ from dray.protocol.contract_net.disbelief import Reproach
 from dray.protocol.contract_net.parties import objection
 from dray.protocol.contract_net.probation import Probation
 from dray.protocol.contract_net.task import OpenTask, Outcome
+from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.liveness.progress import NOT_COUNTED
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
@@ -347,9 +348,10 @@ class Machine(AgentBase):
 
     def _material_came(self, report: StockChanged, now_s: float) -> None:
         for task in list(self._tasks):
-            if task.primary == report.vehicle and task.work_item == report.item:
-                task.receipt.counted += max(report.change, 0)
-                task.unloaded = task.receipt.counted > 0
+            if report.vehicle and task.primary == report.vehicle and task.work_item == report.item:
+                task.contract.receipt.counted += max(report.change, 0)
+                if task.contract.receipt.counted and not task.is_counted:
+                    task.states.enter(TaskState.COUNTED)
                 self._receive(task, now_s)
 
     def _broken(self, report: Broken, now_s: float) -> None:
@@ -436,7 +438,7 @@ class Machine(AgentBase):
         self._tasks.on_heartbeat(heartbeat, now_s)
         if not self._counts:
             for task in self._tasks:
-                if task.loaded and task.primary == heartbeat.atv:
+                if task.is_loaded and task.primary == heartbeat.atv:
                     self._book(task)
         self._recovery.on_heartbeat(heartbeat, now_s)
 
@@ -475,7 +477,7 @@ class Machine(AgentBase):
     def _on_resigned(self, sender: str, message: Resigned, now_s: float) -> None:
         task = self._tasks.get(message.task)
         gives_back = task is not None and (sender, message.epoch) == (task.primary, task.epoch)
-        if task is None or not gives_back or not message.short or task.is_of_goods or task.unloaded:
+        if task is None or not gives_back or not message.short or task.is_of_goods or task.is_counted:
             self._tasks.on_resigned(sender, message, now_s)
             return
         if self._sourcing.holds(task.id, message.short):
@@ -515,7 +517,7 @@ class Machine(AgentBase):
             self._goods.recount(now_s)
         self._dock.on_docked(sender, message, now_s)
         task = self._tasks.get(message.task)
-        if task is not None and now_s - task.held_s > HELD_MAX_S:
+        if task is not None and now_s - task.contract.held_s > HELD_MAX_S:
             self._withdraw(task, now_s)
 
     def _withdraw(self, task: OpenTask, now_s: float) -> None:
@@ -527,26 +529,26 @@ class Machine(AgentBase):
         task = self._dock.on_handover(sender, message)
         if task is None:
             return
-        if task.receipt.said_s == NEVER_S:
-            task.receipt.said_s = now_s
-        task.receipt.said = message.quantity
+        if task.contract.receipt.said_s == NEVER_S:
+            task.contract.receipt.said_s = now_s
+        task.contract.receipt.said = message.quantity
         if not self._counts:
             self._book(task)
         self._receive(task, now_s)
 
     def _receive(self, task: OpenTask, now_s: float) -> None:
         """See what was counted of a load that its carrier says to be down."""
-        if task.receipt.said_s == NEVER_S:
+        if task.contract.receipt.said_s == NEVER_S:
             return
         goal = self._goals.get(cast(Transport, task.work).goal)
         verdict, counted = verdict_on(task, goal, self.id, now_s)
         if verdict is Verdict.WAITS:
             self._out.append(Ignore("a handover of a load that was not counted yet"))
-            if goal is not None and goal.heard_s < task.receipt.said_s:
+            if goal is not None and goal.heard_s < task.contract.receipt.said_s:
                 self._bidder.ask(goal, now_s)
             return
         carrier, work = task.primary, cast(Transport, task.work)
-        if verdict is Verdict.SHORT or counted != task.receipt.said:
+        if verdict is Verdict.SHORT or counted != task.contract.receipt.said:
             self._dispute(task, counted)
         if not counted:
             self._tasks.drop_uncounted(task, NOT_COUNTED, now_s)
@@ -563,7 +565,7 @@ class Machine(AgentBase):
             epoch=task.epoch,
             contractor=task.primary,
             item=work.item,
-            said=task.receipt.said,
+            said=task.contract.receipt.said,
             counted=counted,
             where=work.destination,
         )
@@ -573,9 +575,9 @@ class Machine(AgentBase):
         """The body does not count: it is told what the carrier says."""
         work = cast(Transport, task.work)
         comes = work.destination == self.id
-        if not task.receipt.booked and (comes or task.loaded):
-            task.receipt.booked = True
-            change = task.receipt.said if comes else -work.quantity
+        if not task.contract.receipt.booked and (comes or task.is_loaded):
+            task.contract.receipt.booked = True
+            change = task.contract.receipt.said if comes else -work.quantity
             self._out.append(Instruct(Book(vehicle=task.primary, item=work.item, change=change)))
 
     def _settle(self, task: OpenTask, now_s: float) -> None:

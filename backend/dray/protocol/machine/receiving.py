@@ -48,17 +48,17 @@ def verdict_on(task: OpenTask, goal: Goal | None, machine: str, now_s: float) ->
         The verdict, and the pieces that are there.
     """
     work = cast(Transport, task.work)
-    is_patient = now_s - task.receipt.said_s < COUNT_S
+    is_patient = now_s - task.contract.receipt.said_s < COUNT_S
     if work.destination == machine:
         if not task.witnessed:
-            return Verdict.COUNTED, max(work.quantity, task.receipt.counted)
-        return _judged(task.receipt.counted, work.quantity, is_patient)
-    if task.witnessed and not task.loaded:
+            return Verdict.COUNTED, max(work.quantity, task.contract.receipt.counted)
+        return _judged(task.contract.receipt.counted, work.quantity, is_patient)
+    if task.witnessed and not task.is_loaded:
         return _judged(0, work.quantity, is_patient)
     if goal is None:
         return Verdict.COUNTED, work.quantity
     arrived = goal.arrived_by(task.primary)
-    if arrived < work.quantity and not is_patient and goal.heard_s < task.receipt.said_s:
+    if arrived < work.quantity and not is_patient and goal.heard_s < task.contract.receipt.said_s:
         return (
             Verdict.COUNTED,
             work.quantity,

@@ -196,11 +196,13 @@ class Sourcing:
         if not _is_material(task, self._machine):
             return
         if task.primary:
-            if task.source:
+            if task.contract.source:
                 # Those that were not chosen.
-                others = [each for each in self._held.get(task.id, ()) if each != task.source]
+                others = [each for each in self._held.get(task.id, ()) if each != task.contract.source]
                 self._free(task.id, others)
-                self._held[task.id] = {task.source: None} if self.holds(task.id, task.source) else {}
+                self._held[task.id] = (
+                    {task.contract.source: None} if self.holds(task.id, task.contract.source) else {}
+                )
         else:
             self._held.pop(task.id, None)
         if not self._held.get(task.id):
@@ -260,7 +262,7 @@ class Sourcing:
         self._timers.set((RENEW, task_id), now_s + RENEW_S)
 
     def _hold(self, task: OpenTask, station: str) -> None:
-        if task.primary and task.source not in ("", station):
+        if task.primary and task.contract.source not in ("", station):
             self._free(task.id, (station,))
         else:
             self._held.setdefault(task.id, {})[station] = None
@@ -284,11 +286,11 @@ def _work(task: OpenTask) -> Transport:
 
 def _sources(task: OpenTask) -> tuple[str, ...]:
     """Where the load of a task is to be fetched, by all that is known."""
-    return (task.source,) if task.source else _work(task).sources
+    return (task.contract.source,) if task.contract.source else _work(task).sources
 
 
 def _was_fetched(task: OpenTask) -> bool:
     """Whether the load is on board, as its carrier has told last."""
-    last = task.detector.last if task.detector is not None else None
+    last = task.contract.detector.last if task.contract.detector is not None else None
     brief = last.task if last is not None else None
     return brief is not None and brief.task == task.id and brief.phase not in _NOT_YET_FETCHED

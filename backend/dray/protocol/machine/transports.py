@@ -38,7 +38,8 @@ from dray.protocol.contract_net.auction import Place
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.coordinator import PRIMARY_AUCTION, Coordinator
 from dray.protocol.contract_net.plausibility import CLOCK, by_our_clock
-from dray.protocol.contract_net.task import OpenTask, Outcome, Receipt
+from dray.protocol.contract_net.task import CarrierContract, OpenTask, Outcome
+from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.contract_net.waits import Waits
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
@@ -160,8 +161,8 @@ class Transports(Coordinator):
 
     def close(self, task: OpenTask, outcome: Outcome) -> None:
         """End a task; who has delivered it has kept its word, or was late."""
-        if outcome == "delivered" and task.progress is not None:
-            now_s, late_s = task.progress.heard_s, task.progress.late_s
+        if outcome == "delivered" and task.contract.progress is not None:
+            now_s, late_s = task.contract.progress.heard_s, task.contract.progress.late_s
             self._assessor.reliability.note_kept(task.primary, task.id, late_s, now_s)
         self._ended(task, outcome)
         super().close(task, outcome)
@@ -198,7 +199,7 @@ class Transports(Coordinator):
         task.due_s, task.witnessed = memory.deadline_s, False
         if memory.primary:
             auction.cancel()
-            task.loaded, task.adopted = memory.loaded, memory.adopted
+            task.adopted = memory.adopted
             self._restore_carrier(task, memory, now_s)
         else:
             auction.open_later(now_s + ADOPT_S)
@@ -308,22 +309,22 @@ class Transports(Coordinator):
 
     def _note_phase(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """See how far a carrier has come, and learn how long it had to wait."""
-        brief = heartbeat.task
-        if brief is None or brief.task != task.id or brief.phase is task.phase:
+        brief, contract = heartbeat.task, task.contract
+        if brief is None or brief.task != task.id or brief.phase is contract.phase:
             return
-        waited_s = now_s - task.phase_s - self._assessor.handling_max_s
-        if task.phase is Phase.LOADING and brief.phase is Phase.CARRYING:
-            self._waits.note(task.source, task.primary, waited_s, now_s)
-        elif task.phase is Phase.UNLOADING and brief.phase is Phase.HANDING_OVER:
+        waited_s = now_s - contract.phase_s - self._assessor.handling_max_s
+        if contract.phase is Phase.LOADING and brief.phase is Phase.CARRYING:
+            self._waits.note(contract.source, task.primary, waited_s, now_s)
+        elif contract.phase is Phase.UNLOADING and brief.phase is Phase.HANDING_OVER:
             self._waits.note(cast(Transport, task.work).destination, task.primary, waited_s, now_s)
-        task.phase, task.phase_s = brief.phase, now_s
+        contract.phase, contract.phase_s = brief.phase, now_s
 
     def told_waits(self, work: Work, now_s: float) -> tuple[Wait, ...]:
         """What is known of waits at the places of a transport: lately, and of who stands there now."""
         transport = cast(Transport, work)
         for task in self:
-            if task.held_s < NEVER_S:
-                self._waits.note(self.agent, task.primary, now_s - task.held_s, now_s)
+            if task.contract.held_s < NEVER_S:
+                self._waits.note(self.agent, task.primary, now_s - task.contract.held_s, now_s)
         return self._waits.told((*transport.sources, transport.destination), now_s)
 
     def _wake_auction(self, task_id: str, now_s: float) -> None:
@@ -369,7 +370,9 @@ class Transports(Coordinator):
         self._contracted(task, now_s)
 
     def _restore_carrier(self, task: OpenTask, memory: TaskMemory, now_s: float) -> None:
-        task.primary, task.source, task.promised_s = memory.primary, memory.source, memory.promised_s
+        task.assign(CarrierContract(memory.primary, memory.source, memory.promised_s))
+        if memory.loaded:
+            task.states.enter(TaskState.IN_TRANSIT)
         self._failover.follow(task, IDLE_INTERVAL_S, now_s)
         if memory.secondary:
             self._secondaries.restore(task, memory.secondary, memory.watch_number, now_s)
@@ -390,10 +393,7 @@ class Transports(Coordinator):
         self._failover.leave(task)
         if task.primary:
             self._left(task.primary)
-        task.primary, task.source, task.loaded, task.unloaded = "", "", False, False
-        task.phase = None
-        task.receipt = Receipt()
-        task.held_s = NEVER_S
+        task.contract = CarrierContract()
 
     def _bind(
         self,
@@ -404,12 +404,13 @@ class Transports(Coordinator):
         now_s: float,
     ) -> None:
         """A vehicle carries a task, though no auction of this life has found it."""
-        task.primary, task.source = atv, source
-        task.promised_s = self._assessor.believed_s(None, promised_s, now_s) if task.witnessed else promised_s
+        believed_s = self._assessor.believed_s(None, promised_s, now_s) if task.witnessed else promised_s
+        task.assign(CarrierContract(atv, source, believed_s))
         self._bound(task, (), now_s)
 
     def _change_carrier(self, task: OpenTask, atv: str, message: TakenOver, now_s: float) -> None:
-        failure = task.detector.failure(now_s) if task.detector is not None else ""
+        detector = task.contract.detector
+        failure = detector.failure(now_s) if detector is not None else ""
         self._failover.blame(task, failure or message.reason, now_s)
         if task.secondary == atv:
             self._secondaries.end(task)
@@ -423,6 +424,7 @@ class Transports(Coordinator):
         self, task: OpenTask, candidates: tuple[tuple[str, Bid], ...], reason: str, now_s: float
     ) -> None:
         replaced, silent_s = self._supersede(task, task.epoch + 1, reason, now_s)
+        task.states.enter(TaskState.UNASSIGNED)
         deadline_s = _prolonged_s(task.due_s, task.opened_s, now_s)
         task.auction = self._auction(task.id, task.epoch, task.work, deadline_s, candidates)
         self._note_change(task, replaced, reason, silent_s)

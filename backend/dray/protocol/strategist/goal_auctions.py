@@ -189,7 +189,7 @@ class GoalAuctions(Coordinator):
             product=work.product,
             quantity=work.quantity,
             machine=goal.machine,
-            finish_s=task.promised_s,
+            finish_s=task.contract.promised_s,
         )
         self._out.append(Record(contracted))
         # The auction is over; from now on the goal is followed, not its task.

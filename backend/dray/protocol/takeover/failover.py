@@ -27,6 +27,7 @@ from dray.messages import AtvHeartbeat, TakenOver
 from dray.messages.fact import PrimarySuspected
 from dray.protocol.contract_net.assessment import Assessor
 from dray.protocol.contract_net.task import OpenTask
+from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.liveness.failure_detector import (
     GOODS_ABOARD,
     UNNAMED_S,
@@ -111,44 +112,46 @@ class Failover:
 
     def follow(self, task: OpenTask, interval_s: float, now_s: float) -> None:
         """A task has got its primary, which is expected to beat every `interval_s`."""
-        task.unnamed_s, task.awaits_takeover, task.trouble = NEVER_S, False, ""
+        task.trouble = ""
         self._subscriptions.begin(task.primary)
-        task.detector = FailureDetector(task.primary, interval_s, now_s, self._subscriptions.arrivals)
-        self._timers.set((PRIMARY_SILENCE, task.id), task.detector.fails_at_s)
+        task.contract.detector = FailureDetector(
+            task.primary, interval_s, now_s, self._subscriptions.arrivals
+        )
+        self._timers.set((PRIMARY_SILENCE, task.id), task.contract.detector.fails_at_s)
         # Of a contract of an earlier life nobody knows how far it should be.
-        promised_s = task.promised_s if task.witnessed else self._assessor.latest_s(now_s)
-        task.progress = self._assessor.progress(promised_s, now_s)
+        promised_s = task.contract.promised_s if task.witnessed else self._assessor.latest_s(now_s)
+        task.contract.progress = self._assessor.progress(promised_s, now_s)
 
     def leave(self, task: OpenTask) -> None:
         """A task has ended, or its primary is one no more."""
-        if task.detector is not None:
-            self._subscriptions.end(task.detector.subject)
-            task.detector = task.progress = None
+        if task.contract.detector is not None:
+            self._subscriptions.end(task.contract.detector.subject)
         self._timers.clear((PRIMARY_SILENCE, task.id))
-        task.awaits_takeover, task.trouble = False, ""
+        task.trouble = ""
 
     def note_loaded(self, task: OpenTask) -> None:
         """FinishedGoods have left with their carrier: nobody else could fetch them, so nobody needs to watch."""
-        if not task.loaded:
-            task.loaded = True
+        if not task.is_loaded:
+            task.states.enter(TaskState.IN_TRANSIT)
             self._secondaries.drop(task, "the load is on board")
 
     def on_heartbeat(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """The primary lives; it may have lost its contract."""
-        detector = task.detector
+        detector = task.contract.detector
         if detector is None or not detector.on_heartbeat(heartbeat, now_s):
             return
-        task.awaits_takeover, task.trouble = False, heartbeat.problem
+        self._trust(task)
+        task.trouble = heartbeat.problem
         self._timers.set((PRIMARY_SILENCE, task.id), detector.fails_at_s)
         brief = heartbeat.task
         if brief is not None and brief.task == task.id and brief.epoch == task.epoch:
-            task.unnamed_s = NEVER_S
+            task.contract.unnamed_s = NEVER_S
             if task.is_of_goods and brief.phase in GOODS_ABOARD and self._may_have_left(task):
                 self.note_loaded(task)
             self._look_at_progress(task, heartbeat, now_s)
-        elif task.unnamed_s == NEVER_S:
-            task.unnamed_s = now_s
-        elif now_s - task.unnamed_s > UNNAMED_S:
+        elif task.contract.unnamed_s == NEVER_S:
+            task.contract.unnamed_s = now_s
+        elif now_s - task.contract.unnamed_s > UNNAMED_S:
             self.replace(task, "does not carry it any more", now_s)
 
     def objection(self, task: OpenTask, sender: str, message: TakenOver, now_s: float) -> str:
@@ -157,22 +160,22 @@ class Failover:
             return "another one watches"
         if message.primary != task.primary:
             return "another one carries it"
-        if task.unloaded:
+        if task.is_counted:
             return f"{task.primary} has put the load down"
-        if task.loaded:
+        if task.is_loaded:
             return f"the load is on board of {task.primary}"
-        detector = task.detector
+        detector = task.contract.detector
         if detector is not None and detector.heard_lately(now_s) and not detector.failure(now_s):
             return f"{task.primary} is heard"
         return ""
 
     def replace(self, task: OpenTask, reason: str, now_s: float) -> None:
         """The primary carries a task no more, and nobody has taken it over."""
-        if task.unloaded:
+        if task.is_counted:
             self._remedies.conclude(task, now_s)
             return
         self.blame(task, reason, now_s)
-        if not task.loaded:
+        if not task.is_loaded:
             self._remedies.reopen(task, reason, now_s)
         else:
             self._wait_for_goods(task, reason, now_s)
@@ -183,7 +186,7 @@ class Failover:
 
     def give_back(self, task: OpenTask, reason: str, now_s: float) -> None:
         """The primary has said that it carries a task no more: it is there to be relieved."""
-        if task.unloaded or task.loaded:
+        if task.is_counted or task.is_loaded:
             self.replace(task, reason, now_s)
         else:
             self.note_given_back(task, reason, now_s)
@@ -191,52 +194,59 @@ class Failover:
 
     def blame(self, task: OpenTask, reason: str, now_s: float) -> None:
         """The primary has dropped its contract; that is noted once."""
-        if task.progress is not None and not task.progress.blamed:
-            task.progress.blamed = True
+        if task.contract.progress is not None and not task.contract.progress.blamed:
+            task.contract.progress.blamed = True
             self._assessor.reliability.note_dropped(task.primary, task.id, reason, now_s)
 
     def silent_s(self, task: OpenTask, now_s: float) -> float:
         """How long nothing has been heard of the primary."""
-        return max(0.0, now_s - task.detector.heard_s) if task.detector is not None else 0.0
+        return max(0.0, now_s - task.contract.detector.heard_s) if task.contract.detector is not None else 0.0
 
     # --- how it is done ---
 
     def _check(self, task_id: str, now_s: float) -> None:
         task = self._tasks.get(task_id)
-        if task is None or task.detector is None:
+        detector = task.contract.detector if task is not None else None
+        if task is None or detector is None:
             return
-        failure = task.detector.failure(now_s)
+        failure = detector.failure(now_s)
         if not failure:
-            task.awaits_takeover = False
-            self._timers.set((PRIMARY_SILENCE, task.id), task.detector.fails_at_s)
+            self._trust(task)
+            self._timers.set((PRIMARY_SILENCE, task.id), detector.fails_at_s)
             return
         self._note_suspicion(task, now_s)
-        if task.standby_detector is None or task.awaits_takeover:
+        standby = task.standby.detector
+        if task.state is not TaskState.ASSIGNED or standby is None:
             self.replace(task, failure, now_s)
-        elif task.detector.heard_s < task.standby_detector.begun_s and not task.unloaded:
+        elif detector.heard_s < standby.begun_s:
             # The secondary has never heard the primary, and gives it longer than this coordinator has.
             self.blame(task, failure, now_s)
             self._remedies.pass_on(task, failure, now_s)
         else:
-            task.awaits_takeover = True
-            self._timers.set((PRIMARY_SILENCE, task.id), now_s + TAKEOVER_TIMEOUT_S + task.detector.delay_s)
+            task.states.enter(TaskState.SUSPECTED)
+            self._timers.set((PRIMARY_SILENCE, task.id), now_s + TAKEOVER_TIMEOUT_S + detector.delay_s)
+
+    def _trust(self, task: OpenTask) -> None:
+        """The primary lives after all."""
+        if task.state is TaskState.SUSPECTED:
+            task.states.enter(TaskState.ASSIGNED)
 
     def _may_have_left(self, task: OpenTask) -> bool:
         """Whether goods may be on board, as their carrier says: this coordinator was away, or misses them."""
         return not task.witnessed or self._is_missing(task)
 
     def _look_at_progress(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        progress, brief = task.progress, heartbeat.task
+        progress, brief = task.contract.progress, heartbeat.task
         if progress is None or brief is None:
             return
-        failure = progress.on_heartbeat(heartbeat, brief.phase, task.held_s < NEVER_S, now_s)
+        failure = progress.on_heartbeat(heartbeat, brief.phase, task.contract.held_s < NEVER_S, now_s)
         if not failure:
             return
-        if task.unloaded:
+        if task.is_counted:
             self._remedies.conclude(task, now_s)
             return
         self.blame(task, failure, now_s)
-        if not task.loaded:
+        if not task.is_loaded:
             self._remedies.pass_on(task, failure, now_s)
         elif now_s >= progress.failed_s + LOST_IN_TRANSIT_S:
             self._remedies.give_up(task, now_s)
@@ -244,7 +254,7 @@ class Failover:
             task.trouble = f"{task.primary} {failure}, with the load on board"
 
     def _note_suspicion(self, task: OpenTask, now_s: float) -> None:
-        if task.awaits_takeover or task.trouble:
+        if task.state is TaskState.SUSPECTED or task.trouble:
             return  # It is in the history already.
         suspected = PrimarySuspected(
             task=task.id, epoch=task.epoch, primary=task.primary, silent_s=self.silent_s(task, now_s)
@@ -252,7 +262,7 @@ class Failover:
         self._out.append(Record(suspected))
 
     def _wait_for_goods(self, task: OpenTask, reason: str, now_s: float) -> None:
-        detector = cast(FailureDetector, task.detector)
+        detector = cast(FailureDetector, task.contract.detector)
         lost_at_s = detector.fails_at_s + LOST_IN_TRANSIT_S
         if detector.failure(now_s) and now_s < lost_at_s:
             self._timers.set((PRIMARY_SILENCE, task.id), lost_at_s)

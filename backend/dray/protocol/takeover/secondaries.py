@@ -13,7 +13,7 @@ from dray.messages.fact import WatchLost
 from dray.protocol.contract_net.auction import Auction, Terms
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.auctions import Auctions
-from dray.protocol.contract_net.task import OpenTask
+from dray.protocol.contract_net.task import OpenTask, StandbyContract
 from dray.protocol.liveness.failure_detector import UNNAMED_S, FailureDetector, HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S
 from dray.protocol.runtime.events import NEVER_S, Effect, Record, Send
@@ -58,11 +58,11 @@ class Secondaries:
 
     def restore(self, task: OpenTask, atv: str, number: int, now_s: float) -> None:
         """Go on with a secondary that an earlier life has elected."""
-        self._follow(task, atv, number, now_s)
+        self._follow(task, atv, number, None, now_s)
 
     def seek(self, task: OpenTask, candidates: tuple[tuple[str, Bid], ...], now_s: float) -> None:
         """Elect a secondary, of these candidates first; nobody is needed for what nobody could take over."""
-        if task.loaded or task.adopted:
+        if task.is_loaded or task.adopted:
             return
         terms = Terms(
             task=task.id,
@@ -86,7 +86,7 @@ class Secondaries:
             task.watch = None
             self._timers.clear((WATCH_AUCTION, task.id))
         if task.secondary:
-            self._release(task, task.secondary, task.watch_number, reason)
+            self._release(task, task.secondary, task.standby.number, reason)
             self.end(task)
 
     def lose(self, task: OpenTask, reason: str, now_s: float) -> None:
@@ -98,13 +98,14 @@ class Secondaries:
 
     def standby_candidate(self, task: OpenTask) -> tuple[tuple[str, Bid], ...]:
         """Whom to ask first when the primary gives a task back: its secondary, if there is one, with its bid."""
-        return () if task.watch_bid is None else ((task.secondary, task.watch_bid),)
+        bid = task.standby.bid
+        return () if bid is None else ((task.secondary, bid),)
 
     def end(self, task: OpenTask) -> None:
         """Follow a task's secondary no longer, and say nothing: it knows."""
         self._subscriptions.end(task.secondary)
         self._timers.clear((SECONDARY_SILENCE, task.id))
-        task.secondary, task.watch_bid, task.watch_number, task.standby_detector = "", None, 0, None
+        task.standby = StandbyContract()
 
     # --- what is heard ---
 
@@ -128,15 +129,15 @@ class Secondaries:
 
     def on_heartbeat(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """The secondary lives; it may have forgotten that it watches."""
-        detector = task.standby_detector
+        detector = task.standby.detector
         if detector is None or not detector.on_heartbeat(heartbeat, now_s):
             return
         self._timers.set((SECONDARY_SILENCE, task.id), detector.fails_at_s)
         if any(brief.task == task.id and brief.epoch == task.epoch for brief in heartbeat.watches):
-            task.unwatched_s = NEVER_S
-        elif task.unwatched_s == NEVER_S:
-            task.unwatched_s = now_s
-        elif now_s - task.unwatched_s > UNNAMED_S:
+            task.standby.unnamed_s = NEVER_S
+        elif task.standby.unnamed_s == NEVER_S:
+            task.standby.unnamed_s = now_s
+        elif now_s - task.standby.unnamed_s > UNNAMED_S:
             self.lose(task, "does not watch any more", now_s)
 
     # --- time passes ---
@@ -158,27 +159,27 @@ class Secondaries:
 
     def _check(self, task_id: str, now_s: float) -> None:
         task = self._tasks.get(task_id)
-        if task is None or task.standby_detector is None:
+        if task is None or task.standby.detector is None:
             return
-        failure = task.standby_detector.failure(now_s)
+        failure = task.standby.detector.failure(now_s)
         if failure:
-            self._release(task, task.secondary, task.watch_number, failure)
+            self._release(task, task.secondary, task.standby.number, failure)
             self.lose(task, failure, now_s)
         else:
-            self._timers.set((SECONDARY_SILENCE, task.id), task.standby_detector.fails_at_s)
+            self._timers.set((SECONDARY_SILENCE, task.id), task.standby.detector.fails_at_s)
 
     # --- how it is done ---
 
     def _bind(self, task: OpenTask, watch: Auction, now_s: float) -> None:
-        task.watch, task.watch_bid = None, watch.winning_bid
+        task.watch = None
         self._timers.clear((WATCH_AUCTION, task.id))
-        self._follow(task, watch.winner, watch.number, now_s)
+        self._follow(task, watch.winner, watch.number, watch.winning_bid, now_s)
 
-    def _follow(self, task: OpenTask, atv: str, number: int, now_s: float) -> None:
-        task.secondary, task.watch_number, task.unwatched_s = atv, number, NEVER_S
+    def _follow(self, task: OpenTask, atv: str, number: int, bid: Bid | None, now_s: float) -> None:
         self._subscriptions.begin(atv)
-        task.standby_detector = FailureDetector(atv, IDLE_INTERVAL_S, now_s, self._subscriptions.arrivals)
-        self._timers.set((SECONDARY_SILENCE, task.id), task.standby_detector.fails_at_s)
+        detector = FailureDetector(atv, IDLE_INTERVAL_S, now_s, self._subscriptions.arrivals)
+        task.standby = StandbyContract(atv, number, bid, detector)
+        self._timers.set((SECONDARY_SILENCE, task.id), detector.fails_at_s)
 
     def _release(self, task: OpenTask, atv: str, number: int, reason: str) -> None:
         release = Release(task=task.id, epoch=task.epoch, role=Role.SECONDARY, reason=reason, number=number)

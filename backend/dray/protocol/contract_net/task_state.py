@@ -1,0 +1,66 @@
+"""The states of a task, as its coordinator knows it, and every change that may be between them.
+
+A transport has all of them. Of a production goal a coordinator knows only whether somebody has it.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+from dray.protocol.runtime.states import Transitions
+
+
+class TaskState(StrEnum):
+    """What becomes of a task."""
+
+    UNASSIGNED = "unassigned"
+    """Nobody has it: it is up for auction, or will be."""
+    ASSIGNED = "assigned"
+    """A primary has it."""
+    SUSPECTED = "suspected"
+    """Its primary has failed; its secondary has a moment to take over."""
+    IN_TRANSIT = "in_transit"
+    """Goods have left with its primary: nobody else could fetch them again."""
+    COUNTED = "counted"
+    """The coordinator has seen the load in its own buffer; the handover is still to come."""
+    DELIVERED = "delivered"
+    WITHDRAWN = "withdrawn"
+
+
+_S = TaskState
+
+TRANSITIONS: Transitions[TaskState] = {
+    _S.UNASSIGNED: {
+        _S.ASSIGNED: "accepted, or named by its carrier after a restart",
+        _S.DELIVERED: "what was ordered has arrived all the same",
+        _S.WITHDRAWN: "not needed any more",
+    },
+    _S.ASSIGNED: {
+        _S.ASSIGNED: "taken over",
+        _S.SUSPECTED: "its primary has failed, and somebody watches",
+        _S.UNASSIGNED: "failed, given back, forgotten, or without progress",
+        _S.IN_TRANSIT: "goods have left",
+        _S.COUNTED: "the load is counted",
+        _S.DELIVERED: "handed over",
+        _S.WITHDRAWN: "not needed any more, or lost",
+    },
+    _S.SUSPECTED: {
+        _S.ASSIGNED: "heard again, or taken over",
+        _S.UNASSIGNED: "nobody has taken over",
+        _S.IN_TRANSIT: "goods have left",
+        _S.COUNTED: "the load is counted",
+        _S.DELIVERED: "handed over",
+        _S.WITHDRAWN: "not needed any more",
+    },
+    _S.IN_TRANSIT: {
+        _S.UNASSIGNED: "the goods are back",
+        _S.DELIVERED: "handed over",
+        _S.WITHDRAWN: "lost with its carrier, or not needed any more",
+    },
+    _S.COUNTED: {
+        _S.DELIVERED: "handed over, or its carrier has failed",
+        _S.WITHDRAWN: "not needed any more",
+    },
+    _S.DELIVERED: {},
+    _S.WITHDRAWN: {},
+}
