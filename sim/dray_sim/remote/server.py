@@ -19,10 +19,10 @@ from dray.adapters.remote_body.wire import (
     Do,
     Taken,
     Told,
+    added_key,
     body_key,
     encode,
     from_part,
-    newcomers_key,
     to_part,
 )
 from dray.body import Report
@@ -69,14 +69,14 @@ class FloorServer:
     Args:
         session: of the floor's process.
         plant: the plant's id.
-        floor: newcomers are put down here.
+        floor: further bodies are put down here.
     """
 
     def __init__(self, session: zenoh.Session, plant: str, floor: Floor) -> None:
         self._session, self._plant, self._floor = session, plant, floor
         self._crossing = Crossing(asyncio.get_running_loop())
         self._served = [self._serve(agent, body) for agent, body in floor.bodies.items()]
-        session.declare_queryable(newcomers_key(plant), _answering(self._crossing, self._receive))
+        session.declare_queryable(added_key(plant), _answering(self._crossing, self._receive))
         session.declare_queryable(pieces_key(plant), _answering(self._crossing, self._count))
 
     async def run(self) -> None:
@@ -121,7 +121,7 @@ class FloorServer:
             except PlantError as error:
                 query.reply_err(str(error), encoding=REFUSED)
             else:
-                query.reply(newcomers_key(self._plant), b"there")
+                query.reply(added_key(self._plant), b"there")
 
     def _count(self, query: zenoh.Query) -> None:
         with query:

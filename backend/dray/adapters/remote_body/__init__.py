@@ -26,6 +26,6 @@ from __future__ import annotations
 
 from dray.adapters.remote_body.body import RemoteBody
 from dray.adapters.remote_body.questions import put_down
-from dray.adapters.remote_body.wire import Newcomer
+from dray.adapters.remote_body.wire import BodySpec
 
-__all__ = ["Newcomer", "RemoteBody", "put_down"]
+__all__ = ["BodySpec", "RemoteBody", "put_down"]

@@ -7,7 +7,7 @@ import asyncio
 import zenoh
 from zenoh.handlers import Callback
 
-from dray.adapters.remote_body.wire import Newcomer, encode, newcomers_key, to_part
+from dray.adapters.remote_body.wire import BodySpec, added_key, encode, to_part
 from dray.errors import UnavailableError
 
 PATIENCE_S = 30.0
@@ -78,10 +78,10 @@ async def _reply(session: zenoh.Session, key: str, question: bytes) -> zenoh.Rep
     return replies[0] if replies else None
 
 
-async def put_down(session: zenoh.Session, plant: str, spec: Newcomer) -> None:
+async def put_down(session: zenoh.Session, plant: str, spec: BodySpec) -> None:
     """Put a vehicle or a machine on a floor elsewhere, unless it stands there already.
 
     Raises:
         UnavailableError: there is no floor, or it does not fit there.
     """
-    await ask_until_answered(session, newcomers_key(plant), encode(to_part(spec)), "the floor")
+    await ask_until_answered(session, added_key(plant), encode(to_part(spec)), "the floor")

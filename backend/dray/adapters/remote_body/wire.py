@@ -10,14 +10,14 @@ from dray.adapters.remote_body.exchange import Letter, Part
 from dray.body import BodyState, Instruction, Report
 from dray.plant.model import MachineSpec, VehicleSpec
 
-Newcomer = VehicleSpec | MachineSpec
+BodySpec = VehicleSpec | MachineSpec
 """What may be put down on a floor that runs already."""
 
 NO_LIFE = 0
 """Lives count from 1. This one asks how a body is and takes nothing over, and has the body that nobody has."""
 
 _KINDS: dict[str, Any] = {
-    kind.__name__: kind for union in (Instruction, Report, BodyState, Newcomer) for kind in get_args(union)
+    kind.__name__: kind for union in (Instruction, Report, BodyState, BodySpec) for kind in get_args(union)
 }
 
 
@@ -58,8 +58,8 @@ def from_part(part: Part) -> Any:
     return msgspec.msgpack.decode(raw, type=_KINDS[kind])
 
 
-def newcomers_key(plant: str) -> str:
-    """Where a floor is asked to take a newcomer in."""
+def added_key(plant: str) -> str:
+    """Where a floor is asked to take one more body in."""
     return f"{plant}/floor/@newcomers"
 
 

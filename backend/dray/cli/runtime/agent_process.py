@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, closing
 
-from dray.adapters.remote_body import Newcomer, RemoteBody, put_down
+from dray.adapters.remote_body import BodySpec, RemoteBody, put_down
 from dray.adapters.sqlite_journal import SqliteJournal
 from dray.adapters.zenoh_modem import Modem
 from dray.body import VehicleState
@@ -27,7 +27,7 @@ MakeAgent = Callable[[int], Agent]
 
 
 async def run_agent(
-    surroundings: Surroundings, name: str, make: MakeAgent, newcomer: Newcomer | None = None
+    surroundings: Surroundings, name: str, make: MakeAgent, added: BodySpec | None = None
 ) -> None:
     """Run one agent until a signal: SIGTERM asks it to leave in order, Ctrl-C ends it at once.
 
@@ -35,7 +35,7 @@ async def run_agent(
         surroundings: what it begins with.
         name: its id.
         make: makes it.
-        newcomer: its body, when the plant file of the floor does not know it.
+        added: its body, when the plant file of the floor does not know it.
 
     Raises:
         UnavailableError: it has been started elsewhere meanwhile, its body is lost or is not the one that its
@@ -54,8 +54,8 @@ async def run_agent(
         file = settings.journal_folder / f"{name}.db"
         journal = SqliteJournal(file)
         with closing(journal), traced(settings) as tracing:
-            if newcomer is not None:
-                await put_down(bus.inner, plant.id, newcomer)
+            if added is not None:
+                await put_down(bus.inner, plant.id, added)
             body = RemoteBody(bus.inner, plant.id, name, journal.incarnation)
             await body.connect()
             if body.is_new and journal.memory:

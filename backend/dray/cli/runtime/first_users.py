@@ -1,4 +1,4 @@
-"""Newcomers: the people of a first start, and the links by which they come in while they know no secret."""
+"""First users: the people of a first start, and the links by which they come in while they know no secret."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The paper's laboratory on computers of its own: machine 8, three vehicles, strategist and floor, in real time.
 
 Each is a process with certificates. All call the wired ones over the WLAN; vehicles call one another by
-radio alone, for between two computers there is one link, and it must not be the one that breaks. A lookout
+radio alone, for between two computers there is one link, and it must not be the one that breaks. A probe
 hears everything.
 """
 
@@ -25,7 +25,7 @@ from dray.plant import Plant, plant_yaml
 from dray.plant.model import BillLine
 from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.bench.network.computers import RADIO_NETWORK, Computers
-from dray_sim.bench.network.probe import AGENTS, LOOKOUT, Post, read, write
+from dray_sim.bench.network.probe import AGENTS, PROBE, Post, read, write
 from dray_sim.bench.network.speaker import Speaker
 from dray_sim.run.witness import Seen, Witness
 from dray_sim.scenarios.paper.laboratory import MACHINE, PRODUCT, START_NODES, laboratory
@@ -74,11 +74,11 @@ class Field:
     """The laboratory while it runs.
 
     Args:
-        computers: for all processes and the lookout.
+        computers: for all processes and the probe.
         folder: empty; for certificates, journals and logs.
 
     Attributes:
-        witness: what the lookout has heard, by the unix time at which it came.
+        witness: what the probe has heard, by the unix time at which it came.
     """
 
     def __init__(self, computers: Computers, folder: Path) -> None:
@@ -97,7 +97,7 @@ class Field:
         Raises:
             UnavailableError: this computer cannot be several, or a process has not started.
         """
-        with Computers.opened((*COMMANDS, LOOKOUT), VEHICLES) as computers:
+        with Computers.opened((*COMMANDS, PROBE), VEHICLES) as computers:
             field = cls(computers, folder)
             try:
                 field._start()
@@ -118,9 +118,9 @@ class Field:
             for seen in self.witness.all(kind, since_s=since_s):
                 if where(seen):
                     return seen
-            at_s, sender, message = read(self._processes[LOOKOUT].line())
+            at_s, sender, message = read(self._processes[PROBE].line())
             self.witness.hear(at_s, sender, "", message)
-        raise self._processes[LOOKOUT].complaint(f"has waited for {kind.__name__} in vain")
+        raise self._processes[PROBE].complaint(f"has waited for {kind.__name__} in vain")
 
     def contract(self) -> TaskBrief:
         """The first task with two carriers, when the primary drives."""
@@ -151,7 +151,7 @@ class Field:
             lease_s=LEASE_S,
             order=OrderItem(PRODUCT, PIECES),
         )
-        self._run(LOOKOUT, "dray_sim.bench.network.probe", write(post))
+        self._run(PROBE, "dray_sim.bench.network.probe", write(post))
 
     def _end(self) -> None:
         for process in self._processes.values():

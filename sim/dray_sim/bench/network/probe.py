@@ -1,4 +1,4 @@
-"""A lookout: one more computer on a bus, which places an order and tells what it hears.
+"""A probe: one more computer on a bus, which places an order and tells what it hears.
 
 It runs as a process of its own, wherever the network is that it is to look at:
 
@@ -29,14 +29,14 @@ from dray_sim.people.desk import DESK, Desk
 AGAIN_S = 0.1
 """Who is there is asked so often."""
 
-LOOKOUT = "lookout"
+PROBE = "probe"
 """Its name on the bus, and of its certificate, which names the desk too."""
 
-AGENTS = (LOOKOUT, DESK)
+AGENTS = (PROBE, DESK)
 
 
 class Post(msgspec.Struct, frozen=True):
-    """Where a lookout stands.
+    """Where a probe stands.
 
     Attributes:
         plant: the plant's id.
@@ -54,22 +54,22 @@ class Post(msgspec.Struct, frozen=True):
 
 
 def write(post: Post) -> str:
-    """The argument of a lookout for this post."""
+    """The argument of a probe for this post."""
     return msgspec.json.encode(post).decode()
 
 
 def read(line: bytes) -> tuple[float, str, Message]:
-    """A line of a lookout: when the message came (unix time), who has said it, and the message."""
+    """A line of a probe: when the message came (unix time), who has said it, and the message."""
     at_s, _, data = line.rstrip(b"\n").partition(b" ")
     return float(at_s), *decode(data)
 
 
-async def look_out(post: Post) -> None:
+async def observe(post: Post) -> None:
     """Order, and tell what is heard, until cancelled."""
-    identity = Identity.in_folder(Path(post.certificates), LOOKOUT)
+    identity = Identity.in_folder(Path(post.certificates), PROBE)
     bus = ZenohBus(Links(peers=post.peers, identity=identity, lease_s=post.lease_s), post.plant)
     try:
-        session = bus.join(LOOKOUT, _tell)
+        session = bus.join(PROBE, _tell)
         for key in (Keys(post.plant).all_heartbeats, Keys(post.plant).all_events):
             session.subscribe(key)
         desk = Desk(bus, SystemClock(asyncio.get_running_loop()))
@@ -90,4 +90,4 @@ def _tell(sender: str, message: Message) -> None:
 
 
 if __name__ == "__main__":
-    asyncio.run(look_out(msgspec.json.decode(sys.argv[1], type=Post)))
+    asyncio.run(observe(msgspec.json.decode(sys.argv[1], type=Post)))
