@@ -32,6 +32,7 @@ from dray.protocol.vehicle.transport_job import (
     GIVE_UP_AFTER,
     HELD_ASK_AGAIN_S,
     RETRY_S,
+    TRIES,
     WAITS_AT_LEAST_S,
     TransportJob,
 )
@@ -455,6 +456,24 @@ def test_goods_of_a_void_contract_are_set_aside_at_the_delivery_warehouse() -> N
     trip.arrives()
     drop = instructed(trip.out, Drop)[-1]
     assert (drop.station, drop.goal) == ("DELIVERY", "")
+    trip.done(Drop)
+    assert trip.job.ended == "superseded"
+
+
+def test_material_for_which_no_storage_has_room_goes_back_to_where_it_came_from() -> None:
+    trip = Trip().to_carrying()
+    trip.superseded()
+    full = []
+    for _ in PLANT.storages_of("shaft"):
+        trip.arrives()
+        full.append(instructed(trip.out, Drop)[-1].station)
+        for _ in range(TRIES - 1):
+            trip.fails(Drop)
+            trip.waits()
+        trip.fails(Drop)
+    assert sorted(full) == sorted(PLANT.storages_of("shaft"))
+    trip.arrives()
+    assert instructed(trip.out, Drop)[-1].station in PLANT.source_warehouses
     trip.done(Drop)
     assert trip.job.ended == "superseded"
 

@@ -81,7 +81,12 @@ class Floor:
         }
         self.in_hands: Counter[str] = Counter()
         self.vehicles: dict[str, SimVehicle] = {}
-        self._places: dict[str, Place] = {**self.storages, **self.workcells, **self.delivery}
+        self._places: dict[str, Place] = {
+            **dict.fromkeys(plant.source_warehouses, self.source),
+            **self.storages,
+            **self.workcells,
+            **self.delivery,
+        }
         self._docks = {place: plant.node_of(place) for place in self._places}
         self._chargers = Chargers()
         for spec in plant.fleet.values():

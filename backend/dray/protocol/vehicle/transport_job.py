@@ -14,9 +14,12 @@ superseded it: until then it is bound.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import msgspec
 
 from dray.body import Drop, Pick
+from dray.errors import NoWay
 from dray.memory import Contract
 from dray.messages import (
     Accepted,
@@ -524,21 +527,28 @@ class TransportJob:
             self.begin(now_s)
 
     def _return(self, now_s: float) -> None:
-        """Bring the load to a storage that keeps it; goods are set aside at the delivery warehouse."""
-        refuges = self._plant.storages_of(self.work.item) if self._is_material else (self.work.destination,)
-        roomy = [refuge for refuge in refuges if refuge not in self._full]
-        if not roomy:
-            self._full.clear()
-        here = self._driver.next_node
-        nearest = min(
-            roomy or refuges, key=lambda each: self._routes.duration_s(here, self._plant.node_of(each))
-        )
-        self._enter(JobState.RETURNING, nearest)
-        self._drive(nearest, now_s)
+        """Bring the load to a storage that keeps it; goods are set aside at the delivery warehouse.
 
-    @property
-    def _is_material(self) -> bool:
-        return self.work.item in self._plant.materials
+        Where every storage is full, and stays so since nobody can fetch with this vehicle's load in the way, material goes back
+        to where it came from, a source warehouse.
+        """
+        is_material = self.work.item in self._plant.materials
+        storages = self._plant.storages_of(self.work.item) if is_material else (self.work.destination,)
+        here = self._driver.next_node
+        for refuges in (storages, self._plant.source_warehouses if is_material else ()):
+            try:
+                refuge, _ = self._routes.nearest(here, self._not_full(refuges))
+                break
+            except NoWay:
+                continue
+        else:
+            self._full.clear()
+            refuge, _ = self._routes.nearest(here, storages)
+        self._enter(JobState.RETURNING, refuge)
+        self._drive(refuge, now_s)
+
+    def _not_full(self, places: Iterable[str]) -> tuple[str, ...]:
+        return tuple(place for place in places if place not in self._full)
 
     def _end(self, reason: str) -> None:
         self._states.enter(JobState.ENDED)
