@@ -49,6 +49,10 @@ FORBIDDEN = "forbidden"
 """A test's outcome beside pytest's own: in a report's attribute, and in the summary."""
 
 
+# A shell lets a command that it starts in the background ignore Ctrl-C, and with it all that the tests start.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(
     call: pytest.CallInfo[None],
