@@ -435,10 +435,10 @@ async def test_an_order_and_its_line_are_on_disk_together_before_the_answer_leav
     begun, go_on = asyncio.Event(), asyncio.Event()
     do = Database.do
 
-    async def slowly(database: Database, work: Any) -> Any:
+    async def slowly(database: Database, *work: Any) -> Any:
         begun.set()
         await go_on.wait()
-        return await do(database, work)
+        return await do(database, *work)
 
     monkeypatch.setattr(Database, "do", slowly)
     asking = asyncio.create_task(house.client.post("/api/orders", json=draft()))
