@@ -10,7 +10,8 @@ from fastapi import FastAPI
 from gateway_kit import House, draft, gateway, problem
 
 from dray.gateway.access.rules import PUBLIC, RULES, Rule
-from dray.store import placing
+from dray.store.insertion import Insertion
+from dray.store.placing import Placing
 
 pytestmark = pytest.mark.anyio
 
@@ -51,15 +52,17 @@ async def test_a_bug_is_shielded_as_every_answer_is(url: str, rule: None) -> Non
 
 
 async def test_an_order_is_stored_wholly_or_not_at_all(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
-    insert = placing._insert
+    write = Insertion.write
 
     def fail_after(*rows: Any) -> None:
-        insert(*rows)
+        write(*rows)
         raise OSError(f"INSERT INTO orders: {SECRET}: disk I/O error")
 
     key = {"Idempotency-Key": "4711"}
     with monkeypatch.context() as patch:
-        patch.setattr(placing, "_insert", fail_after)
+        # One statement cannot be done by half; what PostgreSQL does where that way is not open is tried here.
+        patch.setattr(Placing, "_at_once", lambda *_: None)
+        patch.setattr(Insertion, "write", fail_after)
         answer = await house.client.post("/api/orders", json=draft(), headers=key)
     problem(answer, 503, "database-away")
     assert int(answer.headers["retry-after"]) > 0

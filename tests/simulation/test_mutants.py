@@ -27,7 +27,8 @@ from dray.messages import (
 )
 from dray.protocol.contract_net.auction import Auction
 from dray.protocol.contract_net.coordinator import Coordinator
-from dray.protocol.contract_net.task import OpenTask
+from dray.protocol.contract_net.task import CarrierContract, OpenTask
+from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.liveness.progress import Progress
 from dray.protocol.machine.dock import Dock
 from dray.protocol.machine.machine import Machine
@@ -87,7 +88,8 @@ def with_handovers_that_count_twice(patch: pytest.MonkeyPatch) -> None:
         task = self._tasks.get(message.task)
         if task is None and message.task in handed:
             again = self._tasks._open[message.task] = handed[message.task]
-            again.primary = sender
+            again.states.now = TaskState.ASSIGNED
+            again.contract = CarrierContract(sender)
             self.accept(again)
             return None
         if task is not None:
