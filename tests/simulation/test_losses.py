@@ -19,7 +19,7 @@ from check_kit import opened
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "cli/fleet"))
 
-from registries import NOBODY, write_roll
+from registries import NOBODY, write_registry
 
 from dray.adapters.zenoh_tokens import Tokens
 from dray.cli.fleet.folder import LOGS, ROLL, write_settings
@@ -545,7 +545,7 @@ while true; do sleep 0.1; done
 
 def write_fleet(folder: Path, *pids: int) -> None:
     """A fleet's folder whose keeper has ended and whose processes have not."""
-    write_roll(folder, NOBODY, *map(Process.of, pids))
+    write_registry(folder, NOBODY, *map(Process.of, pids))
     write_settings(folder, {"DRAY_PORT": "4711", "DRAY_DATABASE_URL": f"sqlite:///{folder / 'fleet.db'}"}, ())
     (folder / LOGS).mkdir()
 

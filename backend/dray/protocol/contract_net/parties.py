@@ -36,11 +36,11 @@ def objection(sender: str, message: Message, coordinator_of: Callable[[str, Role
         message: what was said.
         coordinator_of: for a task and a role, who has given that contract; empty where there is none.
     """
-    contract = _contract_of(message)
+    contract = contract_of(message)
     return NO_PARTY if contract is not None and coordinator_of(*contract) not in ("", sender) else ""
 
 
-def _contract_of(message: Message) -> tuple[str, Role] | None:
+def contract_of(message: Message) -> tuple[str, Role] | None:
     """The contract that a coordinator speaks of: its task or goal, and the role in it; None for any other message."""
     if not isinstance(message, Word):
         return None
