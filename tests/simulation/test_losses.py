@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "cli/fleet"))
 from registries import NOBODY, write_registry
 
 from dray.adapters.zenoh_tokens import Tokens
-from dray.cli.fleet.folder import LOGS, ROLL, write_settings
+from dray.cli.fleet.folder import LOGS, REGISTRY, write_settings
 from dray.cli.fleet.processes import Process
 from dray.errors import UnavailableError
 from dray.gateway.timescale import TimeScale
@@ -618,7 +618,7 @@ def test_a_fleet_that_does_not_end_is_killed_with_all_its_processes(
         write_fleet(tmp_path, member.pid)
         asyncio.run(story())
         assert member.wait(PATIENCE_S) == -signal.SIGINT
-    assert not (tmp_path / ROLL).exists()
+    assert not (tmp_path / REGISTRY).exists()
 
 
 # --- a small fleet ----------------------------------------------------------------------------------
