@@ -71,11 +71,15 @@ class Unhold(Part, frozen=True):
     """Go on with what was held."""
 
 
+SLOWEST_FRAC = 0.01
+"""No limit is lower: a vehicle that is to stand is stopped."""
+
+
 class LimitSpeed(Part, frozen=True):
     """Keep below this part of the vehicle's own top speed."""
 
     speed_frac: float
-    """Above 0, at most 1; the vehicle clamps."""
+    """Above 0, at most 1; below SLOWEST_FRAC the vehicle keeps that."""
 
 
 VehicleInstruction = Drive | ReleaseWay | Pick | Drop | Charge | Hold | Unhold | LimitSpeed

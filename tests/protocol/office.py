@@ -55,6 +55,7 @@ class Office:
             contracted=lambda task, _now_s: self.contracted.append(task.id),
             lost=lambda _task, _now_s: None,
             is_missing=lambda _task: False,
+            source_answers=lambda _task, _now_s: True,
             left=lambda _atv: None,
             unloaded=lambda _task, _now_s: None,
             commit=lambda: None,

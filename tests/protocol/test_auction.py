@@ -552,3 +552,24 @@ def test_one_that_bids_and_declines_keeps_no_deadline_that_nobody_else_can_meet(
         hall.declines("LIAR")
         hall.wait()
     assert hall.auction.terms.deadline_s > first_s + 60.0
+
+
+# --- standing behind what is more urgent -----------------------------------------------------------
+
+
+def test_what_has_stood_behind_is_announced_with_a_deadline_that_can_still_be_kept() -> None:
+    hall = Hall(deadline_s=100.0)
+    hall.auction.stand_behind(hall.now_s)
+    hall.wait()
+    assert hall.now_s > 100.0
+    assert published(hall.out, TaskAnnounced)[-1].deadline_s >= hall.now_s + 100.0
+
+
+def test_what_stands_behind_waits_and_was_not_sought_in_vain_itself() -> None:
+    hall = Hall()
+    hall.auction.stand_behind(hall.now_s)
+    assert (hall.auction.waits, hall.auction.was_in_vain) == (True, False)
+    hall.wait()
+    while hall.auction.stage is not Stage.RESTING or hall.auction.radius_m < REACH_M:
+        hall.wait()
+    assert (hall.auction.waits, hall.auction.was_in_vain) == (True, True)

@@ -23,6 +23,7 @@ FREE = Standing(
     node_at_s=0.0,
     x_m=SPOT.x_m,
     y_m=SPOT.y_m,
+    speed_frac=1.0,
     battery_frac=0.9,
     unfit="",
     busy_with="",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from kit import PLANT, instructed
 
-from dray.body import ActionFailed, Drive, NodePassed, VehicleState, WayDone
+from dray.body import ActionFailed, Drive, LimitSpeed, NodePassed, VehicleState, WayDone
 from dray.messages import Pose
 from dray.protocol.runtime.events import Effect
 from dray.protocol.vehicle.driving import Driver
@@ -155,3 +155,11 @@ def test_who_stands_is_at_its_next_node_now_and_who_drives_is_there_later() -> N
     seat.driver.go("s3", 50.0)
     seat.passes(0)
     assert seat.driver.next_node_at_s(50.0) > 50.0
+
+
+def test_a_way_under_a_speed_limit_takes_as_much_longer() -> None:
+    seat = Seat("p3")
+    seat.driver.limit_speed(0.5)
+    assert [each.speed_frac for each in instructed(seat.out, LimitSpeed)] == [0.5]
+    seat.driver.go("s3", 100.0)
+    assert seat.driver.arrives_s == pytest.approx(100.0 + 2.0 * ROUTES.duration_s("p3", "s3"))

@@ -157,3 +157,23 @@ def test_a_vehicle_that_would_be_late_refuses_and_says_by_how_much() -> None:
 @pytest.mark.parametrize("change", [{"sources": ("nowhere",)}, {"destination": "nowhere"}])
 def test_a_vehicle_refuses_a_way_to_a_place_that_is_not_in_its_plant(change: dict[str, Any]) -> None:
     assert refusal(work=transport(**change)).reason is Refusal.NO_WAY
+
+
+# --- a speed limit -------------------------------------------------------------------------------
+
+
+def test_whoever_was_told_to_drive_slowly_bids_and_promises_what_it_can_keep() -> None:
+    plain, slow = quote(), quote(speed_frac=0.2)
+    assert slow.cost.empty_way_s == pytest.approx(5.0 * plain.cost.empty_way_s)
+    assert slow.cost.loaded_way_s == pytest.approx(5.0 * plain.cost.loaded_way_s)
+    handling_s = LIGHT.load_s + LIGHT.unload_s
+    assert slow.finish_s == pytest.approx(5.0 * (plain.finish_s - handling_s) + handling_s)
+
+
+def test_whoever_is_too_slow_for_a_deadline_leaves_it_to_others() -> None:
+    deadline_s = 2.0 * quote().finish_s
+    assert refusal(speed_frac=0.2, deadline_s=deadline_s).reason is Refusal.DEADLINE
+
+
+def test_a_limit_of_next_to_nothing_is_still_a_number() -> None:
+    assert quote(speed_frac=1e-9, deadline_s=float("inf")).finish_s < 1e6

@@ -9,6 +9,7 @@ from dray.protocol.contract_net.assessment import Assessor
 from dray.protocol.contract_net.probation import PASSED_OVER_ROUNDS, SHORT_S
 from dray.protocol.contract_net.reliability import (
     DOUBT_MAX,
+    DROPPED_KEPT,
     DROPPED_S,
     HALF_LIFE_S,
     KNOWN_MAX,
@@ -105,12 +106,12 @@ def test_no_more_contractors_are_remembered_than_there_is_room_for() -> None:
     assert len(school.reliability._ratings) == KNOWN_MAX
 
 
-def test_on_probation_the_task_that_was_dropped_last_counts_as_long_however_short_its_bid() -> None:
+def test_on_probation_a_task_that_was_dropped_counts_as_long_however_short_its_bid() -> None:
     assessor = Assessor(PLANT, [])
     for _ in range(3):
         assessor.reliability.note_given_back("ATV9", "T1", "changed its mind", 0.0)
     assessor.reliability.note_dropped("ATV9", "T1", STALLED, 0.0)
-    assessor.reliability.note_dropped("ATV9", "T1", SILENT, 0.0)
+    assessor.reliability.note_dropped("ATV9", "T3", SILENT, 0.0)
 
     def is_refused(task: str, round_number: int) -> bool:
         short = bid(20.0, task=task, round=round_number, finish_s=SHORT_S)
@@ -118,5 +119,14 @@ def test_on_probation_the_task_that_was_dropped_last_counts_as_long_however_shor
 
     assert not is_refused("T2", 1)
     assert is_refused("T1", 1)
+    assert is_refused("T3", 1)
     assert is_refused("T1", PASSED_OVER_ROUNDS)
     assert not is_refused("T1", PASSED_OVER_ROUNDS + 1)
+
+
+def test_no_more_dropped_tasks_are_remembered_than_there_is_room_for() -> None:
+    school = School()
+    for number in range(DROPPED_KEPT + 10):
+        school.reliability.note_dropped("ATV9", f"T{number}", SILENT, 0.0)
+    assert not school.reliability.has_dropped("ATV9", "T0")
+    assert school.reliability.has_dropped("ATV9", f"T{DROPPED_KEPT + 9}")

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from kit import PLANT, MachineRig, accepted, award_number, bid, facts, production, published, sent
+from typing import cast
+
+from kit import PLANT, MachineRig, accepted, award_number, bid, facts, production, published, rhb, sent
 from m7 import NO_HOUSINGS, transports
+from msgspec.structs import replace
 
 from dray.messages import (
     Award,
+    Brief,
     MachineHeartbeat,
     MaterialWait,
+    Phase,
     Resigned,
     Role,
     StockAsked,
@@ -18,7 +23,8 @@ from dray.messages import (
     TaskAnnounced,
     Withdrawn,
 )
-from dray.messages.fact import MachineStatusChanged, TaskClosed
+from dray.messages.fact import CarrierChanged, MachineStatusChanged, TaskClosed
+from dray.protocol.liveness.progress import EXCUSED_MAX_S, STALL_S, STALLED, Progress
 from dray.protocol.machine.machine import Machine
 from dray.protocol.machine.sourcing import AGAIN_S, ANSWER_S, RENEW_S
 from dray.protocol.runtime.events import Effect
@@ -205,3 +211,36 @@ def test_asked_to_leave_it_waits_for_nothing() -> None:
     rig.leave()
     assert freed(rig.all) == list(KEEPING)
     assert rig.has_left
+
+
+def loading(rig: MachineRig, seconds: int, *, answers: bool) -> None:
+    """ATV2 stands at the dock of S2 for so long, and beats once a second; the station lives, or does not."""
+    task = cast(Machine, rig.agent)._tasks.get(TASK)
+    assert task is not None
+    task.contract.progress = Progress(rig.now_s + 1e6, STALL_S + 20.0, rig.now_s)
+    for _ in range(seconds):
+        at_s = rig.now_s + 1.0
+        rig.run(at_s)
+        beat = rhb("ATV2", int(at_s), at_s, task=TASK, coordinator="M7")
+        brief = replace(cast(Brief, beat.task), phase=Phase.LOADING)
+        effects = rig.hear("ATV2", replace(beat, task=brief))
+        if answers and asked(effects, "S2"):
+            reserved(rig, "S2")
+
+
+def test_who_stands_before_a_station_that_is_silent_is_not_to_blame() -> None:
+    rig = hired("S2")
+    loading(rig, 300, answers=False)
+    assert facts(rig.all, CarrierChanged) == []
+
+
+def test_who_stands_before_a_station_that_lives_is() -> None:
+    rig = hired("S2")
+    loading(rig, 300, answers=True)
+    assert [(fact.replaced, fact.reason) for fact in facts(rig.all, CarrierChanged)] == [("ATV2", STALLED)]
+
+
+def test_a_silent_station_is_no_excuse_for_ever() -> None:
+    rig = hired("S2")
+    loading(rig, int(EXCUSED_MAX_S) + 300, answers=False)
+    assert [fact.replaced for fact in facts(rig.all, CarrierChanged)][:1] == ["ATV2"]

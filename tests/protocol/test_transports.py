@@ -216,3 +216,16 @@ def test_who_stands_at_its_dock_now_counts_too() -> None:
     office.now_s += 33.0
     waits = {wait.place: wait.wait_s for wait in office.desk.told_waits(work, office.now_s)}
     assert waits[office.desk.agent] == pytest.approx(33.0)
+
+
+def test_nothing_stands_behind_what_only_stood_behind_something_else() -> None:
+    office = Office()
+    office.open("T1")
+    office.run(10.0)  # Nobody bids: it waits.
+    office.open("T2")
+    assert [said.task for said in published(office.out, TaskAnnounced) if said.task == "T2"] == []
+    office.desk.offer("ATV2", ("crate",), office.now_s)
+    office.bids(ATV2=50.0)
+    office.accepts("ATV2")
+    office.open("T3")
+    assert [said.task for said in published(office.out, TaskAnnounced) if said.task == "T3"] != []

@@ -46,6 +46,22 @@ FOUND = [
     # Such a machine told a vehicle that claimed a takeover that it did not carry, whose heartbeat it had just believed;
     # and it believed an older carrier of a task that it had withdrawn since.
     ("notes", 1094),
+    # Somebody had told a vehicle to drive slowly, and it bid and promised as if nobody had.
+    ("all", 7480),
+    ("all", 7999),
+    # A vehicle that waited before a silent station had to answer for it.
+    ("all", 8801),
+    # Two tasks stood behind one another for so long that no honest vehicle could keep their deadlines any more; a
+    # liar could, and dropped the one and the other in turns, for only the last one was held against it.
+    ("all", 3023),
+    ("all", 6003),
+    ("all", 6312),
+    ("all", 9563),
+    # The search's own: who comes late has not waited; a process that crashes while it leaves stays away; and a
+    # secondary of an earlier epoch watches somebody else.
+    ("all", 1477),
+    ("all", 4524),
+    ("all", 5816),
 ]
 
 

@@ -10,6 +10,7 @@ where it enters its first one. Occupied lanes and nodes would be told and asked 
 
 from __future__ import annotations
 
+from dray.body import SLOWEST_FRAC
 from dray.errors import ProtocolViolation
 from dray.messages import Pose
 from dray.plant import Plant
@@ -19,7 +20,6 @@ from dray_sim.bodies.way import Way, join
 
 NEVER_S = float("inf")
 
-SLOWEST_FRAC = 0.01
 """Of the top speed. A limit of nothing would be a hold that no resume ends."""
 
 

@@ -8,7 +8,7 @@ was started again so soon that nobody need have missed it, or a clock that someb
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Container, Iterator
 from fnmatch import fnmatchcase
 from typing import NamedTuple
 
@@ -91,6 +91,8 @@ class FaultAttribution:
             absence = self._absences.get(fault.agent)
             if absence is None or at_s > absence.back_s + HEARD_S:
                 absence = self._absences[fault.agent] = _Absence(at_s)
+                # A process that was about to leave in order, and crashes before it has, stays away as long.
+                absence.held_by.update(self._sending_away(fault.agent))
             absence.held_by.add(name)
             absence.back_s = float("inf")
         elif not isinstance(fault, ClockSet):
@@ -174,6 +176,16 @@ class FaultAttribution:
             if not self.in_trouble(at_s, *concerned):
                 seen = f"{fact.machine} lost {fact.goal}, and nothing was wrong with it"
                 raise InvariantBroken(6, at_s, seen)
+
+    def _sending_away(self, agent: str) -> Iterator[str]:
+        """The faults by which an agent is to be away in order now."""
+        for name, spell in self._spells.items():
+            if (
+                isinstance(spell.fault, SentAway)
+                and spell.fault.agent == agent
+                and spell.ended_s == float("inf")
+            ):
+                yield name
 
     def _note_back(self, agent: str, name: str, at_s: float) -> None:
         """A crash is over; it counts as a fault when the process was away for so long that it was missed."""

@@ -81,16 +81,30 @@ class SpeaksOn:
 
 
 @dataclass(slots=True)
+class _Watch:
+    """One secondary."""
+
+    epoch: int
+    since_s: float
+
+
+@dataclass(slots=True)
 class _Carried:
     """One open transport, from outside."""
 
     goods: bool
     coordinator: str
     primary: str = ""
+    epoch: int = 0
+    """In which it is that. A secondary of an earlier one watches somebody else."""
     loading: bool = False
     """The primary is at its source or past it."""
-    watchers: dict[str, float] = field(default_factory=dict)
-    """Who is secondary by its own words, and since when."""
+    watchers: dict[str, _Watch] = field(default_factory=dict)
+    """Who is secondary by its own words."""
+
+    def begin(self, primary: str, epoch: int) -> None:
+        """Somebody is primary from now on."""
+        self.primary, self.epoch, self.loading = primary, epoch, False
 
 
 class ReplacedInTime:
@@ -145,17 +159,17 @@ class ReplacedInTime:
     def _note_task(self, task: _Carried, fact: Fact, agent: str, at_s: float) -> None:
         if type(fact) is AwardAnswered:
             if fact.role is Role.PRIMARY and fact.answer == "accepted":
-                task.primary, task.loading = fact.bidder, False
+                task.begin(fact.bidder, fact.epoch)
         elif type(fact) is CarrierChanged:
-            task.primary, task.loading = fact.carrier, False
+            task.begin(fact.carrier, fact.epoch)
         elif type(fact) is TookOver:
-            task.primary, task.loading = agent, False
+            task.begin(agent, fact.epoch)
             task.watchers.pop(agent, None)
         elif type(fact) is PhaseEntered:
             if agent == task.primary:
                 task.loading = fact.phase is not Phase.APPROACHING
         elif isinstance(fact, ContractTaken) and fact.role is Role.SECONDARY:
-            task.watchers[agent] = at_s
+            task.watchers[agent] = _Watch(fact.epoch, at_s)
         elif isinstance(fact, ContractEnded) and fact.role is Role.SECONDARY:
             task.watchers.pop(agent, None)
 
@@ -179,10 +193,10 @@ class ReplacedInTime:
                 self._check(task, carried, dead_s, at_s)
 
     def _check(self, task: str, carried: _Carried, dead_s: float, at_s: float) -> None:
-        for watcher, since_s in carried.watchers.items():
+        for watcher, watch in carried.watchers.items():
             if watcher in self._unfit:
-                carried.watchers[watcher] = at_s
-            elif at_s - max(dead_s, since_s) > self.BOUND_S:
+                watch.since_s = at_s
+            elif watch.epoch >= carried.epoch and at_s - max(dead_s, watch.since_s) > self.BOUND_S:
                 seen = (
                     f"{carried.primary} is dead for {at_s - dead_s:.1f} s, and {watcher}, which watches it, "
                     f"has not taken {task} over"

@@ -1,7 +1,8 @@
 """Invariant 11: no vehicle stands at a dock for its contract longer than it has promised to need, and two minutes.
 
-Who waits longer is held by a shortage, and cannot do what others need. A fault in those concerned explains a wait, and
-so does a person who has stopped the vehicle (`attribution`).
+Who waits longer is held by a shortage, and cannot do what others need. Who comes late has waited from then on only: a
+speed limit or a restart on the way makes it late, and holds it up nowhere. A fault in those concerned explains a wait,
+and so does a person who has stopped the vehicle (`fault_attribution`).
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ class NobodyWaitsInVain:
         self._stations = stations
         self._promised_s: dict[str, tuple[str, float]] = {}
         """By vehicle: the task that it has taken last, and when it has promised to be done."""
+        self._docked_s: dict[str, float] = {}
+        """By vehicle: since when it is at a dock."""
 
     def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note promises, and look at who stands.
@@ -45,11 +48,16 @@ class NobodyWaitsInVain:
     def _look(self, heartbeat: AtvHeartbeat, at_s: float) -> None:
         brief = heartbeat.task
         task, promised_s = self._promised_s.get(heartbeat.atv, ("", 0.0))
+        if brief is None or brief.phase not in AT_A_DOCK:
+            self._docked_s.pop(heartbeat.atv, None)
         if brief is None or brief.task != task:
             self._promised_s.pop(heartbeat.atv, None)
             return
-        if brief.phase not in AT_A_DOCK or at_s <= promised_s + BEYOND_S:
+        if brief.phase not in AT_A_DOCK:
+            return
+        waits_s = at_s - max(promised_s, self._docked_s.setdefault(heartbeat.atv, at_s))
+        if waits_s <= BEYOND_S:
             return
         if not self._attribution.in_trouble(at_s, heartbeat.atv, brief.coordinator, *self._stations):
-            seen = f"{heartbeat.atv} is {brief.phase} for {task} {at_s - promised_s:.0f} s after its promise"
+            seen = f"{heartbeat.atv} is {brief.phase} for {task} {waits_s:.0f} s after its promise"
             raise InvariantBroken(11, at_s, seen)

@@ -197,9 +197,12 @@ class Auction:
     @property
     def waits(self) -> bool:
         """Whether everybody was asked in vain, for this or for what is more urgent, and the next round is still to come."""
-        if self.stage is not Stage.RESTING:
-            return False
-        return self._behind or (self._vain > 0 and self.radius_m >= self._place.reach_m)
+        return self.was_in_vain or (self._behind and self.stage is Stage.RESTING)
+
+    @property
+    def was_in_vain(self) -> bool:
+        """Whether everybody was asked for this in vain, and the next round is still to come."""
+        return self.stage is Stage.RESTING and self._vain > 0 and self.radius_m >= self._place.reach_m
 
     def stand_behind(self, now_s: float) -> None:
         """Announce nothing for now: the same vehicles are sought in vain for what is more urgent, and who is free asks."""
@@ -306,7 +309,7 @@ class Auction:
 
     def _announce(self, now_s: float) -> None:
         self.round += 1
-        if self._vain and self._rules.moves_deadline:
+        if self.round > 1 and self._rules.moves_deadline:
             self._move_deadline(now_s)
         self._behind = False
         self.stage = Stage.COLLECTING

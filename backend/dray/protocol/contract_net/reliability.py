@@ -5,7 +5,7 @@
     surcharge_s  doubt * DROPPED_S: what a dropped contract costs, times how likely it is. It is added to every bid
                  before bids are ranked, so a contractor in doubt is asked when it is cheaper even so
     probation    from QUARANTINE of doubt down to HEALED: only short tasks are given to it, as to one on trial
-                 (`probation`), and what nobody else has taken; the task that it has dropped last counts as long
+                 (`probation`), and what nobody else has taken; a task that it has dropped counts as long
 
 Nothing is heard from others: a lie about a rival would be too cheap. So every coordinator pays for its own lesson, and
 the lesson is short, for a contract has a progress deadline (`progress`). None of this is written down: a coordinator
@@ -55,6 +55,9 @@ LATE_FROM_S = 30.0
 FORGOTTEN = 0.05
 """Less doubt than this is none: 6 s."""
 
+DROPPED_KEPT = 32
+"""Tasks that one contractor has dropped, the newest: more than a coordinator has open at a time, or nearly."""
+
 KNOWN_MAX = 1024
 """Contractors in doubt that are remembered: more than work for one coordinator in a day, and some 100 kB. Whoever is
 forgotten begins without prejudice."""
@@ -66,8 +69,8 @@ class Rating:
     __slots__ = ("_at_s", "_doubt", "dropped", "on_probation")
 
     def __init__(self) -> None:
-        self.dropped = ""
-        """The task that it has dropped or given back last."""
+        self.dropped: BoundedMap[str, None] = BoundedMap(DROPPED_KEPT)
+        """Tasks that it has dropped or given back."""
         self._doubt = 0.0
         self._at_s = 0.0
         self.on_probation = False
@@ -112,9 +115,9 @@ class Reliability:
         return rating.on_probation
 
     def has_dropped(self, contractor: str, task: str) -> bool:
-        """Whether this is the task that it has dropped or given back last."""
+        """Whether this is a task that it has dropped or given back."""
         rating = self._ratings.get(contractor)
-        return rating is not None and rating.dropped == task
+        return rating is not None and task in rating.dropped
 
     def note_kept(self, contractor: str, task: str, late_s: float, now_s: float) -> None:
         """A contract came to its good end, so much later than promised."""
@@ -128,11 +131,13 @@ class Reliability:
 
     def note_dropped(self, contractor: str, task: str, reason: str, now_s: float) -> None:
         """It carries a task no more, and has not finished it."""
-        self._rate(contractor, task, 1.0, BLAME.get(reason, DROPPED_BLAME), reason, now_s).dropped = task
+        self._rate(contractor, task, 1.0, BLAME.get(reason, DROPPED_BLAME), reason, now_s).dropped[task] = (
+            None
+        )
 
     def note_given_back(self, contractor: str, task: str, reason: str, now_s: float) -> None:
         """It gave a contract back."""
-        self._rate(contractor, task, 1.0, GIVEN_BACK_BLAME, reason, now_s).dropped = task
+        self._rate(contractor, task, 1.0, GIVEN_BACK_BLAME, reason, now_s).dropped[task] = None
 
     def _rate(
         self, contractor: str, task: str, frac: float, more: float, reason: str, now_s: float

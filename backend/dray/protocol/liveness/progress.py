@@ -6,8 +6,9 @@ Its heartbeats say how far it is. Two things must be so:
     OVERDUE   it is done by its own promise and SLACK_FRAC of the time that it had, at least SLACK_MIN_S
 
 Whoever only tells of ways and phases runs into the second one. What keeps an honest vehicle counts
-for neither: its coordinator holds the dock, a person has stopped it or limits its speed, it is in error and asks for help.
-All of that together is at most EXCUSED_MAX_S in one contract, for it is said by the carrier itself.
+for neither: its coordinator holds the dock, the station of its source does not answer, a person has stopped it or
+limits its speed, it is in error and asks for help. All of that together is at most EXCUSED_MAX_S in one contract, for
+most of it is said by the carrier itself.
 """
 
 from __future__ import annotations
@@ -79,7 +80,7 @@ class Progress:
         Args:
             heartbeat: the newest.
             phase: how far the task has come.
-            held: its coordinator keeps it waiting.
+            held: its coordinator keeps it waiting, or a station that does not answer.
             now_s: the present time.
 
         Returns:
@@ -100,6 +101,10 @@ class Progress:
         elif self.failed_s == NEVER_S:
             self.failed_s = now_s
         return failure
+
+    def stands_long(self, now_s: float) -> bool:
+        """Whether it has not come on for longer than any handling takes."""
+        return now_s > self._moved_s + self._stall_s - STALL_S
 
     @property
     def late_s(self) -> float:

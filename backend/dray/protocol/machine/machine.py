@@ -154,6 +154,7 @@ class Machine(AgentBase):
             contracted=self._on_carrier_changed,
             lost=self._on_task_lost,
             is_missing=self._is_missing,
+            source_answers=self._source_answers,
             left=self._on_left,
             unloaded=self._settle,
             commit=self._commit,
@@ -485,6 +486,9 @@ class Machine(AgentBase):
             self._tasks.note_given_back(task, message.reason, now_s)
         # Nobody else would find more there: nobody is hired before a station has it.
         self._withdraw(task, now_s)
+
+    def _source_answers(self, task: OpenTask, now_s: float) -> bool:
+        return self._sourcing.answers(task, now_s)
 
     def _is_missing(self, task: OpenTask) -> bool:
         return self._goods.lack(task)

@@ -9,7 +9,7 @@ queue of every station that it has asked. The first that has it is taken; what o
 the latest when a vehicle has chosen where to fetch it. A reservation is renewed until the load is on board.
 
 A station that does not answer is one that has nothing: without it the dock would not open. It is asked again until
-it does.
+it does. A carrier that stands before it meanwhile is not to blame.
 """
 
 from __future__ import annotations
@@ -36,6 +36,9 @@ AGAIN_S = 10.0
 
 RENEW_S = 60.0
 """A reservation is renewed so often, until the load is on board: most are fetched before the first time."""
+
+LIVES_S = 10.0
+"""A station at which a carrier stands for too long is asked so often whether it is there."""
 
 ASKED_MAX = 4
 """Storages that are asked for one task, the closest: as many as a vehicle compares chargers."""
@@ -124,6 +127,9 @@ class Sourcing:
         self._needs: dict[str, Need] = {}
         self._held: dict[str, dict[str, None]] = {}
         """By open task, the stations that have set its material aside, as far as is known."""
+        self._asked_s: dict[str, float] = {}
+        """By station of the plant, when it was asked last, and when it has answered last."""
+        self._heard_s: dict[str, float] = {}
         self.alarms: dict[str, Callable[[str, float], None]] = {SOURCE: self._ask_again, RENEW: self._renew}
 
     def __iter__(self) -> Iterator[Need]:
@@ -143,6 +149,18 @@ class Sourcing:
         """Whether a station has set material aside for an open task, as far as is known."""
         return station in self._held.get(task, ())
 
+    def answers(self, task: OpenTask, now_s: float) -> bool:
+        """Whether the station has answered lately where an open task's load is fetched; it is asked if it has not."""
+        station = task.contract.source
+        if not _is_material(task, self._machine) or station not in _work(task).sources:
+            return True
+        if now_s - self._heard_s.get(station, -LIVES_S) < LIVES_S:
+            return True
+        if now_s - self._asked_s.get(station, -LIVES_S) >= LIVES_S:
+            self._asked_s[station] = now_s
+            self._ask(task.id, task.epoch, _work(task), (station,))
+        return False
+
     # --- before anybody is hired ---
 
     def seek(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
@@ -161,6 +179,7 @@ class Sourcing:
         self._free(need.task, need.work.sources)
 
     def on_reserved(self, sender: str, message: StockReserved, now_s: float) -> None:
+        self._note_heard(sender, now_s)
         need = self._needs.get(message.task)
         if need is not None and sender in need.work.sources:
             need.short.pop(sender, None)
@@ -174,6 +193,7 @@ class Sourcing:
             self._free(message.task, (sender,))
 
     def on_short(self, sender: str, message: StockShort, now_s: float) -> None:
+        self._note_heard(sender, now_s)
         need = self._needs.get(message.task)
         if need is not None and sender in need.work.sources:
             need.reserved.pop(sender, None)
@@ -218,6 +238,10 @@ class Sourcing:
             self._free(task.id, tuple(held or _sources(task)))
 
     # --- how it is done ---
+
+    def _note_heard(self, station: str, now_s: float) -> None:
+        if station in self._plant.storages:
+            self._heard_s[station] = now_s
 
     def _settle(self, need: Need, now_s: float) -> None:
         """Announce what can be fetched, when all have answered or were waited for."""

@@ -67,6 +67,7 @@ class Transports(Coordinator):
         contracted: called when a task has got its primary, another one, or is without one again.
         lost: called when a task is given up with the vehicle that has carried it.
         is_missing: whether the load of a task lies at the machine no more, by its own senses.
+        source_answers: whether the station where the load of a task is fetched lives, at a time (s).
         left: called with a vehicle that does not carry a task any more.
         unloaded: called when a task has ended because its load is down, though nobody has said so.
         commit: called when the next life must know of something else.
@@ -88,6 +89,7 @@ class Transports(Coordinator):
         contracted: Callable[[OpenTask, float], None],
         lost: Callable[[OpenTask, float], None],
         is_missing: Callable[[OpenTask], bool],
+        source_answers: Callable[[OpenTask, float], bool],
         left: Callable[[str], None],
         unloaded: Callable[[OpenTask, float], None],
         commit: Callable[[], None],
@@ -116,7 +118,15 @@ class Transports(Coordinator):
         self._auctions.waits = self.told_waits
         self._secondaries = Secondaries(self._open, self._auctions, subscriptions, timers, out)
         self._failover = Failover(
-            self._open, self._secondaries, subscriptions, timers, out, self, assessor, is_missing
+            self._open,
+            self._secondaries,
+            subscriptions,
+            timers,
+            out,
+            self,
+            assessor,
+            is_missing,
+            source_answers,
         )
         self.alarms |= self._secondaries.alarms | self._failover.alarms
 
@@ -346,10 +356,10 @@ class Transports(Coordinator):
         self._auctions.arm(PRIMARY_AUCTION, task.auction)
 
     def _is_behind(self, task: OpenTask) -> bool:
-        """Whether something more urgent is known to wait for the same vehicles."""
+        """Whether the same vehicles were sought in vain for something more urgent, which waits for them."""
         ability, urgency = cast(Transport, task.work).ability, _urgency(task)
         return any(
-            other.auction.waits
+            other.auction.was_in_vain
             and cast(Transport, other.work).ability == ability
             and _urgency(other) < urgency
             for other in self

@@ -23,7 +23,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Protocol, cast
 
-from dray.messages import AtvHeartbeat, TakenOver
+from dray.messages import AtvHeartbeat, Phase, TakenOver
 from dray.messages.fact import PrimarySuspected
 from dray.protocol.contract_net.assessment import Assessor
 from dray.protocol.contract_net.task import OpenTask
@@ -84,6 +84,7 @@ class Failover:
         remedies: the coordinator.
         assessor: what it expects of its carriers, and has learned of them.
         is_missing: whether the load of a task lies at the coordinator no more, by its own senses.
+        source_answers: whether the station where the load of a task is fetched lives, at a time (s).
 
     Attributes:
         alarms: what to call when an alarm of this class has come, with (task, now_s).
@@ -99,6 +100,7 @@ class Failover:
         remedies: Remedies,
         assessor: Assessor,
         is_missing: Callable[[OpenTask], bool],
+        source_answers: Callable[[OpenTask, float], bool],
     ) -> None:
         self._tasks = tasks
         self._secondaries = secondaries
@@ -108,6 +110,7 @@ class Failover:
         self._remedies = remedies
         self._assessor = assessor
         self._is_missing = is_missing
+        self._source_answers = source_answers
         self.alarms = {PRIMARY_SILENCE: self._check}
 
     def follow(self, task: OpenTask, interval_s: float, now_s: float) -> None:
@@ -239,7 +242,10 @@ class Failover:
         progress, brief = task.contract.progress, heartbeat.task
         if progress is None or brief is None:
             return
-        failure = progress.on_heartbeat(heartbeat, brief.phase, task.contract.held_s < NEVER_S, now_s)
+        held = task.contract.held_s < NEVER_S
+        if brief.phase is Phase.LOADING and progress.stands_long(now_s):
+            held = held or not self._source_answers(task, now_s)
+        failure = progress.on_heartbeat(heartbeat, brief.phase, held, now_s)
         if not failure:
             return
         if task.is_counted:

@@ -142,7 +142,7 @@ class Atv(AgentBase):
         self._work_search = WorkSearch(atv, plant, self._type, self._keys, self._timers, self._out)
         self._assistance = Assistance(self._out)
         self._commands = CommandHandling(
-            CommandAuthorisation(atv, plant, trusts), self._assistance, self._out
+            CommandAuthorisation(atv, plant, trusts), self._assistance, self._driver, self._out
         )
         self._job: TransportJob | None = None
         self._link = Link.WLAN
@@ -234,7 +234,7 @@ class Atv(AgentBase):
         return AtvMemory(
             contract=job.memory() if job is not None else None,
             acknowledged=self._commands.acknowledged,
-            speed_frac=self._commands.speed_frac,
+            speed_frac=self._driver.speed_frac,
             answered=self._commands.answered,
         )
 
@@ -274,7 +274,7 @@ class Atv(AgentBase):
             watches=self._standby.briefs() if self._standby else (),
             way=self._driver.ahead,
             berth=self._idle.berth,
-            speed_limit_frac=self._commands.speed_frac,
+            speed_limit_frac=self._driver.speed_frac,
             acknowledged=self._commands.acknowledged,
             link=self._link,
             problem=self._assistance.problem,
@@ -389,6 +389,7 @@ class Atv(AgentBase):
             node_at_s=driver.next_node_at_s(now_s),
             x_m=x_m,
             y_m=y_m,
+            speed_frac=driver.speed_frac,
             battery_frac=self._battery_frac,
             unfit=self._unfit(),
             busy_with=self._job.task if self._job is not None else "",

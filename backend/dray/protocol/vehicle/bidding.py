@@ -28,6 +28,8 @@ class Standing(msgspec.Struct, frozen=True):
     node_at_s: float
     x_m: float
     y_m: float
+    speed_frac: float
+    """The limit that a person has set, as a part of its own top speed."""
     battery_frac: float
     unfit: str
     """Why it may not work at all: stopped, in error, on the mesh; empty when it may."""
@@ -139,6 +141,7 @@ class Bidder:
             battery_frac=standing.battery_frac,
             now_s=now_s,
             deadline_s=deadline_s,
+            speed_frac=standing.speed_frac,
             wait_s=lambda place: self._waits.expect_s(place, now_s),
         )
         if isinstance(quote, Unable) and quote.reason is Refusal.BATTERY:

@@ -8,7 +8,7 @@ without a grant for the place where the vehicle is (invariant 9).
 
 from __future__ import annotations
 
-from dray.body import Hold, LimitSpeed, Unhold
+from dray.body import Hold, Unhold
 from dray.memory import AtvMemory, CommandMemory
 from dray.messages import CommandAnswered, CommandKind, Grant, VehicleCommand
 from dray.messages.fact import CommandObeyed
@@ -22,6 +22,7 @@ from dray.protocol.vehicle.command_authorisation import (
     NOT_TRUSTED,
     CommandAuthorisation,
 )
+from dray.protocol.vehicle.driving import Driver
 
 COMMANDS_KEPT = 32
 """Whoever gives a command repeats it until it is answered, and people give few: a command that comes
@@ -37,12 +38,16 @@ class CommandHandling:
     Args:
         authority: whom it obeys.
         trouble: what its sensors report, and what people promise to help with.
+        driver: keeps to a speed limit.
         out: where effects go.
     """
 
-    def __init__(self, authority: CommandAuthorisation, trouble: Assistance, out: list[Effect]) -> None:
+    def __init__(
+        self, authority: CommandAuthorisation, trouble: Assistance, driver: Driver, out: list[Effect]
+    ) -> None:
         self._authority = authority
         self._assistance = trouble
+        self._driver = driver
         self._out = out
         self._answered: BoundedMap[tuple[str, str], CommandMemory] = BoundedMap(COMMANDS_KEPT)
         """What became of the last commands, by who gave them and their names; the oldest first. Only of
@@ -52,8 +57,6 @@ class CommandHandling:
         self.acknowledged = False
         """The present stop was acknowledged, and not resumed yet."""
         self.stopped = False
-        self.speed_frac = 1.0
-        """The limit, as a part of the vehicle's own top speed."""
 
     def on_command(
         self, sender: str, command: VehicleCommand, place_m: tuple[float, float], now_s: float
@@ -104,7 +107,7 @@ class CommandHandling:
     def recall(self, memory: AtvMemory) -> None:
         """Go on with what an earlier life was told; whether it is stopped, its body knows."""
         self.acknowledged = memory.acknowledged and self.stopped and not self._assistance.problem
-        self.speed_frac = memory.speed_frac
+        self._driver.speed_frac = memory.speed_frac
         self._answered.update({(each.person, each.command): each for each in memory.answered})
 
     def take_back(self) -> bool:
@@ -162,8 +165,7 @@ class CommandHandling:
     def _limit_speed(self, speed_frac: float | None) -> str:
         if speed_frac is None or not 0.0 < speed_frac <= 1.0:
             return "a speed is above 0 and at most 1 of the vehicle's own; use stop to stop it"
-        self.speed_frac = speed_frac
-        self._out.append(Instruct(LimitSpeed(speed_frac=speed_frac)))
+        self._driver.limit_speed(speed_frac)
         return ""
 
 

@@ -2,10 +2,24 @@
 
 from __future__ import annotations
 
-from dray.body import ActionFailed, Drive, NodePassed, VehicleInstruction, VehicleState, WayDone
+from dray.body import (
+    SLOWEST_FRAC,
+    ActionFailed,
+    Drive,
+    LimitSpeed,
+    NodePassed,
+    VehicleInstruction,
+    VehicleState,
+    WayDone,
+)
 from dray.messages import Pose
 from dray.plant import Plant
 from dray.protocol.runtime.events import Effect, Instruct
+
+
+def limited_s(way_s: float, speed_frac: float) -> float:
+    """How long a way takes at most at a part of the vehicle's own top speed; its lanes may be slower anyhow."""
+    return way_s / max(speed_frac, SLOWEST_FRAC)
 
 
 class Driver:
@@ -36,6 +50,8 @@ class Driver:
         """The whole present way; empty when the vehicle stands."""
         self.arrives_s = 0.0
         """When the present way should end."""
+        self.speed_frac = 1.0
+        """The limit that a person has set, as a part of the vehicle's own top speed."""
 
     @property
     def ahead(self) -> tuple[str, ...]:
@@ -78,8 +94,13 @@ class Driver:
         if not self.way and self.node == node:
             return False
         way = self._routes.way(self.next_node, node)
-        self._take_way(way.nodes, way.duration_s, now_s)
+        self._take_way(way.nodes, limited_s(way.duration_s, self.speed_frac), now_s)
         return True
+
+    def limit_speed(self, speed_frac: float) -> None:
+        """Keep below a part of the vehicle's own top speed from now on."""
+        self.speed_frac = speed_frac
+        self._out.append(Instruct(LimitSpeed(speed_frac=speed_frac)))
 
     def _take_way(self, nodes: tuple[str, ...], duration_s: float, now_s: float) -> None:
         self.order += 1

@@ -21,6 +21,7 @@ from dray.errors import NoWay
 from dray.messages import Refusal, Transport, TransportCost
 from dray.plant import Plant
 from dray.protocol.contract_net.dock import dock_of
+from dray.protocol.vehicle.driving import limited_s
 from dray.protocol.vehicle.reserve import Reserve
 
 ENERGY_S_PER_WH = 2.0
@@ -74,6 +75,7 @@ class Pricer:
         battery_frac: float,
         now_s: float,
         deadline_s: float,
+        speed_frac: float = 1.0,
         wait_s: Callable[[str], float] = lambda _place: 0.0,
     ) -> Quote | Unable:
         """Price a transport from a node.
@@ -85,6 +87,7 @@ class Pricer:
             battery_frac: what is in the battery now.
             now_s: the present time.
             deadline_s: when it should be done.
+            speed_frac: the limit that a person has set, as a part of the vehicle's own top speed.
             wait_s: how long it would have to wait at a place beyond the handling.
 
         Returns:
@@ -105,11 +108,10 @@ class Pricer:
                 loaded = self._routes.way(docks[source], there)
             except NoWay:
                 continue
-            approach_s = max(0.0, node_at_s - now_s)
+            empty_s = max(0.0, node_at_s - now_s) + limited_s(empty.duration_s, speed_frac)
+            loaded_s = limited_s(loaded.duration_s, speed_frac)
             waiting_s = wait_s(source) + wait_s(work.destination)
-            took_s = (
-                approach_s + empty.duration_s + kind.load_s + loaded.duration_s + kind.unload_s + waiting_s
-            )
+            took_s = empty_s + kind.load_s + loaded_s + kind.unload_s + waiting_s
             used_wh = (
                 empty.length_m * kind.drive_wh_per_m
                 + loaded.length_m * kind.loaded_wh_per_m
@@ -117,8 +119,8 @@ class Pricer:
             )
             left_frac = battery_frac - used_wh / kind.battery_wh
             cost = TransportCost(
-                empty_way_s=approach_s + empty.duration_s,
-                loaded_way_s=loaded.duration_s,
+                empty_way_s=empty_s,
+                loaded_way_s=loaded_s,
                 energy_s=used_wh * ENERGY_S_PER_WH + low_battery_s(left_frac),
                 suitability_s=spare_s,
                 waiting_s=waiting_s,

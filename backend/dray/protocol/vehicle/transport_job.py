@@ -43,7 +43,7 @@ from dray.protocol.contract_net.dock import dock_of
 from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Record, Send
 from dray.protocol.runtime.retransmission import ASK_AGAIN_S, Retransmitter
 from dray.protocol.runtime.timers import Timers
-from dray.protocol.vehicle.driving import Driver
+from dray.protocol.vehicle.driving import Driver, limited_s
 from dray.protocol.vehicle.job_state import LOADED, MANOEUVRES, VOID, JobState, JobStates
 
 ASK = "ask"
@@ -419,7 +419,7 @@ class TransportJob:
     def _from_here_s(self) -> float:
         """How long the rest takes, from the source with nothing on board."""
         loaded_s = self._routes.duration_s(self._dock(self.source), self._dock(self.work.destination))
-        return self._type.load_s + loaded_s + self._type.unload_s
+        return self._type.load_s + limited_s(loaded_s, self._driver.speed_frac) + self._type.unload_s
 
     def _dock(self, place: str) -> str:
         return dock_of(self._plant, self.work, place)
