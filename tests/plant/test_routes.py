@@ -180,6 +180,20 @@ def test_the_nearest_place_is_the_one_reached_first() -> None:
     assert (nearest, way.nodes[-1]) == ("NEAR", "c1_0")
 
 
+@settings(deadline=None)
+@given(random_roads())
+def test_the_farthest_node_is_the_one_with_the_most_lane_time_of_those_that_can_reach_it(
+    roads: Roads,
+) -> None:
+    routes = Routes(roads, FAST, {})
+    for goal in roads.leaving:
+        ways = [routes.way(start, goal) for start in roads.leaving if goal in roads.reached_from(start)]
+        farthest = max(ways, key=lambda way: lane_s(roads, way.nodes, FAST))
+        most_s = lane_s(roads, farthest.nodes, FAST)
+        equal = [w.duration_s for w in ways if lane_s(roads, w.nodes, FAST) >= most_s - 1e-9]
+        assert routes.farthest_s(goal) in equal
+
+
 def test_places_that_cannot_be_reached_are_not_the_nearest() -> None:
     roads = Roads([Node("a", 0, 0), Node("b", 5, 0), Node("c", 9, 0)], [Lane("b", "a"), Lane("a", "c")])
     routes = Routes(roads, FAST, {"B": "b", "C": "c"})

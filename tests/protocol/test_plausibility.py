@@ -9,6 +9,7 @@ from kit import PLANT, bid, goal_bid, production, transport
 from msgspec.structs import replace
 
 from dray.messages import Bid, Transport
+from dray.plant import Plant
 from dray.protocol.contract_net.plausibility import (
     BEFORE_NOW,
     CLOCK,
@@ -27,7 +28,8 @@ from dray.protocol.contract_net.plausibility import (
     by_our_clock,
     clock_ahead_s,
 )
-from dray.protocol.vehicle.pricing import Pricer, Quote
+from dray.protocol.vehicle.pricing import Pricer, Unable
+from dray_sim.plants.draw import draw_plant
 
 CHECK = Plausibility(PLANT)
 NOW_S = 1000.0
@@ -42,17 +44,36 @@ def with_cost(**parts_s: float) -> Bid:
     return replace(honest, cost=replace(honest.cost, **parts_s))
 
 
-def test_every_price_of_every_honest_vehicle_is_believed() -> None:
-    for kind in PLANT.vehicle_types:
-        pricer = Pricer(PLANT, kind)
-        for node in PLANT.nodes:
-            quote = pricer.quote(
-                transport(), node=node, node_at_s=NOW_S, battery_frac=1.0, now_s=NOW_S, deadline_s=math.inf
-            )
-            assert isinstance(quote, Quote)
-            offer = replace(bid(0.0), cost=quote.cost, finish_s=quote.finish_s, source=quote.source)
-            assert CHECK.objection(transport(), offer, NOW_S + UNDER_WAY_S) == ""
-            assert CHECK.believed_s(offer, quote.finish_s, NOW_S) == quote.finish_s
+@pytest.mark.parametrize("plant", [PLANT, draw_plant(269, small=True), draw_plant(21, small=True)], ids=str)
+def test_every_price_and_every_promise_of_an_honest_vehicle_is_believed(plant: Plant) -> None:
+    check = Plausibility(plant)
+    for work in transports_of(plant):
+        for kind, vehicle in plant.vehicle_types.items():
+            pricer = Pricer(plant, kind)
+            for node in plant.nodes:
+                quote = pricer.quote(
+                    work, node=node, node_at_s=NOW_S, battery_frac=1.0, now_s=NOW_S, deadline_s=math.inf
+                )
+                if work.ability not in vehicle.abilities or isinstance(quote, Unable):
+                    continue
+                offer = replace(bid(0.0), cost=quote.cost, finish_s=quote.finish_s, source=quote.source)
+                assert check.objection(work, offer, NOW_S + UNDER_WAY_S) == ""
+                assert check.believed_s(work, offer, quote.finish_s, NOW_S) == quote.finish_s
+
+
+def transports_of(plant: Plant) -> list[Transport]:
+    """One of each material to each machine that needs it."""
+    return [
+        Transport(
+            item=material,
+            quantity=1,
+            sources=plant.storages_of(material),
+            destination=machine,
+            ability=plant.ability_of(material),
+        )
+        for machine in plant.machines
+        for material in plant.materials_of(machine)
+    ]
 
 
 @pytest.mark.parametrize(
@@ -81,9 +102,10 @@ def test_a_machine_cannot_be_paid_for_a_goal() -> None:
 
 
 def test_a_promise_beyond_the_longest_way_buys_no_time() -> None:
-    assert CHECK.believed_s(None, 1e11, NOW_S) == NOW_S + CHECK.longest_s
-    assert CHECK.believed_s(bid(50.0), 1e11, NOW_S) < NOW_S + CHECK.longest_s
-    assert CHECK.believed_s(None, 0.0, NOW_S) == NOW_S
+    work = transport()
+    assert CHECK.believed_s(work, None, 1e11, NOW_S) == NOW_S + CHECK.longest_s(work)
+    assert CHECK.believed_s(work, bid(50.0), 1e11, NOW_S) < NOW_S + CHECK.longest_s(work)
+    assert CHECK.believed_s(work, None, 0.0, NOW_S) == NOW_S
 
 
 # --- clocks --------------------------------------------------------------------------------------
@@ -126,7 +148,7 @@ def test_who_does_not_tell_when_it_was_said_is_judged_by_what_it_promises() -> N
 def test_a_goal_may_take_weeks_and_is_believed_as_long_as_it_takes() -> None:
     goal = replace(goal_bid("G1", 1e6), finish_s=NOW_S + 1e6)
     assert CHECK.objection(production(), goal, NOW_S) == ""
-    assert CHECK.believed_s(goal, goal.finish_s, NOW_S) == goal.finish_s
+    assert CHECK.believed_s(production(), goal, goal.finish_s, NOW_S) == goal.finish_s
     assert (
         CHECK.objection(production(), replace(goal, finish_s=NOW_S + LATEST_GOAL_S + 1.0), NOW_S) == TOO_LATE
     )

@@ -64,12 +64,23 @@ class Routes:
         places: place id -> node id, for `nearest`.
     """
 
-    __slots__ = ("_entering", "_found", "_index", "_kept", "_leaving", "_left_s", "_places", "_rate_mps2")
+    __slots__ = (
+        "_entering",
+        "_found",
+        "_index",
+        "_kept",
+        "_leaving",
+        "_left_s",
+        "_nodes",
+        "_places",
+        "_rate_mps2",
+    )
 
     def __init__(self, roads: Roads, vehicle: VehicleType, places: Mapping[str, str]) -> None:
         self._rate_mps2 = vehicle.acceleration_mps2
         self._places = places
-        self._index = {node: index for index, node in enumerate(roads.leaving)}
+        self._nodes = tuple(roads.leaving)
+        self._index = {node: index for index, node in enumerate(self._nodes)}
         self._leaving = _steps(roads, vehicle, self._index)
         self._entering: list[list[tuple[int, float]]] = [[] for _ in self._index]
         for steps in self._leaving:
@@ -104,6 +115,15 @@ class Routes:
         except KeyError:
             return self._find(start_node, goal_node).length_m
 
+    def farthest_s(self, goal_node: str) -> float:
+        """Seconds from the node that is farthest from another one and can reach it; raises as `way`."""
+        goal = self._index.get(goal_node)
+        if goal is None:
+            raise NoWay("any node", goal_node)
+        left_s = self._left_to(goal_node, goal)
+        farthest = max((index for index in range(len(left_s)) if left_s[index] < inf), key=left_s.__getitem__)
+        return self.duration_s(self._nodes[farthest], goal_node)
+
     def nearest(self, start_node: str, places: Iterable[str]) -> tuple[str, Way]:
         """The place of `places` that is reached first, and the way there.
 
@@ -132,9 +152,7 @@ class Routes:
         here, goal = self._index.get(start_node), self._index.get(goal_node)
         if here is None or goal is None:
             raise NoWay(start_node, goal_node)
-        left_s = self._left_s.get(goal_node)
-        if left_s is None:
-            left_s = self._left_s[goal_node] = self._search(goal)
+        left_s = self._left_to(goal_node, goal)
         if left_s[here] == inf:
             raise NoWay(start_node, goal_node)
         way = self._follow(start_node, goal_node, left_s)
@@ -144,6 +162,13 @@ class Routes:
         self._found.setdefault(goal_node, {})[start_node] = way
         self._kept += 1
         return way
+
+    def _left_to(self, goal_node: str, goal: int) -> Sequence[float]:
+        """Least lane time from every node to one in seconds; searched for when it is asked for first."""
+        left_s = self._left_s.get(goal_node)
+        if left_s is None:
+            left_s = self._left_s[goal_node] = self._search(goal)
+        return left_s
 
     def _search(self, goal: int) -> Sequence[float]:
         """Least lane time from every node to `goal` in seconds, infinite where no way leads there."""

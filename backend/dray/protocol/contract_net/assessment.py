@@ -60,13 +60,13 @@ class Assessor:
         """What is added to a bid before it is ranked."""
         return self.reliability.surcharge_s(bidder, now_s)
 
-    def believed_s(self, bid: Bid | None, promised_s: float, now_s: float) -> float:
+    def believed_s(self, work: Work, bid: Bid | None, promised_s: float, now_s: float) -> float:
         """Until when a contractor is believed to be done (see `Plausibility.believed_s`)."""
-        return self._plausibility.believed_s(bid, promised_s, now_s)
+        return self._plausibility.believed_s(work, bid, promised_s, now_s)
 
-    def latest_s(self, now_s: float) -> float:
+    def latest_s(self, work: Work, now_s: float) -> float:
         """When a transport that is under way is done at the latest."""
-        return now_s + self._plausibility.longest_s
+        return now_s + self._plausibility.longest_s(work)
 
     def progress(self, promised_s: float, now_s: float) -> Progress:
         """The progress that is expected of a carrier that is believed to be done at `promised_s`."""

@@ -215,7 +215,7 @@ class Coordinator:
         # What was bid long ago, to watch, tells nothing of ways from where the contractor is now.
         fresh = bid if auction.round else None
         source = bid.source if bid is not None else ""
-        promised_s = self._assessor.believed_s(fresh, answer.finish_s, now_s)
+        promised_s = self._assessor.believed_s(task.work, fresh, answer.finish_s, now_s)
         task.assign(CarrierContract(contractor, source, promised_s))
         if source and isinstance(task.work, Transport):
             # From now on the load is there and nowhere else: whoever takes over fetches it there, too.

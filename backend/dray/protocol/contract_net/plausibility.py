@@ -9,7 +9,8 @@ fastest. So for a transport
     done        <= now + what its price says that it takes, and LATE_S; a goal: within LATEST_GOAL_S
     the source is one of those that were asked for
 
-and what a contractor promises beyond the longest way of the plant is not believed: it would buy time with words.
+and what a contractor promises beyond the longest way of the plant is not believed: it would buy time with words. That
+way is the one from the farthest node to the source and on to the destination, by the slowest vehicle that may carry it.
 
 Every time was told by somebody's clock. A bid, an acceptance and a takeover tell when they were said, by the same
 clock as all that is in them. So a clock that is a little wrong is seen and made up for, whatever it promises by it:
@@ -28,6 +29,7 @@ from typing import TypeVar
 
 import msgspec
 
+from dray.errors import NoWay
 from dray.messages import Accepted, Bid, Production, TakenOver, Transport, TransportCost, Work
 from dray.plant import Plant
 from dray.protocol.contract_net.dock import dock_of
@@ -60,7 +62,7 @@ LOOSE_S = 30.0
 """And so much more than that: a turn, a lane that was to be finished first."""
 
 DIAMETERS = 3.0
-"""No way of a transport is believed to be longer than so many diagonals of the floor: there, and around the blocks."""
+"""Ways of a transport are believed to be so many diagonals of the floor at least, whatever lanes this plant file knows."""
 
 CLOCK = "words by a clock that is wrong"
 NOT_A_NUMBER = "a bid that is not a number"
@@ -115,8 +117,7 @@ class Plausibility:
         self.handling_max_s = max((max(kind.load_s, kind.unload_s) for kind in kinds), default=0.0)
         """The longest loading or unloading."""
         slowest_mps = min((kind.max_speed_mps for kind in kinds), default=1.0)
-        self.longest_s = DIAMETERS * plant.diameter_m / slowest_mps + 2.0 * self.handling_max_s
-        """No transport takes longer, from wherever its vehicle is."""
+        self._floor_s = DIAMETERS * plant.diameter_m / slowest_mps + 2.0 * self.handling_max_s
 
     def objection(self, work: Work, bid: Bid, now_s: float) -> str:
         """Why a bid cannot be true; empty when it can. The reasons are few and fixed.
@@ -144,15 +145,35 @@ class Plausibility:
         latest_s = told_s if isinstance(cost, TransportCost) else LATEST_GOAL_S
         return TOO_LATE if bid.finish_s > now_s + latest_s else ""
 
-    def believed_s(self, bid: Bid | None, promised_s: float, now_s: float) -> float:
+    def longest_s(self, work: Work) -> float:
+        """No transport takes longer, from wherever its vehicle is and from whichever of its sources."""
+        longest_s = self._floor_s
+        if not isinstance(work, Transport):
+            return longest_s
+        there = dock_of(self._plant, work, work.destination)
+        for kind, vehicle in self._plant.vehicle_types.items():
+            if work.ability not in vehicle.abilities:
+                continue
+            routes = self._plant.routes(kind)
+            for source in work.sources:
+                here = dock_of(self._plant, work, source)
+                try:
+                    ways_s = routes.farthest_s(here) + routes.duration_s(here, there)
+                except NoWay:
+                    continue  # Its own plant file may know one.
+                longest_s = max(longest_s, LOOSE_FRAC * ways_s + 2.0 * self.handling_max_s)
+        return longest_s
+
+    def believed_s(self, work: Work, bid: Bid | None, promised_s: float, now_s: float) -> float:
         """Until when a contractor is believed to be done, which has promised to be by `promised_s`.
 
         Args:
+            work: what it has promised.
             bid: what it has bid just now; None when that is long ago, or nobody has.
             promised_s: its word with the contract (plant clock).
             now_s: the present time.
         """
-        span_s = self.longest_s
+        span_s = self.longest_s(work)
         if bid is not None and isinstance(bid.cost, TransportCost):
             ways_s = bid.cost.empty_way_s + bid.cost.loaded_way_s
             span_s = min(span_s, LOOSE_FRAC * ways_s + 2.0 * self.handling_max_s + LOOSE_S)

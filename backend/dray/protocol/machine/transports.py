@@ -414,7 +414,9 @@ class Transports(Coordinator):
         now_s: float,
     ) -> None:
         """A vehicle carries a task, though no auction of this life has found it."""
-        believed_s = self._assessor.believed_s(None, promised_s, now_s) if task.witnessed else promised_s
+        believed_s = (
+            self._assessor.believed_s(task.work, None, promised_s, now_s) if task.witnessed else promised_s
+        )
         task.assign(CarrierContract(atv, source, believed_s))
         self._bound(task, (), now_s)
 

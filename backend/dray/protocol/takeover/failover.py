@@ -122,7 +122,7 @@ class Failover:
         )
         self._timers.set((PRIMARY_SILENCE, task.id), task.contract.detector.fails_at_s)
         # Of a contract of an earlier life nobody knows how far it should be.
-        promised_s = task.contract.promised_s if task.witnessed else self._assessor.latest_s(now_s)
+        promised_s = task.contract.promised_s if task.witnessed else self._assessor.latest_s(task.work, now_s)
         task.contract.progress = self._assessor.progress(promised_s, now_s)
 
     def leave(self, task: OpenTask) -> None:
