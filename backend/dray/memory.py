@@ -57,6 +57,8 @@ class Contract(Part, frozen=True):
     """Of the award by which it was given; 0 for a takeover."""
     claim: TakenOver | None = None
     """What is said of a takeover that its coordinator has not confirmed yet."""
+    refused: int = 0
+    """How often the gate of the delivery warehouses has not let the load in."""
 
 
 class MachineMemory(Part, tag_field="kind", tag="machine", frozen=True):

@@ -252,6 +252,28 @@ def test_goods_are_not_fetched_before_their_machine_has_opened_its_dock() -> Non
     assert instructed(trip.out, Drop)[-1].station == "DELIVERY"
 
 
+def test_goods_that_the_gate_refuses_are_given_up_after_as_many_tries_over_all_lives() -> None:
+    trip = Trip(source="M8", **GOODS).to_loading()
+    trip.opened("M8")
+    trip.done(Pick)
+    trip.arrives()
+    for _ in range(TRIES - 1):
+        trip.fails(Drop)
+        trip.waits()
+    trip.job = TransportJob(
+        "ATV1",
+        trip.job.memory(),
+        plant=PLANT,
+        vehicle_type="light",
+        driver=trip.driver,
+        timers=trip.timers,
+        out=trip.out,
+    )
+    trip.job.resume("pump-p3", trip.now_s)
+    trip.fails(Drop)
+    assert [said.reason for said in sent(trip.out, Resigned)] == ["refused: no contact"]
+
+
 def test_the_heartbeat_names_the_phase_and_when_it_expects_to_be_done() -> None:
     trip = Trip()
     brief = trip.job.brief()

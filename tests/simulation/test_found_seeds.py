@@ -51,6 +51,8 @@ FOUND = [
     ("all", 7999),
     # A vehicle that waited before a silent station had to answer for it.
     ("all", 8801),
+    # Each restart of a vehicle at the delivery warehouse counted the refusals of the gate from nothing.
+    ("all", 697),
     # Two tasks stood behind one another for so long that no honest vehicle could keep their deadlines any more; a
     # liar could, and dropped the one and the other in turns, for only the last one was held against it.
     ("all", 3023),

@@ -586,7 +586,7 @@ class Atv(AgentBase):
         job = self._job
         if job is None:
             return
-        phase = job.phase
+        phase, memory = job.phase, job.memory()
         step(job)
         if job.phase is not phase:
             self._note_wait(job, phase, now_s)
@@ -595,7 +595,7 @@ class Atv(AgentBase):
         self._heartbeat_timer.at_once(now_s)
         if job.ended:
             self._end_carriage(job, now_s)
-        elif job.phase is not phase:
+        elif job.memory() != memory:
             self._commit()
 
     def _note_wait(self, job: TransportJob, phase: Phase, now_s: float) -> None:

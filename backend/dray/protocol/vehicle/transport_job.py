@@ -133,6 +133,8 @@ class TransportJob:
         """Questions since the last answer."""
         self._failed = 0
         """Manoeuvres that failed at this station."""
+        self._refused = contract.refused
+        """How often the gate has not let the load in, over all lives of the vehicle."""
         self._full: set[str] = set()
         """Stations that did not take the load back. Only ever asked for membership."""
         self._claim = Retransmitter(CLAIM_TASK, timers, out)
@@ -170,6 +172,7 @@ class TransportJob:
             phase=self.phase,
             cancelled=self._void,
             number=self.number,
+            refused=self._refused,
             claim=self._contract.claim if self.task in self._claim else None,
         )
 
@@ -265,7 +268,8 @@ class TransportJob:
                 self._timers.set(ASK, now_s + RETRY_S)
             case JobState.DROPPING:
                 self._states.enter(JobState.AT_DESTINATION)
-                if self._is_gated and self._failed >= TRIES:
+                self._refused += self._is_gated
+                if self._refused >= TRIES:
                     self.resign(f"refused: {reason}", now_s)
                 else:
                     self._timers.set(ASK, now_s + RETRY_S)
