@@ -10,9 +10,9 @@ import json
 
 import msgspec
 
-from dray.gateway.frames import Delta, Snapshot
-from dray.gateway.kpis import KpiHistory
-from dray.gateway.preview import OrderPreview
+from dray.gateway.factory.figures import KpiHistory
+from dray.gateway.live.frames import Delta, Snapshot
+from dray.gateway.orders.feasibility import OrderPreview
 from dray.plant.model import PlantFile
 
 

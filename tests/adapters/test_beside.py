@@ -15,8 +15,8 @@ from dray.adapters.signing import SigningKey
 from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Identity
 from dray.gateway.access.principal import ADMIN
+from dray.gateway.live.timescale import TimeScale
 from dray.gateway.stop.desk import StopDesk
-from dray.gateway.timescale import TimeScale
 from dray.messages import CommandAnswered, Message, VehicleCommand
 from dray.messages.speakers import Kind, names_of, stop_desk_of
 

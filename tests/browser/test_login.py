@@ -11,7 +11,7 @@ import pytest
 from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, expect
 
-from dray.gateway.access.invitations import invite
+from dray.gateway.access.login.invitations import invite
 from dray.gateway.access.principal import Role
 
 OpenPage = Callable[..., Page]

@@ -253,7 +253,7 @@ def test_a_session_that_has_run_out_leaves_stop_and_a_way_in_again(
 
     async def shift_ends(inside: House) -> None:
         inside.wall.now_s += LIFE_S[Role.OPERATOR] + 60.0
-        await inside.parts.access.watch.check()
+        await inside.access.watch.check()
 
     house.do(shift_ends)
     banner = page.get_by_role("alert")

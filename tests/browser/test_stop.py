@@ -250,7 +250,7 @@ def test_a_tablet_whose_login_was_replaced_says_so_and_keeps_stop(
 async def _log_in_elsewhere(inside: House) -> None:
     answer = await inside.visitor().post("/login", data={"name": WHO, "secret": PIN})
     assert answer.status_code == 303
-    await inside.parts.access.watch.check()
+    await inside.access.watch.check()
 
 
 def test_a_tablet_whose_person_was_disabled_says_that_stop_does_not_work_from_it(
@@ -262,7 +262,7 @@ def test_a_tablet_whose_person_was_disabled_says_that_stop_does_not_work_from_it
     async def disable(inside: House) -> None:
         async with inside.store.write() as work:
             await work.people.change(WHO, disabled_at_s=NOW_S)
-        await inside.parts.access.watch.check()
+        await inside.access.watch.check()
 
     house.do(disable)
     expect(page.get_by_role("alert")).to_contain_text("Stop does not work from this tablet any more")

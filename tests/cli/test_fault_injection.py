@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from dray.cli.simulation.fault_injection import SimFaultDesk
+from dray.cli.simulation.fault_injection import SimFaultInjector
 from dray.errors import UnavailableError
-from dray.gateway.faultdesk import FaultRefused
+from dray.gateway.factory.fault_injection import FaultRefused
 from dray.plant import default_plant
 from dray_sim.clock.loop import clock, paced
 from dray_sim.factory.sim_factory import SimFactory
@@ -40,15 +40,15 @@ def faults(thread: SimThread[Faults]) -> Faults:
 
 
 @pytest.fixture
-def desk(thread: SimThread[Faults], faults: Faults) -> SimFaultDesk:
-    return SimFaultDesk(faults, thread.loop, lambda: NOW_S)
+def desk(thread: SimThread[Faults], faults: Faults) -> SimFaultInjector:
+    return SimFaultInjector(faults, thread.loop, lambda: NOW_S)
 
 
 def run(call: Coroutine[Any, Any, Any]) -> Any:
     return asyncio.run(call)
 
 
-def test_every_kind_of_fault_is_offered_with_its_fields(desk: SimFaultDesk) -> None:
+def test_every_kind_of_fault_is_offered_with_its_fields(desk: SimFaultInjector) -> None:
     kinds = {kind.kind: kind for kind in desk.kinds}
     assert tuple(kinds) == KIND_NAMES
     assert (kinds["vehicle_broken"].fields, kinds["vehicle_broken"].optional) == (("atv",), ("reason",))
@@ -56,7 +56,7 @@ def test_every_kind_of_fault_is_offered_with_its_fields(desk: SimFaultDesk) -> N
 
 
 def test_a_fault_has_happened_when_it_is_answered_and_is_over_when_it_is_ended(
-    desk: SimFaultDesk, faults: Faults
+    desk: SimFaultInjector, faults: Faults
 ) -> None:
     begun = run(desk.begin({"kind": "powered_off", "agent": "ATV3"}))
     assert (begun.kind, begun.agents, begun.began_at_s) == ("powered_off", ("ATV3",), NOW_S)
@@ -69,7 +69,7 @@ def test_a_fault_has_happened_when_it_is_answered_and_is_over_when_it_is_ended(
     assert faults.world.running("ATV3")
 
 
-def test_a_fault_of_the_network_is_about_those_that_it_names(desk: SimFaultDesk) -> None:
+def test_a_fault_of_the_network_is_about_those_that_it_names(desk: SimFaultInjector) -> None:
     one = run(desk.begin({"kind": "link_trouble", "sender": "ATV3", "loss_frac": 0.2}))
     assert one.agents == ("ATV3",)
     assert run(desk.begin({"kind": "partition", "groups": [["ATV*"]]})).agents == ()
@@ -88,7 +88,7 @@ def test_a_fault_of_the_network_is_about_those_that_it_names(desk: SimFaultDesk)
     ],
 )
 def test_a_fault_that_makes_no_sense_is_refused_at_its_field(
-    desk: SimFaultDesk, faults: Faults, fault: dict[str, Any], field: str
+    desk: SimFaultInjector, faults: Faults, fault: dict[str, Any], field: str
 ) -> None:
     with pytest.raises(FaultRefused) as refused:
         run(desk.begin(fault))
@@ -97,7 +97,7 @@ def test_a_fault_that_makes_no_sense_is_refused_at_its_field(
     assert not faults.active
 
 
-def test_a_factory_that_has_ended_does_not_answer(thread: SimThread[Faults], desk: SimFaultDesk) -> None:
+def test_a_factory_that_has_ended_does_not_answer(thread: SimThread[Faults], desk: SimFaultInjector) -> None:
     thread.stop()
     with pytest.raises(UnavailableError, match="has ended"):
         run(desk.begin({"kind": "powered_off", "agent": "ATV3"}))

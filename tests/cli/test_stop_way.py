@@ -17,8 +17,9 @@ from dray.adapters.signing import SigningKey
 from dray.cli.runtime.serving import listen
 from dray.cli.runtime.stop_way import StopWay, listen_for_stops
 from dray.gateway.app import create_app
-from dray.gateway.parts import Parts
-from dray.gateway.timescale import TimeScale
+from dray.gateway.http.provided import provided
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.timescale import TimeScale
 from dray.messages import CommandAnswered, Message, VehicleCommand
 from dray.plant import default_plant
 from dray.ports import Receive
@@ -61,7 +62,7 @@ class Bus:
 
 
 @contextlib.asynccontextmanager
-async def running(folder: Path) -> AsyncIterator[tuple[int, Parts, Store]]:
+async def running(folder: Path) -> AsyncIterator[tuple[int, Projection, Store]]:
     """A gateway whose way for stops is open; its port."""
     settings = Settings.load(
         database_url=f"sqlite:///{folder / 'stop.db'}", admin_token="secret", port=0, stop_port=None
@@ -85,7 +86,7 @@ async def running(folder: Path) -> AsyncIterator[tuple[int, Parts, Store]]:
             beside=way.beside,
         )
         async with app.router.lifespan_context(app):
-            yield listener.getsockname()[1], app.state.parts, store
+            yield listener.getsockname()[1], provided(app, Projection), store
     await store.close()
 
 
@@ -100,7 +101,7 @@ def stop(port: int) -> tuple[int, Any]:
 
 
 async def test_a_stop_passes_while_the_gateways_own_loop_is_held(tmp_path: Path) -> None:
-    async with running(tmp_path) as (port, parts, _):
+    async with running(tmp_path) as (port, projection, _):
         answers: list[tuple[int, Any]] = []
         asking = threading.Thread(target=lambda: answers.append(stop(port)))
         asking.start()
@@ -108,10 +109,10 @@ async def test_a_stop_passes_while_the_gateways_own_loop_is_held(tmp_path: Path)
         asking.join(LONG_S)
         assert [status for status, _ in answers] == [200]
         assert answers[0][1]["done"] is True
-        assert parts.projection.commands.views() == ()
+        assert projection.commands.views() == ()
         # What was done is known here with the loop's next turn.
         await asyncio.sleep(0)
-        (shown,) = parts.projection.commands.views()
+        (shown,) = projection.commands.views()
         assert (shown.atv, shown.kind, shown.by) == ("ATV1", "stop", "Administrator")
 
 

@@ -15,8 +15,8 @@ import pytest
 from argon2 import PasswordHasher
 
 from dray.adapters.signing import TrustedKeys
-from dray.gateway.access.hasher import Hasher
-from dray.gateway.access.login import BADGE_SALT
+from dray.gateway.access.login.hasher import Hasher
+from dray.gateway.access.login.login import BADGE_SALT
 from dray.store import Work, open_store
 from dray.store.audit import AuditFilter
 from dray.store.loginlinks import LoginLink
@@ -41,7 +41,7 @@ def database(tmp_path: Path) -> str:
 def dray(call: Callable[..., tuple[int, str, str]], monkeypatch: pytest.MonkeyPatch, database: str) -> Run:
     """Run a command on that database, with this on its standard input: exit code, stdout, stderr."""
     monkeypatch.setenv("COLUMNS", "160")
-    monkeypatch.setattr("dray.gateway.access.hasher.PasswordHasher", lambda: CHEAP)
+    monkeypatch.setattr("dray.gateway.access.login.hasher.PasswordHasher", lambda: CHEAP)
 
     def run(*args: str, typed: str = "") -> tuple[int, str, str]:
         monkeypatch.setattr(sys, "stdin", io.StringIO(typed))

@@ -14,8 +14,8 @@ sys.path.insert(0, str(Path(__file__).parent))
 from facts_kit import SPEED
 from gateway_kit import NOW_S, PLANT, House, gateway
 
-from dray.gateway.projection import Projection
-from dray.gateway.timescale import TimeScale
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.timescale import TimeScale
 
 
 @pytest.fixture

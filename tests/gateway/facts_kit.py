@@ -6,9 +6,9 @@ from typing import Any
 
 from gateway_kit import NOW_S, events
 
-from dray.gateway.frames import Delta
-from dray.gateway.projection import Projection
-from dray.gateway.views import TaskView
+from dray.gateway.live.frames import Delta
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.views import TaskView
 from dray.messages import Phase, Refusal, Role, Transport, TransportCost
 from dray.messages.fact import (
     AnyFact,

@@ -19,15 +19,25 @@ from prometheus_client.registry import Collector
 
 from dray.adapters.signing import SigningKey
 from dray.errors import UnavailableError
-from dray.gateway.access.hasher import Hasher
+from dray.gateway.access.access import Access
+from dray.gateway.access.login.hasher import Hasher
 from dray.gateway.access.principal import Role, Scope
 from dray.gateway.access.tokens import new_id, new_key
 from dray.gateway.app import create_app
-from dray.gateway.faultdesk import FaultDesk, FaultKind, FaultRefused
-from dray.gateway.panels import Panels
-from dray.gateway.parts import Parts
-from dray.gateway.timescale import TimeScale
-from dray.gateway.views import FaultView
+from dray.gateway.factory.alerts import AlertMonitor
+from dray.gateway.factory.commands import Commands
+from dray.gateway.factory.exclusions import Exclusions
+from dray.gateway.factory.fault_injection import FaultInjector, FaultKind, FaultRefused
+from dray.gateway.http.assets import Panels
+from dray.gateway.http.provided import provided
+from dray.gateway.live.peer import Peer
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.stream import Hub
+from dray.gateway.live.timescale import TimeScale
+from dray.gateway.live.views import FaultView
+from dray.gateway.orders.completions import Completions
+from dray.gateway.orders.outbox import Outbox
+from dray.gateway.orders.placement import OrderPlacement
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
@@ -228,8 +238,8 @@ def events(agent: str, *facts: AnyFact, life: int = 1, first: int = 1, at_s: flo
 # --- faults by hand --------------------------------------------------------------------------------
 
 
-class FakeDesk:
-    """A fault desk without a factory: it knows the agent ATV3 only."""
+class FakeInjector:
+    """A fault injector without a factory: it knows the agent ATV3 only."""
 
     kinds = (FaultKind("powered_off", "Switched off.", ("agent",)),)
 
@@ -290,8 +300,44 @@ class House:
     wall: Wall
 
     @property
-    def parts(self) -> Parts:
-        return cast(Parts, self.app.state.parts)
+    def projection(self) -> Projection:
+        return provided(self.app, Projection)
+
+    @property
+    def outbox(self) -> Outbox:
+        return provided(self.app, Outbox)
+
+    @property
+    def completions(self) -> Completions:
+        return provided(self.app, Completions)
+
+    @property
+    def placement(self) -> OrderPlacement:
+        return provided(self.app, OrderPlacement)
+
+    @property
+    def commands(self) -> Commands:
+        return provided(self.app, Commands)
+
+    @property
+    def alerts(self) -> AlertMonitor:
+        return provided(self.app, AlertMonitor)
+
+    @property
+    def exclusions(self) -> Exclusions:
+        return provided(self.app, Exclusions)
+
+    @property
+    def hub(self) -> Hub:
+        return provided(self.app, Hub)
+
+    @property
+    def peer(self) -> Peer:
+        return provided(self.app, Peer)
+
+    @property
+    def access(self) -> Access:
+        return provided(self.app, Access)
 
     async def get(self, path: str, **params: Any) -> Any:
         """The body of an answer that is 200."""
@@ -335,7 +381,7 @@ class House:
 
     async def audit(self, **wanted: Any) -> list[AuditRow]:
         """The lines of the audit log, newest first; all of them, also those that were to be written later."""
-        await self.parts.access.trail.catch_up()
+        await self.access.audit_log.catch_up()
         async with self.store.read() as work:
             return await work.audit.page(AuditFilter(**wanted), None, 100)
 
@@ -365,7 +411,7 @@ async def gateway(
     speed: float = 1.0,
     incarnation: int = 1,
     panels: Panels | None = None,
-    faults: FaultDesk | None = None,
+    faults: FaultInjector | None = None,
     collectors: Iterable[Collector] = (),
     change: Callable[[FastAPI], None] = lambda _app: None,
     **settings: Any,
@@ -380,7 +426,7 @@ async def gateway(
         speed: plant seconds per wall second.
         incarnation: of the plant's agents.
         panels: templates and built files, when not the package's own.
-        faults: the desk of a simulated factory.
+        faults: the injector of a simulated factory.
         collectors: of metrics beside the gateway's own.
         change: something to do to the application before it starts.
         settings: fields of `Settings` that differ from the defaults.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import httpx
 from gateway_kit import HOME, House
 
-from dray.gateway.access.invitations import invite
+from dray.gateway.access.login.invitations import invite
 
 BROWSER = {"Accept": "text/html,application/xhtml+xml", "Origin": HOME, "Sec-Fetch-Site": "same-origin"}
 """What a browser sends with a form of ours."""

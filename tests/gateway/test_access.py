@@ -15,7 +15,7 @@ from gateway_kit import (
     NOW_S,
     PASSWORD,
     PLANT,
-    FakeDesk,
+    FakeInjector,
     House,
     atv_heartbeat,
     draft,
@@ -92,7 +92,7 @@ async def test_a_key_without_the_scope_is_refused_and_one_with_it_is_not(
     scope = RULES[method, path].scope
     if scope is None:
         return
-    async with gateway(url, faults=FakeDesk()) as house, house.visitor() as visitor:
+    async with gateway(url, faults=FakeInjector()) as house, house.visitor() as visitor:
         others = set(Scope) - {scope, Scope.VEHICLES_COMMAND if scope is Scope.VEHICLES_STOP else scope}
         _, without = await house.key(*others)
         told = problem(await ask(visitor, method, path, headers=without), 403, "not-allowed")
@@ -469,7 +469,7 @@ async def test_a_stop_waits_for_no_disk_and_its_line_is_written_when_there_is_on
                 await house.client.post("/api/atvs/ATV1/commands", json={"kind": "stop"})
             ).status_code == 200
             house.wall.now_s += 1.0
-        trail = house.parts.access.trail
+        trail = house.access.audit_log
         with pytest.raises(UnavailableError):
             await trail.catch_up()
         assert trail.waiting == 2
@@ -500,7 +500,7 @@ async def test_a_bug_is_written_down_as_failed(house: House, monkeypatch: pytest
     def broken(*_all: Any, **_more: Any) -> None:
         raise RuntimeError
 
-    monkeypatch.setattr("dray.gateway.routes.orders.order_answer", broken)
+    monkeypatch.setattr("dray.gateway.routes.orders.orders.order_answer", broken)
     problem(await house.client.post("/api/orders", json=draft()), 500, "bug")
     (row,) = await house.audit()
     assert (row.action, row.result) == ("order.place", "failed")
@@ -625,7 +625,7 @@ async def test_a_stranger_may_not_watch_and_is_told_by_the_code(
     await browser.served
     assert [message["type"] for message in browser.heard] == ["websocket.accept", "websocket.close"]
     assert browser.heard[1]["code"] == 4401
-    assert house.parts.hub.joined == 0
+    assert house.hub.joined == 0
 
 
 async def test_who_lacks_the_scope_may_not_watch(house: House) -> None:
@@ -640,7 +640,7 @@ async def test_a_stream_with_a_parameter_that_nobody_knows_is_refused_by_the_cod
     await browser.served
     assert [message["type"] for message in browser.heard] == ["websocket.accept", "websocket.close"]
     assert browser.heard[1]["code"] == 4422
-    assert house.parts.hub.joined == 0
+    assert house.hub.joined == 0
 
 
 async def test_a_page_of_another_site_may_not_watch_with_our_cookie(house: House) -> None:
@@ -658,18 +658,18 @@ async def log_out(house: House, boss: httpx.AsyncClient) -> None:
 async def disable(house: House, boss: httpx.AsyncClient) -> None:
     async with house.store.write() as work:
         await work.people.change("boss", disabled_at_s=NOW_S)
-    await house.parts.access.watch.check()
+    await house.access.watch.check()
 
 
 async def revoke(house: House, boss: httpx.AsyncClient) -> None:
     async with house.store.write() as work:
         await work.sessions.end_all("boss", NOW_S)
-    await house.parts.access.watch.check()
+    await house.access.watch.check()
 
 
 async def let_time_pass(house: House, boss: httpx.AsyncClient) -> None:
     house.wall.now_s += LIFE_S[Role.MANAGER]
-    await house.parts.access.watch.check()
+    await house.access.watch.check()
 
 
 @pytest.mark.parametrize("end", [log_out, disable, revoke, let_time_pass])
@@ -681,7 +681,7 @@ async def test_a_stream_ends_with_its_session(house: House, end: Callable[..., A
     await end(house, boss)
     assert (await browser.hears("close"))["code"] == 4401
     await browser.served
-    assert house.parts.hub.joined == 1
+    assert house.hub.joined == 1
     await bystander.leave()
     assert (await other.post("/logout")).status_code == 204
 
@@ -691,7 +691,7 @@ async def test_a_stream_ends_in_another_way_when_its_session_goes_on_at_another_
     browser = Browser(house, **cookie(ana))
     await browser.hears("send")
     assert (await ana.post("/login/station", data={"station": "M2"})).status_code == 303
-    await house.parts.access.watch.check()
+    await house.access.watch.check()
     assert (await browser.hears("close"))["code"] == 4409
     assert (await ana.get("/api/me")).json()["station"] == "M2"
 
@@ -700,11 +700,11 @@ async def test_a_stream_of_a_key_ends_with_the_key(house: House) -> None:
     key, header = await house.key(Scope.FACTORY_READ)
     browser = Browser(house, authorization=header["Authorization"])
     await browser.hears("send")
-    await house.parts.access.watch.check()
+    await house.access.watch.check()
     assert browser.heard[-1]["type"] != "websocket.close"
     async with house.store.write() as work:
         await work.api_keys.revoke(key.id, NOW_S)
-    await house.parts.access.watch.check()
+    await house.access.watch.check()
     assert (await browser.hears("close"))["code"] == 4401
 
 
@@ -714,7 +714,7 @@ async def test_a_panel_that_is_watched_is_not_idle(house: House) -> None:
     await browser.hears("send")
     for _ in range(5):
         house.wall.now_s += 3600
-        await house.parts.access.watch.check()
+        await house.access.watch.check()
     assert (await boss.get("/api/me")).status_code == 200
     await browser.leave()
 
@@ -733,7 +733,7 @@ async def test_a_database_that_is_away_ends_no_stream(
     await browser.hears("send")
     monkeypatch.setattr(Sessions, "some", fail)
     monkeypatch.setattr("dray.gateway.access.watch.CHECK_S", 0.0)
-    watching = asyncio.create_task(house.parts.access.watch.run())
+    watching = asyncio.create_task(house.access.watch.run())
     for _ in range(2):
         asked.clear()
         await asked.wait()

@@ -18,11 +18,11 @@ from gateway_kit import (
 )
 
 from dray.errors import UnavailableError
-from dray.gateway.projection import Projection
-from dray.gateway.projection.alerts import LOOK_S, REMEMBERED_S, RESPONSES
-from dray.gateway.projection.troubles import PATIENCE_S
-from dray.gateway.timescale import TimeScale
-from dray.gateway.views import AlertKind, AlertView
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.projection.alerting.alert_rules import PATIENCE_S
+from dray.gateway.live.projection.alerting.alerts import LOOK_S, REMEMBERED_S, RESPONSES
+from dray.gateway.live.timescale import TimeScale
+from dray.gateway.live.views import AlertKind, AlertView
 from dray.messages import (
     AtvStatus,
     Brief,
@@ -384,7 +384,7 @@ def test_what_is_not_wrong_again_soon_after_a_start_has_ended(projection: Projec
 async def break_down(house: House, seq: int = 1) -> str:
     """M8 has a fault, and the desk has seen it; returns the alert's id."""
     house.bus.say(machine_heartbeat("M8", seq, status=MachineStatus.ERROR, problem="spindle"))
-    await house.parts.alerts.look()
+    await house.alerts.look()
     return "machine_error-M8"
 
 
@@ -407,7 +407,7 @@ async def test_an_acknowledgement_is_forgotten_with_its_alert(house: House) -> N
     alert = await break_down(house)
     await house.client.post(f"/api/alerts/{alert}/acknowledge")
     house.bus.say(machine_heartbeat("M8", 2))
-    await house.parts.alerts.look()
+    await house.alerts.look()
     assert await kept(house) == []
     problem(await house.client.post(f"/api/alerts/{alert}/acknowledge"), 404, "unknown-alert")
 
@@ -433,9 +433,9 @@ async def test_what_cannot_be_forgotten_at_once_is_forgotten_later(
 
     with monkeypatch.context() as patched:
         patched.setattr("dray.store.acknowledgements.Acknowledgements.drop", locked)
-        await house.parts.alerts.look()
+        await house.alerts.look()
         assert await kept(house) == [alert]
-    await house.parts.alerts.look()
+    await house.alerts.look()
     assert await kept(house) == []
 
 

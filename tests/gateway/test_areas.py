@@ -29,7 +29,7 @@ from areas_kit import (
 from gateway_kit import (
     NOW_S,
     PLANT,
-    FakeDesk,
+    FakeInjector,
     House,
     Wall,
     atv_heartbeat,
@@ -40,11 +40,11 @@ from gateway_kit import (
 
 from dray.gateway.access.principal import ADMIN, SCOPES, Principal, Role
 from dray.gateway.access.rules import RULES
-from dray.gateway.projection import Projection
-from dray.gateway.projection.sight import ELSEWHERE, AreaSight
-from dray.gateway.stream import Client, Hub
-from dray.gateway.timescale import TimeScale
-from dray.gateway.views import CommandView
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.stream import Client, Hub
+from dray.gateway.live.timescale import TimeScale
+from dray.gateway.live.views import CommandView
+from dray.gateway.live.visibility import ELSEWHERE, AreaVisibility
 from dray.messages import CommandAnswered, Message, Pose, VehicleCommand
 
 pytestmark = pytest.mark.anyio
@@ -362,11 +362,11 @@ async def busy(house: House) -> None:
     house.bus.strategist()
     await house.place(customer="Muster")
     await house.say(everything())
-    house.parts.projection.look(house.wall())
+    house.projection.look(house.wall())
 
 
 async def test_every_route_gives_an_operator_of_any_area_nothing_of_another(url: str) -> None:
-    async with gateway(url, faults=FakeDesk(), command_timeout_s=0.01) as house:
+    async with gateway(url, faults=FakeInjector(), command_timeout_s=0.01) as house:
         await busy(house)
         for area in AREAS:
             client = await operator_of(house, area)
@@ -387,7 +387,7 @@ async def test_every_route_gives_an_operator_of_any_area_nothing_of_another(url:
 
 @pytest.mark.parametrize("role", ["admin", "manager"])
 async def test_whoever_has_the_whole_plant_is_refused_nothing(url: str, role: str) -> None:
-    async with gateway(url, faults=FakeDesk()) as house:
+    async with gateway(url, faults=FakeInjector()) as house:
         await busy(house)
         client = house.client if role == "admin" else await house.log_in("boss")
         for area in AREAS:
@@ -486,8 +486,8 @@ async def test_a_vehicles_refusal_names_none_that_stands_elsewhere(url: str) -> 
         house.bus.join(ATV[area], refuse)
         client = await operator_of(house, area)
         answer = await client.post(f"/api/atvs/{ATV[area]}/commands", json={"kind": "acknowledge"})
-        shown = AreaSight(house.parts.projection, frozenset({area}))
-        (command,) = house.parts.projection.commands.views()
+        shown = AreaVisibility(house.projection, frozenset({area}))
+        (command,) = house.projection.commands.views()
         seen = shown.command(command)
     assert other in command.reason
     assert seen is not None
@@ -512,8 +512,8 @@ async def test_a_stop_is_passed_on_wherever_the_picture_shows_the_vehicle(url: s
         )
         assert area in told["detail"]
         for sees in (area, there):
-            (shown,) = house.parts.projection.commands.views()
-            seen = AreaSight(house.parts.projection, frozenset({sees})).command(shown)
+            (shown,) = house.projection.commands.views()
+            seen = AreaVisibility(house.projection, frozenset({sees})).command(shown)
             assert seen is not None
             assert (seen.id, seen.state) == ("stop-1", "confirmed")
 
@@ -575,7 +575,7 @@ async def test_an_alert_elsewhere_cannot_be_acknowledged(url: str) -> None:
         client = await operator_of(house, home)
         refused = await client.post(f"/api/alerts/atv_help-{ATV[there]}/acknowledge")
         problem(refused, 404, "unknown-alert")
-        alert = house.parts.projection.alerts.get(f"atv_help-{ATV[there]}")
+        alert = house.projection.alerts.get(f"atv_help-{ATV[there]}")
         assert alert is not None
         assert alert.acknowledged_by == ""
         assert (await client.post(f"/api/alerts/atv_help-{ATV[home]}/acknowledge")).status_code == 200

@@ -10,9 +10,9 @@ import httpx
 import pytest
 from gateway_kit import PLANT, PRODUCT, House, draft, gateway, problem
 
-from dray.gateway.answers import write_cursor
-from dray.gateway.drafts import MAX_ITEMS, MAX_QUANTITY
-from dray.gateway.shields import BODY_BYTES
+from dray.gateway.http.middleware import BODY_BYTES
+from dray.gateway.http.responses import write_cursor
+from dray.gateway.orders.drafts import MAX_ITEMS, MAX_QUANTITY
 from dray.messages import OrderReleased
 
 pytestmark = pytest.mark.anyio

@@ -10,9 +10,9 @@ import pytest
 from gateway_kit import AUTHORITY, NOW_S, House, atv_heartbeat, gateway, problem
 
 from dray.adapters.signing import TrustedKeys
-from dray.gateway.commands import CLOCKS_S, STOP_VALID_S
-from dray.gateway.projection.given import Given
-from dray.gateway.views import CommandView
+from dray.gateway.factory.commands import CLOCKS_S, STOP_VALID_S
+from dray.gateway.live.projection.recent_commands import RecentCommands
+from dray.gateway.live.views import CommandView
 from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand, signed_words
 
 pytestmark = pytest.mark.anyio
@@ -108,7 +108,7 @@ async def test_a_command_that_is_not_answered_is_not_confirmed_and_not_sent_agai
 
 def states(house: House) -> list[str]:
     """What panels show of the commands."""
-    return [command.state for command in house.parts.projection.commands.views()]
+    return [command.state for command in house.projection.commands.views()]
 
 
 async def test_panels_see_a_command_as_soon_as_it_is_sent_and_then_what_became_of_it(house: House) -> None:
@@ -116,12 +116,12 @@ async def test_panels_see_a_command_as_soon_as_it_is_sent_and_then_what_became_o
     body = {"kind": "set_speed", "speed_frac": 0.5, "command": "4711"}
     asked = asyncio.create_task(ask(house, body))
     await house.bus.next_to("ATV1", VehicleCommand)
-    (shown,) = house.parts.projection.commands.views()
+    (shown,) = house.projection.commands.views()
     assert (shown.id, shown.atv, shown.kind, shown.speed_frac) == ("4711", "ATV1", "set_speed", 0.5)
     assert (shown.by, shown.at_s, shown.state, shown.reason) == ("Administrator", NOW_S, "sent", "")
     house.bus.tell("ATV1", "gateway", CommandAnswered("4711", done=False, reason="no"))
     assert (await asked).json() == {"command": "4711", "done": False, "reason": "no"}
-    (shown,) = house.parts.projection.commands.views()
+    (shown,) = house.projection.commands.views()
     assert (shown.state, shown.reason) == ("refused", "no")
 
 
@@ -161,8 +161,8 @@ async def test_a_name_like_one_of_ours_takes_no_command_away(house: House) -> No
 
 
 def test_panels_show_the_last_commands_only(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("dray.gateway.projection.given.GIVEN_KEPT", 2)
-    given = Given()
+    monkeypatch.setattr("dray.gateway.live.projection.recent_commands.RECENT_KEPT", 2)
+    given = RecentCommands()
     for name in ("c-1", "c-2", "c-3"):
         given.put(CommandView(id=name, atv="ATV3", kind="stop", by="Management", at_s=NOW_S), ())
     assert [command.id for command in given.views()] == ["c-2", "c-3"]
@@ -177,7 +177,7 @@ async def test_only_the_vehicle_itself_can_answer_and_only_once(house: House) ->
     house.bus.tell("ATV1", "gateway", CommandAnswered(command=command, done=False, reason="mine"))
     house.bus.tell("ATV1", "gateway", CommandAnswered(command=command, done=True, reason="doubled"))
     assert (await asked).json()["reason"] == "mine"
-    assert house.parts.peer.ignored == 3
+    assert house.peer.ignored == 3
 
 
 async def test_commands_at_the_same_time_get_their_own_answers(house: House) -> None:
@@ -214,7 +214,7 @@ async def test_a_vehicle_that_only_was_heard_can_be_stopped(house: House) -> Non
 
 
 async def test_too_many_waiting_commands_are_refused(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("dray.gateway.commands.PENDING", 1)
+    monkeypatch.setattr("dray.gateway.factory.commands.PENDING", 1)
     asked = asyncio.create_task(ask(house, STOP))
     command = (await house.bus.next_to("ATV1", VehicleCommand)).command
     answer = await ask(house, STOP, "ATV2")

@@ -11,10 +11,10 @@ from areas_kit import AREAS, ATV, everything
 from gateway_kit import KEYS, NOW_S, PLANT, FakeBus, House, atv_heartbeat, gateway, machine_heartbeat, problem
 
 from dray.gateway.access.principal import Role, Scope
-from dray.gateway.exclusiondesk import SAY_EVERY_S
-from dray.gateway.projection import Projection
-from dray.gateway.timescale import TimeScale
-from dray.gateway.views import AtvView, MachineView, ShutOutView
+from dray.gateway.factory.exclusions import SAY_EVERY_S
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.timescale import TimeScale
+from dray.gateway.live.views import AtvView, MachineView, ShutOutView
 from dray.messages import CommandAnswered, CommandKind, EventsAsked, Message, ShutOut, VehicleCommand
 from dray.messages.shutout import MAX_SHUT_OUT
 from dray.store.exclusions import Exclusion
@@ -48,13 +48,13 @@ async def shut_out(house: House, agent: str = "ATV3", **body: Any) -> dict[str, 
 
 
 def atv(house: House, name: str = "ATV3") -> AtvView:
-    view = house.parts.projection.atvs.view(name)
+    view = house.projection.atvs.view(name)
     assert view is not None
     return view
 
 
 def machine(house: House, name: str) -> MachineView:
-    view = house.parts.projection.machines.view(name)
+    view = house.projection.machines.view(name)
     assert view is not None
     return view
 
@@ -128,10 +128,10 @@ async def test_the_list_is_said_again_and_again_and_nothing_where_nobody_ever_wa
     house: House,
 ) -> None:
     heard = listener(house.bus)
-    await house.parts.exclusions.look()
+    await house.exclusions.look()
     assert heard == []
     await shut_out(house)
-    await house.parts.exclusions.look()
+    await house.exclusions.look()
     assert heard == [ShutOut(DECIDED, ("ATV3",))] * 2
     assert SAY_EVERY_S <= 5.0
 
@@ -158,7 +158,7 @@ async def test_what_is_decided_elsewhere_is_seen_and_told(url: str) -> None:
         bus.say(atv_heartbeat("ATV3"))
         await shut_out(first)
         heard = listener(bus)
-        await other.parts.exclusions.look()
+        await other.exclusions.look()
         assert heard == [ShutOut(DECIDED, ("ATV3",))]
         assert atv(other).shut_out is not None
 
@@ -168,7 +168,7 @@ async def test_the_database_away_the_last_list_is_still_said(
 ) -> None:
     await shut_out(house)
     heard = listener(house.bus)
-    house.parts.exclusions.say()
+    house.exclusions.say()
     assert heard == [ShutOut(DECIDED, ("ATV3",))]
 
 
@@ -190,7 +190,7 @@ async def test_a_vehicle_is_stopped_before_it_is_shut_out(house: House) -> None:
     assert stop.kind is CommandKind.STOP
     assert stop.grant is not None
     assert stop.grant.everywhere
-    (shown,) = house.parts.projection.commands.views()
+    (shown,) = house.projection.commands.views()
     assert (shown.kind, shown.state, shown.by) == ("stop", "not_confirmed", "Administrator")
 
 
@@ -225,8 +225,8 @@ async def test_it_is_an_alert_and_not_said_to_be_lost(house: House) -> None:
     await shut_out(house)
     await shut_out(house, "M8", reason="spindle")
     house.wall.now_s += 3600.0
-    house.parts.projection.look(house.wall())
-    told = [(each.kind, each.agent, each.by, each.problem) for each in house.parts.projection.alerts.views()]
+    house.projection.look(house.wall())
+    told = [(each.kind, each.agent, each.by, each.problem) for each in house.projection.alerts.views()]
     assert told == [
         ("machine_shut_out", "M8", "Administrator", "spindle"),
         ("atv_shut_out", "ATV3", "Administrator", WHY["reason"]),

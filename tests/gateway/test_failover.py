@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from gateway_kit import NOW_S, PLANT, PRODUCT, atv_heartbeat, events, machine_heartbeat
 
-from dray.gateway.projection import Projection
-from dray.gateway.projection.carriers import MAX_CARRIERS
-from dray.gateway.projection.news import NEWS_KEPT
-from dray.gateway.timescale import TimeScale
-from dray.gateway.views import NewsView, OrderView, TaskView
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.projection.auctions.carriers import MAX_CARRIERS
+from dray.gateway.live.projection.news import NEWS_KEPT
+from dray.gateway.live.timescale import TimeScale
+from dray.gateway.live.views import NewsView, OrderView, TaskView
 from dray.messages import HelpWanted, Link, Phase, Production, Role, TaskBrief, Transport
 from dray.messages.fact import (
     AnyFact,

@@ -7,7 +7,7 @@ from typing import Any
 
 import httpx
 import pytest
-from gateway_kit import NOW_S, FakeDesk, House, gateway, problem
+from gateway_kit import NOW_S, FakeInjector, House, gateway, problem
 
 from dray.gateway.routes import faults as route
 
@@ -20,13 +20,13 @@ OFF = {"kind": "powered_off", "agent": "ATV3"}
 
 
 @pytest.fixture
-def desk() -> FakeDesk:
-    return FakeDesk()
+def injector() -> FakeInjector:
+    return FakeInjector()
 
 
 @pytest.fixture
-async def simulated(url: str, desk: FakeDesk) -> AsyncIterator[House]:
-    async with gateway(url, faults=desk, stream_rate_hz=NEVER_HZ) as house:
+async def simulated(url: str, injector: FakeInjector) -> AsyncIterator[House]:
+    async with gateway(url, faults=injector, stream_rate_hz=NEVER_HZ) as house:
         yield house
 
 
@@ -34,7 +34,7 @@ async def begin(house: House, body: Any = OFF) -> httpx.Response:
     return await house.client.post("/api/faults", json=body)
 
 
-async def test_a_fault_is_begun_listed_and_ended(simulated: House, desk: FakeDesk) -> None:
+async def test_a_fault_is_begun_listed_and_ended(simulated: House, injector: FakeInjector) -> None:
     begun = await begin(simulated)
     assert begun.status_code == 201
     view = begun.json()
@@ -47,12 +47,12 @@ async def test_a_fault_is_begun_listed_and_ended(simulated: House, desk: FakeDes
     ]
     ended = await simulated.client.delete("/api/faults/f1")
     assert (ended.status_code, ended.json()) == (200, view)
-    assert (desk.begun, desk.ended) == ([OFF], ["f1"])
+    assert (injector.begun, injector.ended) == ([OFF], ["f1"])
     assert (await simulated.get("/api/faults"))["items"] == []
 
 
 async def test_panels_see_what_is_at_work(simulated: House) -> None:
-    projection = simulated.parts.projection
+    projection = simulated.projection
     await begin(simulated)
     assert [fault.id for fault in projection.delta(1, NOW_S, None).faults] == ["f1"]
     snapshot = projection.snapshot(1, NOW_S)
@@ -78,17 +78,17 @@ async def test_what_is_no_object_is_refused(simulated: House, body: Any) -> None
     problem(await begin(simulated, body), 422, "unusable-fields")
 
 
-async def test_a_fault_that_is_not_at_work_cannot_be_ended(simulated: House, desk: FakeDesk) -> None:
+async def test_a_fault_that_is_not_at_work_cannot_be_ended(simulated: House, injector: FakeInjector) -> None:
     told = problem(await simulated.client.delete("/api/faults/f9"), 404, "unknown-fault")
     assert "/api/faults" in told["detail"]
-    assert desk.ended == []
+    assert injector.ended == []
 
 
 async def test_a_factory_that_does_not_answer_is_said_and_the_fault_stays(
-    simulated: House, desk: FakeDesk
+    simulated: House, injector: FakeInjector
 ) -> None:
     await begin(simulated)
-    desk.away = True
+    injector.away = True
     problem(await begin(simulated), 503, "no-answer")
     problem(await simulated.client.delete("/api/faults/f1"), 503, "no-answer")
     assert [fault["id"] for fault in (await simulated.get("/api/faults"))["items"]] == ["f1"]
@@ -100,12 +100,12 @@ async def test_faults_at_work_are_bounded(simulated: House, monkeypatch: pytest.
     problem(await begin(simulated), 409, "too-many-faults")
 
 
-async def test_another_sites_page_can_let_nothing_go_wrong(simulated: House, desk: FakeDesk) -> None:
+async def test_another_sites_page_can_let_nothing_go_wrong(simulated: House, injector: FakeInjector) -> None:
     headers = {"Origin": "https://elsewhere.example"}
     refused = await simulated.client.post("/api/faults", json=OFF, headers=headers)
     problem(refused, 403, "other-origin")
     problem(await simulated.client.delete("/api/faults/f1", headers=headers), 403, "other-origin")
-    assert desk.begun == []
+    assert injector.begun == []
 
 
 @pytest.mark.parametrize("method", ["GET", "POST"])
@@ -114,4 +114,4 @@ async def test_a_factory_that_is_not_simulated_has_no_faults(house: House, metho
     told = problem(answer, 409, "not-simulated")
     assert "dray up" in told["detail"]
     problem(await house.client.delete("/api/faults/f1"), 409, "not-simulated")
-    assert house.parts.projection.snapshot(1, NOW_S).trials is False
+    assert house.projection.snapshot(1, NOW_S).trials is False

@@ -10,7 +10,7 @@ from databases import Postgres
 from gateway_kit import FakeBus, House, draft, events, gateway, problem
 
 from dray.errors import UnavailableError
-from dray.gateway import health, presence
+from dray.gateway.live import health, strategist_probe
 from dray.messages import EventsAsked, EventsKept, Message
 from dray.messages.fact import LinkChanged
 from dray.messages.heartbeat import Link
@@ -54,7 +54,7 @@ async def test_a_gateway_with_all_its_parts_is_ready(url: str) -> None:
 
 
 async def test_the_process_lives_whatever_else_is_gone(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
-    house.parts.peer.leave()
+    house.peer.leave()
     monkeypatch.setattr(Work, "ping", away)
     assert await house.get("/healthz") == {"status": "ok"}
 
@@ -108,7 +108,7 @@ async def test_a_server_that_is_stopped_is_told_and_forgiven(postgres: Postgres,
 
 
 async def test_a_bus_that_was_left_is_named(house: House) -> None:
-    house.parts.peer.leave()
+    house.peer.leave()
     assert await refused(house) == {"bus": "the gateway is not on it"}
 
 
@@ -119,7 +119,7 @@ async def test_an_absent_strategist_is_told_and_keeps_nobody_from_ordering(house
 async def test_a_strategist_that_falls_silent_is_told(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
     house.bus.tell("strategist", "gateway", EventsKept(incarnation=1, first=1, last=0, life=1))
     assert (await parts(house))["strategist"]["ok"]
-    monkeypatch.setattr(presence, "SILENCE_S", -1.0)
+    monkeypatch.setattr(strategist_probe, "SILENCE_S", -1.0)
     told = (await parts(house))["strategist"]
     assert not told["ok"]
     assert told["silent_s"] >= 0.0

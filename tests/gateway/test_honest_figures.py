@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from gateway_kit import NOW_S, PLANT, House, atv_heartbeat, events, station_heartbeat
 
-from dray.gateway.projection import Projection
-from dray.gateway.projection.tasks import MAX_OPEN_EACH
-from dray.gateway.timescale import TimeScale
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.projection.auctions.tasks import MAX_OPEN_EACH
+from dray.gateway.live.timescale import TimeScale
 from dray.messages import Event, Transport
 from dray.messages.fact import HandoverDisputed, HelpAsked, TaskClosed, TaskOpened, WordDisbelieved
 from dray.messages.heartbeat import Role

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from gateway_kit import PROBLEM, House, draft, gateway, problem
 
-from dray.gateway.hosts import Hosts
+from dray.gateway.http.hosts import Hosts
 from dray.settings import Settings
 
 pytestmark = pytest.mark.anyio

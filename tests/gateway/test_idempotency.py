@@ -9,10 +9,9 @@ import httpx
 import pytest
 from gateway_kit import NOW_S, PRODUCT, House, draft, gateway, problem
 
-from dray.gateway import intake
 from dray.gateway.access.principal import Scope
-from dray.gateway.idempotency import KEYS_KEPT_S, alone
-from dray.gateway.parts import Parts
+from dray.gateway.orders.idempotency import KEYS_KEPT_S, alone
+from dray.gateway.orders.placement import OrderPlacement
 from dray.messages import OrderReleased
 
 pytestmark = pytest.mark.anyio
@@ -72,16 +71,16 @@ async def test_a_key_at_work_is_refused_until_its_request_is_answered(
     house: House, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     begun, go_on = asyncio.Event(), asyncio.Event()
-    place_once = intake.place_once
+    place_once = OrderPlacement.place_once
 
-    async def slowly(gateway: Parts, draft: Any, key: str, *rest: Any) -> Any:
-        async with alone(gateway.keys_at_work, key):
+    async def slowly(placement: OrderPlacement, draft: Any, key: str, *rest: Any) -> Any:
+        async with alone(placement.keys_at_work, key):
             begun.set()
             await go_on.wait()
-        return await place_once(gateway, draft, key, *rest)
+        return await place_once(placement, draft, key, *rest)
 
     with monkeypatch.context() as patch:
-        patch.setattr(intake, "place_once", slowly)
+        patch.setattr(OrderPlacement, "place_once", slowly)
         first = asyncio.create_task(send(house, draft()))
         await begun.wait()
     refused = await send(house, draft())
@@ -96,7 +95,7 @@ async def test_a_key_at_work_is_refused_until_its_request_is_answered(
 
 async def test_a_refused_body_leaves_its_key_free(house: House) -> None:
     problem(await send(house, draft(due_at="2020-01-01T00:00:00Z")), 422, "unusable-fields")
-    assert house.parts.keys_at_work == set()
+    assert house.placement.keys_at_work == set()
     assert (await send(house, draft())).status_code == 201
 
 

@@ -13,11 +13,11 @@ from gateway_kit import OTHER_PRODUCT, PRODUCT, House, problem
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dray.gateway import orderfile as orderfile_module
 from dray.gateway.access.principal import Scope
-from dray.gateway.orderfile import COLUMNS, MAX_ROWS, read_orders
-from dray.gateway.routes import imports as imports_module
-from dray.gateway.sidework import WAITING
+from dray.gateway.http.side_work import WAITING
+from dray.gateway.orders import csv_import as csv_import_module
+from dray.gateway.orders.csv_import import COLUMNS, MAX_ROWS, read_orders
+from dray.gateway.routes.orders import imports as imports_module
 
 HEAD = "customer,reference,product,quantity,due_at,release\n"
 
@@ -73,7 +73,7 @@ def test_a_fault_is_told_with_its_row_and_column(text: str, where: list[tuple[in
 
 
 def test_a_file_is_no_longer_than_a_person_can_look_through(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(orderfile_module, "MAX_ROWS", 2)
+    monkeypatch.setattr(csv_import_module, "MAX_ROWS", 2)
     assert faults(HEAD + "c,,p,1,,\n" * 3) == [(4, "")]
 
 
@@ -94,7 +94,7 @@ def comparisons(cells: int) -> int:
     """What it costs to look at a first row with so many cells, all of them called alike."""
     header: list[str] = [Counted("product") for _ in range(cells)]
     Counted.compared = 0
-    assert len(list(orderfile_module._wrong_header(header))) >= cells
+    assert len(list(csv_import_module._wrong_header(header))) >= cells
     return Counted.compared
 
 
@@ -116,7 +116,7 @@ def test_no_more_of_a_file_is_read_than_could_be_taken() -> None:
             return super().__next__()
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(orderfile_module.io, "StringIO", Rows)
+        patch.setattr(csv_import_module.io, "StringIO", Rows)
         assert faults(HEAD + "c,,p,1,,\n" * 100_000) == [(MAX_ROWS + 2, "")]
     assert Rows.read == MAX_ROWS + 2
 

@@ -20,8 +20,8 @@ from gateway_kit import (
     problem,
 )
 
-from dray.gateway.kpis import KpiPoint, points
-from dray.gateway.sampler import KEPT_S, SAMPLE_S, Sampler
+from dray.gateway.factory.figure_sampler import KEPT_S, SAMPLE_S, Sampler
+from dray.gateway.factory.figures import KpiPoint, points
 from dray.messages import AtvStatus, GoalBrief, MachineStatus, Pose
 from dray.messages.fact import CommandObeyed, GoodsDelivered
 from dray.store.kpis import Kpis, KpiSample
@@ -126,7 +126,7 @@ async def kept(house: House) -> list[KpiSample]:
 
 
 async def test_a_sample_tells_what_the_minute_has_added(house: House) -> None:
-    sampler = Sampler(house.parts.projection, house.store, house.wall)
+    sampler = Sampler(house.projection, house.store, house.wall)
     goals = (GoalBrief(goal="G1", product=PRODUCT, quantity=4, made=0, delivered=0),)
     for at_s, x_m in ((0.0, 0.0), (10.0, 8.0)):
         house.bus.say(
@@ -155,7 +155,7 @@ async def test_a_sample_tells_what_the_minute_has_added(house: House) -> None:
 async def test_what_cannot_be_written_is_in_the_next_sample(
     house: House, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    sampler = Sampler(house.parts.projection, house.store, house.wall)
+    sampler = Sampler(house.projection, house.store, house.wall)
 
     async def fail(_kpis: Kpis, _sample: Any) -> None:
         raise ConnectionRefusedError
@@ -174,7 +174,7 @@ async def test_samples_are_forgotten_after_a_month_or_so(house: House) -> None:
     async with house.store.write() as work:
         await work.kpis.add(sample(at_s=NOW_S - KEPT_S - 1.0))
         await work.kpis.add(sample(at_s=NOW_S - KEPT_S + 120.0))
-    sampler = Sampler(house.parts.projection, house.store, house.wall)
+    sampler = Sampler(house.projection, house.store, house.wall)
     house.wall.now_s += 60.0
     await sampler.sample()
     assert [one.at_s for one in await kept(house)] == [NOW_S - KEPT_S + 120.0, NOW_S + 60.0]

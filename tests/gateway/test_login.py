@@ -12,9 +12,9 @@ from argon2 import PasswordHasher
 from gateway_kit import NOW_S, PASSWORD, PIN, QUICK, House, gateway, problem
 from login_kit import BROWSER, COOKIE, link_for, set_cookies, try_in
 
-from dray.gateway.access.hasher import AT_ONCE, WAITING, Hasher
 from dray.gateway.access.limits import BUCKETS, Limit, neighbourhood
-from dray.gateway.access.login import (
+from dray.gateway.access.login.hasher import AT_ONCE, WAITING, Hasher
+from dray.gateway.access.login.login import (
     BADGE_SALT,
     FIRST_LOCKOUT_S,
     FORGIVEN_S,
@@ -25,7 +25,7 @@ from dray.gateway.access.login import (
 )
 from dray.gateway.access.principal import Role
 from dray.gateway.access.sessions import LIFE_S
-from dray.gateway.problems import Problem
+from dray.gateway.http.problems import Problem
 from dray.store.audit import AuditRow
 
 pytestmark = pytest.mark.anyio

@@ -13,10 +13,10 @@ from gateway_kit import PASSWORD, PIN, House, gateway, problem
 from login_kit import BROWSER, COOKIE, link_for, set_cookies, try_in
 
 from dray.errors import UnavailableError
-from dray.gateway.access.login import FREE_FAILURES
+from dray.gateway.access.login.login import FREE_FAILURES
 from dray.gateway.access.principal import Role
 from dray.gateway.access.watch import Watch
-from dray.gateway.panels import Panels
+from dray.gateway.http.assets import Panels
 from dray.store import Store
 
 pytestmark = pytest.mark.anyio

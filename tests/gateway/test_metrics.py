@@ -146,7 +146,7 @@ async def test_what_the_historian_has_written_is_counted(house: House) -> None:
 
 
 async def test_panels_are_counted_with_their_frames(house: House) -> None:
-    hub = house.parts.hub
+    hub = house.hub
     client = hub.join(ADMIN)
     assert client is not None
     await client.next_frame()

@@ -21,7 +21,7 @@ from gateway_kit import (
     PLANT,
     PRODUCT,
     FakeBus,
-    FakeDesk,
+    FakeInjector,
     House,
     atv_heartbeat,
     events,
@@ -39,7 +39,7 @@ from schemathesis.specs.openapi.checks import (
 )
 
 from dray.gateway.app import create_app
-from dray.gateway.timescale import TimeScale
+from dray.gateway.live.timescale import TimeScale
 from dray.messages import CommandAnswered, MachineStatus, Message, Role, Transport, VehicleCommand
 from dray.messages.fact import TaskOpened
 from dray.settings import Settings
@@ -124,7 +124,7 @@ def running(request: pytest.FixtureRequest) -> Iterator[list[Running]]:
         urls.append(request.getfixturevalue("postgresql_url"))
     with start_blocking_portal("asyncio") as portal, ExitStack() as stack:
         houses = [
-            stack.enter_context(portal.wrap_async_context_manager(gateway(url, faults=FakeDesk())))
+            stack.enter_context(portal.wrap_async_context_manager(gateway(url, faults=FakeInjector())))
             for url in urls
         ]
         yield [Running(portal, house, portal.call(_fill, house)) for house in houses]
@@ -144,7 +144,7 @@ async def _fill(house: House) -> dict[str, str]:
     order = await house.place()
     await house.client.post("/api/faults", json={"kind": "powered_off", "agent": "ATV3"})
     token = order["tracking_url"].rpartition("/")[2]
-    await house.parts.alerts.look()
+    await house.alerts.look()
     return {
         "alert": "machine_error-M1",
         "order": order["id"],

@@ -129,7 +129,7 @@ async def test_a_delivered_order_cannot_be_cancelled(house: House) -> None:
 async def test_only_the_strategists_word_ends_the_reminders(
     house: House, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("dray.gateway.desk.PAUSE_S", (0.001, 0.001))
+    monkeypatch.setattr("dray.gateway.orders.outbox.PAUSE_S", (0.001, 0.001))
     order = await house.place()
     house.bus.tell("somebody", "gateway", OrderTaken(order=order["id"]))
     again = await house.bus.next_to("strategist", OrderReleased, after=1)
@@ -252,7 +252,7 @@ async def test_an_order_may_have_no_due_time_and_then_a_shift(house: House) -> N
 async def test_more_orders_than_can_be_open_are_refused_until_one_has_ended(
     house: House, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("dray.gateway.intake.MAX_OPEN_ORDERS", 1)
+    monkeypatch.setattr("dray.gateway.orders.placement.MAX_OPEN_ORDERS", 1)
     order = await house.place()
     response = await house.client.post("/api/orders", json=draft())
     problem(response, 503, "too-many-orders")

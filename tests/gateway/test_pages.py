@@ -9,7 +9,7 @@ import msgspec
 import pytest
 from gateway_kit import PLANT, House, gateway, problem
 
-from dray.gateway.panels import FOR_EVER, NotBuilt, Panels
+from dray.gateway.http.assets import FOR_EVER, NotBuilt, Panels
 
 pytestmark = pytest.mark.anyio
 

@@ -8,9 +8,9 @@ import msgspec
 import pytest
 from gateway_kit import NOW_S, PLANT, PRODUCT, House, draft, machine_heartbeat, problem
 
-from dray.gateway.preview import OrderPreview, Situation, Wanted, preview
+from dray.gateway.live.views import BufferView, GoalView, MachineView, OrderItemView, OrderView
+from dray.gateway.orders.feasibility import OrderPreview, Situation, Wanted, preview
 from dray.gateway.tracking.eta import History
-from dray.gateway.views import BufferView, GoalView, MachineView, OrderItemView, OrderView
 from dray.messages import GoalBrief, MachineStatus
 
 MAKERS = [spec for spec in PLANT.machines if any(making.product == PRODUCT for making in spec.makes)]

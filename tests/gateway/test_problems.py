@@ -38,7 +38,7 @@ async def test_a_bug_is_told_without_insides_and_logged_with_them(
     assert "try again" in told["detail"]
     for word in ("RuntimeError", "hunter2", "Traceback", ".py"):
         assert word not in answer.text
-    (record,) = [record for record in caplog.records if record.name == "dray.gateway.problems"]
+    (record,) = [record for record in caplog.records if record.name == "dray.gateway.http.problems"]
     assert record.levelno == logging.ERROR
     assert record.getMessage() == "bug while answering GET /api/bug"
     assert SECRET in caplog.text

@@ -8,10 +8,10 @@ import pytest
 from facts_kit import bid, closed, delta, opened, order, tell, wall_s
 from gateway_kit import NOW_S, PLANT, atv_heartbeat, machine_heartbeat
 
-from dray.gateway.projection import Projection
-from dray.gateway.projection import atvs as atvs_module
-from dray.gateway.projection import machines as machines_module
-from dray.gateway.views import TrialView
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.projection import atvs as atvs_module
+from dray.gateway.live.projection import machines as machines_module
+from dray.gateway.live.views import TrialView
 from dray.messages import (
     AtvStatus,
     Brief,

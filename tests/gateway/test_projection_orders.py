@@ -7,9 +7,9 @@ from random import Random
 from facts_kit import SPEED, arrived, contracted, delta, made, order, seen, tell, wall_s
 from gateway_kit import NOW_S, PLANT, events, machine_heartbeat
 
-from dray.gateway.projection import Projection
-from dray.gateway.projection.orders import ENDED_KEPT
-from dray.gateway.timescale import TimeScale
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.projection.orders import ENDED_KEPT
+from dray.gateway.live.timescale import TimeScale
 from dray.messages import GoalBrief, MachineHeartbeat, MaterialWait
 from dray.messages.fact import AnyFact, OrderAccepted
 from dray.store.orders import Item, OrderTotals

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from facts_kit import answer, award, bid, closed, delta, opened, phase, refused, task, tell, wall_s
 
-from dray.gateway.projection import Projection
-from dray.gateway.projection import tasks as tasks_module
-from dray.gateway.projection.bids import MAX_BIDS
-from dray.gateway.projection.early import EARLY_KEPT
-from dray.gateway.projection.tasks import CLOSED_KEPT
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.projection.auctions import tasks as tasks_module
+from dray.gateway.live.projection.auctions.bids import MAX_BIDS
+from dray.gateway.live.projection.auctions.reorder_buffer import EARLY_KEPT
+from dray.gateway.live.projection.auctions.tasks import CLOSED_KEPT
 from dray.messages import OrderTaken, Phase, Production, ProductionCost, Role
 from dray.messages.fact import ContractTaken, GoalWaits, PieceMade, RoundFailed, WatchLost
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from gateway_kit import House, events, gateway
 
-from dray.gateway import ledger as ledger_module
+from dray.gateway.factory import promises as promises_module
 from dray.messages import Event
 from dray.messages.fact import AnyFact, CarrierChanged, TaskClosed
 
@@ -85,7 +85,7 @@ async def test_a_fact_that_is_said_twice_counts_once(house: House) -> None:
 async def test_it_goes_on_where_it_was_read_to_also_over_many_pages(
     house: House, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(ledger_module, "ROWS_AT_ONCE", 2)
+    monkeypatch.setattr(promises_module, "ROWS_AT_ONCE", 2)
     for number in range(1, 6):
         await house.say(closed(1.0, number=number))
     assert (await line(house, "ATV1"))["delivered"] == 5
@@ -96,7 +96,7 @@ async def test_it_goes_on_where_it_was_read_to_also_over_many_pages(
 async def test_figures_are_made_of_the_newest_transports(
     house: House, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(ledger_module, "KEPT", 2)
+    monkeypatch.setattr(promises_module, "KEPT", 2)
     for number, late_s in enumerate((99.0, 1.0, 2.0), 1):
         await house.say(closed(late_s, number=number))
     assert (await line(house, "ATV1"))["worst_s"] == 2.0

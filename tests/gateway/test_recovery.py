@@ -74,7 +74,7 @@ async def test_an_order_whose_delivery_was_not_heard_is_shown_delivered_all_the_
         remember(house.bus, told)
         # The last one is lost, and nothing comes after it.
         await house.say(told[:2])
-        orders = house.parts.projection.orders
+        orders = house.projection.orders
         await until(lambda: (shown := orders.get(name)) is not None and shown.status.value == "delivered")
         await house.historian.written()
         assert (await house.get(f"/api/orders/{name}"))["status"] == "delivered"
@@ -85,7 +85,7 @@ async def test_a_task_whose_end_was_not_heard_does_not_stay_open(url: str) -> No
         told = events("M1", OPENED, CLOSED)
         remember(house.bus, told)
         await house.say(told[:1])
-        tasks = house.parts.projection.tasks
+        tasks = house.projection.tasks
         await until(lambda: (shown := tasks.view("M1-1")) is not None and shown.state == "delivered")
 
 
@@ -94,7 +94,7 @@ async def test_a_task_whose_announcement_comes_after_its_end_does_not_stay_open(
         told = events("M1", OPENED, CLOSED)
         remember(house.bus, told)
         await house.say(told[1:])
-        tasks = house.parts.projection.tasks
+        tasks = house.projection.tasks
         await until(lambda: tasks.view("M1-1") is not None)
         shown = tasks.view("M1-1")
         assert shown is not None

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from gateway_kit import OTHER_PRODUCT, PRODUCT, House, events, gateway, problem
 
-from dray.gateway.desk import STRATEGIST
+from dray.gateway.orders.outbox import STRATEGIST
 from dray.messages import OrderReleased, OrderRevoked, OrderTaken, RevocationTaken
 from dray.messages.fact import GoalContracted, GoalWithdrawn, GoodsDelivered, OrderAccepted, PieceMade
 from dray.store.orders import Orders
@@ -27,7 +27,7 @@ async def post(house: House, order: str, what: str) -> dict[str, Any]:
 async def confirmed(house: House, order: str, release: int, *outstanding: int) -> dict[str, Any]:
     """The strategist confirms, and the gateway has written it down."""
     house.bus.tell(STRATEGIST, "gateway", RevocationTaken(order, release, outstanding))
-    await house.parts.endings.written()
+    await house.completions.written()
     answer: dict[str, Any] = await house.get(f"/api/orders/{order}")
     return answer
 
@@ -55,7 +55,7 @@ async def test_an_order_is_stored_again_when_the_strategist_has_confirmed_and_no
     assert house.bus.sent_to(STRATEGIST, OrderRevoked) == [OrderRevoked(order, 1)]
     stored = await confirmed(house, order, 1, 5, 2)
     assert (stored["status"], stored["releases"]) == ("stored", 1)
-    assert [view.status for view in house.parts.projection.orders.views()] == ["stored"]
+    assert [view.status for view in house.projection.orders.views()] == ["stored"]
     assert (await post(house, order, "revoke"))["status"] == "stored"
 
 
@@ -81,7 +81,7 @@ async def test_pieces_that_were_made_and_had_not_arrived_count_no_more(house: Ho
     for shown in (stored, await house.get(f"/api/orders/{order}")):
         assert [item["delivered"] for item in shown["items"]] == [2, 0]
     assert [item["made"] for item in (await house.get(f"/api/orders/{order}"))["items"]] == [2, 0]
-    [view] = house.parts.projection.orders.views()
+    [view] = house.projection.orders.views()
     assert [item.made for item in view.items] == [2, 0]
 
 
@@ -111,7 +111,7 @@ async def test_an_order_that_was_delivered_before_it_could_be_taken_back_is_deli
     await post(house, order, "revoke")
     told = await confirmed(house, order, 1, 0)
     assert (told["status"], told["revoked_at_s"]) == ("delivered", None)
-    [view] = house.parts.projection.orders.views()
+    [view] = house.projection.orders.views()
     assert (view.status, view.items[0].delivered) == ("delivered", 5)
 
 
@@ -120,14 +120,14 @@ async def test_only_the_strategists_word_about_the_last_release_counts(house: Ho
     await post(house, order, "revoke")
     house.bus.tell("ATV1", "gateway", RevocationTaken(order, 1, (5,)))
     house.bus.tell(STRATEGIST, "gateway", RevocationTaken(order, 2, (5,)))
-    await house.parts.endings.written()
-    assert house.parts.desk.awaits(RevocationTaken(order, 1, ()))
+    await house.completions.written()
+    assert house.outbox.awaits(RevocationTaken(order, 1, ()))
     await confirmed(house, order, 1, 5)
     await post(house, order, "release")
     house.bus.tell(STRATEGIST, "gateway", OrderTaken(order=order, release=1))
-    assert order in house.parts.desk._reminders
+    assert order in house.outbox._reminders
     house.bus.tell(STRATEGIST, "gateway", OrderTaken(order=order, release=2))
-    assert order not in house.parts.desk._reminders
+    assert order not in house.outbox._reminders
 
 
 async def test_an_order_that_is_being_taken_back_goes_on_being_so_after_a_restart(url: str) -> None:
@@ -161,5 +161,5 @@ async def test_an_answer_that_cannot_be_written_is_asked_for_again(
     with monkeypatch.context() as patch:
         patch.setattr(Orders, "store", fail)
         assert (await confirmed(house, order, 1, 5))["status"] == "released"
-    assert house.parts.desk.awaits(RevocationTaken(order, 1, ()))
+    assert house.outbox.awaits(RevocationTaken(order, 1, ()))
     assert (await confirmed(house, order, 1, 5))["status"] == "stored"

@@ -16,7 +16,7 @@ from starlette.routing import Mount
 
 from dray.gateway.access.rules import QUESTIONS, RULES, find
 from dray.gateway.app import create_app
-from dray.gateway.timescale import TimeScale
+from dray.gateway.live.timescale import TimeScale
 from dray.settings import Settings
 from dray.store import Store
 

@@ -9,7 +9,7 @@ import pytest
 from gateway_kit import NOW_S, PASSWORD, PIN, House, problem
 from login_kit import BROWSER, COOKIE, set_cookies, try_in
 
-from dray.gateway.access.onward import onward
+from dray.gateway.access.login.redirect import onward
 from dray.gateway.access.principal import Over, Role, Scope
 from dray.gateway.access.sessions import HOUR_S, IDLE_S, LIFE_S, TAKEOVER_TIMEOUT_S
 
@@ -104,7 +104,7 @@ async def test_a_session_that_ran_out_of_time_may_stop_and_nothing_else(house: H
     ana = await house.log_in("ana", Role.OPERATOR, "AREA1")
     token = ana.cookies[COOKIE]
     house.wall.now_s += LIFE_S[Role.OPERATOR]
-    principal = await house.parts.access.sessions.recognise(token)
+    principal = await house.access.sessions.recognise(token)
     assert principal is not None
     assert principal.over
     assert {scope.value for scope in principal.scopes} == {"vehicles:stop"}
@@ -112,7 +112,7 @@ async def test_a_session_that_ran_out_of_time_may_stop_and_nothing_else(house: H
     for path in ("/api/me", "/api/atvs", "/api/stream", "/api/orders"):
         assert (await ana.get(path)).status_code in {401, 404}, path
     house.wall.now_s += TAKEOVER_TIMEOUT_S
-    assert await house.parts.access.sessions.recognise(token) is None
+    assert await house.access.sessions.recognise(token) is None
 
 
 @pytest.mark.parametrize("away", [False, True], ids=["", "the database is away"])
@@ -121,7 +121,7 @@ async def test_a_session_that_was_replaced_may_stop_and_nothing_else(house: Hous
     await ana.get("/api/me")
     async with house.visitor() as other:
         await try_in(other, "ana", PIN)
-    sessions, token = house.parts.access.sessions, ana.cookies[COOKIE]
+    sessions, token = house.access.sessions, ana.cookies[COOKIE]
     principal = sessions.remembered(token, house.wall.now_s) if away else await sessions.recognise(token)
     assert principal is not None
     assert (principal.over, principal.areas) == (Over.REPLACED, {"AREA1"})
@@ -144,7 +144,7 @@ async def test_what_ends_a_person_ends_the_replaced_session_too_and_a_logout_els
                 await work.people.change("ana", disabled_at_s=NOW_S)
         else:
             await other.post("/logout")
-    principal = await house.parts.access.sessions.recognise(ana.cookies[COOKIE])
+    principal = await house.access.sessions.recognise(ana.cookies[COOKIE])
     assert (principal is None) == (then == "disabled")
 
 
@@ -160,7 +160,7 @@ async def test_a_session_that_ended_otherwise_may_not_even_stop(house: House, ho
             async with house.store.write() as work:
                 await work.people.change("ana", disabled_at_s=NOW_S)
     house.wall.now_s += LIFE_S[role] + 1
-    assert await house.parts.access.sessions.recognise(token) is None
+    assert await house.access.sessions.recognise(token) is None
 
 
 # --- onward --------------------------------------------------------------------------------------

@@ -8,10 +8,10 @@ import pytest
 from gateway_kit import NOW_S, PLANT, gateway
 from newcomer_kit import BEFORE, SPEC, introduction
 
-from dray.gateway.projection import Projection
-from dray.gateway.projection import site as site_module
-from dray.gateway.projection.sight import AreaSight, sight
-from dray.gateway.timescale import TimeScale
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.projection import site as site_module
+from dray.gateway.live.timescale import TimeScale
+from dray.gateway.live.visibility import AreaVisibility, visibility_of
 from dray.plant import Plant
 
 AREA = next(iter(Plant(PLANT).areas_at(*Plant(PLANT).position_of(SPEC.id))))
@@ -32,7 +32,7 @@ def test_a_newcomer_stands_where_it_says(projection: Projection) -> None:
 
 def test_operators_of_its_area_see_a_newcomer_that_comes_while_they_look(projection: Projection) -> None:
     here, elsewhere = (
-        AreaSight(projection, frozenset(areas))
+        AreaVisibility(projection, frozenset(areas))
         for areas in ({AREA}, {each.id for each in PLANT.areas} - {AREA})
     )
     assert not here.has(SPEC.id)
@@ -43,7 +43,7 @@ def test_operators_of_its_area_see_a_newcomer_that_comes_while_they_look(project
     assert here.machine(view) is not None
     assert elsewhere.machine(view) is None
     assert SPEC in here.plant().machines
-    assert SPEC in sight(projection, None).plant().machines
+    assert SPEC in visibility_of(projection, None).plant().machines
 
 
 @pytest.mark.parametrize("wrong", [{"node": "nowhere"}, {"station": "nobody's"}, {"makes": ()}])

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 from gateway_kit import NOW_S, PLANT, PRODUCT, House, atv_heartbeat, events
 
-from dray.gateway.routes import orders as orders_module
-from dray.gateway.spreadsheet import header_of, line
+from dray.gateway.http.csv_tables import header_of, line
+from dray.gateway.routes.orders import orders as orders_module
 from dray.messages import AtvStatus, Role, Transport
 from dray.messages.fact import TaskOpened
 

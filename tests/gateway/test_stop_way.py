@@ -16,14 +16,14 @@ from dray.adapters.signing import TrustedKeys
 from dray.errors import UnavailableError
 from dray.gateway.access.gate import COOKIE
 from dray.gateway.access.principal import ADMIN, Role, Scope
-from dray.gateway.commands import STOP_VALID_S
-from dray.gateway.hosts import Hosts
-from dray.gateway.problems import Problem
+from dray.gateway.factory.commands import STOP_VALID_S
+from dray.gateway.http.hosts import Hosts
+from dray.gateway.http.problems import Problem
+from dray.gateway.live.timescale import TimeScale
 from dray.gateway.stop import desk as desk_module
 from dray.gateway.stop.book import StopBook
 from dray.gateway.stop.desk import StopDesk
 from dray.gateway.stop.door import BODY_BYTES, StopDoor
-from dray.gateway.timescale import TimeScale
 from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand, signed_words
 from dray.store import Store
 
@@ -59,12 +59,12 @@ class Way:
 
     def states(self) -> list[str]:
         """What panels show of the commands."""
-        return [each.state for each in self.house.parts.projection.commands.views()]
+        return [each.state for each in self.house.projection.commands.views()]
 
 
 @asynccontextmanager
 async def way(house: House, timeout_s: float = 3.0) -> AsyncIterator[Way]:
-    book = StopBook(house.parts.commands, house.parts.access.trail)
+    book = StopBook(house.commands, house.access.audit_log)
     desk = StopDesk(
         house.bus,
         name="gateway-stop",
@@ -78,7 +78,7 @@ async def way(house: House, timeout_s: float = 3.0) -> AsyncIterator[Way]:
     )
     door = StopDoor(
         desk,
-        remembered=house.parts.access.remembered,
+        remembered=house.access.remembered,
         hosts=Hosts("dray.test"),
         origin_port=8000,
         public_url="https://dray.example.com",
@@ -191,8 +191,8 @@ async def test_a_session_that_was_never_shown_here_may_stop_while_the_database_i
 ) -> None:
     browser = await house.log_in("olga", Role.OPERATOR, "AREA1")
     _, key = await house.key(Scope.VEHICLES_STOP)
-    house.parts.access.sessions._remembered.clear()
-    await house.parts.access.learn()
+    house.access.sessions._remembered.clear()
+    await house.access.learn()
     async with way(house) as stops:
         heard = stops.vehicle()
         forget_the_database(monkeypatch)
@@ -202,7 +202,7 @@ async def test_a_session_that_was_never_shown_here_may_stop_while_the_database_i
         assert heard[0].grant is not None
         assert heard[0].grant.areas == ("AREA1",)
         assert (await stops.ask(**key)).status_code == 200
-        assert house.parts.access.trail.waiting == 2
+        assert house.access.audit_log.waiting == 2
         monkeypatch.undo()
         assert len(await house.audit(action="vehicle.command")) == 2
 
@@ -211,7 +211,7 @@ async def test_who_has_logged_out_or_was_disabled_or_lost_a_key_stops_nothing(ho
     here, elsewhere = await house.log_in("olga"), await house.log_in("olaf")
     key, shown = await house.key(Scope.VEHICLES_STOP)
     cookies = [f"{COOKIE}={each.cookies[COOKIE]}" for each in (here, elsewhere)]
-    await house.parts.access.learn()
+    await house.access.learn()
     async with way(house) as stops:
         heard = stops.vehicle()
         stops.client.headers.clear()
@@ -221,7 +221,7 @@ async def test_who_has_logged_out_or_was_disabled_or_lost_a_key_stops_nothing(ho
         async with house.store.write() as work:
             await work.people.change("olaf", disabled_at_s=NOW_S)
             await work.api_keys.revoke(key.id, NOW_S)
-        await house.parts.access.learn()
+        await house.access.learn()
         problem(await stops.ask(cookie=cookies[1]), 401, "not-logged-in")
         problem(await stops.ask(**shown), 401, "not-logged-in")
         assert heard == []
@@ -238,7 +238,7 @@ async def test_a_session_that_has_run_out_of_time_may_stop(house: House) -> None
 
 async def test_a_key_without_the_scope_stops_nothing_and_a_stranger_tries_so_often_only(house: House) -> None:
     _, key = await house.key(Scope.FACTORY_READ, Scope.ORDERS_WRITE)
-    await house.parts.access.learn()
+    await house.access.learn()
     async with way(house) as stops:
         heard = stops.vehicle()
         problem(await stops.ask(**key), 401, "not-logged-in")
@@ -287,7 +287,7 @@ async def test_what_is_asked_by_a_strange_name_or_is_no_stop_is_refused(stops: W
 async def test_one_caller_cannot_fill_the_desk(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(desk_module, "PENDING_EACH", 3)
     _, key = await house.key(Scope.VEHICLES_STOP)
-    await house.parts.access.learn()
+    await house.access.learn()
     async with way(house) as stops:
         waiting = [asyncio.create_task(stops.desk.stop("ATV9", ADMIN, "")) for _ in range(3)]
         for number in range(3):

@@ -14,12 +14,12 @@ from gateway_kit import BEARER, NOW_S, PLANT, House, Wall, atv_heartbeat, draft,
 
 from dray.gateway.access.gate import COOKIE
 from dray.gateway.access.principal import ADMIN, Principal, Role, Scope
-from dray.gateway.frames import Delta, Snapshot
-from dray.gateway.projection import Projection
+from dray.gateway.live.frames import Delta, Snapshot
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.stream import FACTORY_S, QUIET_S, Client, Hub
+from dray.gateway.live.timescale import TimeScale
+from dray.gateway.live.views import AudienceView
 from dray.gateway.routes.stream import INCOMING_MESSAGES, POLICY, TRY_LATER
-from dray.gateway.stream import FACTORY_S, QUIET_S, Client, Hub
-from dray.gateway.timescale import TimeScale
-from dray.gateway.views import AudienceView
 from dray.messages import AtvStatus, Pose
 from dray_sim.clock.loop import run
 
@@ -143,7 +143,7 @@ async def test_a_frame_is_encoded_once_for_all_clients(stage: Stage, monkeypatch
             encoded.append(type(value))
             return real.encode(value)
 
-    monkeypatch.setattr("dray.gateway.stream._encoder", Counting())
+    monkeypatch.setattr("dray.gateway.live.stream._encoder", Counting())
     clients = [stage.join() for _ in range(10)]
     snapshots = [await client.next_frame() for client in clients]
     stage.beat()
@@ -384,19 +384,19 @@ async def test_an_operators_browser_is_shown_the_operators_areas(still: House) -
         assert [atv["id"] for atv in frame["atvs"]] == ["ATV1"]
         assert (frame["audience"]["role"], frame["audience"]["areas"]) == ("operator", ["AREA1"])
         still.bus.say(atv_heartbeat("ATV1", 2, pose=Pose(30.0, 2.0, 0.0)))
-        still.parts.hub.tick()
+        still.hub.tick()
         assert (await socket.read())["gone"] == ["atv:ATV1"]
 
 
 async def test_a_browser_sees_vehicles_and_orders_as_they_come(still: House) -> None:
     still.bus.say(atv_heartbeat())
-    still.parts.hub.tick()
+    still.hub.tick()
     async with opened(still) as socket:
         snapshot = await socket.read()
         assert (snapshot["type"], [atv["id"] for atv in snapshot["atvs"]]) == ("snapshot", ["ATV1"])
         order = (await still.client.post("/api/orders", json=draft())).json()
         still.bus.say(atv_heartbeat("ATV2"))
-        still.parts.hub.tick()
+        still.hub.tick()
         delta = await socket.read()
         assert (delta["type"], delta["number"]) == ("delta", snapshot["number"] + 1)
         assert [atv["id"] for atv in delta["atvs"]] == ["ATV2"]
@@ -406,7 +406,7 @@ async def test_a_browser_sees_vehicles_and_orders_as_they_come(still: House) -> 
 async def test_whoever_may_not_read_orders_sees_the_factory_and_nothing_of_its_orders(still: House) -> None:
     still.bus.say(atv_heartbeat("ATV1"))
     order = await still.place(customer="Muster GmbH", reference="4711", due_at="2030-05-01T12:00:00Z")
-    hub, projection = still.parts.hub, still.parts.projection
+    hub, projection = still.hub, still.projection
     key = Principal(kind="key", id="k", name="Display", scopes=frozenset({Scope.FACTORY_READ}))
     client, whole = hub.join(key), hub.join(ADMIN)
     assert client is not None
@@ -427,7 +427,7 @@ async def test_whoever_may_not_read_orders_sees_the_factory_and_nothing_of_its_o
 
 
 async def test_one_caller_has_so_many_streams_and_leaves_places_to_others(still: House) -> None:
-    projection = still.parts.projection
+    projection = still.projection
     hub = Hub(projection, wall_s=still.wall, rate_hz=10.0, queue_frames=QUEUE, clients=200, each=2)
     first, second = hub.join(ADMIN), hub.join(ADMIN)
     assert first is not None
@@ -454,7 +454,7 @@ async def test_a_browser_that_reads_nothing_does_not_slow_another(still: House) 
         slow.takes.clear()
         for seq in range(1, 4 * QUEUE):
             still.bus.say(atv_heartbeat(seq=seq, speed_mps=float(seq)))
-            still.parts.hub.tick()
+            still.hub.tick()
             assert (await quick.read())["atvs"][0]["speed_mps"] == seq
         slow.takes.set()
         # The frame that was on its way when it stopped reading, and then everything at once.
@@ -469,7 +469,7 @@ async def test_some_words_of_a_browser_are_ignored(still: House) -> None:
         for _ in range(INCOMING_MESSAGES - 1):
             socket.say('{"type": "delta"}')
         still.bus.say(atv_heartbeat())
-        still.parts.hub.tick()
+        still.hub.tick()
         assert (await socket.read())["type"] == "delta"
 
 
@@ -480,15 +480,15 @@ async def test_a_browser_that_talks_and_talks_is_shown_out(still: House) -> None
     await socket.served
     told = [socket.from_app.get_nowait() for _ in range(socket.from_app.qsize())]
     assert (told[-1]["type"], told[-1]["code"]) == ("websocket.close", POLICY)
-    assert still.parts.hub.joined == 0
+    assert still.hub.joined == 0
 
 
 async def test_a_browser_that_leaves_leaves_nothing_behind(still: House) -> None:
     tasks = asyncio.all_tasks()
     async with opened(still) as socket:
         await socket.read()
-        assert still.parts.hub.joined == 1
-    assert still.parts.hub.joined == 0
+        assert still.hub.joined == 1
+    assert still.hub.joined == 0
     assert asyncio.all_tasks() == tasks
 
 
@@ -498,8 +498,8 @@ async def test_a_browser_that_leaves_while_it_is_sent_to_leaves_nothing_behind(s
         await socket.read()
         socket.takes.clear()
         still.bus.say(atv_heartbeat())
-        still.parts.hub.tick()
-    assert still.parts.hub.joined == 0
+        still.hub.tick()
+    assert still.hub.joined == 0
     assert asyncio.all_tasks() == tasks
 
 
@@ -517,4 +517,4 @@ async def test_another_sites_page_may_not_watch(still: House) -> None:
     stranger = Socket(still, origin="https://elsewhere.test")
     assert (await stranger.from_app.get())["type"] == "websocket.close"
     await stranger.served
-    assert still.parts.hub.joined == 0
+    assert still.hub.joined == 0

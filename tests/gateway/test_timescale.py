@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dray.gateway.timescale import TimeScale
+from dray.gateway.live.timescale import TimeScale
 
 
 def test_both_epochs_are_the_same_moment() -> None:

@@ -14,7 +14,7 @@ import pytest
 from gateway_kit import NOW_S, OTHER_PRODUCT, PLANT, PRODUCT, House, gateway, machine_heartbeat, problem
 from tracking_kit import GOAL, MACHINE, OTHER_MACHINE, PACE_S, VEHICLE, WAY_OUT, Story
 
-from dray.gateway.panels import Panels
+from dray.gateway.http.assets import Panels
 from dray.gateway.tracking.facts import KEPT_S
 from dray.messages import GoalBrief, MachineHeartbeat, MaterialWait
 from dray.messages.heartbeat import MachineStatus, TaskBrief

@@ -10,10 +10,12 @@ import msgspec
 import pytest
 from gateway_kit import NOW_S
 
+from dray.gateway.access.login.texts import TEXTS as LOGIN_TEXTS
+from dray.gateway.http.language import LANGUAGES, choose
 from dray.gateway.tracking.eta import Range
 from dray.gateway.tracking.facts import NoPage
 from dray.gateway.tracking.reasons import Reason
-from dray.gateway.tracking.texts import LANGUAGES, choose
+from dray.gateway.tracking.texts import TEXTS
 from dray.gateway.tracking.texts.clock import Clock, zone_named
 from dray.gateway.tracking.track import StageName
 
@@ -32,9 +34,13 @@ def flat(texts: Any) -> dict[str, str]:
     return found
 
 
-@pytest.mark.parametrize("language", LANGUAGES)
+def test_every_language_that_is_offered_has_its_texts() -> None:
+    assert TEXTS.keys() == LOGIN_TEXTS.keys() == LANGUAGES.keys()
+
+
+@pytest.mark.parametrize("language", TEXTS)
 def test_every_language_says_everything_and_fills_in_the_same(language: str) -> None:
-    english, other = flat(LANGUAGES["en"]), flat(LANGUAGES[language])
+    english, other = flat(TEXTS["en"]), flat(TEXTS[language])
     assert other.keys() == english.keys()
     for place, text in other.items():
         assert text.strip()
@@ -42,9 +48,9 @@ def test_every_language_says_everything_and_fills_in_the_same(language: str) -> 
             assert set(re.findall(r"\{\w+\}", text)) == set(re.findall(r"\{\w+\}", english[place])), place
 
 
-@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("language", TEXTS)
 def test_every_language_has_a_word_for_all_that_can_happen(language: str) -> None:
-    texts = LANGUAGES[language]
+    texts = TEXTS[language]
     assert set(texts.why) == set(Reason)
     assert set(texts.stages) == set(StageName)
     assert set(texts.gone_title) == set(texts.gone_text) == set(texts.gone_help) == set(NoPage)
@@ -85,11 +91,11 @@ def test_the_reader_decides_on_the_language(
     ],
 )
 def test_days_are_written_as_people_do(language: str, days: int, written: str) -> None:
-    assert Clock(LANGUAGES[language], UTC, NOW_S).moment(NOW_S + days * DAY_S) == written
+    assert Clock(TEXTS[language], UTC, NOW_S).moment(NOW_S + days * DAY_S) == written
 
 
 def test_a_range_names_a_day_once_and_its_beginning_only_while_it_lies_ahead() -> None:
-    clock = Clock(LANGUAGES["en"], UTC, NOW_S)
+    clock = Clock(TEXTS["en"], UTC, NOW_S)
     assert clock.range(Range(NOW_S + 60, NOW_S + HOUR_S), NOW_S) == "Today, 17:47 – 18:46"
     assert clock.range(Range(NOW_S - 60, NOW_S + HOUR_S), NOW_S) == "Today, by about 18:46"
     over_night = clock.range(Range(NOW_S + HOUR_S, NOW_S + 8 * HOUR_S), NOW_S)
@@ -97,7 +103,7 @@ def test_a_range_names_a_day_once_and_its_beginning_only_while_it_lies_ahead() -
 
 
 def test_today_is_the_readers_day() -> None:
-    clock = Clock(LANGUAGES["en"], ZoneInfo("Asia/Tokyo"), NOW_S)
+    clock = Clock(TEXTS["en"], ZoneInfo("Asia/Tokyo"), NOW_S)
     assert (clock.moment(NOW_S), clock.zone) == ("Today, 02:46", "Asia/Tokyo")
     assert clock.full(NOW_S) == "18 Mar 2030, 02:46"
 
@@ -115,7 +121,7 @@ def test_today_is_the_readers_day() -> None:
 def test_large_numbers_are_grouped_where_the_language_does_it(
     language: str, value: int, written: str
 ) -> None:
-    assert Clock(LANGUAGES[language], UTC, NOW_S).number(value) == written
+    assert Clock(TEXTS[language], UTC, NOW_S).number(value) == written
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from gateway_kit import PLANT, House, atv_heartbeat
 
-from dray.gateway.projection.traffic import WINDOW_S, Traffic
+from dray.gateway.live.projection.figures.traffic import WINDOW_S, Traffic
 from dray.messages import AtvHeartbeat
 from dray.plant.model import Lane
 

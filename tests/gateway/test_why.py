@@ -7,12 +7,12 @@ from typing import Any
 import pytest
 from gateway_kit import NOW_S, PLANT, House, events, machine_heartbeat
 
-from dray.gateway.projection import Projection
-from dray.gateway.projection.bids import MAX_BIDS
-from dray.gateway.projection.why import why_of
-from dray.gateway.projection.why_text import ANSWERS, REFUSALS
-from dray.gateway.timescale import TimeScale
-from dray.gateway.views import WhyView
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.projection.auctions.bids import MAX_BIDS
+from dray.gateway.live.projection.auctions.why import why_of
+from dray.gateway.live.projection.auctions.why_text import ANSWERS, REFUSALS
+from dray.gateway.live.timescale import TimeScale
+from dray.gateway.live.views import WhyView
 from dray.messages import (
     Production,
     ProductionCost,

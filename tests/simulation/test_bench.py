@@ -10,8 +10,8 @@ from math import hypot
 
 import pytest
 
-from dray.gateway.projection import Projection
-from dray.gateway.timescale import TimeScale
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.timescale import TimeScale
 from dray.messages import AtvHeartbeat
 from dray_sim import bench
 from dray_sim.bench import Row, orders, rates

@@ -25,7 +25,7 @@ from dray.adapters.zenoh_tokens import Tokens
 from dray.cli.fleet.folder import LOGS, REGISTRY, write_settings
 from dray.cli.fleet.processes import Process
 from dray.errors import UnavailableError
-from dray.gateway.timescale import TimeScale
+from dray.gateway.live.timescale import TimeScale
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from dray.errors import UnavailableError
-from dray.gateway.timescale import TimeScale
+from dray.gateway.live.timescale import TimeScale
 from dray.messages import Event
 from dray.messages.fact import PieceMade
 from dray.plant import default_plant

@@ -1,6 +1,6 @@
 """A pretended factory for work on the panels: plausible motion, auctions and orders, no agents.
 
-It speaks in the very structs of `dray.gateway.frames` and `views`, so that a panel which works here reads
+It speaks in the very structs of `dray.gateway.live.frames` and `views`, so that a panel which works here reads
 the real stream. What it pretends is coarse: vehicles drive evenly, never wait for one another, and material
 appears when it is needed.
 """
@@ -15,8 +15,8 @@ from dataclasses import dataclass, field
 
 import msgspec
 
-from dray.gateway.frames import Delta, Snapshot
-from dray.gateway.views import (
+from dray.gateway.live.frames import Delta, Snapshot
+from dray.gateway.live.views import (
     AtvView,
     BidView,
     BriefView,

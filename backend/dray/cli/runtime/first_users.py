@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from dray.gateway.access.invitations import invite
+from dray.gateway.access.login.invitations import invite
 from dray.gateway.access.principal import Role
 from dray.plant.model import Area, PlantFile
 from dray.store import Store

@@ -21,9 +21,12 @@ from dray.cli.runtime.readiness import tell_ready
 from dray.cli.runtime.serving import Server, stopped_by_signals
 from dray.cli.runtime.telemetry.logs import quieten
 from dray.gateway.access.tokens import new_token
-from dray.gateway.desk import STRATEGIST
-from dray.gateway.parts import Parts
-from dray.gateway.timescale import TimeScale
+from dray.gateway.http.provided import provided
+from dray.gateway.live.health import Health
+from dray.gateway.live.peer import STRATEGIST
+from dray.gateway.live.timescale import TimeScale
+from dray.gateway.metrics import Metrics
+from dray.gateway.orders.placement import OrderPlacement
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.ports import Bus
@@ -50,7 +53,7 @@ Whoever has a secret needs no link: dray user password manager{db}, dray user pi
 """
 
 
-Customers = Callable[[Parts], Awaitable[None]]
+Customers = Callable[[OrderPlacement], Awaitable[None]]
 """Whoever orders at a gateway of this process."""
 
 
@@ -193,9 +196,8 @@ async def _told(settings: Settings, app: FastAPI) -> AsyncIterator[None]:
         return
 
     async def read() -> Iterable[Metric]:
-        parts: Parts = app.state.parts
-        await parts.health.examine()
-        return parts.metrics.registry.collect()
+        await provided(app, Health).examine()
+        return provided(app, Metrics).registry.collect()
 
     async with metrics_port(settings.metrics_listen, read):
         yield
@@ -204,7 +206,7 @@ async def _told(settings: Settings, app: FastAPI) -> AsyncIterator[None]:
 async def _order(service: Service, app: FastAPI, ready: asyncio.Event) -> None:
     await ready.wait()
     if service.customers is not None:
-        await service.customers(app.state.parts)
+        await service.customers(provided(app, OrderPlacement))
 
 
 async def _stop_with(ended: Callable[[], Awaitable[object]], server: Server) -> None:

@@ -19,12 +19,13 @@ from dray.cli.runtime.guard import Guard
 from dray.cli.runtime.serving import Server, listen, proxies
 from dray.cli.runtime.telemetry.logs import quieten
 from dray.errors import UnavailableError
-from dray.gateway.hosts import Hosts
-from dray.gateway.parts import Parts
+from dray.gateway.access.access import Access
+from dray.gateway.factory.commands import Commands
+from dray.gateway.http.hosts import Hosts
+from dray.gateway.live.timescale import TimeScale
 from dray.gateway.stop.book import StopBook
 from dray.gateway.stop.desk import Stop, StopDesk
 from dray.gateway.stop.door import StopDoor
-from dray.gateway.timescale import TimeScale
 from dray.messages import CommandAnswered
 from dray.messages.speakers import stop_desk_of
 from dray.ports import Bus
@@ -72,17 +73,21 @@ class StopWay:
     incarnation: int
 
     @asynccontextmanager
-    async def beside(self, parts: Parts) -> AsyncIterator[None]:
+    async def beside(self, commands: Commands, access: Access) -> AsyncIterator[None]:
         """Run beside a gateway, as long as the context lasts.
+
+        Args:
+            commands: the gateway's, which show what was stopped.
+            access: who is who, and the audit log.
 
         Raises:
             UnavailableError: the thread does not start.
             whatever keeps it from starting.
         """
         sys.setswitchinterval(SWITCH_S)
-        book = StopBook(parts.commands, parts.access.trail)
+        book = StopBook(commands, access.audit_log)
         crossing = Crossing(asyncio.get_running_loop())
-        thread = _Thread(self, parts, book, crossing)
+        thread = _Thread(self, access, book, crossing)
         await asyncio.to_thread(thread.start)
         try:
             yield
@@ -91,8 +96,8 @@ class StopWay:
 
 
 class _Thread:
-    def __init__(self, way: StopWay, parts: Parts, book: StopBook, crossing: Crossing) -> None:
-        self._way, self._parts, self._book, self._crossing = way, parts, book, crossing
+    def __init__(self, way: StopWay, access: Access, book: StopBook, crossing: Crossing) -> None:
+        self._way, self._access, self._book, self._crossing = way, access, book, crossing
         self._ready: Future[tuple[asyncio.AbstractEventLoop, Server]] = Future()
         self._thread = threading.Thread(target=self._run, name="dray-stop", daemon=True)
 
@@ -137,7 +142,7 @@ class _Thread:
             )
             door = StopDoor(
                 desk,
-                remembered=self._parts.access.remembered,
+                remembered=self._access.remembered,
                 hosts=Hosts.of(settings),
                 origin_port=way.origin_port,
                 public_url=settings.public_url,

@@ -8,10 +8,9 @@ from datetime import UTC, datetime
 from random import Random
 
 from dray.cli.runtime.service import Customers
-from dray.gateway import intake
-from dray.gateway.drafts import OrderDraft
-from dray.gateway.parts import Parts
-from dray.gateway.problems import Problem
+from dray.gateway.http.problems import Problem
+from dray.gateway.orders.drafts import OrderDraft
+from dray.gateway.orders.placement import OrderPlacement
 from dray.plant import Plant
 from dray_sim.people import demand
 
@@ -45,17 +44,17 @@ def customers_of(plant: Plant, *, speed: float, seed: int) -> Customers:
         seed: the same orders at the same times follow from it.
     """
 
-    async def order(gateway: Parts) -> None:
-        await place_demand(gateway, plant, speed=speed, seed=seed)
+    async def order(placement: OrderPlacement) -> None:
+        await place_demand(placement, plant, speed=speed, seed=seed)
 
     return order
 
 
-async def place_demand(gateway: Parts, plant: Plant, *, speed: float, seed: int) -> None:
+async def place_demand(placement: OrderPlacement, plant: Plant, *, speed: float, seed: int) -> None:
     """Place orders until cancelled.
 
     Args:
-        gateway: where to.
+        placement: where to.
         plant: what can be ordered.
         speed: factory seconds per real second.
         seed: the same orders at the same times follow from it.
@@ -65,9 +64,9 @@ async def place_demand(gateway: Parts, plant: Plant, *, speed: float, seed: int)
     for order in demand.orders(plant, Random(f"{seed} demand"), load=LOAD, until_s=FOREVER_S):
         at_s = max(0.0, order.at_s - HEAD_START_S)
         await asyncio.sleep(began_s + at_s / speed - loop.time())
-        if gateway.projection.orders.open >= MAX_OPEN:
+        if placement.open >= MAX_OPEN:
             continue
-        due_s = gateway.wall_s() + (order.due_s - order.at_s) / speed
+        due_s = placement.now_s + (order.due_s - order.at_s) / speed
         draft = OrderDraft.model_validate(
             {
                 "customer": CUSTOMER,
@@ -77,7 +76,7 @@ async def place_demand(gateway: Parts, plant: Plant, *, speed: float, seed: int)
             }
         )
         try:
-            await intake.place(gateway, draft)
+            await placement.place(draft)
         except Problem as problem:
             # A customer who is refused comes back with the next order.
             _log.warning("simulated order %s was refused: %s", order.id, problem)

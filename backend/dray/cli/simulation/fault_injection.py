@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 import msgspec
 
 from dray.errors import UnavailableError
-from dray.gateway.faultdesk import FaultKind, FaultRefused
-from dray.gateway.views import FaultView
+from dray.gateway.factory.fault_injection import FaultKind, FaultRefused
+from dray.gateway.live.views import FaultView
 from dray_sim.faults import Fault, FaultError, Faults, kind_of, read_fault
 from dray_sim.faults.kinds import KINDS
 
@@ -24,7 +24,7 @@ SUBJECTS = ("agent", "atv", "machine", "sender", "receiver")
 """Fields of faults that may name an agent."""
 
 
-class SimFaultDesk:
+class SimFaultInjector:
     """Begins and ends faults in a factory that runs in another thread.
 
     Args:
@@ -38,11 +38,11 @@ class SimFaultDesk:
 
     @property
     def kinds(self) -> tuple[FaultKind, ...]:
-        """See `FaultDesk.kinds`."""
+        """See `FaultInjector.kinds`."""
         return tuple(_kind(each) for each in KINDS)
 
     async def begin(self, fault: dict[str, Any]) -> FaultView:
-        """See `FaultDesk.begin`."""
+        """See `FaultInjector.begin`."""
         data = msgspec.json.encode(fault)
         name, begun = await self._inside(lambda: self._begin(data))
         told: dict[str, Any] = msgspec.to_builtins(begun)
@@ -52,7 +52,7 @@ class SimFaultDesk:
         )
 
     async def end(self, fault: str) -> None:
-        """See `FaultDesk.end`."""
+        """See `FaultInjector.end`."""
         await self._inside(lambda: self._end(fault))
 
     # --- in the factory's thread ---

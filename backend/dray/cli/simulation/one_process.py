@@ -32,9 +32,9 @@ from dray.cli.runtime.stop_way import StopWay, listen_for_stops
 from dray.cli.runtime.telemetry.logs import prepare_logs
 from dray.cli.runtime.telemetry.traces import traced, watched
 from dray.cli.simulation.factory_meter import FactoryMeter
-from dray.cli.simulation.fault_injection import SimFaultDesk
+from dray.cli.simulation.fault_injection import SimFaultInjector
 from dray.gateway.app import create_app
-from dray.gateway.timescale import TimeScale
+from dray.gateway.live.timescale import TimeScale
 from dray.ports import Bus
 from dray.store import Store, open_store
 from dray_sim.bodies.floor import NEARLY_EMPTY_FRAC
@@ -160,6 +160,6 @@ def _app(
         incarnation=incarnation,
         historian=historian,
         collectors=(FactoryMeter(inside.factory, bus),),
-        faults=SimFaultDesk(inside.faults, factory.loop, time.time),
+        faults=SimFaultInjector(inside.faults, factory.loop, time.time),
         beside=StopWay(*stops, settings, beside, authority, inside.time, incarnation).beside,
     )

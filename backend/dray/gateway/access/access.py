@@ -9,14 +9,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from dray.errors import UnavailableError
-from dray.gateway.access.hasher import Hasher
+from dray.gateway.access.audit_log import AuditLog
 from dray.gateway.access.keys import Keys
 from dray.gateway.access.limits import Limit, neighbourhood
-from dray.gateway.access.login import Login
+from dray.gateway.access.login.hasher import Hasher
+from dray.gateway.access.login.login import Login
 from dray.gateway.access.principal import ADMIN, Principal
 from dray.gateway.access.sessions import Sessions
 from dray.gateway.access.tokens import KEY_PREFIX
-from dray.gateway.access.trail import Trail
 from dray.gateway.access.watch import Watch
 from dray.settings import Settings
 from dray.store import Store
@@ -41,9 +41,11 @@ class Access:
     keys: Keys
     login: Login
     watch: Watch
-    trail: Trail
+    audit_log: AuditLog
     strangers: Limit
     admin_token: str
+    wall_s: Callable[[], float]
+    """The wall clock of the gateway's own loop."""
 
     def remembered(self, credentials: str, cookie: str, now_s: float) -> Principal | None:
         """Who this was when the database was last asked, for a stop and nothing else. On any thread.
@@ -117,7 +119,8 @@ def open_access(
         keys=Keys(store, wall_s, rate_hz=settings.key_rate_hz, tries=settings.key_burst),
         login=Login(store, hasher or Hasher(), wall_s),
         watch=Watch(store, wall_s),
-        trail=Trail(store, wall_s, settings.audit_kept),
+        audit_log=AuditLog(store, wall_s, settings.audit_kept),
         strangers=Limit(wall_s, tries=STRANGERS_TRIES, rate_hz=STRANGERS_HZ),
         admin_token="" if token is None else token.get_secret_value(),
+        wall_s=wall_s,
     )

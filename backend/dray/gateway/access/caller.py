@@ -12,7 +12,7 @@ from starlette.types import Scope
 
 from dray.gateway.access.principal import Principal
 from dray.gateway.access.rules import Found
-from dray.gateway.problems import Problem
+from dray.gateway.http.problems import Problem
 
 ADMITTED = "dray.admitted"
 """Under this name the gate leaves the row by which it let a request pass..."""

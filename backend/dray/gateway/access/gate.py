@@ -14,14 +14,15 @@ from starlette.responses import RedirectResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from dray.errors import UnavailableError
+from dray.gateway.access.access import Access
+from dray.gateway.access.audit_log import NOTE, Note
+from dray.gateway.access.audit_recorder import AuditRecorder, address_of
 from dray.gateway.access.caller import admit
 from dray.gateway.access.principal import Over, Principal
 from dray.gateway.access.principal import Scope as Right
-from dray.gateway.access.recorder import Recorder, address_of
 from dray.gateway.access.rules import Found, find
-from dray.gateway.access.trail import NOTE, Note
-from dray.gateway.parts import parts_of
-from dray.gateway.problems import CHALLENGE, Problem
+from dray.gateway.http.problems import CHALLENGE, Problem
+from dray.gateway.http.provided import provided
 
 COOKIE = "dray_session"
 
@@ -59,7 +60,7 @@ class Gate:
         if not found.rule.action:
             await self._pass(scope, receive, send, found, note)
             return
-        recorder = Recorder(scope, receive, send, found.rule.action, note)
+        recorder = AuditRecorder(scope, receive, send, found.rule.action, note)
         try:
             await self._pass(scope, receive, recorder.send, found, note)
         except Exception:
@@ -88,8 +89,7 @@ async def recognise(connection: HTTPConnection, found: Found) -> Principal:
     Raises:
         Problem: 401, it cannot be said; 429, too many tokens that nobody knows; 503, the database is away.
     """
-    parts = parts_of(connection)
-    access = parts.access
+    access = provided(connection.app, Access)
     credentials = connection.headers.get("authorization", "")
     cookie = "" if credentials else connection.cookies.get(COOKIE, "")
     try:
@@ -104,7 +104,7 @@ async def recognise(connection: HTTPConnection, found: Found) -> Principal:
             raise unknown("nobody is logged in")
     except UnavailableError as error:
         stops = found.rule.scope is Right.VEHICLES_STOP and not credentials
-        principal = access.sessions.remembered(cookie, parts.wall_s()) if stops else None
+        principal = access.sessions.remembered(cookie, access.wall_s()) if stops else None
         if principal is None:
             raise Problem(
                 HTTPStatus.SERVICE_UNAVAILABLE,

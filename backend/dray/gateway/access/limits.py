@@ -8,7 +8,7 @@ from collections.abc import Callable
 from http import HTTPStatus
 from ipaddress import IPv6Address, ip_address
 
-from dray.gateway.problems import Problem
+from dray.gateway.http.problems import Problem
 
 BUCKETS = 10_000
 """Kept at once, some 2 MB; the one that was used longest ago makes room."""

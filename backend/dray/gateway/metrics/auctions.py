@@ -6,7 +6,7 @@ from typing import TypeVar
 
 from prometheus_client import CollectorRegistry, Counter, Histogram
 
-from dray.gateway.desk import STRATEGIST
+from dray.gateway.live.peer import STRATEGIST
 from dray.messages import Event, Production, Role
 from dray.messages.fact import AwardAnswered, BidReceived, RoundFailed, TaskClosed, TaskOpened
 

@@ -1,37 +1,59 @@
-"""State: what the parts of a gateway know anyway, read when Prometheus asks."""
+"""State: what others in a gateway know anyway, read when Prometheus asks."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from prometheus_client import Metric
 from prometheus_client.registry import Collector
 
 from dray.adapters.metric_families import counter, counters, gauge, gauges
-from dray.gateway.health import Health
-from dray.gateway.parts import Parts
+from dray.gateway.live.health import Health
+from dray.gateway.live.peer import Peer
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.strategist_probe import StrategistProbe
+from dray.gateway.live.stream import Hub
 from dray.messages import AtvStatus, MachineStatus
+from dray.store import Store
 from dray.store.progress import OPEN, OrderStatus
 
 
 class State(Collector):
-    """Reads the parts.
+    """Reads what others know.
 
     Args:
-        parts: of a running gateway.
+        projection: the factory as panels see it.
+        hub: the open panels.
+        peer: the place on the bus.
+        strategist_probe: when the strategist was heard.
+        health: how the database answers.
+        store: the database.
+        wall_s: the wall clock.
     """
 
-    def __init__(self, parts: Parts) -> None:
-        self._parts = parts
+    def __init__(
+        self,
+        *,
+        projection: Projection,
+        hub: Hub,
+        peer: Peer,
+        strategist_probe: StrategistProbe,
+        health: Health,
+        store: Store,
+        wall_s: Callable[[], float],
+    ) -> None:
+        self._projection, self._hub, self._peer = projection, hub, peer
+        self._strategist_probe, self._health = strategist_probe, health
+        self._store, self._wall_s = store, wall_s
 
     def collect(self) -> Iterator[Metric]:
         """Everything as of now."""
         yield from self._factory()
         yield from self._gateway()
-        yield from self._database(self._parts.health)
+        yield from self._database(self._health)
 
     def _factory(self) -> Iterator[Metric]:
-        projection = self._parts.projection
+        projection = self._projection
         open_orders = projection.orders.by_status
         yield gauges(
             "orders_open",
@@ -58,7 +80,7 @@ class State(Collector):
             "extreme",
             {"first": max(ahead_s, default=0.0), "last": min(ahead_s, default=0.0)},
         )
-        now_s = projection.plant_s(self._parts.wall_s())
+        now_s = projection.plant_s(self._wall_s())
         wrong = sum(1 for _ in projection.clocks.wrong(now_s))
         yield gauge("agents_clock_wrong", "Agents whose clocks are wrong beyond doubt.", wrong)
         yield counter(
@@ -69,19 +91,20 @@ class State(Collector):
         yield gauge("factory_speed_ratio", "Factory seconds per second.", projection.speed)
 
     def _gateway(self) -> Iterator[Metric]:
-        parts = self._parts
-        yield gauge("bus_joined", "Whether the gateway is on the bus.", parts.peer.joined)
+        yield gauge("bus_joined", "Whether the gateway is on the bus.", self._peer.joined)
         yield counters(
             "gateway_messages",
             "Messages heard, and what came of them.",
             "result",
-            {"shown": parts.projection.heard, "ignored": parts.projection.ignored + parts.peer.ignored},
+            {"shown": self._projection.heard, "ignored": self._projection.ignored + self._peer.ignored},
         )
-        silent_s = parts.presence.silent_s
-        yield gauge("strategist_present", "Whether the strategist was heard lately.", parts.presence.there)
+        silent_s = self._strategist_probe.silent_s
+        yield gauge(
+            "strategist_present", "Whether the strategist was heard lately.", self._strategist_probe.there
+        )
         if silent_s is not None:
             yield gauge("strategist_silent_seconds", "Since the strategist was heard.", silent_s)
-        hub = parts.hub
+        hub = self._hub
         yield gauge("stream_clients", "Panels that are open.", hub.joined)
         yield counter("stream_frames", "Frames made for panels.", hub.frames)
         yield counter(
@@ -92,6 +115,4 @@ class State(Collector):
         yield gauge("database_up", "Whether the database has answered.", health.database_s is not None)
         if health.database_s is not None:
             yield gauge("database_ping_seconds", "How long its answer took.", health.database_s)
-        yield gauge(
-            "database_connections_used", "Connections in use.", self._parts.store.database.connections_used
-        )
+        yield gauge("database_connections_used", "Connections in use.", self._store.database.connections_used)

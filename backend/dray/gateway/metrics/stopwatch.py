@@ -8,7 +8,9 @@ from http import HTTPStatus
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from dray.gateway.access.rules import find
-from dray.gateway.panels import PREFIX
+from dray.gateway.http.assets import PREFIX
+from dray.gateway.http.provided import provided
+from dray.gateway.metrics.metrics import Metrics
 
 FILES = f"{PREFIX}*"
 """The route of the panels' files."""
@@ -42,7 +44,7 @@ class Stopwatch:
         try:
             await self._app(scope, receive, noted)
         finally:
-            requests = scope["app"].state.parts.metrics.requests
+            requests = provided(scope["app"], Metrics).requests
             took_s = time.perf_counter() - began_s
             requests.labels(method, _route(method, scope["path"]), str(status)).observe(took_s)
 

@@ -7,13 +7,16 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Path
 from pydantic import BaseModel, ConfigDict
 
+from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
-from dray.gateway.access.trail import Noted
-from dray.gateway.answers import PAGE, Cursor, Json, Limit, described, list_of, page, problems
-from dray.gateway.bodies import Line, json_only
-from dray.gateway.desk import STRATEGIST
-from dray.gateway.parts import Gateway, Parts
-from dray.gateway.problems import not_found
+from dray.gateway.factory.exclusions import Exclusions
+from dray.gateway.http.problems import not_found
+from dray.gateway.http.provided import Provided
+from dray.gateway.http.request_bodies import Line, json_only
+from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, page, problems
+from dray.gateway.live.peer import STRATEGIST
+from dray.gateway.live.projection import Projection
+from dray.store import Store
 from dray.store.exclusions import Exclusion
 from dray.store.historian import AGENT as HISTORIAN
 
@@ -40,9 +43,9 @@ class ShutOutRequest(BaseModel):
     responses={200: list_of(Exclusion, "Agents that are shut out, by id")},
     response_class=Json,
 )
-async def list_shut_out(gateway: Gateway, cursor: Cursor = None, limit: Limit = PAGE) -> Json:
+async def list_shut_out(store: Provided[Store], cursor: Cursor = None, limit: Limit = PAGE) -> Json:
     """Whom nobody hears any more, by whose decision and why."""
-    async with gateway.store.read() as work:
+    async with store.read() as work:
         exclusions = await work.exclusions.all()
     return page(exclusions, lambda each: each.agent, cursor, limit)
 
@@ -60,16 +63,21 @@ async def list_shut_out(gateway: Gateway, cursor: Cursor = None, limit: Limit = 
     response_class=Json,
 )
 async def shut_out(
-    gateway: Gateway, caller: Caller, note: Noted, agent: AgentId, request: ShutOutRequest
+    exclusions: Provided[Exclusions],
+    projection: Provided[Projection],
+    caller: Caller,
+    note: Noted,
+    agent: AgentId,
+    request: ShutOutRequest,
 ) -> Json:
     """Let nobody hear an agent any more, at once: it is silent for everybody, and others take its work.
 
     A vehicle is asked to stop. All of it holds until `readmit`, over restarts and without the gateway.
     """
     note.detail["reason"] = request.reason
-    if not _is_known(gateway, agent):
+    if agent != exclusions.own and not _is_known(projection, agent):
         raise not_found("agent", agent, "GET /api/atvs and GET /api/machines, with strategist and historian,")
-    return Json(await gateway.exclusions.shut_out(agent, request.reason, caller.name))
+    return Json(await exclusions.shut_out(agent, request.reason, caller.name))
 
 
 @router.post(
@@ -80,18 +88,17 @@ async def shut_out(
     },
     response_class=Json,
 )
-async def readmit(gateway: Gateway, note: Noted, agent: AgentId) -> Json:
+async def readmit(exclusions: Provided[Exclusions], note: Noted, agent: AgentId) -> Json:
     """Hear an agent again. A vehicle stays stopped until somebody acknowledges and resumes it."""
-    ended = await gateway.exclusions.readmit(agent)
+    ended = await exclusions.readmit(agent)
     note.detail["shut_out_for"] = ended.reason
     return Json(ended)
 
 
-def _is_known(gateway: Parts, agent: str) -> bool:
-    own = gateway.settings.gateway_name
+def _is_known(projection: Projection, agent: str) -> bool:
     return (
-        agent in gateway.projection.atvs
-        or agent in gateway.floor.machines
-        or agent in gateway.floor.storages
-        or agent in {STRATEGIST, HISTORIAN, own}
+        agent in projection.atvs
+        or agent in projection.site.plant.machines
+        or agent in projection.site.plant.storages
+        or agent in {STRATEGIST, HISTORIAN}
     )

@@ -7,11 +7,13 @@ from typing import Annotated
 from fastapi import APIRouter, Path
 
 from dray.gateway.access.caller import Caller
-from dray.gateway.answers import PAGE, Cursor, Json, Limit, described, list_of, page, problems
-from dray.gateway.parts import Gateway
-from dray.gateway.problems import not_found
-from dray.gateway.seen import Seen
-from dray.gateway.views import AlertView
+from dray.gateway.factory.alerts import AlertMonitor
+from dray.gateway.http.problems import not_found
+from dray.gateway.http.provided import Provided
+from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, page, problems
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.views import AlertView
+from dray.gateway.routes.parameters import Seen
 
 router = APIRouter(tags=["alerts"])
 
@@ -31,9 +33,11 @@ EXAMPLE = AlertView(
     responses={200: list_of(AlertView, "Alerts, by their ids")},
     response_class=Json,
 )
-async def list_alerts(gateway: Gateway, seen: Seen, limit: Limit = PAGE, cursor: Cursor = None) -> Json:
+async def list_alerts(
+    projection: Provided[Projection], seen: Seen, limit: Limit = PAGE, cursor: Cursor = None
+) -> Json:
     """What is wrong at this moment, and what it asks of people. An alert leaves when its cause is gone."""
-    alerts = [view for each in gateway.projection.alerts.views() if (view := seen.alert(each))]
+    alerts = [view for each in projection.alerts.views() if (view := seen.alert(each))]
     alerts.sort(key=lambda alert: alert.id)
     return page(alerts, lambda alert: alert.id, cursor, limit)
 
@@ -47,11 +51,15 @@ async def list_alerts(gateway: Gateway, seen: Seen, limit: Limit = PAGE, cursor:
     response_class=Json,
 )
 async def acknowledge_alert(
-    gateway: Gateway, caller: Caller, seen: Seen, alert: Annotated[str, Path(max_length=192)]
+    monitor: Provided[AlertMonitor],
+    projection: Provided[Projection],
+    caller: Caller,
+    seen: Seen,
+    alert: Annotated[str, Path(max_length=192)],
 ) -> Json:
     """Say, by your name, that an alert is in good hands. Doing it again changes nothing."""
-    known = gateway.projection.alerts.get(alert)
-    taken = await gateway.alerts.acknowledge(alert, caller.name) if known and seen.alert(known) else None
+    known = projection.alerts.get(alert)
+    taken = await monitor.acknowledge(alert, caller.name) if known and seen.alert(known) else None
     view = taken and seen.alert(taken)
     if view is None:
         raise not_found("alert", alert, "GET /api/alerts; its cause may be gone")

@@ -9,17 +9,19 @@ import msgspec
 from fastapi import APIRouter, Depends, Response
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
 from dray.gateway.access.gate import forbidden, missing
 from dray.gateway.access.principal import Principal, Scope
-from dray.gateway.access.trail import Noted
-from dray.gateway.answers import PAGE, Cursor, Json, Limit, described, list_of, page, problems
-from dray.gateway.bodies import json_only
-from dray.gateway.parts import Gateway, Parts
-from dray.gateway.problems import Problem, not_found
-from dray.gateway.seen import Seen
-from dray.gateway.spreadsheet import Format, header_of, row_of, table, with_csv
-from dray.gateway.views import AtvView
+from dray.gateway.factory.commands import Commands
+from dray.gateway.http.csv_tables import Format, header_of, row_of, table, with_csv
+from dray.gateway.http.problems import Problem, not_found
+from dray.gateway.http.provided import Provided
+from dray.gateway.http.request_bodies import json_only
+from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, page, problems
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.views import AtvView
+from dray.gateway.routes.parameters import Seen
 from dray.messages import CommandKind
 
 router = APIRouter(tags=["factory"])
@@ -79,14 +81,14 @@ class CommandAnswer(msgspec.Struct, frozen=True):
 
 @router.get("/atvs", responses={200: with_csv(list_of(AtvView, "ATVs, by id"))}, response_class=Json)
 async def list_atvs(
-    gateway: Gateway,
+    projection: Provided[Projection],
     seen: Seen,
     cursor: Cursor = None,
     limit: Limit = PAGE,
     format: Format = "json",  # noqa: A002 - the word that others use
 ) -> Response:
     """ATVs that have been heard."""
-    atvs = [view for each in gateway.projection.atvs.views() if (view := seen.atv(each))]
+    atvs = [view for each in projection.atvs.views() if (view := seen.atv(each))]
     if format == "csv":
         return table("fleet", header_of(COLUMNS), (row_of(COLUMNS, atv) for atv in atvs))
     return page(atvs, lambda atv: atv.id, cursor, limit)
@@ -97,9 +99,9 @@ async def list_atvs(
     responses={200: described(AtvView, "The ATV"), **problems(p404="There is no such ATV")},
     response_class=Json,
 )
-async def get_atv(gateway: Gateway, seen: Seen, atv: str) -> Json:
+async def get_atv(projection: Provided[Projection], seen: Seen, atv: str) -> Json:
     """One ATV."""
-    whole = gateway.projection.atvs.view(atv)
+    whole = projection.atvs.view(atv)
     view = whole and seen.atv(whole)
     if view is None:
         raise not_found("atv", atv, "GET /api/atvs")
@@ -124,15 +126,21 @@ async def get_atv(gateway: Gateway, seen: Seen, atv: str) -> Json:
     response_class=Json,
 )
 async def command_atv(
-    gateway: Gateway, caller: Caller, seen: Seen, note: Noted, atv: str, command: CommandRequest
+    commands: Provided[Commands],
+    projection: Provided[Projection],
+    caller: Caller,
+    seen: Seen,
+    note: Noted,
+    atv: str,
+    command: CommandRequest,
 ) -> Json:
     """Stop a vehicle, acknowledge, let it go on, limit its speed, or promise help; waits for its word."""
     note.detail |= command.model_dump(mode="json", exclude_none=True)
     note.waits = command.kind is not CommandKind.STOP
     if command.kind is not CommandKind.STOP and not caller.may(Scope.VEHICLES_COMMAND):
         raise missing(caller, Scope.VEHICLES_COMMAND)
-    area_rule(gateway, caller, atv, command.kind)
-    if command.kind is not CommandKind.STOP and atv in gateway.projection.outsiders:
+    area_rule(projection, caller, atv, command.kind)
+    if command.kind is not CommandKind.STOP and atv in projection.outsiders:
         raise Problem(
             HTTPStatus.CONFLICT,
             "shut-out",
@@ -140,7 +148,7 @@ async def command_atv(
             f"nobody hears {atv}: it can be stopped, and nothing else; readmit it first",
         )
     try:
-        answer = await gateway.commands.order(
+        answer = await commands.order(
             atv,
             command.kind,
             by=caller,
@@ -149,14 +157,14 @@ async def command_atv(
             wait_s=command.wait_s,
         )
     finally:
-        note.elsewhere = gateway.commands.went_beside(command.command)
+        note.elsewhere = commands.went_beside(command.command)
     note.detail["command"] = answer.command
     if not answer.done:
         note.result, note.detail["reason"] = "refused", answer.reason
     return Json(CommandAnswer(answer.command, answer.done, seen.words(answer.reason)))
 
 
-def area_rule(gateway: Parts, caller: Principal, atv: str, kind: CommandKind) -> None:
+def area_rule(projection: Projection, caller: Principal, atv: str, kind: CommandKind) -> None:
     """A caller who is limited to areas commands the vehicles that stand there; of others not even that they are.
 
     A stop goes to the vehicle wherever it is shown: the picture may be old or forged, and a vehicle that runs
@@ -168,11 +176,11 @@ def area_rule(gateway: Parts, caller: Principal, atv: str, kind: CommandKind) ->
             caller of the whole plant and to whoever stops.
     """
     if caller.areas is None or (caller.areas and kind is CommandKind.STOP):
-        if atv not in gateway.projection.atvs:
+        if atv not in projection.atvs:
             raise not_found("atv", atv, "GET /api/atvs")
         return
-    place_m = gateway.projection.atvs.place_m(atv)
-    near = () if place_m is None else gateway.floor.areas_near(*place_m, kind.margin_m)
+    place_m = projection.atvs.place_m(atv)
+    near = () if place_m is None else projection.site.plant.areas_near(*place_m, kind.margin_m)
     if caller.areas.isdisjoint(near):
         areas = ", ".join(sorted(caller.areas)) or "none"
         raise forbidden(f"{atv} is not in your areas ({areas})")

@@ -11,13 +11,13 @@ from fastapi import APIRouter, Depends
 from pydantic import BaseModel, ConfigDict, Field
 
 from dray.errors import UnavailableError
-from dray.gateway.access.trail import Noted
-from dray.gateway.answers import Json, described, problems
-from dray.gateway.bodies import json_only
-from dray.gateway.faultdesk import FaultDesk, FaultKind, FaultRefused
-from dray.gateway.parts import Gateway, Parts
-from dray.gateway.problems import FieldError, Problem, not_found, unusable
-from dray.gateway.views import FaultView
+from dray.gateway.access.audit_log import Noted
+from dray.gateway.factory.fault_injection import FaultInjection, FaultKind, FaultRefused
+from dray.gateway.http.problems import FieldError, Problem, not_found, unusable
+from dray.gateway.http.provided import Provided
+from dray.gateway.http.request_bodies import json_only
+from dray.gateway.http.responses import Json, described, problems
+from dray.gateway.live.views import FaultView
 
 router = APIRouter(tags=["trials"])
 
@@ -70,10 +70,9 @@ KINDS = (FaultKind("powered_off", "The vehicle or machine is switched off.", ("a
     },
     response_class=Json,
 )
-async def list_faults(gateway: Gateway) -> Json:
+async def list_faults(faults: Provided[FaultInjection]) -> Json:
     """Faults that were begun by hand and are at work, and the kinds that can be begun."""
-    desk = _desk(gateway)
-    return Json(FaultsAnswer(gateway.projection.trials.views(), desk.kinds))
+    return Json(FaultsAnswer(faults.shown.views(), faults.injector.kinds))
 
 
 @router.post(
@@ -90,20 +89,19 @@ async def list_faults(gateway: Gateway) -> Json:
     },
     response_class=Json,
 )
-async def begin_fault(gateway: Gateway, note: Noted, fault: FaultRequest) -> Json:
+async def begin_fault(faults: Provided[FaultInjection], note: Noted, fault: FaultRequest) -> Json:
     """Let something go wrong, until it is ended."""
     note.detail["kind"] = fault.kind
-    desk = _desk(gateway)
-    trials = gateway.projection.trials
-    if len(trials.views()) >= MAX_FAULTS:
+    injector, shown = faults.injector, faults.shown
+    if len(shown.views()) >= MAX_FAULTS:
         raise Problem(
             HTTPStatus.CONFLICT,
             "too-many-faults",
             "Too many faults are at work",
             f"{MAX_FAULTS} have not ended; end some with DELETE /api/faults/ID",
         )
-    begun = await _answered(desk.begin(fault.model_dump()))
-    trials.put(begun)
+    begun = await _answered(injector.begin(fault.model_dump()))
+    shown.put(begun)
     note.target, note.detail["agents"] = begun.id, begun.agents
     return Json(begun, HTTPStatus.CREATED, headers={"Location": f"/api/faults/{begun.id}"})
 
@@ -121,31 +119,19 @@ async def begin_fault(gateway: Gateway, note: Noted, fault: FaultRequest) -> Jso
     },
     response_class=Json,
 )
-async def end_fault(gateway: Gateway, fault: str) -> Json:
+async def end_fault(faults: Provided[FaultInjection], fault: str) -> Json:
     """Put it right again."""
-    desk = _desk(gateway)
-    trials = gateway.projection.trials
-    known = next((view for view in trials.views() if view.id == fault), None)
+    injector, shown = faults.injector, faults.shown
+    known = next((view for view in shown.views() if view.id == fault), None)
     if known is None:
         raise not_found("fault", fault, "GET /api/faults")
-    await _answered(desk.end(fault))
-    trials.drop(fault)
+    await _answered(injector.end(fault))
+    shown.drop(fault)
     return Json(known)
 
 
-def _desk(gateway: Parts) -> FaultDesk:
-    if gateway.faults is None:
-        raise Problem(
-            HTTPStatus.CONFLICT,
-            "not-simulated",
-            "The factory is not simulated",
-            "faults can be begun by hand in a simulated factory only: start one with `dray up`",
-        )
-    return gateway.faults
-
-
 async def _answered(asked: Awaitable[T]) -> T:
-    """What the desk says, with its errors as problems."""
+    """What the injector says, with its errors as problems."""
     try:
         return await asked
     except FaultRefused as refused:

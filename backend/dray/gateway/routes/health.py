@@ -7,10 +7,11 @@ from http import HTTPStatus
 from fastapi import APIRouter, Response
 from prometheus_client import CONTENT_TYPE_LATEST
 
-from dray.gateway.answers import Json
-from dray.gateway.health import NEEDED, Part
-from dray.gateway.parts import Gateway
-from dray.gateway.problems import AGAIN_S, FieldError, Problem
+from dray.gateway.http.problems import AGAIN_S, FieldError, Problem
+from dray.gateway.http.provided import Provided
+from dray.gateway.http.responses import Json
+from dray.gateway.live.health import NEEDED, Health, Part
+from dray.gateway.metrics import Metrics
 
 router = APIRouter(include_in_schema=False)
 
@@ -22,9 +23,9 @@ async def healthz() -> Json:
 
 
 @router.get("/readyz")
-async def readyz(gateway: Gateway) -> Json:
+async def readyz(health: Provided[Health]) -> Json:
     """Orders can be taken; and how every part is, those that are not needed for it too."""
-    parts = await gateway.health.examine()
+    parts = await health.examine()
     faults = [FieldError(name, part.reason) for name, part in parts.items() if _hinders(name, part)]
     if faults:
         raise Problem(
@@ -39,10 +40,10 @@ async def readyz(gateway: Gateway) -> Json:
 
 
 @router.get("/metrics")
-async def metrics(gateway: Gateway) -> Response:
+async def metrics(health: Provided[Health], metrics: Provided[Metrics]) -> Response:
     """In Prometheus' text format."""
-    await gateway.health.examine()
-    return Response(gateway.metrics.text(), headers={"Content-Type": CONTENT_TYPE_LATEST})
+    await health.examine()
+    return Response(metrics.text(), headers={"Content-Type": CONTENT_TYPE_LATEST})
 
 
 def _hinders(name: str, part: Part) -> bool:

@@ -8,11 +8,12 @@ from typing import Annotated, Literal
 import msgspec
 from fastapi import APIRouter, Query
 
-from dray.gateway.answers import PAGE, Cursor, Json, Limit, list_of, page
-from dray.gateway.parts import Gateway, Parts
-from dray.gateway.projection.sight import Sight
-from dray.gateway.seen import Seen
-from dray.gateway.views import ClockView, StationView
+from dray.gateway.http.provided import Provided
+from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, list_of, page
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.views import ClockView, StationView
+from dray.gateway.live.visibility import Visibility
+from dray.gateway.routes.parameters import Seen
 from dray.plant.model import Storage
 
 router = APIRouter(tags=["factory"])
@@ -84,7 +85,7 @@ class MaterialAnswer(msgspec.Struct, frozen=True, kw_only=True):
     "/inventory", responses={200: list_of(InventoryLine, "Pieces, by item and place")}, response_class=Json
 )
 async def list_inventory(
-    gateway: Gateway,
+    projection: Provided[Projection],
     seen: Seen,
     item: Annotated[str, Query(max_length=128, description="The id of a material or product")] = "",
     place: Annotated[str, Query(max_length=128, description="The id of a machine or vehicle")] = "",
@@ -94,16 +95,18 @@ async def list_inventory(
     """What there is at machines and on board of vehicles; of it all, what lies in the caller's areas."""
     lines = [
         line
-        for line in _lines(gateway, seen)
+        for line in _lines(projection, seen)
         if (item or line.item) == line.item and (place or line.place) == line.place
     ]
     return page(sorted(lines, key=_place), _place, cursor, limit)
 
 
 @router.get("/storages", responses={200: list_of(StorageAnswer, "Storages, by id")}, response_class=Json)
-async def list_storages(gateway: Gateway, seen: Seen, cursor: Cursor = None, limit: Limit = PAGE) -> Json:
+async def list_storages(
+    projection: Provided[Projection], seen: Seen, cursor: Cursor = None, limit: Limit = PAGE
+) -> Json:
     """Interim storages, what lies there and what of it is promised; of them all, those in the caller's areas."""
-    stations = gateway.projection.stations
+    stations = projection.stations
     storages = sorted(
         (_storage(each, stations.view(each.id)) for each in seen.plant().storages), key=lambda each: each.id
     )
@@ -111,9 +114,11 @@ async def list_storages(gateway: Gateway, seen: Seen, cursor: Cursor = None, lim
 
 
 @router.get("/materials", responses={200: list_of(MaterialAnswer, "Materials, by id")}, response_class=Json)
-async def list_materials(gateway: Gateway, seen: Seen, cursor: Cursor = None, limit: Limit = PAGE) -> Json:
+async def list_materials(
+    projection: Provided[Projection], seen: Seen, cursor: Cursor = None, limit: Limit = PAGE
+) -> Json:
     """What machines consume, and how much of it there is in the caller's areas."""
-    plant, lines = seen.plant(), tuple(_lines(gateway, seen))
+    plant, lines = seen.plant(), tuple(_lines(projection, seen))
     materials = [
         MaterialAnswer(
             id=each.id,
@@ -133,8 +138,8 @@ async def list_materials(gateway: Gateway, seen: Seen, cursor: Cursor = None, li
     return page(materials, lambda each: each.id, cursor, limit)
 
 
-def _lines(gateway: Parts, seen: Sight) -> Iterator[InventoryLine]:
-    for machine in gateway.projection.machines.views():
+def _lines(projection: Projection, seen: Visibility) -> Iterator[InventoryLine]:
+    for machine in projection.machines.views():
         if seen.machine(machine) is None:
             continue
         for kind, levels in (("buffer", machine.buffers), ("goods", machine.goods)):
@@ -149,7 +154,7 @@ def _lines(gateway: Parts, seen: Sight) -> Iterator[InventoryLine]:
                     spare=level.spare,
                     seen_at_s=machine.seen_at_s,
                 )
-    for atv in gateway.projection.atvs.views():
+    for atv in projection.atvs.views():
         if atv.load and seen.atv(atv) is not None:
             yield InventoryLine(
                 item=atv.load,

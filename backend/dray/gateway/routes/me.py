@@ -6,7 +6,7 @@ import msgspec
 from fastapi import APIRouter
 
 from dray.gateway.access.caller import Caller
-from dray.gateway.answers import Json, described
+from dray.gateway.http.responses import Json, described
 
 router = APIRouter(tags=["access"])
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from dray.gateway.answers import Json, described
-from dray.gateway.seen import Seen
+from dray.gateway.http.responses import Json, described
+from dray.gateway.routes.parameters import Seen
 from dray.plant.model import PlantFile
 
 router = APIRouter(tags=["plant"])

@@ -5,8 +5,9 @@ from __future__ import annotations
 import msgspec
 from fastapi import APIRouter
 
-from dray.gateway.answers import PAGE, Cursor, Json, Limit, list_of, page
-from dray.gateway.parts import Gateway
+from dray.gateway.http.provided import Provided
+from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, list_of, page
+from dray.gateway.live.projection import Projection
 from dray.plant.model import Product
 
 router = APIRouter(tags=["plant"])
@@ -24,9 +25,11 @@ class ProductAnswer(msgspec.Struct, frozen=True):
 
 
 @router.get("/products", responses={200: list_of(ProductAnswer, "Products, by id")}, response_class=Json)
-async def list_products(gateway: Gateway, cursor: Cursor = None, limit: Limit = PAGE) -> Json:
+async def list_products(projection: Provided[Projection], cursor: Cursor = None, limit: Limit = PAGE) -> Json:
     """Products that can be ordered."""
-    products = sorted((_answer(product) for product in gateway.plant.products), key=lambda p: p.id)
+    products = sorted(
+        (_answer(product) for product in projection.site.plant.file.products), key=lambda p: p.id
+    )
     return page(products, lambda product: product.id, cursor, limit)
 
 

@@ -8,11 +8,12 @@ from http import HTTPStatus
 
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 
+from dray.gateway.access.access import Access
 from dray.gateway.access.caller import Caller
 from dray.gateway.access.gate import CLOSE_CODES, TRY_LATER
 from dray.gateway.access.watch import End
-from dray.gateway.parts import Gateway
-from dray.gateway.stream import Client
+from dray.gateway.http.provided import Provided
+from dray.gateway.live.stream import Client, Hub
 
 router = APIRouter()
 
@@ -27,18 +28,18 @@ INCOMING_MESSAGES = 16
 
 
 @router.websocket("/stream")
-async def stream(socket: WebSocket, gateway: Gateway, caller: Caller) -> None:
+async def stream(socket: WebSocket, hub: Provided[Hub], access: Provided[Access], caller: Caller) -> None:
     """First a snapshot, then numbered deltas, as text, as long as its caller may see them."""
-    client = gateway.hub.join(caller)
+    client = hub.join(caller)
     if client is None:
         await socket.close(TRY_LATER, "too many panels are open")
         return
     try:
         await socket.accept()
-        with gateway.access.watch.over(caller) as ended:
+        with access.watch.over(caller) as ended:
             await _serve(socket, client, ended)
     finally:
-        gateway.hub.leave(client)
+        hub.leave(client)
 
 
 async def _serve(socket: WebSocket, client: Client, ended: asyncio.Future[End]) -> None:

@@ -6,7 +6,10 @@ from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, Response
 
-from dray.gateway.answers import (
+from dray.gateway.http.csv_tables import Format, header_of, row_of, table, with_csv
+from dray.gateway.http.problems import not_found
+from dray.gateway.http.provided import Provided
+from dray.gateway.http.responses import (
     PAGE,
     Cursor,
     Json,
@@ -18,11 +21,9 @@ from dray.gateway.answers import (
     read_cursor,
     write_cursor,
 )
-from dray.gateway.parts import Gateway
-from dray.gateway.problems import not_found
-from dray.gateway.seen import Seen
-from dray.gateway.spreadsheet import Format, header_of, row_of, table, with_csv
-from dray.gateway.views import TaskView
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.views import TaskView
+from dray.gateway.routes.parameters import Seen
 
 router = APIRouter(tags=["factory"])
 
@@ -42,7 +43,7 @@ State = Literal["bidding", "contracted", "delivered", "withdrawn"]
     response_class=Json,
 )
 async def list_tasks(
-    gateway: Gateway,
+    projection: Provided[Projection],
     seen: Seen,
     state: Annotated[list[State] | None, Query(description="Only tasks in these states")] = None,
     cursor: Cursor = None,
@@ -51,7 +52,7 @@ async def list_tasks(
 ) -> Response:
     """Open tasks and the last fifty that ended; the whole history is in `/api/events`."""
     after = read_cursor(cursor, tuple[float, str])
-    tasks = [view for each in gateway.projection.tasks.views() if (view := seen.task(each))]
+    tasks = [view for each in projection.tasks.views() if (view := seen.task(each))]
     tasks.sort(key=_place, reverse=True)
     if format == "csv":
         rows = (row_of(COLUMNS, task) for task in tasks if not state or task.state in state)
@@ -70,9 +71,9 @@ async def list_tasks(
     responses={200: described(TaskView, "The task"), **problems(p404="There is no such task")},
     response_class=Json,
 )
-async def get_task(gateway: Gateway, seen: Seen, task: str) -> Json:
+async def get_task(projection: Provided[Projection], seen: Seen, task: str) -> Json:
     """One task, open or lately ended."""
-    whole = gateway.projection.tasks.view(task)
+    whole = projection.tasks.view(task)
     view = whole and seen.task(whole)
     if view is None:
         raise not_found("task", task, "GET /api/tasks")

@@ -5,9 +5,10 @@ from __future__ import annotations
 import msgspec
 from fastapi import APIRouter
 
-from dray.gateway.answers import Json, described
-from dray.gateway.parts import Gateway
-from dray.gateway.projection.traffic import WINDOW_S, LaneTraffic
+from dray.gateway.http.provided import Now, Provided
+from dray.gateway.http.responses import Json, described
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.projection.figures.traffic import WINDOW_S, LaneTraffic
 
 router = APIRouter(tags=["factory"])
 
@@ -27,6 +28,6 @@ EXAMPLE = TrafficAnswer(WINDOW_S, (LaneTraffic("a1", "a2", 42), LaneTraffic("a2"
 @router.get(
     "/traffic", responses={200: described(TrafficAnswer, "The traffic", EXAMPLE)}, response_class=Json
 )
-async def get_traffic(gateway: Gateway) -> Json:
+async def get_traffic(projection: Provided[Projection], now_s: Now) -> Json:
     """How often vehicles have passed each lane within the last hour of factory time."""
-    return Json(TrafficAnswer(WINDOW_S, tuple(gateway.projection.traffic_at(gateway.wall_s()))))
+    return Json(TrafficAnswer(WINDOW_S, tuple(projection.traffic_at(now_s))))

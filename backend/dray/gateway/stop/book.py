@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from dray.gateway.access.trail import Line, Trail
-from dray.gateway.commands import Commands
+from dray.gateway.access.audit_log import AuditLog, Line
+from dray.gateway.factory.commands import Commands
 from dray.gateway.stop.desk import Stop
 from dray.messages import CommandAnswered
 
@@ -20,11 +20,11 @@ class StopBook:
 
     Args:
         commands: knows all commands by their names.
-        trail: writes the audit log.
+        audit_log: writes the audit log.
     """
 
-    def __init__(self, commands: Commands, trail: Trail) -> None:
-        self._commands, self._trail = commands, trail
+    def __init__(self, commands: Commands, audit_log: AuditLog) -> None:
+        self._commands, self._audit_log = commands, audit_log
 
     def sent(self, stop: Stop) -> None:
         """A stop has gone out."""
@@ -44,7 +44,7 @@ class StopBook:
             detail["status"] = 504
         elif not answer.done:
             detail["reason"] = answer.reason
-        self._trail.write_later(
+        self._audit_log.write_later(
             Line(
                 who=stop.by,
                 address=stop.address,

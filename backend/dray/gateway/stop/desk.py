@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from dray.adapters.signing import SigningKey
 from dray.errors import UnavailableError
 from dray.gateway.access.principal import Principal
-from dray.gateway.commands import STOP_VALID_S, granted, name_used, not_confirmed, too_many_wait
-from dray.gateway.timescale import TimeScale
+from dray.gateway.factory.commands import STOP_VALID_S, granted, name_used, not_confirmed, too_many_wait
+from dray.gateway.live.timescale import TimeScale
 from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand
 from dray.ports import Bus, Session
 

@@ -20,14 +20,14 @@ from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
 from dray.gateway.access.access import STRANGERS_HZ, STRANGERS_TRIES
+from dray.gateway.access.audit_recorder import address_of
 from dray.gateway.access.gate import COOKIE, forbidden, unknown
 from dray.gateway.access.limits import Limit, neighbourhood
 from dray.gateway.access.principal import Principal
 from dray.gateway.access.principal import Scope as Right
-from dray.gateway.access.recorder import address_of
-from dray.gateway.answers import Json
-from dray.gateway.hosts import Hosts, authority_in, host_in, unknown_host
-from dray.gateway.problems import FieldError, Problem, unusable
+from dray.gateway.http.hosts import Hosts, authority_in, host_in, unknown_host
+from dray.gateway.http.problems import FieldError, Problem, unusable
+from dray.gateway.http.responses import Json
 from dray.gateway.stop.desk import StopDesk
 from dray.plant.model import ID_RULE, is_id
 

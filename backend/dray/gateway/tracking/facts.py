@@ -6,11 +6,12 @@ from enum import StrEnum
 
 import msgspec
 
-from dray.gateway.parts import Parts
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.views import MachineView
 from dray.gateway.tracking.eta import History
 from dray.gateway.tracking.reasons import Doing
 from dray.gateway.tracking.track import Facts
-from dray.gateway.views import MachineView
+from dray.store import Store
 from dray.store.links import Link
 from dray.store.orders import Order
 from dray.store.progress import ENDED, Goal
@@ -41,10 +42,16 @@ class Found(msgspec.Struct, frozen=True):
     """Set when there are no facts."""
 
 
-async def facts_of(gateway: Parts, token: str) -> Found:
-    """All that is known of the order that a link leads to."""
-    now_s = gateway.wall_s()
-    async with gateway.store.read() as work:
+async def facts_of(store: Store, projection: Projection, token: str, now_s: float) -> Found:
+    """All that is known of the order that a link leads to.
+
+    Args:
+        store: what has happened.
+        projection: what happens now.
+        token: of the link.
+        now_s: wall clock.
+    """
+    async with store.read() as work:
         link = await work.links.find(token)
         order = None if link is None else await work.orders.get(link.order_id)
         if link is None or order is None:
@@ -52,7 +59,7 @@ async def facts_of(gateway: Parts, token: str) -> Found:
         why = _ended(link, order, now_s)
         if why is not None:
             return Found(None, why)
-        return Found(await _gathered(gateway, work, order, now_s))
+        return Found(await _gathered(projection, work, order, now_s))
 
 
 def _ended(link: Link, order: Order, now_s: float) -> NoPage | None:
@@ -66,9 +73,8 @@ def _ended(link: Link, order: Order, now_s: float) -> NoPage | None:
     return NoPage.EXPIRED if ends_s is not None and ends_s <= now_s else None
 
 
-async def _gathered(gateway: Parts, work: Work, order: Order, now_s: float) -> Facts:
-    projection = gateway.projection
-    names = {product.id: product.name for product in gateway.plant.products}
+async def _gathered(projection: Projection, work: Work, order: Order, now_s: float) -> Facts:
+    names = {product.id: product.name for product in projection.site.plant.file.products}
     goals = tuple((await work.goals.of_orders([order.id]))[order.id])
     times = await work.milestones.of_order(order.id)
     if order.status in ENDED:

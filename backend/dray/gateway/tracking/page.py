@@ -9,21 +9,13 @@ import msgspec
 
 from dray.gateway.tracking.facts import NoPage
 from dray.gateway.tracking.reasons import Reason
-from dray.gateway.tracking.texts import LANGUAGES, Catalogue
+from dray.gateway.tracking.texts import Catalogue
 from dray.gateway.tracking.texts.clock import Clock
 from dray.gateway.tracking.track import Late, Stage, StageName, Track
 from dray.store.progress import OrderStatus
 
 POLL_S = 5
 """How often an open page asks for news: a piece takes longer than that, and an unchanged answer is empty."""
-
-
-class Switch(msgspec.Struct, frozen=True):
-    """A language to choose."""
-
-    code: str
-    name: str
-    chosen: bool
 
 
 class StageLine(msgspec.Struct, frozen=True):
@@ -71,11 +63,6 @@ class Page(msgspec.Struct, frozen=True, kw_only=True):
     poll_s: int
     announcement: str
     """What a screen reader says when it has changed: not every piece."""
-
-
-def switches(language: str) -> tuple[Switch, ...]:
-    """All languages, and which one is chosen."""
-    return tuple(Switch(code, texts.name, code == language) for code, texts in LANGUAGES.items())
 
 
 def page(told: Track, texts: Catalogue, clock: Clock, now_s: float) -> Page:

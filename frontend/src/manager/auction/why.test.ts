@@ -49,7 +49,7 @@ describe("the sentence says what the gateway found", () => {
 });
 
 test("there are words for everything that the gateway has words for", () => {
-  const python = readFileSync(new URL("../../../../backend/dray/gateway/projection/why_text.py", import.meta.url), "utf8");
+  const python = readFileSync(new URL("../../../../backend/dray/gateway/live/projection/auctions/why_text.py", import.meta.url), "utf8");
   const words = (table: string): string[] => {
     const body = new RegExp(`^${table} = \\{\\n([^}]*)\\}`, "m").exec(python)?.[1] ?? "";
     return [...body.matchAll(/^ {4}"(\w+)": "(.*)",$/gm)].map((found) => `${found[1]}: ${found[2]}`);

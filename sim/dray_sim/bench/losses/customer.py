@@ -15,7 +15,7 @@ from urllib.request import ProxyHandler, Request, build_opener
 
 import msgspec
 
-from dray.gateway.timescale import TimeScale
+from dray.gateway.live.timescale import TimeScale
 from dray_sim.people.demand import Order
 
 AGAIN_S = 0.5

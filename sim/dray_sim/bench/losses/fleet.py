@@ -19,7 +19,7 @@ from dray.cli.fleet.process_registry import ProcessRegistry, peer_of, read_regis
 from dray.cli.runtime.serving import url_of
 from dray.errors import UnavailableError
 from dray.gateway.access.tokens import new_token
-from dray.gateway.timescale import TimeScale
+from dray.gateway.live.timescale import TimeScale
 from dray.plant import Plant, plant_yaml
 from dray.settings import PREFIX
 

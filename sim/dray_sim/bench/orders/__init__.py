@@ -16,7 +16,7 @@ from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
 
-from dray.gateway.intake import MAX_OPEN_ORDERS
+from dray.gateway.orders.placement import MAX_OPEN_ORDERS
 from dray_sim.bench.orders.customers import Customers
 from dray_sim.bench.orders.servers import Served, prepare, serving
 from dray_sim.bench.postgres import PostgresServer, installed

@@ -15,7 +15,7 @@ import uvicorn
 
 from dray.adapters.signing import SigningKey
 from dray.gateway.app import create_app
-from dray.gateway.timescale import TimeScale
+from dray.gateway.live.timescale import TimeScale
 from dray.messages import Message, OrderReleased, OrderTaken
 from dray.plant import default_plant
 from dray.ports import Receive

@@ -16,7 +16,7 @@ from fastapi import FastAPI
 from sqlalchemy import JSON, Boolean, Column, Double, MetaData, String, Table, event, insert
 from sqlalchemy.ext.asyncio import create_async_engine
 
-from dray.gateway.drafts import OrderDraft
+from dray.gateway.orders.drafts import OrderDraft
 
 METADATA = MetaData()
 

@@ -19,15 +19,17 @@ from tempfile import TemporaryDirectory
 import uvicorn
 
 from dray.adapters.signing import SigningKey
+from dray.gateway.access.access import Access
 from dray.gateway.access.principal import Role
 from dray.gateway.access.tokens import new_token
 from dray.gateway.app import create_app
-from dray.gateway.parts import Parts
-from dray.gateway.timescale import TimeScale
+from dray.gateway.http.provided import provided
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.timescale import TimeScale
 from dray.messages import Message
 from dray.ports import Receive, Session
 from dray.settings import Settings
-from dray.store import open_store
+from dray.store import Store, open_store
 from dray.store.people import Person
 from dray_sim.bench.panels.crowd import Crowd
 
@@ -124,15 +126,15 @@ async def _serve(crowd: Crowd, folder: Path, opened: Future[tuple[House, uvicorn
             async with app.router.lifespan_context(app):
                 server = uvicorn.Server(uvicorn.Config(app, lifespan="off", log_level="error"))
                 url = f"http://127.0.0.1:{listener.getsockname()[1]}"
-                parts: Parts = app.state.parts
+                access = provided(app, Access)
                 area = crowd.plant.file.areas[0].id
                 house = House(
                     url,
                     admin_token,
-                    await _logged_in(parts, "manager", Role.MANAGER),
-                    await _logged_in(parts, "operator", Role.OPERATOR, area),
+                    await _logged_in(store, access, "manager", Role.MANAGER),
+                    await _logged_in(store, access, "operator", Role.OPERATOR, area),
                 )
-                driving = asyncio.create_task(_drive(crowd, parts))
+                driving = asyncio.create_task(_drive(crowd, provided(app, Projection)))
                 opened.set_result((house, server))
                 await server.serve(sockets=[listener])
                 driving.cancel()
@@ -140,21 +142,21 @@ async def _serve(crowd: Crowd, folder: Path, opened: Future[tuple[House, uvicorn
         await store.close()
 
 
-async def _logged_in(parts: Parts, name: str, role: Role, *areas: str) -> str:
+async def _logged_in(store: Store, access: Access, name: str, role: Role, *areas: str) -> str:
     """The session of somebody new."""
-    person = Person(id=name, name=name.capitalize(), role=role, areas=areas, created_at_s=parts.wall_s())
-    async with parts.store.write() as work:
+    person = Person(id=name, name=name.capitalize(), role=role, areas=areas, created_at_s=access.wall_s())
+    async with store.write() as work:
         await work.people.add(person)
-    token, _ = await parts.access.sessions.begin(person)
+    token, _ = await access.sessions.begin(person)
     return token
 
 
-async def _drive(crowd: Crowd, parts: Parts) -> None:
+async def _drive(crowd: Crowd, projection: Projection) -> None:
     """Tell the gateway what the crowd does, as it does it."""
     for message in crowd.transports():
-        parts.projection.fold(message)
+        projection.fold(message)
     begun_s = time.monotonic()
     while True:
         for message in crowd.until(time.monotonic() - begun_s):
-            parts.projection.fold(message)
+            projection.fold(message)
         await asyncio.sleep(TICK_S)

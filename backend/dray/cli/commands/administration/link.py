@@ -50,7 +50,7 @@ def create(
     from dray.cli.commands.administration.console import note, transact
     from dray.cli.runtime.options import load_settings
     from dray.errors import SettingsError
-    from dray.gateway.orderids import new_token
+    from dray.gateway.orders.order_ids import new_token
     from dray.store.links import Link
 
     settings = load_settings(database_url=db)

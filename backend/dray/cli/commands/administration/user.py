@@ -100,8 +100,8 @@ def list_users(db: Database = None) -> None:
 @app.command()
 def password(name: Who, db: Database = None) -> None:
     """Give a manager a password; asks for it, or reads one line from a pipe."""
-    from dray.gateway.access.hasher import Hasher
-    from dray.gateway.access.secrets import check_password
+    from dray.gateway.access.login.hasher import Hasher
+    from dray.gateway.access.login.secrets import check_password
 
     _expect(db, name, "manager", "a password", "dray user pin")
     chosen = _ask("Password")
@@ -113,8 +113,8 @@ def password(name: Who, db: Database = None) -> None:
 @app.command()
 def pin(name: Who, db: Database = None) -> None:
     """Give an operator a PIN; asks for it, or reads one line from a pipe."""
-    from dray.gateway.access.hasher import Hasher
-    from dray.gateway.access.secrets import check_pin
+    from dray.gateway.access.login.hasher import Hasher
+    from dray.gateway.access.login.secrets import check_pin
 
     _expect(db, name, "operator", "a PIN", "dray user password")
     chosen = _ask("PIN")
@@ -133,9 +133,9 @@ def badge(
 ) -> None:
     """Give an operator a badge."""
     from dray.cli.commands.administration.console import transact
-    from dray.gateway.access.hasher import Hasher
-    from dray.gateway.access.login import BADGE_SALT
-    from dray.gateway.access.secrets import check_badge
+    from dray.gateway.access.login.hasher import Hasher
+    from dray.gateway.access.login.login import BADGE_SALT
+    from dray.gateway.access.login.secrets import check_badge
     from dray.gateway.access.tokens import new_token
 
     _expect(db, name, "operator", "a badge", "dray user password")
@@ -162,7 +162,7 @@ def link(
     """Print a link by which somebody logs in once; earlier ones work no more."""
     from dray.cli.commands.administration.console import note, transact
     from dray.cli.runtime.options import load_settings
-    from dray.gateway.access.invitations import invite
+    from dray.gateway.access.login.invitations import invite
 
     settings = load_settings(database_url=db)
     base = (url or f"http://{settings.host}:{settings.port}").rstrip("/")

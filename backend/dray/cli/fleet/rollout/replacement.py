@@ -18,7 +18,7 @@ from dray.cli.fleet.rollout.listener import Listener
 from dray.cli.fleet.rollout.report import Step, Verdict
 from dray.cli.fleet.software import Software
 from dray.cli.runtime.serving import url_of
-from dray.gateway.timescale import TimeScale
+from dray.gateway.live.timescale import TimeScale
 from dray.settings import Settings
 
 JOIN_S = 60.0

@@ -31,8 +31,6 @@ class Calendar(msgspec.Struct, frozen=True, kw_only=True):
 class Catalogue(msgspec.Struct, frozen=True, kw_only=True):
     """All texts of the customer's page in one language; braces hold what is filled in."""
 
-    name: str
-    """Of the language, in itself."""
     calendar: Calendar
 
     title: str

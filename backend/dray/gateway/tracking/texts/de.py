@@ -5,7 +5,6 @@ from __future__ import annotations
 from dray.gateway.tracking.texts.catalogue import Calendar, Catalogue
 
 DE = Catalogue(
-    name="Deutsch",
     calendar=Calendar(
         weekdays=("Mo", "Di", "Mi", "Do", "Fr", "Sa", "So"),
         months=(

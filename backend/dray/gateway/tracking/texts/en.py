@@ -5,7 +5,6 @@ from __future__ import annotations
 from dray.gateway.tracking.texts.catalogue import Calendar, Catalogue
 
 EN = Catalogue(
-    name="English",
     calendar=Calendar(
         weekdays=("Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun"),
         months=("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"),

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dray.gateway.tracking.texts.catalogue import Calendar, Catalogue
 
 ES = Catalogue(
-    name="Español",
     calendar=Calendar(
         weekdays=("lun", "mar", "mié", "jue", "vie", "sáb", "dom"),
         months=("ene", "feb", "mar", "abr", "may", "jun", "jul", "ago", "sept", "oct", "nov", "dic"),

@@ -1,0 +1,115 @@
+"""Hashing what people know: passwords, PINs and badge codes.
+
+Argon2id is slow and takes much memory on purpose, so it is done off the event loop, a few at a time.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from http import HTTPStatus
+from typing import TypeVar, TypeVarTuple
+
+from argon2 import PasswordHasher, Type
+from argon2.exceptions import InvalidHashError, VerificationError
+from argon2.low_level import hash_secret_raw
+
+from dray.gateway.http.problems import Problem
+
+T = TypeVar("T")
+Ts = TypeVarTuple("Ts")
+
+AT_ONCE = 2
+"""Hashes that are computed at the same time: each takes 64 MiB and a core for some 50 ms."""
+
+WAITING = 50
+"""Logins that wait for their turn: some seconds. A whole shift does not log in at one moment."""
+
+NOBODYS = "nobody's secret"
+
+
+class Hasher:
+    """Hashes and checks secrets.
+
+    Args:
+        argon2: the costs; those of RFC 9106 for machines with little memory, when absent.
+    """
+
+    def __init__(self, argon2: PasswordHasher | None = None) -> None:
+        self._argon2 = argon2 or PasswordHasher()
+        self._nobodys = self._argon2.hash(NOBODYS)
+        self._turn = asyncio.Semaphore(AT_ONCE)
+        self._waiting = 0
+
+    @contextmanager
+    def place(self) -> Iterator[Place]:
+        """A place among those who wait for their turn, kept as long as the context lasts.
+
+        Whoever finds none has not tried to log in, so it is asked for before a try is counted.
+
+        Raises:
+            Problem: 503, there is none.
+        """
+        if self._waiting >= WAITING:
+            raise Problem(
+                HTTPStatus.SERVICE_UNAVAILABLE,
+                "too-many-logins",
+                "Too many log in at this moment",
+                "try again in some seconds",
+                headers={"Retry-After": "5"},
+            )
+        self._waiting += 1
+        try:
+            yield Place(self)
+        finally:
+            self._waiting -= 1
+
+    async def off_the_loop(self, work: Callable[[*Ts], T], *given: *Ts) -> T:
+        """Compute something that takes its time, when it is its turn."""
+        async with self._turn:
+            return await asyncio.to_thread(work, *given)
+
+    def matches(self, kept: str | None, secret: str) -> bool:
+        """Whether this is the secret whose hash is kept; takes as long where there is none. Takes its time."""
+        try:
+            self._argon2.verify(kept or self._nobodys, secret)
+        except (VerificationError, InvalidHashError):
+            return False
+        return kept is not None
+
+    def hash(self, secret: str) -> str:
+        """What is kept of a password or PIN. Takes its time."""
+        return self._argon2.hash(secret)
+
+    def badge_hash(self, code: str, salt: str) -> str:
+        """What is kept of a badge's code, and what it is looked up by. Takes its time.
+
+        Args:
+            code: the badge's.
+            salt: of this database, in hexadecimal digits.
+        """
+        return hash_secret_raw(
+            code.encode(),
+            bytes.fromhex(salt),
+            time_cost=self._argon2.time_cost,
+            memory_cost=self._argon2.memory_cost,
+            parallelism=self._argon2.parallelism,
+            hash_len=self._argon2.hash_len,
+            type=Type.ID,
+        ).hex()
+
+
+class Place:
+    """A place among those who wait for their turn (`Hasher.place`)."""
+
+    def __init__(self, hasher: Hasher) -> None:
+        self._hasher = hasher
+
+    async def matches(self, kept: str | None, secret: str) -> bool:
+        """See `Hasher.matches`."""
+        return await self._hasher.off_the_loop(self._hasher.matches, kept, secret)
+
+    async def badge_hash(self, code: str, salt: str) -> str:
+        """See `Hasher.badge_hash`."""
+        return await self._hasher.off_the_loop(self._hasher.badge_hash, code, salt)

@@ -1,0 +1,126 @@
+"""The login's pages: the forms in the visitor's language, and what went wrong in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from http import HTTPStatus
+from typing import Any
+from urllib.parse import urlencode
+
+from fastapi import Request
+from fastapi.responses import HTMLResponse, PlainTextResponse, Response
+
+from dray.gateway.access.gate import wants_page
+from dray.gateway.access.login import cookies
+from dray.gateway.access.login.login import LinkUsedUp
+from dray.gateway.access.login.redirect import HOMES
+from dray.gateway.access.login.texts import TEXTS
+from dray.gateway.access.principal import Role
+from dray.gateway.http.assets import NotBuilt, Panels
+from dray.gateway.http.language import language_of, remember_language, switches
+from dray.gateway.http.problems import AWAY, Problem
+
+HEADERS = {
+    "Cache-Control": "no-store",
+    # With no referrer at all, browsers would hide the origin of a form that is sent, and the middleware against
+    # other sites' pages would refuse it.
+    "Referrer-Policy": "same-origin",
+    "X-Robots-Tag": "noindex, nofollow",
+}
+
+NOT_BUILT = """\
+The login page is not built. Run `make panels` in the checkout and load this page again.
+Programs need no page: they send Authorization: Bearer TOKEN.
+"""
+
+
+def refused(panels: Panels, request: Request, problem: Problem, form: Mapping[str, str]) -> Response:
+    """What went wrong: for a person as a page, for a program as a problem."""
+    if not wants_page(request.scope):
+        raise problem
+    if isinstance(problem, LinkUsedUp):
+        return page(panels, request, HTTPStatus(problem.status), "login-gone.html")
+    return login_form(panels, request, HTTPStatus(problem.status), form, problem)
+
+
+def login_form(
+    panels: Panels,
+    request: Request,
+    status: HTTPStatus,
+    form: Mapping[str, str],
+    problem: Problem | None = None,
+) -> Response:
+    """The form, as it was filled in, without the secret."""
+    wanted = form.get("next", "")
+    operator = form.get("as") == "operator" or (
+        not form.get("as") and wanted.startswith(HOMES[Role.OPERATOR])
+    )
+    return page(
+        panels,
+        request,
+        status,
+        "login.html",
+        operator=operator,
+        next=wanted,
+        typed=form.get("name", ""),
+        known=cookies.known_people(request) if operator else [],
+        chosen=form.get("known", ""),
+        wrong="" if problem is None else _words(problem, language_of(request)),
+        headers={} if problem is None else problem.headers,
+        carried=[("next", wanted), ("as", form.get("as", ""))],
+        # A page of another site led here, so the browser has kept our cookie to itself. Loaded again by
+        # this page, the same address is asked for with it.
+        again=request.headers.get("sec-fetch-site") == "cross-site",
+    )
+
+
+def _words(problem: Problem, language: str) -> str:
+    texts = TEXTS[language]
+    match problem.status:
+        case HTTPStatus.TOO_MANY_REQUESTS:
+            wait_s = int(problem.headers["Retry-After"])
+            wait = (
+                texts.seconds.format(n=wait_s) if wait_s < 120 else texts.minutes.format(n=-(-wait_s // 60))
+            )
+            return texts.too_many.format(wait=wait)
+        case HTTPStatus.SERVICE_UNAVAILABLE:
+            return texts.away if problem.kind == AWAY else texts.busy
+        case _:
+            return texts.wrong
+
+
+def page(
+    panels: Panels,
+    request: Request,
+    status: HTTPStatus,
+    template: str,
+    headers: Mapping[str, str] | None = None,
+    carried: Iterable[tuple[str, str]] = (),
+    **context: Any,
+) -> Response:
+    """A page in the visitor's language.
+
+    Args:
+        panels: the templates.
+        request: what is answered.
+        status: of the answer.
+        template: its name.
+        headers: more of them.
+        carried: what the address must keep when only the language changes.
+        context: what the template shows.
+    """
+    language = language_of(request)
+    try:
+        html = panels.render(
+            template,
+            language=language,
+            texts=TEXTS[language],
+            switches=switches(language),
+            carried=urlencode({name: value for name, value in carried if value}),
+            **context,
+        )
+    except NotBuilt:
+        return PlainTextResponse(NOT_BUILT, HTTPStatus.SERVICE_UNAVAILABLE, headers=HEADERS)
+    answer = HTMLResponse(html, status, headers=HEADERS | dict(headers or {}))
+    remember_language(answer, request)
+    return answer

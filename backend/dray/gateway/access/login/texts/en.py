@@ -1,0 +1,42 @@
+"""English."""
+
+from __future__ import annotations
+
+from dray.gateway.access.login.texts.catalogue import Catalogue
+
+EN = Catalogue(
+    languages="Language",
+    skip="Skip to the login",
+    title="Log in",
+    manager_heading="Management panel",
+    operator_heading="Operator panel",
+    id="Name",
+    id_hint="as it was given to you",
+    known="Who are you?",
+    somebody_else="Somebody else",
+    password="Password",  # noqa: S106 - a label
+    pin="PIN",
+    pin_hint="six digits or more",
+    pin_delete="Delete the last digit",
+    badge="Badge",
+    badge_hint="Hold your badge to the reader",
+    submit="Log in",
+    to_operator="I work at a station",
+    to_manager="I manage the plant",
+    wrong="That did not open. Look at the name and try again.",
+    too_many="Too many tries. Try again in {wait}.",
+    seconds="{n} s",
+    minutes="{n} min",
+    busy="Too many log in at this moment. Try again in some seconds.",
+    away="The database does not answer at this moment. Try again in some seconds.",
+    link_heading="Hello, {name}",
+    link_note="This link logs you in once, on this device.",
+    link_submit="Log in",
+    gone_heading="This link does not log in any more",
+    gone_note="It was used already, or is too old. Ask for a new one.",
+    station_heading="Where do you work now?",
+    station_note="You are logged in at one station at a time; elsewhere you have been logged out.",
+    no_station="There is no machine in your areas.",
+    without_station="Go on without a station",
+    help="No access? Whoever looks after Dray can give you a link.",
+)

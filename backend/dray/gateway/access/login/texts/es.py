@@ -1,0 +1,42 @@
+"""Spanish."""
+
+from __future__ import annotations
+
+from dray.gateway.access.login.texts.catalogue import Catalogue
+
+ES = Catalogue(
+    languages="Idioma",
+    skip="Ir al inicio de sesión",
+    title="Iniciar sesión",
+    manager_heading="Panel de gestión",
+    operator_heading="Panel de operario",
+    id="Nombre",
+    id_hint="tal como se lo dieron",
+    known="¿Quién es usted?",
+    somebody_else="Otra persona",
+    password="Contraseña",  # noqa: S106 - a label
+    pin="PIN",
+    pin_hint="seis cifras o más",
+    pin_delete="Borrar la última cifra",
+    badge="Tarjeta",
+    badge_hint="Acerque la tarjeta al lector",
+    submit="Entrar",
+    to_operator="Trabajo en un puesto",
+    to_manager="Dirijo la planta",
+    wrong="No coincide. Revise el nombre e inténtelo de nuevo.",
+    too_many="Demasiados intentos. Inténtelo de nuevo en {wait}.",
+    seconds="{n} s",
+    minutes="{n} min",
+    busy="Demasiadas personas entran en este momento. Inténtelo dentro de unos segundos.",
+    away="La base de datos no responde en este momento. Inténtelo dentro de unos segundos.",
+    link_heading="Hola, {name}",
+    link_note="Este enlace le da acceso una sola vez, en este dispositivo.",
+    link_submit="Entrar",
+    gone_heading="Este enlace ya no da acceso",
+    gone_note="Ya se usó o es demasiado antiguo. Pida uno nuevo.",
+    station_heading="¿Dónde trabaja ahora?",
+    station_note="Solo puede estar en un puesto a la vez; en los demás se ha cerrado su sesión.",
+    no_station="No hay ninguna máquina en sus áreas.",
+    without_station="Seguir sin puesto",
+    help="¿Sin acceso? Quien se ocupa de Dray puede darle un enlace.",
+)

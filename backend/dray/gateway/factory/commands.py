@@ -1,0 +1,284 @@
+"""Commands: what a person asks of a vehicle, and the vehicle's word on it.
+
+A command is sent once and never queued: a person must know whether it was heard, and decide again. All
+panels of those who answer for the vehicle see it: sent, and then what became of it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from http import HTTPStatus
+
+from dray.adapters.signing import SigningKey
+from dray.gateway.access.principal import Principal, Scope
+from dray.gateway.http.problems import Problem
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.views import CommandView
+from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand
+from dray.plant import Plant
+
+STOP_VALID_S = 30.0
+"""A stop that comes late, over a bad link, is still better than none."""
+
+CLOCKS_S = 1.0
+"""Everything else is good for as long as its answer is waited for, and so much longer, as clocks differ: who
+was told that it is not confirmed must not see it obeyed later."""
+
+PENDING = 1_000
+"""Commands that wait for an answer at once: some per vehicle of the largest plant."""
+
+NAMES_KEPT = 2_000
+"""Commands that are known by their names when they are sent again: more than may wait at once."""
+
+
+SHUTTING_OUT = Principal(kind="admin", id="shut-out", name="", scopes=frozenset({Scope.VEHICLES_STOP}))
+"""On whose behalf a vehicle is stopped that is shut out; who it was is in the audit log."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sent:
+    """A command that was sent.
+
+    Attributes:
+        atv: to whom.
+        person: on whose behalf.
+        said: in which words, without the grant.
+        answer: the vehicle's word.
+        beside: it went by the way that is for stops alone (`dray.gateway.stop`), which keeps account of it.
+    """
+
+    atv: str
+    person: str
+    said: VehicleCommand
+    answer: asyncio.Future[CommandAnswered]
+    beside: bool = False
+
+
+class Commands:
+    """Sends commands and pairs them with their answers.
+
+    Args:
+        send: says something to one agent.
+        authority: grants what is sent.
+        projection: shows what is sent; knows where vehicles are.
+        floor: knows which areas that is in.
+        plant_s: the plant's clock.
+        wall_s: the wall clock.
+        speed: plant seconds per wall second.
+        name: begins the names of commands; differs in every life of the gateway.
+        timeout_s: wall seconds to wait for the vehicle's word.
+    """
+
+    def __init__(
+        self,
+        send: Callable[[str, Message], None],
+        *,
+        authority: SigningKey,
+        projection: Projection,
+        floor: Plant,
+        plant_s: Callable[[], float],
+        wall_s: Callable[[], float],
+        speed: float,
+        name: str,
+        timeout_s: float,
+    ) -> None:
+        self._send, self._authority = send, authority
+        self._projection, self._floor = projection, floor
+        self._plant_s, self._wall_s, self._speed = plant_s, wall_s, speed
+        self._name, self._timeout_s = name, timeout_s
+        self._sent: OrderedDict[str, Sent] = OrderedDict()
+        """By their names, the oldest first."""
+        self._waiting = 0
+        self._count = 0
+
+    async def order(
+        self,
+        atv: str,
+        kind: CommandKind,
+        *,
+        by: Principal,
+        command: str | None = None,
+        speed_frac: float | None = None,
+        wait_s: float | None = None,
+    ) -> CommandAnswered:
+        """Send a command with a grant, and wait for the vehicle's word.
+
+        Args:
+            atv: the vehicle.
+            kind: what is asked.
+            by: who asks.
+            command: its name, when the caller has one; one that was sent already is only waited for.
+            speed_frac: a part of the vehicle's own top speed.
+            wait_s: how long help will take, in plant seconds.
+
+        Raises:
+            Problem: 504 when the vehicle does not answer in time, 503 when too many are waiting, 409 when
+                another command has this name.
+        """
+        name = command or self._new_name()
+        said = VehicleCommand(
+            command=name, kind=kind, speed_frac=speed_frac, wait_s=wait_s, issued_by=by.name
+        )
+        person = f"{by.kind}:{by.id}"
+        sent = self._sent.get(name)
+        if sent is None:
+            sent = self._say(atv, said, person, by)
+        elif (sent.atv, sent.person, sent.said) != (atv, person, said):
+            raise name_used(name)
+        return await self._wait(name, sent)
+
+    def sent_beside(self, atv: str, said: VehicleCommand, by: Principal) -> bool:
+        """A stop has gone out by its own way: show it, and know it by its name.
+
+        Returns:
+            False when a command of this name went out by this way before.
+        """
+        if said.command in self._sent:
+            return False
+        self._show(self._keep(Sent(atv, f"{by.kind}:{by.id}", said, _nothing_yet(), beside=True)), by)
+        return True
+
+    def answered_beside(self, atv: str, name: str, answer: CommandAnswered | None) -> None:
+        """What has become of it; None when the vehicle has not answered in time."""
+        if answer is not None:
+            self.answered(atv, answer)
+        else:
+            self._projection.commands.end(name, "not_confirmed")
+
+    def went_beside(self, name: str | None) -> bool:
+        """Whether the command of this name went out by the way that is for stops alone, first."""
+        sent = None if name is None else self._sent.get(name)
+        return sent is not None and sent.beside
+
+    def answered(self, sender: str, answer: CommandAnswered) -> bool:
+        """A vehicle has answered; returns whether that is news, in time or late."""
+        sent = self._sent.get(answer.command)
+        if sent is None or sent.answer.done() or sent.atv != sender:
+            return False
+        sent.answer.set_result(answer)
+        self._projection.commands.end(
+            answer.command, "confirmed" if answer.done else "refused", answer.reason
+        )
+        return True
+
+    def part_with(self, atv: str, by: str) -> None:
+        """A vehicle is shut out: ask it to stop, and wait no longer for its word, which nobody believes.
+
+        Args:
+            atv: the vehicle.
+            by: the name of who has shut it out.
+        """
+        why = f"{by} has shut {atv} out: whether it obeys is not known, look at it"
+        stop = VehicleCommand(command=self._new_name(), kind=CommandKind.STOP, issued_by=by)
+        with contextlib.suppress(Problem):  # too many wait: it is shut out all the same
+            self._say(atv, stop, SHUTTING_OUT.id, replace(SHUTTING_OUT, name=by))
+        for name, sent in self._sent.items():
+            if sent.atv == atv and not sent.answer.done():
+                sent.answer.set_result(CommandAnswered(command=name, done=False, reason=why))
+                self._projection.commands.end(name, "not_confirmed", why)
+
+    def _new_name(self) -> str:
+        """A name that no command has: callers may have chosen one that looks like ours."""
+        while True:
+            self._count += 1
+            name = f"{self._name}-{self._count}"
+            if name not in self._sent:
+                return name
+
+    def _say(self, atv: str, said: VehicleCommand, person: str, by: Principal) -> Sent:
+        if self._waiting >= PENDING:
+            raise too_many_wait(PENDING)
+        sent = self._keep(Sent(atv, person, said, _nothing_yet()))
+        self._show(sent, by)
+        self._send(atv, self._granted(sent, by))
+        return sent
+
+    def _keep(self, sent: Sent) -> Sent:
+        self._sent[sent.said.command] = sent
+        if len(self._sent) > NAMES_KEPT:
+            self._sent.popitem(last=False)
+        return sent
+
+    async def _wait(self, name: str, sent: Sent) -> CommandAnswered:
+        self._waiting += 1
+        try:
+            async with asyncio.timeout(self._timeout_s):
+                return await asyncio.shield(sent.answer)
+        except TimeoutError:
+            self._projection.commands.end(name, "not_confirmed")
+            raise not_confirmed(sent.atv, self._timeout_s) from None
+        finally:
+            self._waiting -= 1
+
+    def _show(self, sent: Sent, by: Principal) -> None:
+        said = sent.said
+        place_m = self._projection.atvs.place_m(sent.atv)
+        view = CommandView(
+            id=said.command,
+            atv=sent.atv,
+            kind=said.kind.value,
+            speed_frac=said.speed_frac,
+            by=by.name,
+            at_s=self._wall_s(),
+        )
+        near = () if place_m is None else self._floor.areas_near(*place_m, said.kind.margin_m)
+        if by.areas is not None and by.areas.isdisjoint(near):
+            near = (*near, *by.areas)  # whoever stops what is shown elsewhere sees what became of it
+        self._projection.commands.put(view, near)
+
+    def _granted(self, sent: Sent, by: Principal) -> VehicleCommand:
+        valid_s = STOP_VALID_S if sent.said.kind is CommandKind.STOP else self._timeout_s + CLOCKS_S
+        until_s = self._plant_s() + valid_s * self._speed
+        return granted(self._authority, sent.atv, sent.said, by, until_s)
+
+
+def granted(
+    authority: SigningKey, atv: str, said: VehicleCommand, by: Principal, valid_until_s: float
+) -> VehicleCommand:
+    """A command to one vehicle with the grant of whoever gives it; `valid_until_s` is on the plant's clock."""
+    return authority.grant(
+        atv,
+        said,
+        person=f"{by.kind}:{by.id}",
+        areas=None if by.areas is None else sorted(by.areas),
+        valid_until_s=valid_until_s,
+    )
+
+
+def name_used(name: str) -> Problem:
+    """Another command has this name."""
+    return Problem(
+        HTTPStatus.CONFLICT,
+        "command-name-used",
+        "The name of the command was used",
+        f"another command is called {name}; choose a name that is used once, a UUID say",
+    )
+
+
+def too_many_wait(most: int) -> Problem:
+    """So many commands wait for an answer that no other is given."""
+    return Problem(
+        HTTPStatus.SERVICE_UNAVAILABLE,
+        "too-many-commands",
+        "Too many commands wait for an answer",
+        f"{most} vehicles were asked and have not answered yet; try again in some seconds",
+        headers={"Retry-After": "3"},
+    )
+
+
+def not_confirmed(atv: str, timeout_s: float) -> Problem:
+    """A vehicle has not answered in time."""
+    return Problem(
+        HTTPStatus.GATEWAY_TIMEOUT,
+        "not-confirmed",
+        "Not confirmed by the vehicle",
+        f"{atv} has not answered within {timeout_s:g} s: it may or may not have heard; look at it",
+    )
+
+
+def _nothing_yet() -> asyncio.Future[CommandAnswered]:
+    return asyncio.get_running_loop().create_future()

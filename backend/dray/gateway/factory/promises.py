@@ -1,0 +1,180 @@
+"""The promise ledger: what vehicles promised when they were hired, against what became of it.
+
+It is kept from the facts in SQL, which are there once each however often they were said, so it is the same
+after a restart. What was read already is remembered: a look costs what has happened since the last one.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
+
+import msgspec
+
+from dray.gateway.http.csv_tables import Row, row_of
+from dray.gateway.live.peer import STRATEGIST
+from dray.messages.fact import CarrierChanged, TaskClosed
+from dray.store import Store
+from dray.store.events import EventFilter, EventRow
+
+ON_TIME_S = 5.0
+"""Factory seconds after its promise within which a transport counts as on time: what it takes to dock."""
+
+IMPLAUSIBLE_S = 86_400.0
+"""No promise is missed by more: it would have been given to somebody else hours before."""
+
+KEPT = 5_000
+"""Transports per vehicle that figures are made of, the newest: some weeks of work."""
+
+MAX_ATVS = 10_000
+"""Vehicles that are remembered: ten times the largest plant. A peer that invents ids ends here."""
+
+ROWS_AT_ONCE = 2_000
+"""Facts read in one go, so that a long history does not keep others from the database."""
+
+_KINDS = (TaskClosed.__name__, CarrierChanged.__name__)
+
+
+class PromiseLine(msgspec.Struct, frozen=True, kw_only=True):
+    """How a vehicle keeps its promises; times in factory seconds, below 0 for earlier than promised."""
+
+    atv: str
+    """Empty for the whole fleet."""
+    delivered: int = 0
+    """Transports that it had promised a time for, and delivered: the newest 5,000 at most."""
+    on_time: int = 0
+    """Those delivered no later than `on_time_within_s` after the promise."""
+    on_time_frac: float | None = None
+    """None where nothing was delivered, as for the times below."""
+    median_s: float | None = None
+    """Half of them were no later than this after their promise."""
+    p95_s: float | None = None
+    worst_s: float | None = None
+    worst_task: str = ""
+    """Which one that was."""
+    lost: int = 0
+    """Transports that somebody else had to carry on."""
+    last_at_s: float | None = None
+    """Wall clock: when the last one was delivered."""
+
+
+FIELDS = PromiseLine.__struct_fields__
+
+
+class PromiseLedger(msgspec.Struct, frozen=True, kw_only=True):
+    """The ledger of all vehicles."""
+
+    on_time_within_s: float
+    fleet: PromiseLine
+    items: tuple[PromiseLine, ...]
+    """By the vehicles' ids."""
+
+
+class _Delivered(msgspec.Struct, frozen=True, gc=False):
+    late_s: float
+    task: str
+    at_s: float
+
+
+class _Account:
+    """What is known of one vehicle."""
+
+    __slots__ = ("delivered", "lost")
+
+    def __init__(self) -> None:
+        self.delivered: deque[_Delivered] = deque(maxlen=KEPT)
+        self.lost = 0
+
+
+class Ledger:
+    """Reads the ledger out of the facts.
+
+    Args:
+        store: where the facts are.
+    """
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        self._accounts: dict[str, _Account] = {}
+        self._read_to: int | None = None
+        """The position of the last fact that was read."""
+        self._reading = asyncio.Lock()
+
+    async def read(self) -> PromiseLedger:
+        """The ledger as of now."""
+        async with self._reading:
+            await self._read_on()
+        everything = [each for account in self._accounts.values() for each in account.delivered]
+        lost = sum(account.lost for account in self._accounts.values())
+        return PromiseLedger(
+            on_time_within_s=ON_TIME_S,
+            fleet=_line("", everything, lost),
+            items=tuple(
+                _line(atv, account.delivered, account.lost) for atv, account in sorted(self._accounts.items())
+            ),
+        )
+
+    async def _read_on(self) -> None:
+        wanted = EventFilter(kinds=_KINDS)
+        while True:
+            async with self._store.read() as work:
+                rows = await work.events.page(wanted, self._read_to, ROWS_AT_ONCE, newest_first=False)
+            for row in rows:
+                self._enter(row)
+                self._read_to = row.position
+            if len(rows) < ROWS_AT_ONCE:
+                return
+
+    def _enter(self, row: EventRow) -> None:
+        # The strategist's carriers are machines, which promise production and no transport.
+        if row.agent == STRATEGIST:
+            return
+        try:
+            fact = msgspec.json.decode(row.fact, type=TaskClosed | CarrierChanged)
+        except msgspec.MsgspecError:
+            return  # It was written by another version of Dray.
+        if isinstance(fact, CarrierChanged):
+            if (account := self._account(fact.replaced)) is not None:
+                account.lost += 1
+        elif fact.outcome == "delivered" and fact.promised_s > 0:
+            if (account := self._account(fact.carrier)) is not None:
+                late_s = row.plant_s - fact.promised_s
+                if abs(late_s) > IMPLAUSIBLE_S:
+                    return  # By no clock of this plant.
+                account.delivered.append(_Delivered(late_s, fact.task, row.at_s))
+
+    def _account(self, atv: str) -> _Account | None:
+        if atv and atv not in self._accounts and len(self._accounts) < MAX_ATVS:
+            self._accounts[atv] = _Account()
+        return self._accounts.get(atv)
+
+
+def rows(ledger: PromiseLedger) -> Iterator[Row]:
+    """The ledger as rows of a table; the fleet comes last."""
+    for line in (*ledger.items, ledger.fleet):
+        yield row_of(FIELDS, msgspec.structs.replace(line, atv=line.atv or "fleet"))
+
+
+def _line(atv: str, delivered: Iterable[_Delivered], lost: int) -> PromiseLine:
+    ranked = sorted(delivered, key=lambda each: (each.late_s, each.at_s))
+    if not ranked:
+        return PromiseLine(atv=atv, lost=lost)
+    on_time = sum(each.late_s <= ON_TIME_S for each in ranked)
+    return PromiseLine(
+        atv=atv,
+        delivered=len(ranked),
+        on_time=on_time,
+        on_time_frac=on_time / len(ranked),
+        median_s=_quantile(ranked, 0.5),
+        p95_s=_quantile(ranked, 0.95),
+        worst_s=ranked[-1].late_s,
+        worst_task=ranked[-1].task,
+        lost=lost,
+        last_at_s=max(each.at_s for each in ranked),
+    )
+
+
+def _quantile(ranked: Sequence[_Delivered], part: float) -> float:
+    """The nearest rank: always a lateness that really was."""
+    return ranked[max(0, -int(-part * len(ranked) // 1) - 1)].late_s

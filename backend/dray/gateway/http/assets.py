@@ -1,0 +1,160 @@
+"""Panels: the pages' templates, and the scripts and styles that Vite has built for them.
+
+Vite names its files by their content and writes the names into a manifest, so that a browser may keep
+them for ever and never keeps an old one.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import msgspec
+from starlette.responses import Response
+from starlette.staticfiles import StaticFiles
+from starlette.types import Scope
+
+PREFIX = "/static/"
+"""Where the built files are asked for; Vite writes it into them, too."""
+
+_HERE = Path(__file__).resolve()
+
+STATIC = _HERE.parents[1] / "static"
+"""Where the build puts its files."""
+
+FOR_EVER = "public, max-age=31536000, immutable"
+"""A year, for a file whose name changes with its content."""
+
+
+class Chunk(msgspec.Struct, frozen=True, rename="camel"):
+    """One entry of Vite's manifest."""
+
+    file: str
+    css: tuple[str, ...] = ()
+    assets: tuple[str, ...] = ()
+    """What its style sheets load: fonts."""
+    imports: tuple[str, ...] = ()
+    dynamic_imports: tuple[str, ...] = ()
+    """What it may load later: languages."""
+
+
+class NotBuilt(Exception):
+    """The panels have not been built."""
+
+
+class Panels:
+    """Templates and built files.
+
+    Args:
+        static: the folder that Vite writes to.
+        templates: the folder of the templates.
+    """
+
+    def __init__(self, static: Path = STATIC, templates: Path | None = None) -> None:
+        self._static = static
+        self._templates = jinja2.Environment(
+            loader=jinja2.FileSystemLoader(templates or templates_folder()),
+            autoescape=True,
+            undefined=jinja2.StrictUndefined,
+        )
+        self._templates.globals.update(asset=self.asset, styles=self.styles)
+
+    @cached_property
+    def _manifest(self) -> dict[str, Chunk]:
+        try:
+            written = (self._static / ".vite" / "manifest.json").read_bytes()
+        except OSError:
+            raise NotBuilt(str(self._static)) from None
+        return msgspec.json.decode(written, type=dict[str, Chunk])
+
+    def render(self, template: str, **context: Any) -> str:
+        """A page.
+
+        Raises:
+            NotBuilt: there are no panels, or not this one.
+        """
+        try:
+            return self._templates.get_template(template).render(context)
+        except jinja2.TemplateNotFound as error:
+            raise NotBuilt(str(error)) from None
+
+    def asset(self, entry: str) -> str:
+        """The address of an entry's script, as ``src/manager/main.tsx``.
+
+        Raises:
+            NotBuilt: there are no panels, or not this entry.
+        """
+        return PREFIX + self._chunk(entry).file
+
+    def styles(self, entry: str) -> list[str]:
+        """The addresses of an entry's style sheets, those of what it imports first.
+
+        Raises:
+            NotBuilt: there are no panels, or not this entry.
+        """
+        found: dict[str, None] = {}
+        seen: set[str] = set()
+
+        def gather(name: str) -> None:
+            if name not in seen:
+                seen.add(name)
+                chunk = self._chunk(name)
+                for imported in chunk.imports:
+                    gather(imported)
+                found.update(dict.fromkeys(chunk.css))
+
+        gather(entry)
+        return [PREFIX + name for name in found]
+
+    def files(self, *entries: str) -> list[str]:
+        """The addresses of everything that these entries may ever load, themselves included.
+
+        Raises:
+            NotBuilt: there are no panels, or not one of these entries.
+        """
+        found: dict[str, None] = {}
+        left = list(entries)
+        while left:
+            chunk = self._chunk(left.pop())
+            if chunk.file not in found:
+                found.update(dict.fromkeys((chunk.file, *chunk.css, *chunk.assets)))
+                left += (*chunk.imports, *chunk.dynamic_imports)
+        return [PREFIX + name for name in found]
+
+    def source(self, entry: str) -> str:
+        """An entry's script itself.
+
+        Raises:
+            NotBuilt: there are no panels, or not this entry.
+        """
+        return (self._static / self._chunk(entry).file).read_text(encoding="utf-8")
+
+    def _chunk(self, entry: str) -> Chunk:
+        try:
+            return self._manifest[entry]
+        except KeyError:
+            raise NotBuilt(entry) from None
+
+
+class BuiltFiles(StaticFiles):
+    """The built files, kept by browsers for ever where their names tell their content."""
+
+    async def check_config(self) -> None:
+        """Panels that are not built are no fault: their files are not found."""
+
+    def file_response(
+        self, full_path: Any, stat_result: Any, scope: Scope, status_code: int = 200
+    ) -> Response:
+        """One file, with how long it may be kept."""
+        response = super().file_response(full_path, stat_result, scope, status_code)
+        hashed = Path(full_path).parent.name == "assets"
+        response.headers["Cache-Control"] = FOR_EVER if hashed else "no-cache"
+        return response
+
+
+def templates_folder() -> Path:
+    """Where the templates are: at the top of a checkout, or inside the gateway's package in a wheel."""
+    inside = _HERE.parents[1] / "templates"
+    return inside if inside.is_dir() else _HERE.parents[4] / "frontend" / "templates"

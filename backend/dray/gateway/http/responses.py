@@ -1,0 +1,123 @@
+"""Answers: structs as JSON, and lists in pages with opaque cursors."""
+
+from __future__ import annotations
+
+from base64 import urlsafe_b64decode, urlsafe_b64encode
+from collections.abc import Callable, Mapping, Sequence
+from datetime import UTC, datetime
+from typing import Annotated, Any, TypeVar
+
+import msgspec
+from fastapi import Query, Response
+
+from dray.gateway.http.problems import FieldError, unusable
+
+T = TypeVar("T")
+
+Limit = Annotated[int, Query(ge=1, le=500, description="Items per page")]
+"""Items per page: 500 tasks with their bids are some 5 MB, which a browser can still take."""
+
+Cursor = Annotated[str | None, Query(max_length=512, description="`next_cursor` of the page before; opaque")]
+
+PAGE = 100
+"""Items per page when nobody asks for another number."""
+
+
+class Json(Response):
+    """JSON that is encoded already, or a struct to encode."""
+
+    media_type = "application/json"
+
+    def render(self, content: Any) -> bytes:
+        """Bytes as they are, anything else encoded."""
+        return content if isinstance(content, bytes) else msgspec.json.encode(content)
+
+
+def iso(wall_s: float) -> str:
+    """A moment in ISO 8601, in UTC."""
+    return datetime.fromtimestamp(wall_s, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+
+
+def listing(items: Sequence[object], next_cursor: str | None) -> Json:
+    """One page of a list."""
+    return Json({"items": items, "next_cursor": next_cursor})
+
+
+def write_cursor(*position: str | float) -> str:
+    """A cursor that stands behind `position`."""
+    return urlsafe_b64encode(msgspec.json.encode(position)).decode().rstrip("=")
+
+
+def read_cursor(cursor: str | None, shape: type[T]) -> T | None:
+    """What `write_cursor` was given.
+
+    Args:
+        cursor: from the request.
+        shape: the tuple type that it must hold.
+
+    Raises:
+        Problem: it is not one of ours.
+    """
+    if cursor is None:
+        return None
+    try:
+        padded = cursor + "=" * (-len(cursor) % 4)
+        return msgspec.json.decode(urlsafe_b64decode(padded), type=shape)
+    except (ValueError, msgspec.MsgspecError):
+        reason = "it is not from this list; take next_cursor of the page before, or leave it out"
+        raise unusable(FieldError("cursor", reason)) from None
+
+
+def page(items: Sequence[T], name: Callable[[T], str], cursor: str | None, limit: int) -> Json:
+    """One page of a list that is in memory.
+
+    Args:
+        items: sorted by name.
+        name: the name of an item, unique in the list.
+        cursor: from the request.
+        limit: items per page.
+
+    Raises:
+        Problem: the cursor is not one of ours.
+    """
+    after = read_cursor(cursor, tuple[str])
+    rest = [item for item in items if after is None or name(item) > after[0]]
+    last = rest[limit - 1] if len(rest) > limit else None
+    return listing(rest[:limit], None if last is None else write_cursor(name(last)))
+
+
+def described(shape: type[object], description: str, example: object | None = None) -> dict[str, Any]:
+    """How OpenAPI tells of an answer; `dray.gateway.routes.openapi.document` writes the shape into the document."""
+    content: dict[str, Any] = {"schema": {"$ref": f"#/components/schemas/{shape.__name__}"}}
+    if example is not None:
+        content["example"] = msgspec.to_builtins(example)
+    return {"description": description, "content": {"application/json": content}}
+
+
+def list_of(shape: type[object], description: str) -> dict[str, Any]:
+    """How OpenAPI tells of a page of a list."""
+    schema = {
+        "type": "object",
+        "required": ["items", "next_cursor"],
+        "properties": {
+            "items": {"type": "array", "items": {"$ref": f"#/components/schemas/{shape.__name__}"}},
+            "next_cursor": {"anyOf": [{"type": "string"}, {"type": "null"}]},
+        },
+    }
+    return {"description": description, "content": {"application/json": {"schema": schema}}}
+
+
+def problems(**kinds: str) -> Mapping[int | str, dict[str, Any]]:
+    """How OpenAPI tells of problems.
+
+    Args:
+        kinds: as `p404="There is no such order"`.
+    """
+    schema = {"$ref": "#/components/schemas/ProblemDetails"}
+    return {
+        int(status[1:]): {
+            "description": description,
+            "content": {"application/problem+json": {"schema": schema}},
+        }
+        for status, description in kinds.items()
+    }

@@ -1,0 +1,52 @@
+"""The inbox: what the gateway hears on the bus goes to whoever waits for it; all that agents tell, to the projection."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from dray.gateway.factory.commands import Commands
+from dray.gateway.live.peer import STRATEGIST
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.strategist_probe import StrategistProbe
+from dray.gateway.metrics.meter import Meter
+from dray.gateway.orders.completions import Completions
+from dray.gateway.orders.outbox import Outbox
+from dray.messages import CancellationTaken, CommandAnswered, Message, OrderTaken, RevocationTaken
+
+
+@dataclass(frozen=True, slots=True)
+class Inbox:
+    """Who in the gateway hears what.
+
+    Attributes:
+        meter: counts everything.
+        strategist_probe: learns that the strategist is there.
+        completions: how orders have ended.
+        outbox: the strategist's other answers about orders.
+        commands: vehicles' answers to people.
+        projection: heartbeats and events.
+    """
+
+    meter: Meter
+    strategist_probe: StrategistProbe
+    completions: Completions
+    outbox: Outbox
+    commands: Commands
+    projection: Projection
+
+    def receive(self, sender: str, message: Message) -> bool:
+        """Hand a message on; returns whether anybody waited for it."""
+        self.meter.hear(message)
+        if sender == STRATEGIST:
+            self.strategist_probe.heard()
+        match message:
+            case OrderTaken(fulfilled=True) | RevocationTaken():
+                return sender != STRATEGIST or self.completions.hear(message)
+            case OrderTaken() | CancellationTaken():
+                if sender == STRATEGIST:
+                    self.outbox.answered(message)
+            case CommandAnswered():
+                return self.commands.answered(sender, message)
+            case _:
+                self.projection.fold(message)
+        return True

@@ -1,0 +1,88 @@
+"""The frames of `/api/stream`: a snapshot of everything, then differences.
+
+The TypeScript types of the panels are generated from these structs.
+"""
+
+from __future__ import annotations
+
+from dray.gateway.live.views import (
+    AlertView,
+    AtvView,
+    AudienceView,
+    CommandView,
+    FactoryView,
+    FaultView,
+    MachineView,
+    NewsView,
+    OrderView,
+    StationView,
+    TaskView,
+    View,
+)
+
+
+class Snapshot(View, kw_only=True, tag_field="type", tag="snapshot"):
+    """The first frame, and the answer to a gap: everything there is."""
+
+    number: int
+    at_s: float
+    plant: str
+    factory: FactoryView
+    atvs: tuple[AtvView, ...]
+    machines: tuple[MachineView, ...]
+    stations: tuple[StationView, ...] = ()
+    """Of storages."""
+    tasks: tuple[TaskView, ...]
+    """The open ones and the last 50 that closed."""
+    orders: tuple[OrderView, ...]
+    """The open ones and the last 50 that closed."""
+    news: tuple[NewsView, ...] = ()
+    """The last 50, oldest first."""
+    alerts: tuple[AlertView, ...] = ()
+    """What is wrong now: alarms first, and of one kind the oldest first."""
+    trials: bool = False
+    """Whether faults can be begun by hand: the factory is simulated."""
+    faults: tuple[FaultView, ...] = ()
+    """Those that were begun by hand and have not ended."""
+    commands: tuple[CommandView, ...] = ()
+    """The last ones, oldest first."""
+    audience: AudienceView | None = None
+    """Whoever reads this; None only in a snapshot that is nobody's."""
+
+
+class Delta(View, kw_only=True, tag_field="type", tag="delta"):
+    """What has changed since the frame before: whole entities, by kind."""
+
+    number: int
+    """One more than the frame before it; a client that misses one asks for nothing: it gets a snapshot."""
+    at_s: float
+    factory: FactoryView | None = None
+    atvs: tuple[AtvView, ...] = ()
+    machines: tuple[MachineView, ...] = ()
+    stations: tuple[StationView, ...] = ()
+    tasks: tuple[TaskView, ...] = ()
+    orders: tuple[OrderView, ...] = ()
+    news: tuple[NewsView, ...] = ()
+    alerts: tuple[AlertView, ...] = ()
+    faults: tuple[FaultView, ...] = ()
+    commands: tuple[CommandView, ...] = ()
+    gone: tuple[str, ...] = ()
+    """Ids that left the stream, as `task:M8-214` or `order:...`."""
+
+    @property
+    def tells(self) -> bool:
+        """Whether there is anything in it."""
+        return self.factory is not None or any(
+            (
+                self.atvs,
+                self.machines,
+                self.stations,
+                self.tasks,
+                self.orders,
+                self.news,
+                self.alerts,
+                self.faults,
+                self.commands,
+                self.gone,
+            )
+        )

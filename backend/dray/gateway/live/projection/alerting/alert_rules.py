@@ -1,0 +1,225 @@
+"""Troubles: what of machines, storages, vehicles, transports and orders is not as it should be. Pure rules.
+
+Each thing has at most one trouble at a time, the gravest: who is silent is not said to be starved as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable, Iterator
+
+import msgspec
+
+from dray.gateway.live.projection.alerting.silence import bound_s
+from dray.gateway.live.projection.auctions.tasks import Tasks
+from dray.gateway.live.projection.disputes import Dispute, Disputes
+from dray.gateway.live.projection.materials import Materials
+from dray.gateway.live.views import AlertKind, OrderView, TaskView
+from dray.messages import AtvHeartbeat, AtvStatus, MachineHeartbeat, MachineStatus, StationHeartbeat
+from dray.overload import Overload
+from dray.store.clocks import Offset
+from dray.store.exclusions import Exclusion
+from dray.store.progress import ToWall
+
+BATTERY_FRAC = 0.1
+"""A vehicle goes to a charger long before; at this level something keeps it from there."""
+
+
+PATIENCE_S = 120.0
+"""Factory seconds that a machine may wait for a vehicle before it is worth a look: longer than most
+transports take. A machine whose material is on its way asks nothing of people."""
+
+
+class Trouble(msgspec.Struct, frozen=True, kw_only=True, gc=False):
+    """Something that is wrong now. The fields are those of `AlertView`."""
+
+    kind: AlertKind
+    agent: str = ""
+    task: str = ""
+    order: str = ""
+    problem: str = ""
+    by: str = ""
+    seen_at_s: float | None = None
+    until_at_s: float | None = None
+    battery_frac: float | None = None
+    behind_s: float | None = None
+    waiting: int | None = None
+    carried_frac: float | None = None
+    clock_ahead_s: float | None = None
+
+    @property
+    def id(self) -> str:
+        """The same one as long as the same thing is wrong with the same subject."""
+        subject = self.order or self.task or self.agent
+        return f"{self.kind}-{subject}" if subject else self.kind
+
+
+class Moment(msgspec.Struct, frozen=True):
+    """When it is looked at."""
+
+    plant_s: float
+    heard_s: float
+    """How far the plant was heard (plant clock): silence is judged against this."""
+    wall_s: float
+    speed: float
+    """Factory seconds per real second."""
+    to_wall_s: ToWall
+
+
+def of_the_plant(now: Moment) -> Iterator[Trouble]:
+    """What is wrong with all that is heard: it is old."""
+    behind_s = now.plant_s - now.heard_s
+    if behind_s > bound_s(working=False, speed=now.speed):
+        yield Trouble(kind="plant_behind", behind_s=round(behind_s / now.speed))
+
+
+def of_demand(overload: Overload, tasks: Tasks, vehicles: int, now: Moment) -> Iterator[Trouble]:
+    """What is wrong with what is asked for: it is more than the vehicles can carry.
+
+    Args:
+        overload: what was found at the last look.
+        tasks: all of them.
+        vehicles: that are heard and not shut out.
+        now: when it is looked at.
+    """
+    present_s = now.to_wall_s(min(now.plant_s, now.heard_s))
+    waited_s = (
+        (present_s - task.opened_at_s) * now.speed
+        for task in tasks.under_way()
+        if task.kind == "transport" and task.state == "bidding" and not task.trouble
+    )
+    if overload.look(waited_s, vehicles):
+        carried_frac = tasks.transports.carried_frac(now.heard_s)
+        yield Trouble(
+            kind="overloaded",
+            waiting=overload.waiting,
+            carried_frac=None if carried_frac is None else round(carried_frac, 2),
+        )
+
+
+def of_outsiders(exclusions: Iterable[Exclusion], atvs: Container[str]) -> Iterator[Trouble]:
+    """What is wrong with agents that are shut out: nothing else, since what they have said counts no more."""
+    for each in exclusions:
+        kind: AlertKind = "atv_shut_out" if each.agent in atvs else "machine_shut_out"
+        yield Trouble(kind=kind, agent=each.agent, problem=each.reason, by=each.by)
+
+
+def of_clocks(wrong: Iterable[tuple[str, Offset]]) -> Iterator[Trouble]:
+    """Agents whose clocks are wrong beyond doubt."""
+    for agent, offset in wrong:
+        yield Trouble(kind="clock_wrong", agent=agent, clock_ahead_s=round(offset.ahead_s))
+
+
+def of_disputes(disputes: Disputes, wrong: Container[str], now: Moment) -> Iterator[Trouble]:
+    """What coordinators do not believe.
+
+    Args:
+        disputes: of the last half hour.
+        wrong: agents of whose clock is told already.
+        now: when it is looked at.
+    """
+    for each in disputes.handovers(now.plant_s):
+        yield Trouble(kind="handover_disputed", agent=each.agent, problem=_told(each), by=each.by)
+    for each in disputes.words(now.plant_s):
+        if each.agent not in wrong:
+            yield Trouble(kind="word_disbelieved", agent=each.agent, problem=_told(each), by=each.by)
+
+
+def of_strangers(dropped: int) -> Iterator[Trouble]:
+    """Names that are not of this plant, and more than could have joined it."""
+    if dropped:
+        yield Trouble(kind="strangers")
+
+
+def _told(dispute: Dispute) -> str:
+    return dispute.what if dispute.times == 1 else f"{dispute.what} ({dispute.times} times)"
+
+
+def of_machines(
+    heartbeats: Iterable[tuple[MachineHeartbeat, float]], materials: Materials, now: Moment
+) -> Iterator[Trouble]:
+    """What is wrong with machines.
+
+    Args:
+        heartbeats: the last one of each, and since when it has had that status (plant clock).
+        materials: knows their names.
+        now: when it is looked at.
+    """
+    silent_before_s = now.heard_s - bound_s(working=False, speed=now.speed)
+    for heard, since_s in heartbeats:
+        agent, patient = heard.machine, now.heard_s - since_s < PATIENCE_S
+        if heard.at_s < silent_before_s:
+            yield Trouble(kind="machine_lost", agent=agent, seen_at_s=now.to_wall_s(heard.at_s))
+        elif heard.status is MachineStatus.ERROR:
+            yield Trouble(kind="machine_error", agent=agent, problem=heard.problem)
+        elif heard.status is MachineStatus.STARVED and not patient:
+            lacking = heard.problem or materials.told(heard.waits)
+            yield Trouble(kind="machine_starved", agent=agent, problem=lacking)
+        elif heard.status is MachineStatus.BLOCKED and not patient:
+            yield Trouble(kind="machine_blocked", agent=agent, problem=heard.problem)
+
+
+def of_stations(heartbeats: Iterable[StationHeartbeat], now: Moment) -> Iterator[Trouble]:
+    """What is wrong with the stations of storages: nothing is promised or handed out where one is silent."""
+    silent_before_s = now.heard_s - bound_s(working=False, speed=now.speed)
+    for heard in heartbeats:
+        if heard.at_s < silent_before_s:
+            yield Trouble(kind="station_lost", agent=heard.station, seen_at_s=now.to_wall_s(heard.at_s))
+
+
+def of_atvs(heartbeats: Iterable[AtvHeartbeat], now: Moment) -> Iterator[Trouble]:
+    """What is wrong with vehicles."""
+    silent_s = {working: bound_s(working=working, speed=now.speed) for working in (False, True)}
+    for heard in heartbeats:
+        agent, help_ = heard.atv, heard.help
+        if now.heard_s - heard.at_s > silent_s[heard.task is not None]:
+            yield Trouble(kind="atv_lost", agent=agent, seen_at_s=now.to_wall_s(heard.at_s))
+        elif help_ is not None and (help_.promised_by or heard.status is not AtvStatus.STOPPED):
+            # Who is on the way has answered: there is less to ask for. Who was stopped by a person asks for nobody.
+            yield Trouble(
+                kind="atv_promised" if help_.promised_by else "atv_help",
+                agent=agent,
+                problem=heard.problem,
+                by=help_.promised_by,
+                until_at_s=now.to_wall_s(help_.until_s),
+            )
+        elif heard.status is AtvStatus.ERROR:
+            yield Trouble(kind="atv_error", agent=agent, problem=heard.problem)
+        elif heard.status is AtvStatus.STOPPED:
+            yield Trouble(kind="atv_stopped", agent=agent, problem=heard.problem)
+        elif heard.battery_frac < BATTERY_FRAC and heard.status is not AtvStatus.CHARGING:
+            yield Trouble(kind="atv_battery", agent=agent, battery_frac=round(heard.battery_frac, 2))
+
+
+def of_transports(tasks: Iterable[TaskView], told: Iterable[Trouble]) -> Iterator[Trouble]:
+    """What is wrong with transports, unless their carrier tells of it already.
+
+    Args:
+        tasks: those that have not ended. Of a production goal its order tells.
+        told: the troubles of the vehicles.
+    """
+    problems = {each.agent: each.problem for each in told if each.problem}
+    for task in tasks:
+        if task.trouble and task.kind == "transport" and problems.get(task.primary) != task.trouble:
+            yield Trouble(
+                kind="task_trouble",
+                agent=task.primary or task.coordinator,
+                task=task.id,
+                problem=task.trouble,
+            )
+
+
+def of_orders(orders: Iterable[OrderView], impossible: Container[str], now: Moment) -> Iterator[Trouble]:
+    """What is wrong with orders.
+
+    Args:
+        orders: those that may be in trouble, none of which has ended.
+        impossible: ids of those that this plant cannot make.
+        now: when it is looked at.
+    """
+    for order in orders:
+        if order.id in impossible:
+            yield Trouble(kind="order_impossible", order=order.id, problem=order.waits)
+        elif order.waits:
+            yield Trouble(kind="order_waits", order=order.id, problem=order.waits)
+        elif order.due_at_s is not None and order.due_at_s < now.wall_s:
+            yield Trouble(kind="order_late", order=order.id, until_at_s=order.due_at_s)

@@ -1,0 +1,186 @@
+"""ATVs as panels see them: the last heartbeat of each."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from typing import Any
+
+from dray.gateway.live.projection.changes import Changes
+from dray.gateway.live.projection.figures.fleet import Fleet
+from dray.gateway.live.projection.outsiders import Outsiders
+from dray.gateway.live.views import AtvView, BriefView, ClockView, HelpView, TrialView
+from dray.messages import AtvHeartbeat, Brief, Heartbeat, HelpWanted
+from dray.plant.model import VehicleSpec
+from dray.store.clocks import Clocks
+from dray.store.progress import ToWall
+
+NEWCOMERS_LEAST = 256
+"""So many agents of a kind may join a plant of any size without a new plant file."""
+
+
+def newcomers_max(known: int) -> int:
+    """How many agents of a kind may join while everything runs: as many as there are. Who invents names ends here."""
+    return max(NEWCOMERS_LEAST, known)
+
+
+def clock_of(clocks: Clocks, agent: str) -> ClockView | None:
+    """How far an agent's clock is off, as panels are told."""
+    offset = clocks.offset(agent)
+    if offset is None:
+        return None
+    wrong = clocks.is_wrong(offset)
+    return ClockView(ahead_s=round(offset.ahead_s, 2), bound_s=round(offset.bound_s, 2), wrong=wrong)
+
+
+class Atvs:
+    """The fleet.
+
+    Args:
+        fleet: the plant's vehicles; others may come.
+        to_wall_s: plant clock to wall clock.
+        outsiders: who is shut out.
+        clocks: of all agents.
+        top_mps: no vehicle is faster.
+
+    Attributes:
+        strangers: heartbeats of vehicles that the plant file does not know and that are more than could have joined.
+    """
+
+    def __init__(
+        self,
+        fleet: Iterable[VehicleSpec],
+        to_wall_s: ToWall,
+        outsiders: Outsiders,
+        clocks: Clocks,
+        top_mps: float,
+    ) -> None:
+        self._outsiders = outsiders
+        self._clocks = clocks
+        self._types = {vehicle.id: vehicle.type for vehicle in fleet}
+        self._to_wall_s = to_wall_s
+        self._last: dict[str, AtvHeartbeat] = {}
+        self.changes = Changes("atv")
+        self.by_status: Counter[str] = Counter()
+        self.fleet = Fleet(top_mps)
+        self.strangers = 0
+        self._joined = 0
+        """Vehicles that were heard and are not in the plant file."""
+
+    def __contains__(self, atv: object) -> bool:
+        """Whether the plant has it, or it was heard of."""
+        return atv in self._types or atv in self._last
+
+    def fold(self, heartbeat: AtvHeartbeat) -> bool:
+        """Take a heartbeat in.
+
+        Returns:
+            False when it is older than the last one, or of one vehicle too many that nobody knows.
+        """
+        last = self._last.get(heartbeat.atv)
+        if last is None:
+            if heartbeat.atv not in self._types:
+                if self._joined >= newcomers_max(len(self._types)):
+                    self.strangers += 1
+                    return False
+                self._joined += 1
+        elif (heartbeat.incarnation, heartbeat.seq) <= (last.incarnation, last.seq):
+            return False
+        if last is None or last.status is not heartbeat.status:
+            self.by_status[heartbeat.status.value] += 1
+            if last is not None:
+                self.by_status[last.status.value] -= 1
+        self.fleet.fold(last, heartbeat)
+        self._last[heartbeat.atv] = heartbeat
+        self.changes.mark(heartbeat.atv)
+        return True
+
+    def last(self, atv: str) -> AtvHeartbeat | None:
+        """The last heartbeat of one vehicle."""
+        return self._last.get(atv)
+
+    def heartbeats(self) -> Iterable[AtvHeartbeat]:
+        """The last one of each vehicle."""
+        return self._last.values()
+
+    def place_m(self, atv: str) -> tuple[float, float] | None:
+        """Where a vehicle was by its last heartbeat (x, y); None when it was never heard."""
+        heartbeat = self._last.get(atv)
+        return None if heartbeat is None else (heartbeat.pose.x_m, heartbeat.pose.y_m)
+
+    def mark(self, agents: Iterable[str]) -> None:
+        """Something else is to be shown of these, as far as they were heard."""
+        for agent in agents:
+            if agent in self._last:
+                self.changes.mark(agent)
+
+    def view(self, atv: str) -> AtvView | None:
+        """One vehicle, or None when it was never heard."""
+        heartbeat = self._last.get(atv)
+        return None if heartbeat is None else self._view(heartbeat)
+
+    def views(self) -> tuple[AtvView, ...]:
+        """All of them, by id."""
+        return tuple(self._view(self._last[atv]) for atv in sorted(self._last))
+
+    def take_changed(self) -> tuple[AtvView, ...]:
+        """Those that have changed since the last call."""
+        return tuple(self._view(self._last[atv]) for atv in self.changes.take_changed())
+
+    def _view(self, heartbeat: AtvHeartbeat) -> AtvView:
+        pose = heartbeat.pose
+        return AtvView(
+            id=heartbeat.atv,
+            type=self._types.get(heartbeat.atv, ""),
+            status=plain(heartbeat.status),
+            x_m=pose.x_m,
+            y_m=pose.y_m,
+            heading_rad=pose.heading_rad,
+            speed_mps=heartbeat.speed_mps,
+            node=heartbeat.node,
+            way=heartbeat.way,
+            battery_frac=heartbeat.battery_frac,
+            load=heartbeat.load,
+            load_quantity=heartbeat.load_quantity,
+            link=plain(heartbeat.link),
+            via=heartbeat.via,
+            task=None if heartbeat.task is None else self._brief(heartbeat.task),
+            watches=tuple(self._brief(brief) for brief in heartbeat.watches),
+            berth=heartbeat.berth,
+            speed_limit_frac=heartbeat.speed_limit_frac,
+            acknowledged=heartbeat.acknowledged,
+            problem=heartbeat.problem,
+            help=None if heartbeat.help is None else self._help(heartbeat.help),
+            software=heartbeat.software,
+            leaving=heartbeat.leaving,
+            trial=trial_of(heartbeat),
+            shut_out=self._outsiders.view(heartbeat.atv),
+            clock=clock_of(self._clocks, heartbeat.atv),
+            seen_at_s=self._to_wall_s(heartbeat.at_s),
+        )
+
+    def _brief(self, brief: Brief) -> BriefView:
+        return BriefView(
+            task=brief.task,
+            epoch=brief.epoch,
+            role=plain(brief.role),
+            coordinator=brief.coordinator,
+            phase=None if brief.phase is None else brief.phase.value,
+            item=brief.item,
+            quantity=brief.quantity,
+            due_at_s=None if brief.due_s is None else self._to_wall_s(brief.due_s),
+        )
+
+    def _help(self, wanted: HelpWanted) -> HelpView:
+        return HelpView(until_at_s=self._to_wall_s(wanted.until_s), promised_by=wanted.promised_by)
+
+
+def trial_of(heartbeat: Heartbeat) -> TrialView | None:
+    """How far an agent on trial has come; None for one that is not."""
+    trial = heartbeat.trial
+    return None if trial is None else TrialView(of=trial.of, done=trial.done)
+
+
+def plain(word: Any) -> Any:
+    """An enumeration's word as the plain text that views have; both lists of words are the same."""
+    return word.value

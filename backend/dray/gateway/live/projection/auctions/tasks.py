@@ -1,0 +1,386 @@
+"""Tasks as panels see them: every auction, from the announcement to the end.
+
+The coordinator's facts are the truth about a task; a contractor's facts add who refused and how far
+the carriage has come. Facts of different agents may overtake one another, so what a contractor says
+of a task that nobody has opened yet is kept for a while. What tells of an epoch that is over is
+ignored.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from dray.gateway.live.projection.auctions.bids import add_bid, add_refusal, last_bid, note_award
+from dray.gateway.live.projection.auctions.carriers import add_carrier, begin_again, give_to, undo_takeover
+from dray.gateway.live.projection.auctions.reorder_buffer import ReorderBuffer, task_of
+from dray.gateway.live.projection.auctions.why import why_of
+from dray.gateway.live.projection.changes import Changes
+from dray.gateway.live.projection.figures.transports import Transports
+from dray.gateway.live.views import CarrierView, TaskView
+from dray.messages import (
+    Event,
+    MachineHeartbeat,
+    Production,
+    Refusal,
+    Role,
+    TaskBrief,
+    Transport,
+)
+from dray.messages.fact import (
+    AwardAnswered,
+    AwardGiven,
+    BidReceived,
+    BidRefused,
+    CarrierChanged,
+    ContractEnded,
+    ContractTaken,
+    GoalWaits,
+    PhaseEntered,
+    RoundFailed,
+    TaskClosed,
+    TaskOpened,
+    TookOver,
+    WatchLost,
+)
+from dray.store.progress import ToWall
+
+CLOSED_KEPT = 50
+"""Ended tasks that panels still show; the whole history is in the events."""
+
+MAX_OPEN = 5_000
+"""Open tasks at once: five per vehicle of the largest plant. The oldest leaves first."""
+
+MAX_OPEN_EACH = 1_000
+"""Of one coordinator: many times what a machine's buffers, or a strategist's products, can ask for."""
+
+MAX_BOUND = 10_000
+"""Contractors whose contract is remembered: as many as vehicles."""
+
+
+class Tasks:
+    """The tasks.
+
+    Args:
+        to_wall_s: plant clock to wall clock.
+    """
+
+    def __init__(self, to_wall_s: ToWall) -> None:
+        self._to_wall_s = to_wall_s
+        self._open: dict[str, TaskView] = {}
+        self._opened_by: Counter[str] = Counter()
+        """How many of them each coordinator has opened."""
+        self._closed: dict[str, TaskView] = {}
+        """Oldest first."""
+        self._reorder_buffer = ReorderBuffer()
+        self._bound: dict[str, tuple[str, str]] = {}
+        """Per contractor that carries something, by its own word: the task, and for whom."""
+        self._lives: dict[str, int] = {}
+        """Per open task, the life of its coordinator that announced it last."""
+        self._unexplained: set[str] = set()
+        """Tasks that have changed since `why` was computed."""
+        self._on: dict[type, Callable[[TaskView, Event, Any], bool]] = {
+            BidReceived: lambda task, _event, fact: add_bid(task, fact, to_wall_s),
+            BidRefused: add_refusal,
+            AwardGiven: note_award,
+            AwardAnswered: self._answer,
+            RoundFailed: _failed,
+            WatchLost: _watch_lost,
+            CarrierChanged: self._carrier_changed,
+            TookOver: self._took_over,
+            ContractTaken: self._taken,
+            ContractEnded: undo_takeover,
+            PhaseEntered: _phase,
+            GoalWaits: _waits,
+        }
+        self.changes = Changes("task")
+        self.transports = Transports()
+
+    def fold(self, event: Event) -> bool:
+        """Take an event in.
+
+        Returns:
+            False when it tells nothing new about a task.
+        """
+        fact = event.fact
+        if isinstance(fact, ContractTaken | ContractEnded) and fact.role is Role.PRIMARY:
+            self._note_bound(event.agent, fact)
+        if isinstance(fact, TaskOpened):
+            return self._opened(event, fact)
+        if isinstance(fact, TaskClosed):
+            return self._ended(event, fact)
+        handler = self._on.get(type(fact))
+        if handler is None:
+            return False
+        name = task_of(event)
+        task = self._open.get(name)
+        if task is None:
+            if name not in self._closed:
+                self._reorder_buffer.keep(event)
+            return False
+        if not handler(task, event, fact):
+            return False
+        self._mark(name)
+        return True
+
+    def hear(self, heartbeat: MachineHeartbeat) -> None:
+        """Take in what a machine says about its open tasks."""
+        for brief in heartbeat.tasks:
+            task = self._open.get(brief.task)
+            if task is None:
+                continue
+            self._adopted(task, brief, heartbeat)
+            if brief.trouble != task.trouble:
+                task.trouble = brief.trouble
+                self._mark(task.id)
+
+    def view(self, task: str) -> TaskView | None:
+        """One task, open or lately ended."""
+        view = self._open.get(task) or self._closed.get(task)
+        if view is not None and task in self._unexplained:
+            # Here and not with every fact: of twenty bids between two looks only the last one counts.
+            self._unexplained.discard(task)
+            view.why = why_of(view)
+        return view
+
+    def under_way(self) -> Iterable[TaskView]:
+        """Those that have not ended; their `why` may be older than they are."""
+        return self._open.values()
+
+    def views(self) -> tuple[TaskView, ...]:
+        """The open ones, and the last that ended."""
+        for name in tuple(self._unexplained):
+            self.view(name)
+        return (*self._open.values(), *self._closed.values())
+
+    def take_changed(self) -> tuple[TaskView, ...]:
+        """Those that have changed since the last call."""
+        return tuple(task for name in self.changes.take_changed() if (task := self.view(name)))
+
+    def _leave(self, task: TaskView) -> None:
+        """A task is open no more."""
+        self._opened_by[task.coordinator] -= 1
+        if not self._opened_by[task.coordinator]:
+            del self._opened_by[task.coordinator]
+
+    def _mark(self, task: str) -> None:
+        self.changes.mark(task)
+        self._unexplained.add(task)
+
+    def _forget(self, task: str) -> None:
+        self._unexplained.discard(task)
+        self.changes.drop(task)
+
+    def _note_bound(self, agent: str, fact: ContractTaken | ContractEnded) -> None:
+        """Remember for whom a contractor works, to say so where it has no time for another one."""
+        if isinstance(fact, ContractTaken):
+            if agent in self._bound or len(self._bound) < MAX_BOUND:
+                self._bound[agent] = (fact.task, fact.coordinator)
+        elif self._bound.get(agent, ("", ""))[0] == fact.task:
+            del self._bound[agent]
+
+    # --- the coordinator's facts ---
+
+    def _opened(self, event: Event, fact: TaskOpened) -> bool:
+        if fact.task in self._closed:
+            return False
+        task = self._open.get(fact.task)
+        if task is None:
+            self._born(event, fact)
+            return True
+        if fact.role is Role.SECONDARY or fact.epoch < task.epoch:
+            return False
+        if fact.epoch > task.epoch:
+            begin_again(task)
+        elif fact.round <= task.round:
+            # Doubled, or overtaken by what came of it.
+            return False
+        task.epoch, task.round, task.radius_m = fact.epoch, fact.round, fact.radius_m
+        task.deadline_at_s = self._to_wall_s(fact.deadline_s)
+        self._lives[task.id] = event.incarnation
+        self._mark(task.id)
+        return True
+
+    def _born(self, event: Event, fact: TaskOpened) -> None:
+        is_greedy = self._opened_by[event.agent] >= MAX_OPEN_EACH
+        if is_greedy or len(self._open) >= MAX_OPEN:
+            # Whoever opens tasks without end pushes out its own.
+            own = (name for name, each in self._open.items() if each.coordinator == event.agent)
+            oldest = next(own if is_greedy else iter(self._open))
+            self._leave(self._open.pop(oldest))
+            self._lives.pop(oldest, None)
+            self.transports.forget(oldest)
+            self._forget(oldest)
+        task = _new_task(event, fact, self._to_wall_s)
+        self._open[fact.task] = task
+        self._opened_by[task.coordinator] += 1
+        self._lives[fact.task] = event.incarnation
+        self._mark(task.id)
+        if task.kind == "transport":
+            self.transports.opened(fact.task, event.at_s)
+        for early in self._reorder_buffer.take(fact.task):
+            self.fold(early)
+
+    def _answer(self, task: TaskView, event: Event, fact: AwardAnswered) -> bool:
+        if fact.epoch < task.epoch:
+            return False
+        bid = last_bid(task, fact.bidder, fact.role, fact.epoch)
+        if bid is not None:
+            bid.answer = fact.answer
+            bound = self._bound.get(fact.bidder)
+            # A machine that has no time any more has other goals, of which it may have several.
+            busy = fact.answer == Refusal.BUSY.value and task.kind == "transport"
+            if busy and bound is not None and bound[0] != task.id:
+                bid.taken_for = bound[1]
+        if fact.answer != "accepted":
+            return True
+        if fact.role is Role.SECONDARY:
+            task.secondary = fact.bidder
+            return True
+        task.epoch, task.primary, task.state = fact.epoch, fact.bidder, "contracted"
+        task.contracted_at_s = self._to_wall_s(event.at_s)
+        task.trouble = ""
+        if bid is not None:
+            task.promised_at_s, task.source = bid.finish_at_s, bid.source
+        won = self._carrier(event, fact.bidder, fact.epoch)
+        before = task.carriers[-1] if task.carriers else None
+        if before is not None and before.epoch == fact.epoch and before.how == "announced_anew":
+            # Who failed before it, and why, is still a part of the answer.
+            won.replaced, won.reason, won.silent_s = before.replaced, before.reason, before.silent_s
+        add_carrier(task, won)
+        return True
+
+    def _adopted(self, task: TaskView, brief: TaskBrief, heartbeat: MachineHeartbeat) -> None:
+        """A coordinator that was away names a carrier that has accepted while it could not hear that."""
+        if task.state != "bidding" or not brief.primary or brief.epoch < task.epoch:
+            return
+        if heartbeat.incarnation <= self._lives[task.id]:
+            return  # The life that has announced it tells itself who has accepted, in an event.
+        give_to(task, brief.primary, brief.epoch)
+        carrier = CarrierView(
+            carrier=brief.primary,
+            epoch=brief.epoch,
+            since_at_s=self._to_wall_s(heartbeat.at_s),
+            how="adopted",
+        )
+        add_carrier(task, carrier)
+        self._mark(task.id)
+
+    def _carrier_changed(self, task: TaskView, event: Event, fact: CarrierChanged) -> bool:
+        """The coordinator's word on who carries the task: it counts for more than a carrier's own."""
+        if fact.epoch < task.epoch:
+            return False
+        if fact.carrier:
+            give_to(task, fact.carrier, fact.epoch)
+        else:
+            begin_again(task)
+            # The announcement that follows begins with round 1 of the new epoch.
+            task.epoch, task.round = fact.epoch, 0
+        changed = self._carrier(event, fact.carrier, fact.epoch)
+        changed.how = "took_over" if fact.carrier else "announced_anew"
+        changed.replaced, changed.reason, changed.silent_s = fact.replaced, fact.reason, fact.silent_s
+        add_carrier(task, changed)
+        return True
+
+    def _took_over(self, task: TaskView, event: Event, fact: TookOver) -> bool:
+        """A secondary carries the task: it may say so before the coordinator does."""
+        if fact.epoch < task.epoch or (fact.epoch == task.epoch and task.primary != event.agent):
+            return False
+        give_to(task, event.agent, fact.epoch)
+        taken = self._carrier(event, event.agent, fact.epoch)
+        taken.replaced, taken.reason, taken.silent_s = fact.primary, fact.reason, fact.silent_s
+        taken.how, taken.confirmed = "took_over", False
+        known = task.carriers[-1] if task.carriers else None
+        if known is None or (known.carrier, known.epoch) != (taken.carrier, taken.epoch):
+            add_carrier(task, taken)
+        return True
+
+    def _taken(self, task: TaskView, event: Event, fact: ContractTaken) -> bool:
+        """A carrier with a higher epoch has taken over: it may say so before the coordinator does."""
+        if fact.role is Role.SECONDARY or fact.epoch <= task.epoch:
+            return False
+        give_to(task, event.agent, fact.epoch)
+        return True
+
+    def _carrier(self, event: Event, carrier: str, epoch: int) -> CarrierView:
+        return CarrierView(carrier=carrier, epoch=epoch, since_at_s=self._to_wall_s(event.at_s))
+
+    def _ended(self, event: Event, fact: TaskClosed) -> bool:
+        task = self._open.pop(fact.task, None)
+        if task is None:
+            if fact.task not in self._closed:
+                # Its announcement was lost, and may be fetched again: it must not stay open then.
+                self._reorder_buffer.keep(event)
+            return False
+        task.epoch = max(task.epoch, fact.epoch)
+        task.state = "delivered" if fact.outcome == "delivered" else "withdrawn"
+        task.primary = fact.carrier or task.primary
+        task.closed_at_s = self._to_wall_s(event.at_s)
+        task.phase = task.trouble = ""
+        if fact.promised_s > 0:
+            task.promised_at_s = self._to_wall_s(fact.promised_s)
+        if task.kind == "transport":
+            self.transports.closed(task.id, event.at_s, delivered=task.state == "delivered")
+        self._lives.pop(task.id, None)
+        self._leave(task)
+        self._closed[task.id] = task
+        self._mark(task.id)
+        if len(self._closed) > CLOSED_KEPT:
+            oldest = next(iter(self._closed))
+            del self._closed[oldest]
+            self._forget(oldest)
+        return True
+
+
+def _new_task(event: Event, fact: TaskOpened, to_wall_s: ToWall) -> TaskView:
+    work = fact.work
+    task = TaskView(
+        id=fact.task,
+        kind="transport" if isinstance(work, Transport) else "production",
+        coordinator=event.agent,
+        item="",
+        quantity=work.quantity,
+        epoch=fact.epoch,
+        round=fact.round,
+        radius_m=fact.radius_m,
+        opened_at_s=to_wall_s(event.at_s),
+        deadline_at_s=to_wall_s(fact.deadline_s),
+    )
+    match work:
+        case Transport():
+            task.item, task.goal = work.item, work.goal
+            task.sources, task.destination = work.sources, work.destination
+        case Production():
+            # A production goal is known by the name of the task that gives it out.
+            task.item, task.goal, task.order = work.product, fact.task, work.order
+    return task
+
+
+def _failed(task: TaskView, _event: Event, fact: RoundFailed) -> bool:
+    if fact.epoch < task.epoch or fact.role is Role.SECONDARY:
+        return False
+    task.round = max(task.round, fact.round)
+    return True
+
+
+def _waits(task: TaskView, _event: Event, fact: GoalWaits) -> bool:
+    """Nobody can make this goal; the next machine that takes it ends that."""
+    if task.state != "bidding" or task.trouble == fact.reason:
+        return False
+    task.trouble = fact.reason
+    return True
+
+
+def _watch_lost(task: TaskView, _event: Event, fact: WatchLost) -> bool:
+    if fact.epoch < task.epoch or task.secondary != fact.secondary:
+        return False
+    task.secondary = ""
+    return True
+
+
+def _phase(task: TaskView, event: Event, fact: PhaseEntered) -> bool:
+    if fact.epoch < task.epoch:
+        return False
+    task.epoch, task.phase, task.primary = fact.epoch, fact.phase.value, event.agent
+    return True

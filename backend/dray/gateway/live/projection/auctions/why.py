@@ -1,0 +1,155 @@
+"""Why this contractor? Answered from a task's own record: nothing is said that the bids do not show.
+
+A coordinator asks its bidders in the order of their prices until one accepts (`dray.protocol.contract_net.auction`). So who
+was chosen was the cheapest one that was left, and every cheaper one either gave no contract when it was
+asked, or was never asked, which means that its bid came after the window. Pure.
+"""
+
+from __future__ import annotations
+
+from dray.gateway.live.projection.auctions.why_text import why_text
+from dray.gateway.live.views import BidView, CarrierView, PassedView, RefusedView, TaskView, WhyView
+
+TIE_S = 0.05
+"""A smaller difference is not seen in figures with one decimal."""
+
+MOST_FRAC = 0.6
+"""A part of the price is called the reason only where it makes this much of the difference."""
+
+ACCEPTED, ASKED, SILENT, LATE, QUEUE = "accepted", "asked", "silent", "late", "queue"
+
+
+def why_of(task: TaskView) -> WhyView:
+    """The reason, as far as the record tells it.
+
+    Args:
+        task: as it stands; its own `why` is not looked at.
+    """
+    why = _reason(task)
+    why.coordinator = task.coordinator
+    why.round, why.radius_m = task.round, task.radius_m
+    why.text = why_text(why)
+    return why
+
+
+def _reason(task: TaskView) -> WhyView:
+    carrier = _carrier(task)
+    if task.state == "withdrawn":
+        return WhyView(kind="withdrawn", agent=task.coordinator)
+    if not task.primary:
+        return _undecided(task, carrier)
+    if carrier is not None and carrier.how == "adopted":
+        return WhyView(kind="adopted", agent=task.primary)
+    why = _taken_over(task, carrier) if carrier is not None and carrier.how == "took_over" else _won(task)
+    if carrier is not None:
+        why.replaced, why.reason, why.silent_s = carrier.replaced, carrier.reason, carrier.silent_s
+    return why
+
+
+def _carrier(task: TaskView) -> CarrierView | None:
+    """The newest line of the carriers, if it is about the present state."""
+    last = task.carriers[-1] if task.carriers else None
+    return last if last is not None and last.epoch == task.epoch and last.carrier == task.primary else None
+
+
+# --- nobody yet ------------------------------------------------------------------------------------
+
+
+def _undecided(task: TaskView, carrier: CarrierView | None) -> WhyView:
+    bids = _bids(task, task.epoch)
+    refused = _refused(task, task.epoch, {bid.bidder for bid in bids})
+    # Those that were asked in vain are out, until they bid again.
+    left = [bid for bid in bids if bid.answer in {"", ASKED}]
+    why = WhyView(kind="waiting", refused=refused, bidders=len(bids), left=len(left))
+    why.passed = tuple(_passed(task, bid, left[0] if left else bid) for bid in bids if bid not in left)
+    if left:
+        best = next((bid for bid in left if bid.answer == ASKED), left[0])
+        why.kind = "asked" if best.answer == ASKED else "leading"
+        why.agent, why.total_s = best.bidder, best.total_s
+    if carrier is not None:
+        why.replaced, why.reason, why.silent_s = carrier.replaced, carrier.reason, carrier.silent_s
+    return why
+
+
+# --- somebody --------------------------------------------------------------------------------------
+
+
+def _taken_over(task: TaskView, carrier: CarrierView) -> WhyView:
+    return WhyView(kind="took_over", agent=task.primary, confirmed=carrier.confirmed)
+
+
+def _won(task: TaskView) -> WhyView:
+    bids = _bids(task, task.epoch)
+    won = next((bid for bid in bids if bid.bidder == task.primary), None)
+    if won is None:
+        return WhyView(kind="unknown", agent=task.primary)
+    before = bids[: bids.index(won)]
+    after = bids[len(before) + 1 :]
+    rivals = [bid for bid in after if bid.answer not in {SILENT, LATE} and not _declined(bid)]
+    why = WhyView(
+        kind="cheapest" if rivals else "only",
+        agent=won.bidder,
+        total_s=won.total_s,
+        bidders=len(bids),
+        left=1 + len(rivals),
+        passed=tuple(_passed(task, bid, won) for bid in before),
+        refused=_refused(task, task.epoch, {bid.bidder for bid in bids}),
+    )
+    if rivals:
+        _compare(why, won, rivals[0])
+    return why
+
+
+def _compare(why: WhyView, won: BidView, other: BidView) -> None:
+    """Say by what the winner was better than the next one."""
+    why.other, why.by_s = other.bidder, other.total_s - won.total_s
+    if why.by_s < TIE_S:
+        why.kind = "tie"
+        if why.by_s > 0:
+            why.tie_by = "price"
+        else:
+            why.tie_by = "finish" if won.finish_at_s < other.finish_at_s else "name"
+        return
+    less_s = {name: seconds - won.parts_s.get(name, 0.0) for name, seconds in other.parts_s.items()}
+    part, most_s = max(less_s.items(), key=lambda each: each[1], default=("", 0.0))
+    if most_s >= MOST_FRAC * why.by_s:
+        why.part, why.part_s = part, most_s
+
+
+def _passed(task: TaskView, bid: BidView, won: BidView) -> PassedView:
+    answer = bid.answer or LATE
+    if answer == "busy" and task.kind == "production":
+        answer = QUEUE  # A machine works at one goal after another: others came before this one.
+    return PassedView(
+        agent=bid.bidder, less_s=max(0.0, won.total_s - bid.total_s), answer=answer, taken_for=bid.taken_for
+    )
+
+
+# --- the record ------------------------------------------------------------------------------------
+
+
+def _bids(task: TaskView, epoch: int) -> list[BidView]:
+    """The last bid of everybody for the contract itself, in the order in which they are asked.
+
+    That is `_rank_of` in `dray.protocol.contract_net.auction`.
+    """
+    last = {bid.bidder: bid for bid in task.bids if bid.role == "primary" and bid.epoch == epoch}
+    return sorted(last.values(), key=lambda bid: (bid.total_s, bid.finish_at_s, bid.bidder))
+
+
+def _declined(bid: BidView) -> bool:
+    return bid.answer not in {"", ACCEPTED, ASKED, SILENT}
+
+
+def _refused(task: TaskView, epoch: int, bidders: set[str]) -> tuple[RefusedView, ...]:
+    """The last refusal of everybody that has not bid, by reason; the most frequent reason first."""
+    last = {
+        refusal.agent: refusal.reason
+        for refusal in task.refusals
+        if refusal.role == "primary" and refusal.epoch == epoch and refusal.agent not in bidders
+    }
+    agents: dict[str, list[str]] = {}
+    for agent, reason in last.items():
+        agents.setdefault(reason, []).append(agent)
+    ranked = sorted(agents.items(), key=lambda each: (-len(each[1]), each[0]))
+    return tuple(RefusedView(reason=reason, agents=tuple(sorted(names))) for reason, names in ranked)

@@ -1,0 +1,79 @@
+"""How the fleet is used: what vehicles spend their time on, and how far they drive, empty and loaded."""
+
+from __future__ import annotations
+
+from math import hypot
+
+from dray.gateway.live.projection.figures.sliding_window import Window
+from dray.gateway.live.projection.figures.time_use import HOUR_SLOTS, SILENCE_S, TimeUse
+from dray.messages import AtvHeartbeat, AtvStatus
+
+MOVING, WAITING, CHARGING, BLOCKED, IDLE = "moving", "waiting", "charging", "blocked", "idle"
+
+DOINGS = (MOVING, WAITING, CHARGING, BLOCKED, IDLE)
+"""What a vehicle may do. It waits at work: while it loads, unloads, or has no way. It is blocked when it was
+stopped, or has a problem."""
+
+
+LOOSE_FRAC, LOOSE_M = 1.5, 5.0
+"""What clocks, rounding and a push by hand add to the way of a vehicle at top speed."""
+
+
+class Fleet:
+    """The use of all vehicles.
+
+    Args:
+        top_mps: no vehicle is faster: whoever tells of more has not driven it.
+
+    Attributes:
+        use: their time.
+        empty_m: driven without a load, since the beginning.
+        loaded_m: driven with one.
+    """
+
+    def __init__(self, top_mps: float) -> None:
+        self._top_mps = top_mps
+        self.use = TimeUse(DOINGS)
+        self.empty_m = self.loaded_m = 0.0
+        self._empty, self._loaded = Window(*HOUR_SLOTS), Window(*HOUR_SLOTS)
+
+    def fold(self, last: AtvHeartbeat | None, heartbeat: AtvHeartbeat) -> None:
+        """Take a heartbeat in.
+
+        Args:
+            last: what the vehicle said before; None for nothing.
+            heartbeat: what it says now.
+        """
+        self.use.tell(heartbeat.atv, doing(heartbeat), heartbeat.at_s)
+        if last is not None and 0 < heartbeat.at_s - last.at_s <= SILENCE_S:
+            self._drive(last, heartbeat)
+
+    def empty_frac(self, now_s: float) -> float | None:
+        """Part of the way of the last hour that was driven without a load; None when nobody drove."""
+        (empty_m,), (loaded_m,) = self._empty.sums(now_s, 1), self._loaded.sums(now_s, 1)
+        return empty_m / (empty_m + loaded_m) if empty_m + loaded_m > 0 else None
+
+    def _drive(self, last: AtvHeartbeat, heartbeat: AtvHeartbeat) -> None:
+        # Lanes are straight and heartbeats frequent: what a corner between two of them adds is little.
+        way_m = hypot(heartbeat.pose.x_m - last.pose.x_m, heartbeat.pose.y_m - last.pose.y_m)
+        most_m = LOOSE_FRAC * self._top_mps * (heartbeat.at_s - last.at_s) + LOOSE_M
+        if not 0.0 < way_m <= most_m:
+            return
+        if last.load:
+            self.loaded_m += way_m
+            self._loaded.add(heartbeat.at_s, way_m)
+        else:
+            self.empty_m += way_m
+            self._empty.add(heartbeat.at_s, way_m)
+
+
+def doing(heartbeat: AtvHeartbeat) -> str:
+    """What a vehicle does."""
+    match heartbeat.status:
+        case AtvStatus.STOPPED | AtvStatus.ERROR:
+            return BLOCKED
+        case AtvStatus.CHARGING:
+            return CHARGING
+    if heartbeat.speed_mps:
+        return MOVING
+    return WAITING if heartbeat.status is AtvStatus.WORKING else IDLE

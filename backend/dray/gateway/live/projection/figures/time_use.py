@@ -1,0 +1,86 @@
+"""What agents spend their time on, by what they last said; exact, and at a cost that does not grow with time.
+
+An agent does what it last said until it says something else, for as long as it is believed to live. After
+that its time is `SILENT`, until it is heard again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from dray.gateway.live.projection.figures.sliding_window import Window
+
+SILENCE_S = 15.0
+"""Factory seconds after its last word for which an agent is believed: three times the slowest rate."""
+
+HOUR_SLOTS = (60.0, 60)
+"""An hour of factory time, by minutes: length of a slot in seconds, and how many."""
+
+SILENT = "silent"
+
+
+class _Spell:
+    """What one agent does now."""
+
+    __slots__ = ("counted_s", "heard_s", "what")
+
+    def __init__(self, what: str, heard_s: float) -> None:
+        self.what = what
+        self.heard_s = heard_s
+        self.counted_s = heard_s
+        """Its time is counted up to here."""
+
+
+class TimeUse:
+    """Time by what it was spent on, over all agents of one kind. All times are factory seconds.
+
+    Args:
+        doings: everything that an agent may do, but for being silent.
+
+    Attributes:
+        totals_s: since the beginning, by doing. Their sum grows by one second per second and agent.
+    """
+
+    def __init__(self, doings: Iterable[str]) -> None:
+        self.totals_s = dict.fromkeys((*doings, SILENT), 0.0)
+        self._hour = {doing: Window(*HOUR_SLOTS) for doing in self.totals_s}
+        self._spells: dict[str, _Spell] = {}
+        """By agent: bounded by whoever lets agents in."""
+
+    def tell(self, agent: str, doing: str, at_s: float) -> None:
+        """An agent has said what it does now; what it said before is counted up to this moment."""
+        spell = self._spells.get(agent)
+        if spell is None:
+            self._spells[agent] = _Spell(doing, at_s)
+            return
+        self._count(spell, at_s)
+        spell.what, spell.heard_s = doing, max(at_s, spell.heard_s)
+
+    def settle(self, now_s: float) -> None:
+        """Count everybody's time up to this moment, also of those who say nothing any more."""
+        for spell in self._spells.values():
+            self._count(spell, now_s)
+
+    def hour_s(self, doing: str, now_s: float) -> float:
+        """What was spent on this in the hour up to now, as far as it is counted."""
+        (spent_s,) = self._hour[doing].sums(now_s, 1)
+        return spent_s
+
+    def hour(self, now_s: float) -> dict[str, float]:
+        """Parts of the hour up to now, by doing; empty when nothing of it is counted."""
+        spent_s = {doing: self.hour_s(doing, now_s) for doing in self._hour}
+        total_s = sum(spent_s.values())
+        return {doing: each_s / total_s for doing, each_s in spent_s.items()} if total_s > 0 else {}
+
+    def _count(self, spell: _Spell, until_s: float) -> None:
+        believed_s = min(until_s, spell.heard_s + SILENCE_S)
+        if believed_s > spell.counted_s:
+            self._spend(spell.what, believed_s, believed_s - spell.counted_s)
+            spell.counted_s = believed_s
+        if until_s > spell.counted_s:
+            self._spend(SILENT, until_s, until_s - spell.counted_s)
+            spell.counted_s = until_s
+
+    def _spend(self, doing: str, at_s: float, spent_s: float) -> None:
+        self.totals_s[doing] += spent_s
+        self._hour[doing].add(at_s, spent_s)

@@ -1,0 +1,183 @@
+"""Machines as panels see them: the last heartbeat of each."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator
+
+from dray.gateway.live.projection.atvs import clock_of, newcomers_max, plain, trial_of
+from dray.gateway.live.projection.changes import Changes
+from dray.gateway.live.projection.figures.time_use import TimeUse
+from dray.gateway.live.projection.materials import Materials
+from dray.gateway.live.projection.outsiders import Outsiders
+from dray.gateway.live.projection.site import Site
+from dray.gateway.live.views import BufferView, GoalView, MachineView, OpenTaskView
+from dray.messages import BufferLevel, GoalBrief, MachineHeartbeat, MachineStatus, TaskBrief
+from dray.store.clocks import Clocks
+from dray.store.progress import ToWall
+
+MAKING, STARVED, IDLE, BROKEN, DOWN = "making", "starved", "idle", "broken", "down"
+
+DOINGS = (MAKING, STARVED, IDLE, BROKEN, DOWN)
+"""What a machine may do. It is broken when it cannot work at a goal that it has, and down without one."""
+
+WITH_GOAL = (MAKING, STARVED, BROKEN)
+
+
+class Machines:
+    """The machines.
+
+    Args:
+        site: knows their names.
+        to_wall_s: plant clock to wall clock.
+        outsiders: who is shut out.
+        clocks: of all agents.
+        materials: knows their names.
+    """
+
+    def __init__(
+        self, site: Site, to_wall_s: ToWall, outsiders: Outsiders, clocks: Clocks, materials: Materials
+    ) -> None:
+        self._materials = materials
+        self._outsiders = outsiders
+        self._clocks = clocks
+        self._known = frozenset(site.plant.machines)
+        """Those of the plant file."""
+        self.strangers = 0
+        """Heartbeats of machines that the plant file does not know and that are more than could have joined."""
+        self._joined = 0
+        self._site = site
+        self._to_wall_s = to_wall_s
+        self._last: dict[str, MachineHeartbeat] = {}
+        self._since_s: dict[str, float] = {}
+        """Per machine, since when it has had its status (plant clock)."""
+        self.use = TimeUse(DOINGS)
+        self.changes = Changes("machine")
+        self.by_status: Counter[str] = Counter()
+
+    def fold(self, heartbeat: MachineHeartbeat) -> bool:
+        """Take a heartbeat in.
+
+        Returns:
+            False when it is older than the last one, or of one machine too many.
+        """
+        last = self._last.get(heartbeat.machine)
+        if last is None:
+            if heartbeat.machine not in self._known:
+                if self._joined >= newcomers_max(len(self._known)):
+                    self.strangers += 1
+                    return False
+                self._joined += 1
+            self.by_status[heartbeat.status.value] += 1
+        else:
+            if (heartbeat.incarnation, heartbeat.seq) <= (last.incarnation, last.seq):
+                return False
+            if last.status is not heartbeat.status:
+                self.by_status[heartbeat.status.value] += 1
+                self.by_status[last.status.value] -= 1
+        if last is None or last.status is not heartbeat.status:
+            self._since_s[heartbeat.machine] = heartbeat.at_s
+        self.use.tell(heartbeat.machine, doing(heartbeat), heartbeat.at_s)
+        self._last[heartbeat.machine] = heartbeat
+        self.changes.mark(heartbeat.machine)
+        return True
+
+    def starved_frac(self, now_s: float) -> float | None:
+        """Part of the last hour's time with a goal in which material was missing; None without any.
+
+        Args:
+            now_s: plant clock.
+        """
+        with_goal_s = sum(self.use.hour_s(each, now_s) for each in WITH_GOAL)
+        return self.use.hour_s(STARVED, now_s) / with_goal_s if with_goal_s > 0 else None
+
+    def heartbeats(self) -> Iterator[tuple[MachineHeartbeat, float]]:
+        """The last one of each machine, and since when it has had that status (plant clock)."""
+        return ((heartbeat, self._since_s[machine]) for machine, heartbeat in self._last.items())
+
+    def mark(self, agents: Iterable[str]) -> None:
+        """Something else is to be shown of these, as far as they were heard."""
+        for agent in agents:
+            if agent in self._last:
+                self.changes.mark(agent)
+
+    def view(self, machine: str) -> MachineView | None:
+        """One machine, or None when it was never heard."""
+        heartbeat = self._last.get(machine)
+        return None if heartbeat is None else self._view(heartbeat)
+
+    def views(self) -> tuple[MachineView, ...]:
+        """All of them, by id."""
+        return tuple(self._view(self._last[machine]) for machine in sorted(self._last))
+
+    def take_changed(self) -> tuple[MachineView, ...]:
+        """Those that have changed since the last call."""
+        return tuple(self._view(self._last[machine]) for machine in self.changes.take_changed())
+
+    def _view(self, heartbeat: MachineHeartbeat) -> MachineView:
+        spec = self._site.plant.machines.get(heartbeat.machine)
+        return MachineView(
+            id=heartbeat.machine,
+            name=heartbeat.machine if spec is None else spec.name,
+            status=plain(heartbeat.status),
+            product=heartbeat.product,
+            goals=tuple(_goal(goal) for goal in heartbeat.goals),
+            tasks=tuple(self._task(task) for task in heartbeat.tasks),
+            buffers=tuple(_buffer(level) for level in heartbeat.buffers),
+            goods=tuple(_buffer(level) for level in heartbeat.goods),
+            problem=heartbeat.problem,
+            waits=self._materials.told(heartbeat.waits),
+            software=heartbeat.software,
+            leaving=heartbeat.leaving,
+            trial=trial_of(heartbeat),
+            shut_out=self._outsiders.view(heartbeat.machine),
+            clock=clock_of(self._clocks, heartbeat.machine),
+            seen_at_s=self._to_wall_s(heartbeat.at_s),
+        )
+
+    def _task(self, task: TaskBrief) -> OpenTaskView:
+        return OpenTaskView(
+            task=task.task,
+            epoch=task.epoch,
+            item=task.item,
+            quantity=task.quantity,
+            source=task.source,
+            destination=task.destination,
+            deadline_at_s=self._to_wall_s(task.deadline_s),
+            primary=task.primary,
+            secondary=task.secondary,
+            round=task.round,
+            trouble=task.trouble,
+        )
+
+
+def doing(heartbeat: MachineHeartbeat) -> str:
+    """What a machine does."""
+    at_work = heartbeat.goals and heartbeat.status is not MachineStatus.IDLE
+    match heartbeat.status:
+        case MachineStatus.ERROR:
+            return BROKEN if at_work else DOWN
+        case MachineStatus.STARVED if at_work:
+            return STARVED
+    return MAKING if at_work else IDLE
+
+
+def _goal(goal: GoalBrief) -> GoalView:
+    return GoalView(
+        goal=goal.goal,
+        product=goal.product,
+        quantity=goal.quantity,
+        made=goal.made,
+        delivered=goal.delivered,
+    )
+
+
+def _buffer(level: BufferLevel) -> BufferView:
+    return BufferView(
+        item=level.item,
+        level=level.level,
+        capacity=level.capacity,
+        reorder_point=level.reorder_point,
+        on_order=level.on_order,
+        spare=level.spare,
+    )

@@ -1,0 +1,304 @@
+"""Orders as panels see them. Kept from what REST tells and from facts, not read from SQL."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator
+from heapq import heappop, heappush
+
+from dray.gateway.live.projection.changes import Changes
+from dray.gateway.live.projection.materials import Materials
+from dray.gateway.live.views import OrderItemView, OrderView
+from dray.messages import Event, MachineHeartbeat, MaterialWait
+from dray.messages.fact import GoalContracted, GoalWaits
+from dray.store.orders import Order, OrderTotals
+from dray.store.progress import (
+    ENDED,
+    OPEN,
+    Goal,
+    OrderStatus,
+    ToWall,
+    accepted_order,
+    delivered_after,
+    goal_of,
+    merge,
+    note,
+    progress,
+    status_after,
+)
+
+ENDED_KEPT = 50
+"""Ended orders that panels still show; all of them are in SQL."""
+
+
+class Orders:
+    """The orders.
+
+    Args:
+        to_wall_s: plant clock to wall clock.
+        products: what this plant can make.
+        materials: what is lacking may be one of these; their names, and the materials that each product takes.
+    """
+
+    def __init__(
+        self, to_wall_s: ToWall, products: Collection[str], materials: Materials | None = None
+    ) -> None:
+        self._materials = materials or Materials({}, {})
+        self._to_wall_s, self._products = to_wall_s, products
+        self._orders: dict[str, Order] = {}
+        self._goals: dict[str, dict[str, Goal]] = {}
+        """Per order that is kept here, its goals by id."""
+        self._order_of: dict[str, str] = {}
+        """Per goal that is kept here, its order."""
+        self._waits: dict[str, dict[str, str]] = {}
+        """Per order that waits, the goals that nobody can make now, and why."""
+        self._lacks: dict[str, dict[str, tuple[MaterialWait, ...]]] = {}
+        """Per machine that waits for material, the goals that wait with it, and for what."""
+        self._strange: dict[str, list[str]] = {}
+        """Per open order, products that this plant does not make: it had another plant file before."""
+        self._due: list[tuple[float, str]] = []
+        """A heap of those that have not come to their due time."""
+        self._late: set[str] = set()
+        """Those that have, and had not ended when it was looked at."""
+        self._ended: dict[str, None] = {}
+        """Ended orders, oldest first."""
+        self.delivered, self.on_time = 0, 0
+        """Over all orders there ever were."""
+        self.changes = Changes("order")
+
+    @property
+    def open(self) -> int:
+        """How many have not ended."""
+        return len(self._orders) - len(self._ended)
+
+    @property
+    def by_status(self) -> Counter[OrderStatus]:
+        """How many of those that are kept here have which status."""
+        return Counter(order.status for order in self._orders.values())
+
+    def begin(self, orders: Iterable[tuple[Order, Iterable[Goal]]], totals: OrderTotals) -> None:
+        """Start from what SQL knows."""
+        for order, goals in orders:
+            self._keep(order)
+            for goal in goals:
+                self._adopt(order.id, goal)
+        self.delivered, self.on_time = totals.delivered, totals.on_time
+
+    def put(self, order: Order, goals: Iterable[Goal] = ()) -> None:
+        """An order was placed, released, taken back or cancelled, or has ended by the strategist's word.
+
+        Args:
+            order: as SQL has it.
+            goals: what SQL knows of it, where that may be more than was heard here.
+        """
+        known = self._orders.get(order.id)
+        if known is not None and known.status in ENDED:
+            return
+        for goal in goals:
+            self._adopt(order.id, goal)
+        if known is not None and order.status is not OrderStatus.CANCELLED:
+            # What SQL said may lag behind what the factory has told since.
+            order = self._advanced(order)
+            if order.status is OrderStatus.DELIVERED:
+                self._count(order)
+        self._keep(order)
+
+    def fold(self, event: Event) -> bool:
+        """Take an event in.
+
+        Returns:
+            False when it tells nothing new about an order that is kept here.
+        """
+        if isinstance(event.fact, GoalWaits):
+            return self._wait(event, event.fact)
+        order = self._orders.get(self._subject(event) or "")
+        if order is None or not order.releases:
+            return False
+        went_on = isinstance(event.fact, GoalContracted) and self._goes_on(order.id, event.fact.goal)
+        if accepted_order(event):
+            order.incarnation = max(order.incarnation, event.incarnation)
+        advanced = self._advanced(order)
+        if advanced == order and not went_on:
+            return False
+        if advanced.status is OrderStatus.DELIVERED and order.status is not OrderStatus.DELIVERED:
+            self._count(advanced)
+        self._keep(advanced)
+        return True
+
+    def hear(self, heartbeat: MachineHeartbeat) -> None:
+        """A machine tells what it waits for, and its goals wait with it."""
+        if not heartbeat.waits and heartbeat.machine not in self._lacks:
+            return
+        before, now = self._lacks.get(heartbeat.machine, {}), self._materials.lacking(heartbeat)
+        if now:
+            self._lacks[heartbeat.machine] = now
+        else:
+            self._lacks.pop(heartbeat.machine, None)
+        for goal in {**before, **now}:
+            order = self._order_of.get(goal)
+            if order is not None and before.get(goal) != now.get(goal):
+                self.changes.mark(order)
+
+    def get(self, order: str) -> Order | None:
+        """One order, if it is kept here."""
+        return self._orders.get(order)
+
+    def waits(self, order: str) -> str:
+        """Why an order waits; empty when it goes on, or is not kept here."""
+        if strange := self._strange.get(order):
+            return f"this plant does not make {' and '.join(strange)}"
+        return next(iter(self._waits.get(order, {}).values()), "")
+
+    def lacks(self, order: str) -> str:
+        """The material for which an order waits, in words; empty when it waits for none."""
+        if not self._lacks:
+            return ""
+        goals = self._goals.get(order, {})
+        told = (lacks[goal] for lacks in self._lacks.values() for goal in lacks if goal in goals)
+        return next((self._materials.told(waits) for waits in told), "")
+
+    def lacking(self, goal: str, machine: str) -> tuple[str, ...]:
+        """The names of the materials for which a goal waits, as its machine has told; empty when it waits for none."""
+        waits = self._lacks.get(machine, {}).get(goal, ())
+        return tuple(self._materials.name(wait.item) for wait in waits)
+
+    def why_waits(self, order: str) -> str:
+        """Whatever an order waits for; empty when it goes on."""
+        return self.waits(order) or self.lacks(order)
+
+    def impossible(self) -> Collection[str]:
+        """Ids of those that wait for a product that this plant does not make."""
+        return self._strange.keys()
+
+    def in_trouble(self, wall_s: float) -> Iterator[OrderView]:
+        """Those that have not ended and wait for something, cannot be made here, or are past their due time."""
+        while self._due and self._due[0][0] < wall_s:
+            self._late.add(heappop(self._due)[1])
+        self._late = {order for order in self._late if order in self._orders and order not in self._ended}
+        return (
+            self._view(self._orders[order])
+            for order in self._strange.keys() | self._waits.keys() | self._late
+        )
+
+    def views(self) -> tuple[OrderView, ...]:
+        """The open ones, and the last that ended."""
+        return tuple(self._view(order) for order in self._orders.values())
+
+    def take_changed(self) -> tuple[OrderView, ...]:
+        """Those that have changed since the last call."""
+        return tuple(self._view(self._orders[order]) for order in self.changes.take_changed())
+
+    def _wait(self, event: Event, fact: GoalWaits) -> bool:
+        """Nobody can make a goal: its order waits until somebody has taken it."""
+        order = self._orders.get(fact.order)
+        goal = self._goals.get(fact.order, {}).get(fact.goal)
+        late = goal is not None and (goal.incarnation, goal.number) > (event.incarnation, event.number)
+        if order is None or order.status in ENDED or late:
+            return False
+        waits = self._waits.setdefault(fact.order, {})
+        if waits.get(fact.goal) == fact.reason:
+            return False
+        waits[fact.goal] = fact.reason
+        self.changes.mark(fact.order)
+        return True
+
+    def _goes_on(self, order: str, goal: str) -> bool:
+        """Somebody has taken a goal; returns whether its order had waited for that."""
+        waits = self._waits.get(order, {})
+        waited = waits.pop(goal, None) is not None
+        if waited and not waits:
+            del self._waits[order]
+        return waited
+
+    def _view(self, order: Order) -> OrderView:
+        return order_view(order, self.why_waits(order.id))
+
+    def _subject(self, event: Event) -> str | None:
+        """Note what the event tells about a goal; returns the order that it is about."""
+        name = goal_of(event)
+        if name is None:
+            return accepted_order(event)
+        order = self._order_of.get(name) or getattr(event.fact, "order", None)
+        if order is None or order not in self._orders:
+            return None
+        goals = self._goals.setdefault(order, {})
+        if name not in goals:
+            self._adopt(order, Goal(name))
+        note(goals[name], event, self._to_wall_s)
+        return order
+
+    def _adopt(self, order: str, goal: Goal) -> None:
+        merge(self._goals.setdefault(order, {}).setdefault(goal.id, Goal(goal.id)), goal)
+        self._order_of[goal.id] = order
+
+    def _advanced(self, order: Order) -> Order:
+        """The order, as far as its goals say that it has come."""
+        known = self._orders.get(order.id, order)
+        reached = progress(
+            order.quantities,
+            self._goals.get(order.id, {}).values(),
+            max(order.incarnation, known.incarnation),
+            order.delivered,
+        )
+        items = tuple(
+            type(item)(item.product, item.quantity, made, delivered)
+            for item, made, delivered in zip(order.items, reached.made, reached.delivered, strict=True)
+        )
+        fields = {name: getattr(order, name) for name in order.__struct_fields__}
+        fields["items"] = items
+        status = fields["status"] = status_after(order.status, reached.status)
+        fields["delivered_at_s"] = delivered_after(status, order.delivered_at_s, reached.delivered_at_s)
+        return Order(**fields)
+
+    def _count(self, order: Order) -> None:
+        self.delivered += 1
+        if order.due_at_s is None or (order.delivered_at_s or 0.0) <= order.due_at_s:
+            self.on_time += 1
+
+    def _keep(self, order: Order) -> None:
+        if order.id not in self._orders and order.due_at_s is not None and order.status not in ENDED:
+            heappush(self._due, (order.due_at_s, order.id))
+        self._orders[order.id] = order
+        self.changes.mark(order.id)
+        self._strange.pop(order.id, None)
+        if order.status in OPEN and (strange := order.strange_to(self._products)):
+            self._strange[order.id] = strange
+        if order.status not in OPEN:
+            self._waits.pop(order.id, None)
+        if order.status in ENDED and order.id not in self._ended:
+            self._ended[order.id] = None
+            if len(self._ended) > ENDED_KEPT:
+                self._forget(next(iter(self._ended)))
+
+    def _forget(self, order: str) -> None:
+        del self._ended[order], self._orders[order]
+        for goal in self._goals.pop(order, {}):
+            del self._order_of[goal]
+        self.changes.drop(order)
+
+
+def order_view(order: Order, waits: str = "") -> OrderView:
+    """An order, as panels see it.
+
+    Args:
+        order: the order.
+        waits: why it waits; empty when it goes on.
+    """
+    return OrderView(
+        id=order.id,
+        customer=order.customer,
+        reference=order.reference,
+        status=order.status.value,
+        items=tuple(
+            OrderItemView(
+                product=item.product, quantity=item.quantity, made=item.made, delivered=item.delivered
+            )
+            for item in order.items
+        ),
+        created_at_s=order.created_at_s,
+        due_at_s=order.due_at_s,
+        delivered_at_s=order.delivered_at_s,
+        releases=order.releases,
+        revoked_at_s=order.revoked_at_s,
+        waits=waits,
+    )

@@ -1,0 +1,300 @@
+"""The whole projection: where messages go in, and frames come out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+
+from dray.gateway.live.frames import Delta, Snapshot
+from dray.gateway.live.projection.alerting import alert_rules
+from dray.gateway.live.projection.alerting.alerts import Alerts
+from dray.gateway.live.projection.alerting.silence import bound_s, heard_until_s
+from dray.gateway.live.projection.atvs import Atvs
+from dray.gateway.live.projection.auctions.tasks import Tasks
+from dray.gateway.live.projection.disputes import Disputes
+from dray.gateway.live.projection.figures.fleet import BLOCKED
+from dray.gateway.live.projection.figures.interventions import Interventions
+from dray.gateway.live.projection.figures.time_use import SILENT
+from dray.gateway.live.projection.figures.traffic import LaneTraffic, Traffic
+from dray.gateway.live.projection.injected_faults import InjectedFaults
+from dray.gateway.live.projection.machines import BROKEN, DOWN, Machines
+from dray.gateway.live.projection.materials import Materials
+from dray.gateway.live.projection.news import News
+from dray.gateway.live.projection.orders import Orders
+from dray.gateway.live.projection.outsiders import Outsiders
+from dray.gateway.live.projection.recent_commands import RecentCommands
+from dray.gateway.live.projection.site import Site
+from dray.gateway.live.projection.stations import Stations
+from dray.gateway.live.timescale import TimeScale
+from dray.gateway.live.views import FactoryView, UseView
+from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, Message, StationHeartbeat
+from dray.overload import Overload
+from dray.plant.model import PlantFile
+from dray.store.clocks import Clocks, Timed
+from dray.store.exclusions import Exclusion
+from dray.store.kpis import KpiSample
+
+
+class Projection:
+    """Everything that panels see.
+
+    Args:
+        plant: names and types of what stands in it.
+        time: the two clocks.
+        trials: whether faults can be begun by hand.
+        wall_s: the wall clock, by which times are judged that agents tell; None where all of them are believed.
+
+    Attributes:
+        plant: its id.
+        site: what stands where.
+    """
+
+    def __init__(
+        self,
+        plant: PlantFile,
+        time: TimeScale,
+        *,
+        trials: bool = False,
+        wall_s: Callable[[], float] | None = None,
+    ) -> None:
+        self.plant, self._time, self._wall_s = plant.plant, time, wall_s
+        self.outsiders = Outsiders()
+        self.clocks, self.disputes = Clocks(time.speed), Disputes()
+        top_mps = max(kind.max_speed_mps for kind in plant.vehicle_types)
+        self.atvs = Atvs(plant.fleet, time.to_wall_s, self.outsiders, self.clocks, top_mps)
+        self.site = Site(plant)
+        self._materials = _materials(plant)
+        self.machines = Machines(self.site, time.to_wall_s, self.outsiders, self.clocks, self._materials)
+        self.tasks = Tasks(time.to_wall_s)
+        storages = {storage.id: storage for storage in plant.storages}
+        self.stations = Stations(storages, time.to_wall_s, self.outsiders, self.clocks)
+        self.orders = Orders(
+            time.to_wall_s, frozenset(product.id for product in plant.products), self._materials
+        )
+        self.news = News(time.to_wall_s)
+        self.alerts = Alerts()
+        self.traffic = Traffic(plant.lanes)
+        self.commands = RecentCommands()
+        self.trials = InjectedFaults(possible=trials)
+        self.interventions = Interventions()
+        self._overload = Overload()
+        kinds = (
+            self.atvs,
+            self.machines,
+            self.stations,
+            self.tasks,
+            self.orders,
+            self.news,
+            self.alerts,
+            self.commands,
+            self.trials,
+        )
+        self._all = tuple(kind.changes for kind in kinds)
+        self.heard = 0
+        """Messages that told something."""
+        self.ignored = 0
+        """Messages that told nothing new: late, doubled, stale, or about something else. Normal."""
+
+    @property
+    def speed(self) -> float:
+        """Factory seconds per real second."""
+        return self._time.speed
+
+    @property
+    def changed(self) -> bool:
+        """Whether there is something to tell since the last delta."""
+        return any(self._all)
+
+    def plant_s(self, wall_s: float) -> float:
+        """A moment on the plant's clock."""
+        return self._time.to_plant_s(wall_s)
+
+    def fold(self, message: Message) -> None:
+        """Take one message in; never raises for what a peer may say."""
+        if self._wall_s is not None and isinstance(message, Timed):
+            message = self.clocks.right(message, self._time.to_plant_s(self._wall_s()))
+        match message:
+            case AtvHeartbeat():
+                before = self.atvs.last(message.atv)
+                told = self.atvs.fold(message)
+                if told:
+                    self.traffic.follow(before, message)
+            case MachineHeartbeat():
+                self.site.hear(message)
+                told = self.machines.fold(message)
+                if told:
+                    self.tasks.hear(message)
+                    self.orders.hear(message)
+            case StationHeartbeat():
+                told = self.stations.fold(message)
+            case Event():
+                # All look: GoalWaits is about a task and an order, and news.
+                told = (
+                    self.tasks.fold(message)
+                    | self.orders.fold(message)
+                    | self.news.fold(message)
+                    | self.interventions.fold(message)
+                    | self.disputes.fold(message)
+                )
+            case _:
+                told = False
+        if told:
+            self.heard += 1
+        else:
+            self.ignored += 1
+
+    def shut_out(self, exclusions: Iterable[Exclusion]) -> None:
+        """Show these agents as shut out, and no others."""
+        changed = self.outsiders.put(exclusions)
+        self.atvs.mark(changed)
+        self.machines.mark(changed)
+        self.stations.mark(changed)
+
+    def look(self, wall_s: float) -> list[str]:
+        """See what is wrong at this moment; silence is heard by nobody else.
+
+        Returns:
+            The alerts that had been acknowledged and have ended.
+        """
+        now_s, heard_s = self._time.to_plant_s(wall_s), self._heard_until_s(wall_s)
+        now = alert_rules.Moment(now_s, heard_s, wall_s, self._time.speed, self._time.to_wall_s)
+        heard = [each for each in self.atvs.heartbeats() if each.atv not in self.outsiders]
+        of_atvs = tuple(alert_rules.of_atvs(heard, now))
+        machines = (each for each in self.machines.heartbeats() if each[0].machine not in self.outsiders)
+        stations = (each for each in self.stations.heartbeats() if each.station not in self.outsiders)
+        clocks = {
+            agent: offset for agent, offset in self.clocks.wrong(now.plant_s) if agent not in self.outsiders
+        }
+        wrong = (
+            *alert_rules.of_the_plant(now),
+            *alert_rules.of_demand(self._overload, self.tasks, len(heard), now),
+            *alert_rules.of_outsiders(self.outsiders, self.atvs),
+            *alert_rules.of_clocks(clocks.items()),
+            *alert_rules.of_disputes(self.disputes, clocks.keys(), now),
+            *alert_rules.of_strangers(self.atvs.strangers + self.machines.strangers),
+            *alert_rules.of_machines(machines, self._materials, now),
+            *alert_rules.of_stations(stations, now),
+            *of_atvs,
+            *alert_rules.of_transports(self.tasks.under_way(), of_atvs),
+            *alert_rules.of_orders(self.orders.in_trouble(wall_s), self.orders.impossible(), now),
+        )
+        return self.alerts.look(wrong, wall_s)
+
+    def traffic_at(self, wall_s: float) -> Iterator[LaneTraffic]:
+        """The lanes that were passed within the hour before this moment."""
+        return self.traffic.lanes(self._present_s(wall_s))
+
+    def factory(self, wall_s: float) -> FactoryView:
+        """The factory's figures at this moment."""
+        now_s = self._present_s(wall_s)
+        orders, transports = self.orders, self.tasks.transports
+        commands, helps = self.interventions.in_hour(now_s)
+        use = self.atvs.fleet.use.hour(now_s)
+        machines = self.machines.use.hour(now_s)
+        return FactoryView(
+            orders_open=orders.open,
+            orders_delivered=orders.delivered,
+            on_time_frac=orders.on_time / orders.delivered if orders.delivered else None,
+            starved_frac=self.machines.starved_frac(now_s),
+            transport_p50_s=transports.quantile_s(0.5),
+            transport_p95_s=transports.quantile_s(0.95),
+            empty_frac=self.atvs.fleet.empty_frac(now_s),
+            use=UseView(**use) if use else None,
+            atv_available_frac=1.0 - use[BLOCKED] - use[SILENT] if use else None,
+            machine_available_frac=1.0 - sum(machines[each] for each in (BROKEN, DOWN, SILENT))
+            if machines
+            else None,
+            commands=commands,
+            helps=helps,
+            deliveries_per_hour=transports.per_hour(now_s),
+            atvs_by_status=dict(+self.atvs.by_status),
+            machines_by_status=dict(+self.machines.by_status),
+            speed=self._time.speed,
+            behind_s=(self._time.to_plant_s(wall_s) - self._heard_until_s(wall_s)) / self._time.speed,
+        )
+
+    def totals(self, wall_s: float) -> KpiSample:
+        """Everything that adds up, since the plant's zero; everybody's time is counted up to this moment."""
+        now_s = self._present_s(wall_s)
+        fleet, machines, transports = self.atvs.fleet, self.machines.use, self.tasks.transports
+        for use in (fleet.use, machines):
+            use.settle(now_s)
+        spent_s = {f"atv_{doing}_s": total_s for doing, total_s in fleet.use.totals_s.items()}
+        spent_s |= {f"machine_{doing}_s": total_s for doing, total_s in machines.totals_s.items()}
+        return KpiSample(
+            at_s=wall_s,
+            span_s=now_s,
+            orders_delivered=self.orders.delivered,
+            orders_on_time=self.orders.on_time,
+            transports=transports.count,
+            transport_p50_s=transports.quantile_s(0.5),
+            transport_p95_s=transports.quantile_s(0.95),
+            empty_m=fleet.empty_m,
+            loaded_m=fleet.loaded_m,
+            commands=self.interventions.commands,
+            helps=self.interventions.helps,
+            **spent_s,
+        )
+
+    def snapshot(self, number: int, wall_s: float) -> Snapshot:
+        """Everything there is; leaves what the next delta will tell as it is."""
+        return Snapshot(
+            number=number,
+            at_s=wall_s,
+            plant=self.plant,
+            factory=self.factory(wall_s),
+            atvs=self.atvs.views(),
+            machines=self.machines.views(),
+            stations=self.stations.views(),
+            tasks=self.tasks.views(),
+            orders=self.orders.views(),
+            news=self.news.views(),
+            alerts=self.alerts.views(),
+            trials=self.trials.possible,
+            faults=self.trials.views(),
+            commands=self.commands.views(),
+        )
+
+    def delta(self, number: int, wall_s: float, factory: FactoryView | None) -> Delta:
+        """What has changed since the last delta."""
+        return Delta(
+            number=number,
+            at_s=wall_s,
+            factory=factory,
+            atvs=self.atvs.take_changed(),
+            machines=self.machines.take_changed(),
+            stations=self.stations.take_changed(),
+            tasks=self.tasks.take_changed(),
+            orders=self.orders.take_changed(),
+            news=self.news.take_changed(),
+            alerts=self.alerts.take_changed(),
+            faults=self.trials.take_changed(),
+            commands=self.commands.take_changed(),
+            gone=tuple(name for changes in self._all for name in changes.take_gone()),
+        )
+
+    def _heard_until_s(self, wall_s: float) -> float:
+        """How far the plant was heard by now (plant clock)."""
+        told_s = [each.at_s for each in self.atvs.heartbeats() if each.atv not in self.outsiders]
+        machines = self.machines.heartbeats()
+        told_s += [each.at_s for each, _ in machines if each.machine not in self.outsiders]
+        stations = self.stations.heartbeats()
+        told_s += [each.at_s for each in stations if each.station not in self.outsiders]
+        return heard_until_s(told_s, self._time.to_plant_s(wall_s))
+
+    def _present_s(self, wall_s: float) -> float:
+        """The plant's present (plant clock): of one that is behind, that of what is heard of it."""
+        now_s, heard_s = self._time.to_plant_s(wall_s), self._heard_until_s(wall_s)
+        return now_s if now_s - heard_s <= bound_s(working=False, speed=self._time.speed) else heard_s
+
+    def discard_changes(self) -> None:
+        """Nobody is looking: the next delta begins from here."""
+        for changes in self._all:
+            changes.take_changed()
+            changes.take_gone()
+
+
+def _materials(plant: PlantFile) -> Materials:
+    return Materials(
+        {material.id: material.name for material in plant.materials},
+        {product.id: [line.material for line in product.bill] for product in plant.products},
+    )

@@ -1,0 +1,57 @@
+"""Recent commands: what people have asked of vehicles lately, and what became of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from dray.gateway.live.projection.changes import Changes
+from dray.gateway.live.views import CommandState, CommandView
+
+RECENT_KEPT = 200
+"""The last fifty of an area, where four areas are busy; the audit log has all of them."""
+
+
+class RecentCommands:
+    """The commands, the oldest first."""
+
+    def __init__(self) -> None:
+        self._commands: dict[str, CommandView] = {}
+        self._areas: dict[str, frozenset[str]] = {}
+        self.changes = Changes("command")
+
+    def put(self, command: CommandView, areas: Iterable[str]) -> None:
+        """Show a command that was just sent.
+
+        Args:
+            command: what is asked.
+            areas: where the vehicle was by its last heartbeat, or near enough, and those of whoever gave it: who
+                answers for these sees the command, wherever the vehicle goes meanwhile.
+        """
+        self._commands[command.id] = command
+        self._areas[command.id] = frozenset(areas)
+        self.changes.mark(command.id)
+        if len(self._commands) > RECENT_KEPT:
+            oldest = next(iter(self._commands))
+            del self._commands[oldest], self._areas[oldest]
+            self.changes.drop(oldest)
+
+    def end(self, command: str, state: CommandState, reason: str = "") -> bool:
+        """Show what became of a command; returns whether it is still kept."""
+        known = self._commands.get(command)
+        if known is None:
+            return False
+        known.state, known.reason = state, reason
+        self.changes.mark(command)
+        return True
+
+    def areas_of(self, command: str) -> frozenset[str]:
+        """Where its vehicle was when it was given."""
+        return self._areas.get(command, frozenset())
+
+    def views(self) -> tuple[CommandView, ...]:
+        """All of them, oldest first."""
+        return tuple(self._commands.values())
+
+    def take_changed(self) -> tuple[CommandView, ...]:
+        """Those that have changed since the last call."""
+        return tuple(self._commands[command] for command in self.changes.take_changed())

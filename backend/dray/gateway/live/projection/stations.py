@@ -1,0 +1,94 @@
+"""The stations of storages as panels see them: the last heartbeat of each, which tells what lies there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from dray.gateway.live.projection.atvs import clock_of
+from dray.gateway.live.projection.changes import Changes
+from dray.gateway.live.projection.outsiders import Outsiders
+from dray.gateway.live.views import StationView, StockView
+from dray.messages import StationHeartbeat, StockLevel
+from dray.plant.model import Storage
+from dray.store.clocks import Clocks
+from dray.store.progress import ToWall
+
+
+class Stations:
+    """The stations.
+
+    Args:
+        storages: those of the plant file, by id. No other station is heard: a storage does not come by itself.
+        to_wall_s: plant clock to wall clock.
+        outsiders: who is shut out.
+        clocks: of all agents.
+    """
+
+    def __init__(
+        self, storages: Mapping[str, Storage], to_wall_s: ToWall, outsiders: Outsiders, clocks: Clocks
+    ) -> None:
+        self._storages = storages
+        self._to_wall_s = to_wall_s
+        self._outsiders, self._clocks = outsiders, clocks
+        self._last: dict[str, StationHeartbeat] = {}
+        self.changes = Changes("station")
+
+    def fold(self, heartbeat: StationHeartbeat) -> bool:
+        """Take a heartbeat in.
+
+        Returns:
+            False when it is older than the last one, or of a storage that the plant does not have.
+        """
+        if heartbeat.station not in self._storages:
+            return False
+        last = self._last.get(heartbeat.station)
+        if last is not None and (heartbeat.incarnation, heartbeat.seq) <= (last.incarnation, last.seq):
+            return False
+        self._last[heartbeat.station] = heartbeat
+        self.changes.mark(heartbeat.station)
+        return True
+
+    def heartbeats(self) -> Iterable[StationHeartbeat]:
+        """The last one of each station."""
+        return self._last.values()
+
+    def mark(self, agents: Iterable[str]) -> None:
+        """Something else is to be shown of these, as far as they were heard."""
+        for agent in agents:
+            if agent in self._last:
+                self.changes.mark(agent)
+
+    def view(self, storage: str) -> StationView | None:
+        """One station, or None when it was never heard."""
+        heartbeat = self._last.get(storage)
+        return None if heartbeat is None else self._view(heartbeat)
+
+    def views(self) -> tuple[StationView, ...]:
+        """All of them, by id."""
+        return tuple(self._view(self._last[storage]) for storage in sorted(self._last))
+
+    def take_changed(self) -> tuple[StationView, ...]:
+        """Those that have changed since the last call."""
+        return tuple(self._view(self._last[storage]) for storage in self.changes.take_changed())
+
+    def _view(self, heartbeat: StationHeartbeat) -> StationView:
+        return StationView(
+            id=heartbeat.station,
+            name=self._storages[heartbeat.station].name,
+            stocks=tuple(_stock(level) for level in heartbeat.stocks),
+            software=heartbeat.software,
+            leaving=heartbeat.leaving,
+            shut_out=self._outsiders.view(heartbeat.station),
+            clock=clock_of(self._clocks, heartbeat.station),
+            seen_at_s=self._to_wall_s(heartbeat.at_s),
+        )
+
+
+def _stock(level: StockLevel) -> StockView:
+    return StockView(
+        item=level.item,
+        level=level.level,
+        capacity=level.capacity,
+        promised=level.promised,
+        wanted=level.wanted,
+    )

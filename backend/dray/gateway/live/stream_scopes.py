@@ -1,0 +1,194 @@
+"""Stream scopes: the frames of those who see the same, be it the whole plant or some of its areas.
+
+A scope makes its own delta of what has changed in the whole plant. That of the whole plant is that delta
+as it is. That of areas remembers what it has shown: what does not look otherwise from there is not told,
+and what has left is told as gone, once, and only when it had been shown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, Protocol
+
+from msgspec.structs import replace
+
+from dray.gateway.live.frames import Delta, Snapshot
+from dray.gateway.live.projection.projection import Projection
+from dray.gateway.live.views import FactoryView
+from dray.gateway.live.visibility import AreaVisibility, FactoryVisibility
+
+Show = Callable[[Any], Any]
+"""A view as it is seen from the areas; None when it is not."""
+
+
+class StreamScope(Protocol):
+    """What a room of clients sees."""
+
+    def snapshot(self, number: int, wall_s: float) -> Snapshot:
+        """Everything, so that the delta after `number` fits behind it."""
+        ...
+
+    def delta(self, told: Delta) -> Delta:
+        """The part of a delta of the whole plant that is seen; its number is not set yet."""
+        ...
+
+
+class WholeScope:
+    """The whole plant.
+
+    Args:
+        projection: of the plant.
+    """
+
+    def __init__(self, projection: Projection) -> None:
+        self._projection = projection
+
+    def snapshot(self, number: int, wall_s: float) -> Snapshot:
+        """See `StreamScope.snapshot`."""
+        return self._projection.snapshot(number, wall_s)
+
+    def delta(self, told: Delta) -> Delta:
+        """See `StreamScope.delta`."""
+        return told
+
+
+OF_ORDERS = ("order:", "alert:order_", "news:waits-")
+"""How the names of what is about orders begin, where something is told as gone."""
+
+
+class FactoryScope:
+    """The whole plant without its orders.
+
+    Args:
+        projection: of the plant.
+        visibility: what is seen of it.
+    """
+
+    def __init__(self, projection: Projection, visibility: FactoryVisibility) -> None:
+        self._projection, self._visibility = projection, visibility
+
+    def snapshot(self, number: int, wall_s: float) -> Snapshot:
+        """See `StreamScope.snapshot`."""
+        whole = self._projection.snapshot(number, wall_s)
+        return replace(whole, orders=(), **self._of(whole))
+
+    def delta(self, told: Delta) -> Delta:
+        """See `StreamScope.delta`."""
+        gone = tuple(name for name in told.gone if not name.startswith(OF_ORDERS))
+        return replace(told, orders=(), gone=gone, **self._of(told))
+
+    def _of(self, frame: Snapshot | Delta) -> dict[str, tuple[Any, ...]]:
+        visibility = self._visibility
+        shows: dict[str, tuple[Show, tuple[Any, ...]]] = {
+            "tasks": (visibility.task, frame.tasks),
+            "news": (visibility.news, frame.news),
+            "alerts": (visibility.alert, frame.alerts),
+        }
+        return {
+            kind: tuple(seen for view in views if (seen := show(view)) is not None)
+            for kind, (show, views) in shows.items()
+        }
+
+
+class AreaScope:
+    """Some areas of the plant.
+
+    Args:
+        projection: of the whole plant.
+        visibility: what is seen of it.
+    """
+
+    def __init__(self, projection: Projection, visibility: AreaVisibility) -> None:
+        self._projection, self._visibility = projection, visibility
+        self._others: Mapping[str, tuple[Show, Callable[[], Iterable[Any]]]] = {
+            "machine": (visibility.machine, projection.machines.views),
+            "station": (visibility.station, projection.stations.views),
+            "task": (visibility.task, projection.tasks.views),
+            "news": (visibility.news, projection.news.views),
+            "alert": (visibility.alert, projection.alerts.views),
+            "command": (visibility.command, projection.commands.views),
+        }
+        """Per kind but vehicles: how one is seen, and all of them."""
+        self._shown: dict[str, dict[str, Any]] = {kind: {} for kind in ("atv", *self._others)}
+        """What has been told and still holds, by kind and id."""
+        self._show("atv", visibility.atv, projection.atvs.views())
+        for kind, (show, views) in self._others.items():
+            self._show(kind, show, views())
+
+    def snapshot(self, number: int, wall_s: float) -> Snapshot:
+        """See `StreamScope.snapshot`: what has been told so far, so that nothing else leaves as gone later."""
+        shown = {kind: tuple(views.values()) for kind, views in self._shown.items()}
+        news = sorted(shown["news"], key=lambda each: each.at_s)
+        alerts = sorted(shown["alert"], key=lambda each: (each.level != "alarm", each.since_at_s))
+        return Snapshot(
+            number=number,
+            at_s=wall_s,
+            plant=self._projection.plant,
+            factory=FactoryView(speed=self._projection.speed),
+            atvs=shown["atv"],
+            machines=shown["machine"],
+            stations=shown["station"],
+            tasks=shown["task"],
+            orders=(),
+            news=tuple(news),
+            alerts=tuple(alerts),
+            commands=shown["command"],
+        )
+
+    def delta(self, told: Delta) -> Delta:
+        """See `StreamScope.delta`."""
+        before = set(self._shown["atv"])
+        atvs, gone = self._show("atv", self._visibility.atv, told.atvs)
+        # Who comes or goes has a name or has none from here on, in everything that tells of it.
+        crossed = bool(gone) or any(atv.id not in before for atv in atvs)
+        changed = {
+            "machine": told.machines,
+            "station": told.stations,
+            "task": told.tasks,
+            "news": told.news,
+            "alert": told.alerts,
+            "command": told.commands,
+        }
+        seen: dict[str, tuple[Any, ...]] = {}
+        for kind, (show, views) in self._others.items():
+            seen[kind], left = self._show(kind, show, views() if crossed else changed[kind])
+            gone += left
+        gone += self._forget(told.gone)
+        return Delta(
+            number=told.number,
+            at_s=told.at_s,
+            atvs=atvs,
+            machines=seen["machine"],
+            stations=seen["station"],
+            tasks=seen["task"],
+            news=seen["news"],
+            alerts=seen["alert"],
+            commands=seen["command"],
+            gone=tuple(gone),
+        )
+
+    def _show(self, kind: str, show: Show, views: Iterable[Any]) -> tuple[tuple[Any, ...], list[str]]:
+        """Look at some views.
+
+        Returns:
+            Those that look otherwise than they were shown, and the names of those that are seen no longer.
+        """
+        shown, told, gone = self._shown[kind], [], []
+        for view in views:
+            seen, last = show(view), shown.get(view.id)
+            if seen is not None and seen != last:
+                shown[view.id] = seen
+                told.append(seen)
+            elif seen is None and last is not None:
+                del shown[view.id]
+                gone.append(f"{kind}:{view.id}")
+        return tuple(told), gone
+
+    def _forget(self, gone: Iterable[str]) -> list[str]:
+        """What has left the plant's stream leaves this one, if it was there."""
+        left = []
+        for name in gone:
+            kind, _, entity = name.partition(":")
+            if kind in self._shown and self._shown[kind].pop(entity, None) is not None:
+                left.append(name)
+        return left

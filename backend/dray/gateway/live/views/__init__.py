@@ -1,0 +1,61 @@
+"""What the panels see: the shapes of the live entities on `/api/stream` (`dray.gateway.live.frames`) and in REST.
+
+A view is a whole entity, replaced as a whole: the newest one wins. Times are seconds since 1970 on
+the wall clock (`*_at_s`), whatever the speed of the factory's clock; durations and speeds are the
+factory's own. The TypeScript types of the panels are generated from these structs.
+
+Whoever is limited to areas is shown less of an entity, and `*` in place of a vehicle that stands elsewhere
+(`dray.gateway.live.visibility`).
+"""
+
+from __future__ import annotations
+
+from dray.gateway.live.views.alert import AlertKind, AlertResponse, AlertView
+from dray.gateway.live.views.atv import AtvView, BriefView, HelpView
+from dray.gateway.live.views.base import View
+from dray.gateway.live.views.clock import ClockView
+from dray.gateway.live.views.command import CommandState, CommandView
+from dray.gateway.live.views.factory import AudienceView, FactoryView, FaultView, UseView
+from dray.gateway.live.views.machine import BufferView, GoalView, MachineView, OpenTaskView
+from dray.gateway.live.views.news import NewsView
+from dray.gateway.live.views.order import OrderItemView, OrderView
+from dray.gateway.live.views.shutout import ShutOutView
+from dray.gateway.live.views.station import StationView, StockView
+from dray.gateway.live.views.task import BidView, CarrierView, RefusalView, TaskView
+from dray.gateway.live.views.trial import TrialView
+from dray.gateway.live.views.why import PassedView, RefusedView, WhyView
+
+__all__ = [
+    "AlertKind",
+    "AlertResponse",
+    "AlertView",
+    "AtvView",
+    "AudienceView",
+    "BidView",
+    "BriefView",
+    "BufferView",
+    "CarrierView",
+    "ClockView",
+    "CommandState",
+    "CommandView",
+    "FactoryView",
+    "FaultView",
+    "GoalView",
+    "HelpView",
+    "MachineView",
+    "NewsView",
+    "OpenTaskView",
+    "OrderItemView",
+    "OrderView",
+    "PassedView",
+    "RefusalView",
+    "RefusedView",
+    "ShutOutView",
+    "StationView",
+    "StockView",
+    "TaskView",
+    "TrialView",
+    "UseView",
+    "View",
+    "WhyView",
+]

@@ -1,0 +1,93 @@
+"""What asks for an answer."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from dray.gateway.live.views.base import View
+
+AlertKind = Literal[
+    "plant_behind",
+    "machine_lost",
+    "machine_error",
+    "station_lost",
+    "atv_lost",
+    "atv_help",
+    "atv_error",
+    "order_impossible",
+    "order_waits",
+    "order_late",
+    "overloaded",
+    "machine_shut_out",
+    "atv_shut_out",
+    "machine_starved",
+    "machine_blocked",
+    "handover_disputed",
+    "clock_wrong",
+    "word_disbelieved",
+    "strangers",
+    "task_trouble",
+    "atv_promised",
+    "atv_stopped",
+    "atv_battery",
+]
+"""What can be wrong; graver kinds first."""
+
+AlertResponse = Literal[
+    "look_at_server",
+    "add_vehicles",
+    "look_at_machine",
+    "look_at_station",
+    "repair",
+    "see_to_supply",
+    "see_to_removal",
+    "find_vehicle",
+    "put_right_and_readmit",
+    "promise_help",
+    "help",
+    "resume",
+    "bring_to_charger",
+    "look_at_auction",
+    "cancel_order",
+    "restore_machines",
+    "tell_customer",
+    "check_vehicle",
+    "set_clock",
+    "look_at_network",
+]
+"""What an alert asks of people."""
+
+
+class AlertView(View, kw_only=True):
+    """Something that is wrong now, and what it asks of people. It leaves when its cause is gone."""
+
+    id: str
+    kind: AlertKind
+    level: Literal["alarm", "warning"]
+    response: AlertResponse
+    since_at_s: float
+    agent: str = ""
+    """The machine, storage or vehicle that it is about; of a transport, who carries it. Empty for an order, and for the plant as a
+    whole."""
+    task: str = ""
+    order: str = ""
+    problem: str = ""
+    """In the agent's own words, where it has any."""
+    by: str = ""
+    """Who is on the way to help, or has shut the agent out."""
+    seen_at_s: float | None = None
+    """Of who is lost: when it was last heard."""
+    until_at_s: float | None = None
+    """How long help is waited for, or when the order was due."""
+    battery_frac: float | None = None
+    behind_s: float | None = None
+    """How old the newest is that was heard of the plant, in real seconds."""
+    waiting: int | None = None
+    """Transports that have waited for a vehicle for longer than 5 factory minutes."""
+    carried_frac: float | None = None
+    """Part of the last factory hour's transports that were carried; None before any."""
+    clock_ahead_s: float | None = None
+    """Of a wrong clock: how far it is ahead, behind if below 0 (factory seconds)."""
+    acknowledged_by: str = ""
+    """The name of who has taken it on; empty while nobody has."""
+    acknowledged_at_s: float | None = None

@@ -1,0 +1,72 @@
+"""A vehicle as panels see it."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from dray.gateway.live.views.base import View
+from dray.gateway.live.views.clock import ClockView
+from dray.gateway.live.views.shutout import ShutOutView
+from dray.gateway.live.views.trial import TrialView
+
+
+class BriefView(View, kw_only=True):
+    """A vehicle's part in one task."""
+
+    task: str
+    epoch: int
+    role: Literal["primary", "secondary"]
+    coordinator: str
+    phase: str | None = None
+    """approaching, loading, carrying, unloading, handing_over, returning; None for a watch."""
+    item: str = ""
+    quantity: int = 0
+    due_at_s: float | None = None
+
+
+class HelpView(View, kw_only=True):
+    """A problem that a person can solve, while its task waits for that."""
+
+    until_at_s: float
+    """Solved by then, the vehicle goes on; else somebody else takes its task."""
+    promised_by: str = ""
+    """Who has said to be on the way; empty while nobody has."""
+
+
+class AtvView(View, kw_only=True):
+    """An ATV, as its last heartbeat told."""
+
+    id: str
+    type: str
+    status: Literal["idle", "working", "charging", "stopped", "error"]
+    x_m: float
+    y_m: float
+    heading_rad: float
+    speed_mps: float
+    node: str
+    way: tuple[str, ...] = ()
+    """Nodes still ahead; the vehicle is between `node` and `way[0]`."""
+    battery_frac: float
+    load: str = ""
+    load_quantity: int = 0
+    link: Literal["wlan", "mesh"] = "wlan"
+    via: tuple[str, ...] = ()
+    """The vehicles that pass its heartbeat on, in order, when the link is mesh."""
+    task: BriefView | None = None
+    watches: tuple[BriefView, ...] = ()
+    berth: str = ""
+    speed_limit_frac: float = 1.0
+    acknowledged: bool = False
+    """While it is stopped: somebody has said that the reason is gone, and it may be resumed."""
+    problem: str = ""
+    help: HelpView | None = None
+    software: str = ""
+    leaving: bool = False
+    """It was asked to leave, takes nothing new, and goes when nothing holds it any more."""
+    trial: TrialView | None = None
+    """While it is on trial and takes short tasks only."""
+    shut_out: ShutOutView | None = None
+    """Nobody hears it any more: all else here is what it said before."""
+    clock: ClockView | None = None
+    """None while nothing is known of it."""
+    seen_at_s: float = 0.0

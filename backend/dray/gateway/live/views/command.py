@@ -1,0 +1,27 @@
+"""People's commands as panels see them."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from dray.gateway.live.views.base import View
+
+CommandState = Literal["sent", "confirmed", "refused", "not_confirmed"]
+
+
+class CommandView(View, kw_only=True):
+    """What a person has asked of a vehicle, and the vehicle's word on it."""
+
+    id: str
+    """As whoever gave it has named it, else as the gateway has."""
+    atv: str
+    kind: Literal["stop", "acknowledge", "resume", "set_speed", "promise"]
+    speed_frac: float | None = None
+    by: str
+    """The name of who gave it."""
+    at_s: float
+    """When."""
+    state: CommandState = "sent"
+    """not_confirmed: the vehicle has said nothing in time; it may or may not have heard."""
+    reason: str = ""
+    """Why the vehicle has refused it."""

@@ -1,0 +1,76 @@
+"""A machine as panels see it."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from dray.gateway.live.views.base import View
+from dray.gateway.live.views.clock import ClockView
+from dray.gateway.live.views.shutout import ShutOutView
+from dray.gateway.live.views.trial import TrialView
+
+
+class BufferView(View, kw_only=True):
+    """Pieces of one item at a machine."""
+
+    item: str
+    level: int
+    capacity: int
+    reorder_point: int = 0
+    on_order: int = 0
+    spare: int = 0
+    """Finished pieces that no order wants any more: the next goal of the product takes them."""
+
+
+class GoalView(View, kw_only=True):
+    """A production goal in a machine's queue."""
+
+    goal: str
+    product: str
+    quantity: int
+    made: int
+    delivered: int
+
+
+class OpenTaskView(View, kw_only=True):
+    """One of a machine's open transports."""
+
+    task: str
+    epoch: int
+    item: str
+    quantity: int
+    source: str
+    destination: str
+    deadline_at_s: float
+    primary: str = ""
+    secondary: str = ""
+    round: int = 1
+    trouble: str = ""
+    """Why it does not go on, in the machine's words; empty when all is well."""
+
+
+class MachineView(View, kw_only=True):
+    """A machine, as its last heartbeat told."""
+
+    id: str
+    name: str
+    status: Literal["idle", "producing", "starved", "blocked", "error"]
+    product: str = ""
+    goals: tuple[GoalView, ...] = ()
+    tasks: tuple[OpenTaskView, ...] = ()
+    buffers: tuple[BufferView, ...] = ()
+    goods: tuple[BufferView, ...] = ()
+    problem: str = ""
+    waits: str = ""
+    """The materials that it needs and that nobody can fetch now, and why, as "for rotor (storage S3 has none)"; empty where
+    there are none."""
+    software: str = ""
+    leaving: bool = False
+    """It was asked to leave, takes nothing new, and goes when nothing holds it any more."""
+    trial: TrialView | None = None
+    """While it is on trial and takes short goals only."""
+    shut_out: ShutOutView | None = None
+    """Nobody hears it any more: all else here is what it said before."""
+    clock: ClockView | None = None
+    """None while nothing is known of it."""
+    seen_at_s: float

@@ -1,0 +1,46 @@
+"""What has happened, as panels tell it."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from dray.gateway.live.views.base import View
+
+
+class NewsView(View, kw_only=True):
+    """Something that people should know of without looking for it: a failure, and what became of it."""
+
+    id: str
+    kind: Literal[
+        "took_over",
+        "takeover_refused",
+        "announced_anew",
+        "link_lost",
+        "link_back",
+        "help_asked",
+        "help_promised",
+        "goal_lost",
+        "goal_waits",
+        "memory_lost",
+    ]
+    at_s: float
+    """Wall clock, as all times of views."""
+    agent: str
+    """Whom it is about: the vehicle or machine to look at, or the strategist."""
+    other: str = ""
+    """Whom `agent` has replaced; or who has promised to help."""
+    task: str = ""
+    epoch: int = 0
+    goal: str = ""
+    successor: str = ""
+    """The goal under which what is missing of `goal` goes on; empty when nothing is."""
+    arrived: int = 0
+    """Pieces of `goal` that had been delivered, and count."""
+    order: str = ""
+    reason: str = ""
+    silent_s: float = 0.0
+    """How long nothing had been heard of `other`, in factory seconds."""
+    until_at_s: float | None = None
+    """How long help is waited for."""
+    confirmed: bool = True
+    """False for a takeover that the task's coordinator has not confirmed."""

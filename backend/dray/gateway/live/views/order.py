@@ -1,0 +1,36 @@
+"""An order as panels see it."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from dray.gateway.live.views.base import View
+
+
+class OrderItemView(View, kw_only=True):
+    """A line of an order and how far it has come."""
+
+    product: str
+    quantity: int
+    made: int = 0
+    delivered: int = 0
+
+
+class OrderView(View, kw_only=True):
+    """An order and how far it has come."""
+
+    id: str
+    customer: str
+    reference: str | None = None
+    status: Literal["stored", "released", "in_production", "in_delivery", "delivered", "cancelled"]
+    items: tuple[OrderItemView, ...]
+    created_at_s: float
+    due_at_s: float | None = None
+    delivered_at_s: float | None = None
+    releases: int = 0
+    """How often it was released."""
+    revoked_at_s: float | None = None
+    """When its last release was taken back. Until `status` is `stored` the factory has not confirmed that."""
+    waits: str = ""
+    """Why it waits: nobody who lives can make what is missing, or "for Rotor (storage S3 has none)"; empty when it goes
+    on."""

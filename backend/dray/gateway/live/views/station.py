@@ -1,0 +1,36 @@
+"""The station of a storage as panels see it."""
+
+from __future__ import annotations
+
+from dray.gateway.live.views.base import View
+from dray.gateway.live.views.clock import ClockView
+from dray.gateway.live.views.shutout import ShutOutView
+
+
+class StockView(View, kw_only=True):
+    """Pieces of one material in a storage."""
+
+    item: str
+    level: int
+    capacity: int
+    promised: int = 0
+    """Pieces of `level` that are set aside for transports."""
+    wanted: int = 0
+    """Pieces that machines ask for and that cannot be promised yet."""
+
+
+class StationView(View, kw_only=True):
+    """The station of a storage, as its last heartbeat told."""
+
+    id: str
+    """The storage's."""
+    name: str
+    stocks: tuple[StockView, ...] = ()
+    software: str = ""
+    leaving: bool = False
+    """It was asked to leave, promises nothing new, and goes when nothing holds it any more."""
+    shut_out: ShutOutView | None = None
+    """Nobody hears it any more: all else here is what it said before."""
+    clock: ClockView | None = None
+    """None while nothing is known of it."""
+    seen_at_s: float

@@ -1,0 +1,310 @@
+"""Visibility: what somebody sees who is limited to areas of the plant.
+
+Seen are the vehicles that stand in the areas at this moment, the machines whose docks lie there, the
+transports that concern these, and what is wrong with them. Of a transport its way through the plant is
+seen and nothing of its auction: no bids, no prices, no orders. A vehicle that stands elsewhere is never
+named: where there is one it says `ELSEWHERE`. Only commands that were given to it in the areas stay seen.
+"""
+
+from __future__ import annotations
+
+import re
+
+from msgspec.structs import replace
+
+from dray.gateway.live.projection.projection import Projection
+from dray.gateway.live.projection.site import Site
+from dray.gateway.live.views import (
+    AlertView,
+    AtvView,
+    BriefView,
+    CommandView,
+    MachineView,
+    NewsView,
+    OpenTaskView,
+    ShutOutView,
+    StationView,
+    TaskView,
+    WhyView,
+)
+from dray.plant import Plant
+from dray.plant.model import PlantFile
+
+ELSEWHERE = "*"
+"""Stands for a vehicle outside of the areas: that there is one is seen, which one is not."""
+
+OF_TAKEOVERS = frozenset({"took_over", "takeover_refused", "announced_anew"})
+OF_VEHICLES = frozenset({"link_lost", "link_back", "help_asked", "help_promised"})
+"""Kinds of news that are seen; the others are about orders."""
+
+_WORDS = re.compile(r"\w[\w.-]*")
+"""Ids of a plant file, with the full stop after them when they end a sentence."""
+
+
+class WholeVisibility:
+    """What is seen by whoever sees the whole plant: everything, as it is.
+
+    Args:
+        site: the plant.
+    """
+
+    def __init__(self, site: Site) -> None:
+        self._site = site
+
+    def plant(self) -> PlantFile:
+        """The plant file."""
+        return self._site.plant.file
+
+    def atv(self, view: AtvView) -> AtvView | None:
+        """A vehicle."""
+        return view
+
+    def machine(self, view: MachineView) -> MachineView | None:
+        """A machine."""
+        return view
+
+    def station(self, view: StationView) -> StationView | None:
+        """The station of a storage."""
+        return view
+
+    def task(self, view: TaskView) -> TaskView | None:
+        """A task."""
+        return view
+
+    def alert(self, view: AlertView) -> AlertView | None:
+        """What is wrong."""
+        return view
+
+    def news(self, view: NewsView) -> NewsView | None:
+        """What has happened."""
+        return view
+
+    def words(self, text: str) -> str:
+        """Words for people."""
+        return text
+
+
+class FactoryVisibility(WholeVisibility):
+    """What is seen of the whole plant by whoever may not read orders: how the factory does, and not for whom.
+
+    An order's own name stays where goals and transports carry it in theirs: it tells nothing by itself.
+    """
+
+    def task(self, view: TaskView) -> TaskView | None:
+        """A task, without the order that it is for."""
+        return replace(view, order="") if view.order else view
+
+    def news(self, view: NewsView) -> NewsView | None:
+        """News, unless it is of an order."""
+        return None if view.order else view
+
+    def alert(self, view: AlertView) -> AlertView | None:
+        """What is wrong, unless it is with an order."""
+        return None if view.order else view
+
+
+class AreaVisibility:
+    """What is seen in some areas.
+
+    Args:
+        projection: the whole plant as it is now.
+        areas: ids of areas; those that the plant does not have hold nothing.
+    """
+
+    def __init__(self, projection: Projection, areas: frozenset[str]) -> None:
+        self._projection = projection
+        self._plant = plant = projection.site.plant
+        self._areas = tuple(area for area in plant.areas if area in areas)
+        self._here = self._within(plant)
+        inside = {node.id for node in plant.nodes.values() if self.reaches(node.x_m, node.y_m)}
+        self._lanes = tuple(lane for lane in plant.file.lanes if lane.start in inside or lane.end in inside)
+        # A lane that crosses the border is seen with both of its ends.
+        self._nodes = inside.union(*((lane.start, lane.end) for lane in self._lanes))
+
+    def reaches(self, x_m: float, y_m: float) -> bool:
+        """Whether a point lies in the areas."""
+        return self._plant.is_in(x_m, y_m, self._areas)
+
+    def has(self, agent: str) -> bool:
+        """Whether a machine, the station of a storage or a vehicle is there at this moment."""
+        plant = self._projection.site.plant
+        if agent in plant.machines or agent in plant.storages:
+            return agent in self._places
+        place_m = self._projection.atvs.place_m(agent)
+        return place_m is not None and self.reaches(*place_m)
+
+    def plant(self) -> PlantFile:
+        """The part of the plant file that lies in the areas."""
+        file, seen = self._projection.site.plant.file, self._places
+        machines = tuple(each for each in file.machines if each.id in seen)
+        stations = {machine.station for machine in machines}
+        return replace(
+            file,
+            nodes=tuple(node for node in file.nodes if node.id in self._nodes),
+            lanes=self._lanes,
+            warehouses=tuple(each for each in file.warehouses if each.id in seen),
+            storages=tuple(each for each in file.storages if each.id in seen),
+            chargers=tuple(each for each in file.chargers if each.id in seen),
+            parkings=tuple(each for each in file.parkings if each.id in seen),
+            machines=machines,
+            stations=tuple(each for each in file.stations if each.id in stations),
+            areas=tuple(each for each in file.areas if each.id in self._areas),
+            fleet=(),
+        )
+
+    def atv(self, view: AtvView) -> AtvView | None:
+        """A vehicle, where it is seen."""
+        if not self.reaches(view.x_m, view.y_m):
+            return None
+        return replace(
+            view,
+            node=view.node if view.node in self._nodes else "",
+            way=self._way(view.way),
+            via=tuple(self._who(atv) for atv in view.via),
+            watches=tuple(brief for brief in view.watches if self._concerned(brief)),
+            berth=view.berth if view.berth in self._places else "",
+            problem=self.words(view.problem),
+            shut_out=self._shut_out(view.shut_out),
+        )
+
+    def machine(self, view: MachineView) -> MachineView | None:
+        """A machine, where it is seen; its goals are numbered, for their names tell of orders."""
+        if view.id not in self._places:
+            return None
+        goals = tuple(replace(goal, goal=str(number)) for number, goal in enumerate(view.goals, 1))
+        return replace(
+            view,
+            goals=goals,
+            tasks=tuple(self._open_task(task) for task in view.tasks),
+            problem=self.words(view.problem),
+            shut_out=self._shut_out(view.shut_out),
+        )
+
+    def station(self, view: StationView) -> StationView | None:
+        """The station of a storage, where it is seen."""
+        if view.id not in self._places:
+            return None
+        return replace(view, shut_out=self._shut_out(view.shut_out))
+
+    def task(self, view: TaskView) -> TaskView | None:
+        """A transport that concerns the areas: from, to or on board of what is seen."""
+        if not self._concerns(view):
+            return None
+        return replace(
+            view,
+            primary=self._who(view.primary),
+            secondary=self._who(view.secondary),
+            order="",
+            goal="",
+            trouble=self.words(view.trouble),
+            carriers=(),
+            bids=(),
+            refusals=(),
+            why=WhyView(kind="unknown"),
+        )
+
+    def news(self, view: NewsView) -> NewsView | None:
+        """News of what is seen."""
+        if not self.has(view.agent):
+            return None
+        if view.kind in OF_TAKEOVERS:
+            return self._takeover(view)
+        if view.kind in OF_VEHICLES:
+            return replace(view, reason=self.words(view.reason))
+        return None
+
+    def alert(self, view: AlertView) -> AlertView | None:
+        """What is wrong with a machine, a station, a vehicle or a transport that is seen, and that nothing new is heard at all."""
+        if view.kind == "plant_behind":
+            return view
+        if view.task:
+            task = self._projection.tasks.view(view.task)
+            if task is None or not self._concerns(task):
+                return None
+            return replace(view, agent=self._who(view.agent), problem=self.words(view.problem))
+        if not view.agent or not self.has(view.agent):
+            return None
+        return replace(view, problem=self.words(view.problem))
+
+    def command(self, view: CommandView) -> CommandView | None:
+        """A command to a vehicle that was there when it was given."""
+        there = self._projection.commands.areas_of(view.id)
+        return None if there.isdisjoint(self._areas) else replace(view, reason=self.words(view.reason))
+
+    def words(self, text: str) -> str:
+        """Words for people, in which no vehicle is named that stands elsewhere."""
+        return _WORDS.sub(self._word, text) if text else text
+
+    # --- places ---
+
+    @property
+    def _places(self) -> frozenset[str]:
+        """Those in the areas; machines may have come since."""
+        plant = self._projection.site.plant
+        if plant is not self._plant:
+            self._plant, self._here = plant, self._within(plant)
+        return self._here
+
+    def _within(self, plant: Plant) -> frozenset[str]:
+        docks = (*plant.machines, *plant.storages, *plant.warehouses, *plant.berths)
+        return frozenset(place for place in docks if self.reaches(*plant.position_of(place)))
+
+    # --- parts of views ---
+
+    def _takeover(self, view: NewsView) -> NewsView | None:
+        task = self._projection.tasks.view(view.task)
+        if task is None or not self._concerns(task):
+            return None
+        return replace(view, other=self._who(view.other), reason=self.words(view.reason))
+
+    def _concerns(self, task: TaskView) -> bool:
+        if task.kind != "transport":
+            return False
+        places = {task.coordinator, task.source, task.destination}
+        return not self._places.isdisjoint(places) or (bool(task.primary) and self.has(task.primary))
+
+    def _concerned(self, brief: BriefView) -> bool:
+        task = self._projection.tasks.view(brief.task)
+        return task is not None and self._concerns(task)
+
+    def _open_task(self, task: OpenTaskView) -> OpenTaskView:
+        return replace(
+            task,
+            primary=self._who(task.primary),
+            secondary=self._who(task.secondary),
+            trouble=self.words(task.trouble),
+        )
+
+    def _shut_out(self, view: ShutOutView | None) -> ShutOutView | None:
+        return None if view is None else replace(view, reason=self.words(view.reason))
+
+    def _who(self, agent: str) -> str:
+        return agent if not agent or self.has(agent) else ELSEWHERE
+
+    def _way(self, way: tuple[str, ...]) -> tuple[str, ...]:
+        """As far as it is seen."""
+        for count, node in enumerate(way):
+            if node not in self._nodes:
+                return way[:count]
+        return way
+
+    def _word(self, found: re.Match[str]) -> str:
+        word = found[0]
+        name = word if word in self._projection.atvs else word.rstrip(".-")
+        return self._who(name) + word[len(name) :] if name in self._projection.atvs else word
+
+
+Visibility = WholeVisibility | FactoryVisibility | AreaVisibility
+
+
+def visibility_of(projection: Projection, areas: frozenset[str] | None, *, orders: bool = True) -> Visibility:
+    """What somebody sees.
+
+    Args:
+        projection: the whole plant.
+        areas: in which areas; None for the whole plant.
+        orders: whether orders may be read; in areas they are not seen anyhow.
+    """
+    if areas is not None:
+        return AreaVisibility(projection, areas)
+    return WholeVisibility(projection.site) if orders else FactoryVisibility(projection.site)

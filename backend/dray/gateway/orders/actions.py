@@ -1,0 +1,116 @@
+"""Order actions: what people do with an order after it was placed.
+
+Each is on disk before panels and the strategist hear of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from http import HTTPStatus
+
+from dray.gateway.http.problems import Problem
+from dray.gateway.live.projection import Projection
+from dray.gateway.orders.outbox import Outbox
+from dray.store import Store
+from dray.store.orders import Order
+from dray.store.progress import ENDED, OrderStatus
+
+
+class OrderActions:
+    """Releases, revokes and cancels orders.
+
+    Args:
+        store: where orders are kept.
+        projection: shows them.
+        outbox: tells the strategist.
+        wall_s: the wall clock.
+    """
+
+    def __init__(
+        self, store: Store, projection: Projection, outbox: Outbox, wall_s: Callable[[], float]
+    ) -> None:
+        self._store, self._projection, self._outbox, self._wall_s = store, projection, outbox, wall_s
+
+    async def release(self, order_id: str) -> Order | None:
+        """Hand a stored order to the factory; one that is there already stays as it is.
+
+        Returns:
+            The order as it is now; None when there is none.
+
+        Raises:
+            Problem: 409, it has ended.
+        """
+        async with self._store.write() as work:
+            before = await work.orders.get(order_id)
+            if before is None:
+                return None
+            if before.status is OrderStatus.CANCELLED:
+                raise _ended(before, "place it again")
+            if before.being_revoked:
+                raise Problem(
+                    HTTPStatus.CONFLICT,
+                    "being-taken-back",
+                    "The order is being taken back",
+                    f"the factory has not confirmed that it has stopped working at order {order_id}; "
+                    "look at revoked_at_s and status, and try again when it is stored",
+                    headers={"Retry-After": "1"},
+                )
+            await work.orders.release(order_id, self._wall_s())
+            after = await work.orders.get(order_id)
+        if after is not None and before.status is OrderStatus.STORED:
+            self._projection.orders.put(after)
+            self._outbox.release(after)
+        return after
+
+    async def revoke(self, order_id: str) -> Order | None:
+        """Take the start of an order back; one that is stored, or being taken back, stays as it is.
+
+        Returns:
+            The order as it is now: stored only when the factory has confirmed; None when there is none.
+
+        Raises:
+            Problem: 409, it has ended.
+        """
+        async with self._store.write() as work:
+            before = await work.orders.get(order_id)
+            if before is None:
+                return None
+            if before.status in ENDED:
+                raise _ended(before, "there is nothing left to take back")
+            await work.orders.revoke(order_id, self._wall_s())
+            after = await work.orders.get(order_id)
+        if after is not None and after.being_revoked and not before.being_revoked:
+            self._projection.orders.put(after)
+            self._outbox.revoke(after)
+        return after
+
+    async def cancel(self, order_id: str) -> Order | None:
+        """Cancel an order; one that is cancelled already stays so.
+
+        Returns:
+            The order as it is now; None when there is none.
+
+        Raises:
+            Problem: 409, it is delivered.
+        """
+        async with self._store.write() as work:
+            before = await work.orders.get(order_id)
+            if before is None:
+                return None
+            if before.status is OrderStatus.DELIVERED:
+                raise _ended(before, "there is nothing left to cancel")
+            await work.orders.cancel(order_id, self._wall_s())
+            after = await work.orders.get(order_id)
+        if after is not None and before.status is not OrderStatus.CANCELLED:
+            self._projection.orders.put(after)
+            self._outbox.cancel(order_id)
+        return after
+
+
+def _ended(order: Order, what_to_do: str) -> Problem:
+    return Problem(
+        HTTPStatus.CONFLICT,
+        "order-ended",
+        "The order has ended",
+        f"order {order.id} is {order.status.value}; {what_to_do}",
+    )

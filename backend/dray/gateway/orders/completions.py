@@ -1,0 +1,82 @@
+"""How orders have ended with the strategist, fulfilled or given back: written down, and only then not asked for.
+
+Whatever dies in between, nothing is lost: the outbox asks until the answer is on disk, and the strategist gives
+the same answer as often as it is asked. Most orders are delivered in SQL by then, by the facts about their last
+pieces. The strategist's word ends those whose facts are late, or will never come.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable
+
+from dray.errors import UnavailableError
+from dray.gateway.live.projection import Projection
+from dray.gateway.orders.outbox import Outbox
+from dray.messages import OrderTaken, RevocationTaken
+from dray.store import Store
+
+Ending = OrderTaken | RevocationTaken
+"""What the strategist answers about an order at which it does not work any more."""
+
+_log = logging.getLogger(__name__)
+
+
+class Completions:
+    """Writes down what the strategist answers.
+
+    Args:
+        store: where to.
+        outbox: who has asked.
+        projection: who shows it.
+        wall_s: the wall clock.
+    """
+
+    def __init__(
+        self, store: Store, outbox: Outbox, projection: Projection, wall_s: Callable[[], float]
+    ) -> None:
+        self._store, self._outbox, self._projection, self._wall_s = store, outbox, projection, wall_s
+        self._heard: dict[str, Ending] = {}
+        """By order, what is to be written: bounded by the orders that are asked for."""
+        self._news, self._written = asyncio.Event(), asyncio.Event()
+        self._written.set()
+
+    async def written(self) -> None:
+        """Wait until everything that has been heard is written, or has failed to be."""
+        await self._written.wait()
+
+    def hear(self, answer: Ending) -> bool:
+        """Take an answer; returns whether the outbox has asked for it and it is not written yet."""
+        if not self._outbox.awaits(answer):
+            return False
+        self._heard[answer.order] = answer
+        self._written.clear()
+        self._news.set()
+        return True
+
+    async def run(self) -> None:
+        """Write until cancelled."""
+        while True:
+            await self._news.wait()
+            self._news.clear()
+            while self._heard:
+                _, answer = self._heard.popitem()
+                try:
+                    await self._write(answer)
+                except UnavailableError as error:
+                    # The outbox asks again in some seconds.
+                    _log.warning("how order %s has ended cannot be written: %s", answer.order, error)
+            self._written.set()
+
+    async def _write(self, answer: Ending) -> None:
+        now_s = self._wall_s()
+        async with self._store.write() as work:
+            if isinstance(answer, RevocationTaken):
+                await work.orders.store(answer.order, answer.release, answer.outstanding, now_s)
+            else:
+                await work.orders.fulfil(answer.order, answer.release, now_s)
+            order = await work.orders.get(answer.order)
+        if order is not None:
+            self._projection.orders.put(order)
+        self._outbox.answered(answer)

@@ -1,0 +1,78 @@
+"""Idempotency: the key under which a request may be sent again until it is answered."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from http import HTTPStatus
+from typing import Annotated
+
+from fastapi import Header
+
+from dray.gateway.access.principal import Principal
+from dray.gateway.http.problems import FieldError, Problem
+from dray.store.digest import digest
+from dray.store.keys import KeptAnswer
+
+KEYS_KEPT_S = 7 * 86_400.0
+"""How long an Idempotency-Key is remembered: longer than any client tries again."""
+
+Key = Annotated[
+    str | None,
+    Header(
+        alias="Idempotency-Key",
+        min_length=1,
+        max_length=255,
+        pattern=r"^[\x21-\x7e]+$",
+        description="Any text that is new for a new order. Sent again with the same body it gets the same "
+        "answer, so an order can be sent until it is answered.",
+    ),
+]
+
+
+def own_key(caller: Principal, key: str) -> str:
+    """Each caller has its own keys: another one's order is not to be had by guessing."""
+    return digest(f"{caller.kind} {caller.id} {key}")
+
+
+@asynccontextmanager
+async def alone(at_work: set[str], key: str) -> AsyncIterator[None]:
+    """Let only one request at a time work under a key.
+
+    Raises:
+        Problem: 409, another one does.
+    """
+    if key in at_work:
+        raise _key_at_work()
+    at_work.add(key)
+    try:
+        yield
+    finally:
+        at_work.discard(key)
+
+
+def refuse_other_body(kept: KeptAnswer, fingerprint: str) -> None:
+    """Refuse a key that was used for another order.
+
+    Raises:
+        Problem: 422.
+    """
+    if kept.fingerprint != fingerprint:
+        reason = f"it was used for another order ({kept.order_id}); take a new key for a new order"
+        raise Problem(
+            HTTPStatus.UNPROCESSABLE_ENTITY,
+            "key-used",
+            "The Idempotency-Key was used for another body",
+            f"Idempotency-Key: {reason}",
+            errors=(FieldError("Idempotency-Key", reason),),
+        )
+
+
+def _key_at_work() -> Problem:
+    return Problem(
+        HTTPStatus.CONFLICT,
+        "key-at-work",
+        "A request with this Idempotency-Key is still being answered",
+        "wait for its answer, or send the same request again in a second",
+        headers={"Retry-After": "1"},
+    )

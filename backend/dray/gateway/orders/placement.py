@@ -1,0 +1,230 @@
+"""Order placement: an order is taken once, however often it is sent.
+
+The order, its idempotency key and its line of the audit log are written in one transaction, which requests that come
+together share (`dray.store.placing`). The answer follows the commit: an order that was answered is on disk, and one
+that was not can be sent again under its key.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
+from http import HTTPStatus
+
+from dray.gateway.access.audit_log import Note
+from dray.gateway.http.problems import Problem, unusable
+from dray.gateway.live.projection import Projection
+from dray.gateway.orders.drafts import OrderDraft, WorkDraft, nonsense
+from dray.gateway.orders.feasibility import OrderPreview, Situation, Wanted, preview
+from dray.gateway.orders.idempotency import alone, refuse_other_body
+from dray.gateway.orders.order_ids import new_order_id, new_token
+from dray.gateway.orders.outbox import Outbox
+from dray.gateway.tracking.eta import History
+from dray.gateway.tracking.facts import SILENCE_S
+from dray.plant.model import PlantFile
+from dray.store import Store
+from dray.store.keys import KeptAnswer
+from dray.store.orders import Item, Order
+from dray.store.placing import Placement, Placing, Wish
+from dray.store.progress import OrderStatus
+
+MAX_OPEN_ORDERS = 10_000
+"""Orders that have not ended: months of work. They are kept in memory and sent to every new panel."""
+
+
+class OrderPlacement:
+    """Takes orders.
+
+    Args:
+        store: what is known of promises that were kept.
+        placing: writes orders.
+        projection: shows them; knows the plant, and what is under way.
+        outbox: brings them to the strategist.
+        wall_s: the wall clock.
+
+    Attributes:
+        keys_at_work: Idempotency keys of requests that are being answered at this moment.
+    """
+
+    def __init__(
+        self,
+        store: Store,
+        placing: Placing,
+        projection: Projection,
+        outbox: Outbox,
+        wall_s: Callable[[], float],
+    ) -> None:
+        self._store, self._placing = store, placing
+        self._projection, self._outbox, self._wall_s = projection, outbox, wall_s
+        self.keys_at_work: set[str] = set()
+        self._coming = 0
+        """How many are being written at this moment."""
+
+    @property
+    def open(self) -> int:
+        """How many orders have not ended."""
+        return self._projection.orders.open
+
+    @property
+    def now_s(self) -> float:
+        """The wall clock, by which due times are judged."""
+        return self._wall_s()
+
+    @property
+    def plant(self) -> PlantFile:
+        """What stands where at this moment."""
+        return self._projection.site.plant.file
+
+    async def preview(self, draft: WorkDraft) -> OrderPreview:
+        """What it would need if it were published now; nothing is kept.
+
+        Raises:
+            Problem: what it names does not exist or is past.
+        """
+        now_s = self._wall_s()
+        self._refuse_nonsense(draft, now_s)
+        projection = self._projection
+        async with self._store.read() as work:
+            missed_by_s = await work.milestones.promises_missed_by_s()
+        situation = Situation(
+            machines={view.id: view for view in projection.machines.views()},
+            orders=projection.orders.views(),
+            history=History(missed_by_s),
+            now_s=now_s,
+            heard_since_s=now_s - max(SILENCE_S[0], SILENCE_S[1] / projection.speed),
+            speed=projection.speed,
+        )
+        due_at_s = None if draft.due_at is None else draft.due_at.timestamp()
+        wanted = [Wanted(item.product, item.quantity) for item in draft.items]
+        return preview(self.plant, wanted, due_at_s, situation)
+
+    async def place(self, draft: OrderDraft) -> Order:
+        """Take an order that nobody asks for twice.
+
+        Args:
+            draft: a body that has the right shape.
+
+        Raises:
+            Problem: what the order names does not exist or is past, or too many are open.
+        """
+        wish = Wish(prepare=lambda: self._prepared([draft], lambda _orders: b""))
+        orders, _ = await self._placed(wish, 1)
+        return orders[0]
+
+    async def place_once(
+        self,
+        draft: OrderDraft,
+        key: str | None,
+        render: Callable[[Order], bytes],
+        note: Note | None = None,
+    ) -> tuple[KeptAnswer, bool]:
+        """Take an order, or find what was answered when it was sent before.
+
+        Args:
+            draft: a body that has the right shape.
+            key: the Idempotency-Key; None for none.
+            render: writes the answer.
+            note: of the request, whose line of the audit log is written together with the order.
+
+        Returns:
+            The answer, and whether it is that of an earlier request.
+
+        Raises:
+            Problem: as `place`; or the key was used for another body, or is at work.
+        """
+        return await self.place_all_once([draft], key, lambda orders: render(orders[0]), note)
+
+    async def place_all_once(
+        self,
+        drafts: Sequence[OrderDraft],
+        key: str | None,
+        render: Callable[[Sequence[Order]], bytes],
+        note: Note | None = None,
+    ) -> tuple[KeptAnswer, bool]:
+        """Take some orders, all or none, as `place_once` takes one.
+
+        Args:
+            drafts: at least one.
+            key: the Idempotency-Key; None for none.
+            render: writes the answer.
+            note: of the request.
+        """
+        fingerprint = hashlib.sha256(
+            "\n".join(draft.model_dump_json() for draft in drafts).encode()
+        ).hexdigest()
+        wish = Wish(
+            key=key or "",
+            fingerprint=fingerprint,
+            prepare=lambda: self._prepared(drafts, render),
+            line=None if note is None else note.line,
+        )
+        async with alone(self.keys_at_work, key) if key else nullcontext():
+            orders, kept = await self._placed(wish, len(drafts))
+        refuse_other_body(kept, fingerprint)
+        if note is not None:
+            note.target, note.written = kept.order_id, True
+        return kept, not orders
+
+    async def _placed(self, wish: Wish, count: int) -> tuple[Sequence[Order], KeptAnswer]:
+        """Have so many orders written, and let panels and the strategist know."""
+        self._coming += count
+        try:
+            orders, kept = await self._placing.place(wish)
+            for order in orders:
+                self._projection.orders.put(order)
+        finally:
+            self._coming -= count
+        for order in orders:
+            if order.status is OrderStatus.RELEASED:
+                self._outbox.release(order)
+        return orders, kept
+
+    def _prepared(
+        self, drafts: Sequence[OrderDraft], render: Callable[[Sequence[Order]], bytes]
+    ) -> Placement:
+        """The orders of some drafts, as of now.
+
+        Raises:
+            Problem: as `place`.
+        """
+        now_s = self._wall_s()
+        for draft in drafts:
+            self._refuse_nonsense(draft, now_s)
+        if self.open + self._coming > MAX_OPEN_ORDERS:
+            raise Problem(
+                HTTPStatus.SERVICE_UNAVAILABLE,
+                "too-many-orders",
+                "Too many orders are open",
+                f"{MAX_OPEN_ORDERS} orders have not ended; cancel some, or try again later",
+                headers={"Retry-After": "600"},
+            )
+        # A millisecond apart: their ids differ by that, and they are listed in this order.
+        orders = [_order(draft, now_s + index / 1000) for index, draft in enumerate(drafts)]
+        return Placement(orders, render(orders).decode())
+
+    def _refuse_nonsense(self, draft: WorkDraft, now_s: float) -> None:
+        """Refuse what has the right shape and still means nothing here.
+
+        Raises:
+            Problem: names every field.
+        """
+        errors = nonsense(draft, self.plant, now_s)
+        if errors:
+            raise unusable(*errors)
+
+
+def _order(draft: OrderDraft, now_s: float) -> Order:
+    return Order(
+        id=new_order_id(now_s),
+        status=OrderStatus.RELEASED if draft.release else OrderStatus.STORED,
+        customer=draft.customer,
+        token=new_token(),
+        items=tuple(Item(item.product, item.quantity) for item in draft.items),
+        created_at_s=now_s,
+        reference=draft.reference,
+        due_at_s=None if draft.due_at is None else draft.due_at.timestamp(),
+        released_at_s=now_s if draft.release else None,
+        releases=int(draft.release),
+        updated_at_s=now_s,
+    )

@@ -1,0 +1,79 @@
+"""The audit log: who did what, or tried to, and what came of it."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from typing import Annotated, Literal
+
+import msgspec
+from fastapi import APIRouter, Query
+from fastapi.responses import Response
+
+from dray.gateway.access.access import Access
+from dray.gateway.http.csv_tables import Format, Row, header_of, row_of, table, with_csv
+from dray.gateway.http.provided import Provided
+from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, list_of, listing, read_cursor, write_cursor
+from dray.store import Store
+from dray.store.audit import AuditFilter, AuditRow
+
+router = APIRouter(tags=["access"])
+
+COLUMNS = AuditRow.__struct_fields__
+
+ROWS_AT_ONCE = 1_000
+"""Lines read in one go for a table, so that a long log does not keep others from the database."""
+
+LAST_POSITION = 2**63 - 1
+"""The largest number that SQL can hold."""
+
+LAST_S = 1e12
+"""Some 30,000 years."""
+
+Moment = Annotated[float | None, Query(ge=0, le=LAST_S, description="Seconds since 1970")]
+Word = Annotated[str, Query(max_length=128, pattern=r"^[^\x00]*$")]
+
+
+@router.get(
+    "/audit", responses={200: with_csv(list_of(AuditRow, "Lines, newest first"))}, response_class=Json
+)
+async def list_audit(
+    store: Provided[Store],
+    access: Provided[Access],
+    since: Moment = None,
+    until: Moment = None,
+    who: Word = "",
+    action: Word = "",
+    target: Word = "",
+    result: Literal["", "done", "refused", "failed"] = "",
+    cursor: Cursor = None,
+    limit: Limit = PAGE,
+    format: Format = "json",  # noqa: A002 - the word that others use
+) -> Response:
+    """What people and other systems did, or tried to do.
+
+    `since` and `until` bound the time; `who`, `action`, `target` and `result` must fit exactly.
+    """
+    after = read_cursor(cursor, tuple[Annotated[int, msgspec.Meta(ge=0, le=LAST_POSITION)]])
+    wanted = AuditFilter(since_s=since, until_s=until, who=who, action=action, target=target, result=result)
+    # Lines of stops are written after their answers: whoever reads the log reads them all.
+    await access.audit_log.catch_up()
+    if format == "csv":
+        return table("audit", header_of(COLUMNS), _rows(store, wanted))
+    async with store.read() as work:
+        rows = await work.audit.page(wanted, None if after is None else after[0], limit + 1)
+    next_cursor = write_cursor(rows[limit - 1].position) if len(rows) > limit else None
+    return listing(rows[:limit], next_cursor)
+
+
+async def _rows(store: Store, wanted: AuditFilter) -> AsyncIterator[Row]:
+    """All lines that are wanted, as cells."""
+    before = None
+    while True:
+        async with store.read() as work:
+            rows = await work.audit.page(wanted, before, ROWS_AT_ONCE)
+        for row in rows:
+            detail = msgspec.json.encode(row.detail).decode()
+            yield [*row_of(COLUMNS[:-1], row), detail]
+        if len(rows) < ROWS_AT_ONCE:
+            return
+        before = rows[-1].position

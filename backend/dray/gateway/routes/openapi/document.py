@@ -1,0 +1,172 @@
+"""The OpenAPI document: what FastAPI knows of the routers, and the shapes of our structs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+from fastapi import FastAPI
+from fastapi.openapi.utils import get_openapi
+
+from dray import __version__
+from dray.gateway.access.gate import COOKIE
+from dray.gateway.access.rules import RULES, Rule
+from dray.gateway.factory.figures import KpiHistory
+from dray.gateway.factory.promises import PromiseLedger
+from dray.gateway.http.problems import ProblemDetails
+from dray.gateway.live.views import AlertView, AtvView, FactoryView, FaultView, MachineView, TaskView
+from dray.gateway.orders.feasibility import OrderPreview
+from dray.gateway.routes.atvs import CommandAnswer
+from dray.gateway.routes.faults import FaultsAnswer
+from dray.gateway.routes.history.events import EventAnswer
+from dray.gateway.routes.inventory import InventoryLine, MaterialAnswer, StorageAnswer
+from dray.gateway.routes.me import MeAnswer
+from dray.gateway.routes.openapi.examples import examples
+from dray.gateway.routes.orders.imports import ImportAnswer
+from dray.gateway.routes.orders.orders import OrderAnswer
+from dray.gateway.routes.products import ProductAnswer
+from dray.gateway.routes.traffic import TrafficAnswer
+from dray.gateway.tracking.answer import TrackAnswer
+from dray.plant.model import PlantFile
+from dray.store.audit import AuditRow
+from dray.store.exclusions import Exclusion
+
+SHAPES = (
+    AlertView,
+    AtvView,
+    AuditRow,
+    CommandAnswer,
+    EventAnswer,
+    Exclusion,
+    FactoryView,
+    FaultsAnswer,
+    FaultView,
+    ImportAnswer,
+    KpiHistory,
+    InventoryLine,
+    MachineView,
+    MaterialAnswer,
+    MeAnswer,
+    OrderAnswer,
+    OrderPreview,
+    PlantFile,
+    ProblemDetails,
+    ProductAnswer,
+    PromiseLedger,
+    StorageAnswer,
+    TaskView,
+    TrackAnswer,
+    TrafficAnswer,
+)
+"""Structs that routers answer with."""
+
+DESCRIPTION = """\
+Orders for a factory without a dispatcher, and everything that can be seen of it.
+
+* Lists come as `{"items": [...], "next_cursor": ...}`; ask again with `cursor` until it is null.
+* Errors are `application/problem+json` (RFC 9457): `title`, `detail`, and `errors` per field.
+* A query parameter that a call does not know is refused with 422, and those that it knows are named.
+* Answers to GET name their state in `ETag`; asked again with `If-None-Match` they are 304 while nothing has changed.
+* Times that end in `_at_s` are seconds since 1970 on the wall clock; `created_at`, `due_at` and
+  `delivered_at` are the same in ISO 8601.
+* `/api/stream` is a websocket: one snapshot, then numbered deltas. It is closed with 4401 when the session ends,
+  and with 4409 when its station or areas have changed: another one shows what may be seen now.
+* Programs send `Authorization: Bearer TOKEN`, with a key of `dray key create`; browsers have the cookie of
+  `/login`. Each operation names the scope that it asks for.
+"""
+
+SECURITY = {
+    "key": {"type": "http", "scheme": "bearer"},
+    "session": {"type": "apiKey", "in": "cookie", "name": COOKIE},
+}
+
+PROBLEM = {"application/problem+json": {"schema": {"$ref": "#/components/schemas/ProblemDetails"}}}
+
+
+def install(app: FastAPI) -> None:
+    """Let `app` tell of itself in this way."""
+
+    def document() -> dict[str, Any]:
+        if app.openapi_schema is None:
+            app.openapi_schema = _document(app)
+        return app.openapi_schema
+
+    app.openapi = document  # type: ignore[method-assign]  # FastAPI's documented way
+
+
+def _document(app: FastAPI) -> dict[str, Any]:
+    document = get_openapi(title="Dray", version=__version__, description=DESCRIPTION, routes=app.routes)
+    _, shapes = msgspec.json.schema_components(SHAPES, ref_template="#/components/schemas/{name}")
+    schemas = document.setdefault("components", {}).setdefault("schemas", {})
+    for replaced in ("HTTPValidationError", "ValidationError"):
+        schemas.pop(replaced, None)
+    schemas.update(shapes)
+    _tell_what_is_seen(schemas[PlantFile.__name__])
+    document["components"]["securitySchemes"] = SECURITY
+    for template, path in document["paths"].items():
+        for method, operation in path.items():
+            _tell_problems(method, operation)
+            if rule := RULES.get((method.upper(), template)):
+                _tell_rule(rule, operation)
+            _tell_shapes(operation)
+    return document
+
+
+def _tell_what_is_seen(plant: dict[str, Any]) -> None:
+    """A plant file has at least one of everything; the part of it that somebody sees may have none."""
+    for part in plant["properties"].values():
+        part.pop("minItems", None)
+
+
+def _tell_problems(method: str, operation: dict[str, Any]) -> None:
+    """Every operation refuses a parameter that it does not know; those with a body have more ways to."""
+    refusals = {"422": "Some fields cannot be used, or the query has a parameter that is not known here"}
+    if method == "post":
+        refusals |= {"403": "Another site's page asked", "413": "The body is too large"}
+    if "requestBody" in operation:
+        refusals |= {
+            "400": "The body is not JSON",
+            "415": "The body is not called JSON",
+        }
+    operation["responses"].pop("422", None)
+    for status, description in refusals.items():
+        operation["responses"][status] = {"description": description, "content": PROBLEM}
+
+
+def _tell_rule(rule: Rule, operation: dict[str, Any]) -> None:
+    """Who may, and what everybody else is told."""
+    if rule.public:
+        operation["security"] = []
+        return
+    scopes = [] if rule.scope is None else [rule.scope.value]
+    operation["security"] = [{name: scopes} for name in SECURITY]
+    if scopes:
+        operation["description"] += f"\n\nScope: `{scopes[0]}`."
+    answers = operation["responses"]
+    forbidden = [answers["403"]["description"]] if "403" in answers else []
+    refusals = {
+        "401": "Nobody is logged in, or not any more",
+        "403": "; ".join((*forbidden, "The caller may not do this")),
+        "429": "Too many requests",
+    }
+    for status, description in refusals.items():
+        answers[status] = {"description": description, "content": PROBLEM}
+
+
+def _tell_shapes(operation: dict[str, Any]) -> None:
+    """FastAPI takes what is encoded already for text, and says so beside the shape that it has."""
+    for answer in operation["responses"].values():
+        content = answer.get("content", {}).get("application/json", {})
+        schema = content.get("schema", {})
+        if "$ref" in schema:
+            schema.pop("type", None)
+            if "example" not in content:
+                content["example"] = examples()[_name(schema)]
+        elif "items" in schema.get("properties", {}):
+            items = [examples()[_name(schema["properties"]["items"]["items"])]]
+            content["example"] = {"items": items, "next_cursor": None}
+
+
+def _name(reference: dict[str, Any]) -> str:
+    name: str = reference["$ref"].rpartition("/")[2]
+    return name

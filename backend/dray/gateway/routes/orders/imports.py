@@ -1,0 +1,140 @@
+"""Imports: files of orders, placed all or none."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated
+
+import msgspec
+from fastapi import APIRouter, Depends
+from pydantic import BaseModel, ConfigDict, Field
+
+from dray.gateway.access.audit_log import Noted
+from dray.gateway.access.caller import Caller
+from dray.gateway.http.problems import MAX_FIELD_ERRORS, FieldError, unusable
+from dray.gateway.http.provided import Provided
+from dray.gateway.http.request_bodies import json_only
+from dray.gateway.http.responses import Json, described, problems
+from dray.gateway.http.side_work import SideWork
+from dray.gateway.orders.csv_import import RowFault, place, read_orders
+from dray.gateway.orders.drafts import OrderDraft, nonsense
+from dray.gateway.orders.idempotency import Key, own_key
+from dray.gateway.orders.order_ids import new_token
+from dray.gateway.orders.placement import OrderPlacement
+from dray.plant.model import PlantFile
+from dray.store.orders import Order
+
+router = APIRouter(tags=["orders"])
+
+
+class ImportRequest(BaseModel):
+    """A file of orders."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={
+            "examples": [
+                {
+                    "csv": "customer,reference,product,quantity,due_at\r\nMuster GmbH,4711,P1,5,\r\n",
+                    "dry_run": True,
+                }
+            ]
+        },
+    )
+
+    csv: str
+    """The text of the file."""
+    dry_run: Annotated[bool, Field(strict=True)] = False
+    """Only look what is in it."""
+
+
+class ImportedOrder(msgspec.Struct, frozen=True, kw_only=True):
+    """An order of the file."""
+
+    id: str
+    """Empty in a dry run."""
+    customer: str
+    reference: str | None
+    items: int
+    pieces: int
+    """Over all of its items."""
+
+
+class ImportAnswer(msgspec.Struct, frozen=True, kw_only=True):
+    """What was in the file."""
+
+    orders: tuple[ImportedOrder, ...]
+    faults: tuple[RowFault, ...]
+    """What is wrong with it, by row; 50 at most. Empty when it was placed."""
+
+
+@router.post(
+    "/orders/import",
+    dependencies=[Depends(json_only)],
+    responses={
+        200: described(ImportAnswer, "What is in the file; unless it was a dry run, all of it is on disk"),
+        **problems(
+            p409="A request with this key is still being answered",
+            p503="Too many orders are open, or too many files are being read",
+        ),
+    },
+    response_class=Json,
+)
+async def import_orders(
+    placement: Provided[OrderPlacement],
+    side_work: Provided[SideWork],
+    caller: Caller,
+    note: Noted,
+    file: ImportRequest,
+    key: Key = None,
+) -> Json:
+    """Place the orders of a spreadsheet, all of them or none.
+
+    The first row names the columns: `customer`, `reference`, `product`, `quantity`, `due_at`, `release`. Rows
+    that follow one another with the same customer and reference are one order. A dry run places nothing and
+    tells what is wrong in which row; without one, a single fault refuses the whole file.
+    """
+    drafts, faults = await side_work.do(_read, file.csv, placement.plant, placement.now_s)
+    note.detail |= {"orders": len(drafts), "dry_run": file.dry_run}
+    if file.dry_run:
+        return Json(_imported([(draft, "") for draft in drafts], faults[:MAX_FIELD_ERRORS]))
+    if faults:
+        named = (
+            FieldError(f"row {fault.row}, {fault.column}".rstrip(", "), fault.reason) for fault in faults
+        )
+        raise unusable(*list(named)[:MAX_FIELD_ERRORS])
+
+    def render(orders: Sequence[Order]) -> bytes:
+        pairs = zip(drafts, (order.id for order in orders), strict=True)
+        return msgspec.json.encode(_imported(list(pairs), []))
+
+    # Without a key of its own every request is another one. An order and a file of that order alone are
+    # answered differently, so a key stands for another thing here.
+    own = own_key(caller, f"import {key or new_token()}")
+    kept, _replayed = await placement.place_all_once(drafts, own, render, note)
+    return Json(kept.answer.encode())
+
+
+def _read(csv: str, plant: PlantFile, now_s: float) -> tuple[list[OrderDraft], list[RowFault]]:
+    """The orders of a file, and what is wrong in it, by row. Takes its time."""
+    read, faults = read_orders(csv)
+    for each in read:
+        faults += [place(error, each.row) for error in nonsense(each.draft, plant, now_s)]
+    faults.sort(key=lambda fault: fault.row)
+    return [each.draft for each in read], faults
+
+
+def _imported(orders: Sequence[tuple[OrderDraft, str]], faults: Sequence[RowFault]) -> ImportAnswer:
+    return ImportAnswer(
+        orders=tuple(
+            ImportedOrder(
+                id=name,
+                customer=draft.customer,
+                reference=draft.reference,
+                items=len(draft.items),
+                pieces=sum(item.quantity for item in draft.items),
+            )
+            for draft, name in orders
+        ),
+        faults=tuple(faults),
+    )

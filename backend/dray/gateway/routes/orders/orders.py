@@ -1,0 +1,330 @@
+"""Orders: placing, finding, releasing, taking back and cancelling them."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Mapping
+from http import HTTPStatus
+from typing import Annotated
+
+import msgspec
+from fastapi import APIRouter, Depends, Query, Request, Response
+
+from dray.gateway.access.audit_log import note_of
+from dray.gateway.access.caller import caller_of
+from dray.gateway.http.csv_tables import Format, Row, table, with_csv
+from dray.gateway.http.problems import not_found
+from dray.gateway.http.provided import Provided, provided
+from dray.gateway.http.public_urls import BaseUrl, public_url
+from dray.gateway.http.request_bodies import json_only
+from dray.gateway.http.responses import (
+    PAGE,
+    Cursor,
+    Json,
+    Limit,
+    described,
+    iso,
+    list_of,
+    listing,
+    problems,
+    read_cursor,
+    write_cursor,
+)
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.projection.orders import order_view
+from dray.gateway.live.views import OrderItemView, OrderView
+from dray.gateway.orders.actions import OrderActions
+from dray.gateway.orders.drafts import Moment, OrderDraft, WorkDraft
+from dray.gateway.orders.feasibility import OrderPreview
+from dray.gateway.orders.idempotency import Key, own_key
+from dray.gateway.orders.placement import OrderPlacement
+from dray.settings import Settings
+from dray.store import Store
+from dray.store.orderfilter import OrderFilter
+from dray.store.orders import Order
+from dray.store.progress import OrderStatus
+
+router = APIRouter(tags=["orders"])
+
+
+class OrderAnswer(OrderView, kw_only=True):
+    """An order, with its times also in ISO 8601 and the address of the customer's page."""
+
+    created_at: str
+    due_at: str | None = None
+    delivered_at: str | None = None
+    updated_at: str
+    """When anything of it has changed last: what `updated_since` asks for."""
+    tracking_url: str
+
+
+EXAMPLE = OrderAnswer(
+    id="O-1M9K3X2A4-K7QM",
+    customer="Muster GmbH",
+    reference="4711",
+    status="released",
+    items=(OrderItemView(product="P1", quantity=5),),
+    created_at_s=1_893_456_000.0,
+    due_at_s=1_893_463_200.0,
+    created_at="2030-01-01T00:00:00Z",
+    due_at="2030-01-01T02:00:00Z",
+    updated_at="2030-01-01T00:00:00Z",
+    tracking_url="http://127.0.0.1:8000/track/Vb2n-0yqk4QmJ8cA1xRZ7uTLw9sEhGdf",
+)
+
+ROWS_AT_ONCE = 500
+"""Orders that are read at once for a table."""
+
+Text = Annotated[str, Query(max_length=200, pattern=r"^[^\x00]*$")]
+"""As long as the longest customer; without NUL, which no text on PostgreSQL may hold."""
+
+
+async def _wanted(
+    status: Annotated[list[OrderStatus] | None, Query(description="Only these; may be repeated")] = None,
+    reference: Annotated[Text, Query(description="The customer's own number, as it was given")] = "",
+    customer: Annotated[Text, Query(description="As it was given")] = "",
+    product: Annotated[Text, Query(description="The id of a product of which it has a line")] = "",
+    updated_since: Annotated[
+        Moment | None, Query(description="Changed then or later, in ISO 8601 with its zone")
+    ] = None,
+    due_before: Annotated[
+        Moment | None, Query(description="Due before then; only those with a due time")
+    ] = None,
+) -> OrderFilter:
+    return OrderFilter(
+        statuses=status or (),
+        reference=reference,
+        customer=customer,
+        product=product,
+        updated_since_s=None if updated_since is None else updated_since.timestamp(),
+        due_before_s=None if due_before is None else due_before.timestamp(),
+    )
+
+
+Wanted = Annotated[OrderFilter, Depends(_wanted)]
+"""A router's parameter: which orders a list is asked for."""
+
+COLUMNS = (
+    *("order", "customer", "reference", "status"),
+    *("product", "quantity", "made", "delivered"),
+    *("created_at", "due_at", "released_at", "revoked_at", "delivered_at", "cancelled_at"),
+)
+
+WORK = {
+    "soon": {"summary": "Five pieces", "value": {"items": [{"product": "P1", "quantity": 5}]}},
+}
+
+DRAFTS = {
+    "soon": {
+        "summary": "Five pieces, as soon as possible",
+        "value": {"customer": "Muster GmbH", "items": [{"product": "P1", "quantity": 5}]},
+    },
+    "later": {
+        "summary": "Stored, with a due time",
+        "value": {
+            "customer": "Muster GmbH",
+            "items": [{"product": "P1", "quantity": 5}, {"product": "P2", "quantity": 20}],
+            "due_at": "2030-01-01T02:00:00Z",
+            "reference": "4711",
+            "release": False,
+        },
+    },
+}
+
+
+@router.post(
+    "/orders",
+    status_code=HTTPStatus.CREATED,
+    dependencies=[Depends(json_only)],
+    responses={
+        201: described(OrderAnswer, "The order is on disk", EXAMPLE)
+        | {
+            "headers": {
+                "Location": {"description": "The order", "schema": {"type": "string"}},
+                "Idempotency-Replayed": {
+                    "description": "`true` when this is the answer to an earlier request",
+                    "schema": {"type": "string"},
+                },
+            }
+        },
+        **problems(
+            p409="A request with this key is still being answered",
+            p503="Too many orders are open",
+        ),
+    },
+    openapi_extra={"requestBody": {"content": {"application/json": {"examples": DRAFTS}}}},
+    response_class=Json,
+)
+async def place_order(request: Request, draft: OrderDraft, key: Key = None) -> Json:
+    """Place an order."""
+    # What others ask for by parameters: each of those costs as much as the JSON of an order.
+    base = public_url(provided(request.app, Settings), request)
+    kept, replayed = await provided(request.app, OrderPlacement).place_once(
+        draft,
+        None if key is None else own_key(caller_of(request), key),
+        lambda order: msgspec.json.encode(order_answer(order, base)),
+        note_of(request),
+    )
+    return _created(kept.order_id, kept.answer.encode(), {"Idempotency-Replayed": "true"} if replayed else {})
+
+
+@router.post(
+    "/orders/preview",
+    dependencies=[Depends(json_only)],
+    responses={200: described(OrderPreview, "What it would need")},
+    openapi_extra={"requestBody": {"content": {"application/json": {"examples": WORK}}}},
+    response_class=Json,
+)
+async def preview_order(placement: Provided[OrderPlacement], draft: WorkDraft) -> Json:
+    """What an order would need if it were published now; nothing is kept.
+
+    Materials against what is there and what other orders want, the machines that can make it and how busy
+    they are, and an estimate of when it would be delivered.
+    """
+    return Json(await placement.preview(draft))
+
+
+@router.get(
+    "/orders",
+    responses={200: with_csv(list_of(OrderAnswer, "Orders, newest first"))},
+    response_class=Json,
+)
+async def list_orders(
+    store: Provided[Store],
+    projection: Provided[Projection],
+    base: BaseUrl,
+    wanted: Wanted,
+    cursor: Cursor = None,
+    limit: Limit = PAGE,
+    format: Format = "json",  # noqa: A002 - the word that others use
+) -> Response:
+    """All orders there ever were; as a table with a row for each of their items.
+
+    Filters are narrowed down by one another. Who follows all changes asks with `updated_since` as the newest
+    `updated_at` of the answer before: orders that have changed at that very moment come again, and none is missed.
+    """
+    if format == "csv":
+        return table("orders", COLUMNS, _rows(store, wanted))
+    after = read_cursor(cursor, tuple[float, str])
+    async with store.read() as work:
+        orders = await work.orders.page(wanted, after, limit + 1)
+    last = orders[limit - 1] if len(orders) > limit else None
+    return listing(
+        [order_answer(order, base, projection.orders.why_waits(order.id)) for order in orders[:limit]],
+        None if last is None else write_cursor(last.created_at_s, last.id),
+    )
+
+
+@router.get(
+    "/orders/{order}",
+    responses={
+        200: described(OrderAnswer, "The order", EXAMPLE),
+        **problems(p404="There is no such order"),
+    },
+    response_class=Json,
+)
+async def get_order(
+    store: Provided[Store], projection: Provided[Projection], base: BaseUrl, order: str
+) -> Json:
+    """One order."""
+    async with store.read() as work:
+        found = await work.orders.get(order)
+    return _answer(projection, found, order, base)
+
+
+@router.post(
+    "/orders/{order}/release",
+    responses={
+        200: described(OrderAnswer, "The order, released", EXAMPLE),
+        **problems(p404="There is no such order", p409="It is cancelled, or being taken back"),
+    },
+    response_class=Json,
+)
+async def release_order(
+    actions: Provided[OrderActions], projection: Provided[Projection], base: BaseUrl, order: str
+) -> Json:
+    """Hand a stored order to the factory; doing it twice is harmless."""
+    return _answer(projection, await actions.release(order), order, base)
+
+
+@router.post(
+    "/orders/{order}/revoke",
+    responses={
+        200: described(OrderAnswer, "The order; stored once the factory has confirmed", EXAMPLE),
+        **problems(p404="There is no such order", p409="It has ended"),
+    },
+    response_class=Json,
+)
+async def revoke_order(
+    actions: Provided[OrderActions], projection: Provided[Projection], base: BaseUrl, order: str
+) -> Json:
+    """Take the start of an order back; doing it twice is harmless.
+
+    What has arrived stays delivered. `revoked_at_s` is set at once; when the factory has confirmed that it
+    has stopped, `status` is `stored`, and the rest can be released again. Pieces that are made and have not
+    arrived go to the next order of that product.
+    """
+    return _answer(projection, await actions.revoke(order), order, base)
+
+
+@router.post(
+    "/orders/{order}/cancel",
+    responses={
+        200: described(OrderAnswer, "The order, cancelled", EXAMPLE),
+        **problems(p404="There is no such order", p409="It is delivered"),
+    },
+    response_class=Json,
+)
+async def cancel_order(
+    actions: Provided[OrderActions], projection: Provided[Projection], base: BaseUrl, order: str
+) -> Json:
+    """Cancel an order; doing it twice is harmless. What is made already is not taken apart."""
+    return _answer(projection, await actions.cancel(order), order, base)
+
+
+def order_answer(order: Order, base_url: str, waits: str = "") -> OrderAnswer:
+    """An order, as REST shows it.
+
+    Args:
+        order: the order.
+        base_url: where this gateway is reached, without a slash at the end.
+        waits: why it waits; empty when it goes on.
+    """
+    view = order_view(order, waits)
+    fields = {name: getattr(view, name) for name in view.__struct_fields__}
+    return OrderAnswer(
+        **fields,
+        created_at=iso(order.created_at_s),
+        due_at=None if order.due_at_s is None else iso(order.due_at_s),
+        delivered_at=None if order.delivered_at_s is None else iso(order.delivered_at_s),
+        updated_at=iso(order.updated_at_s),
+        tracking_url=f"{base_url}/track/{order.token}",
+    )
+
+
+async def _rows(store: Store, wanted: OrderFilter) -> AsyncIterator[Row]:
+    """All orders, newest first, read page by page: nobody else waits for a long table."""
+    after: tuple[float, str] | None = None
+    while True:
+        async with store.read() as work:
+            orders = await work.orders.page(wanted, after, ROWS_AT_ONCE)
+        for order in orders:
+            moments = (order.created_at_s, order.due_at_s, order.released_at_s, order.revoked_at_s)
+            ends = (order.delivered_at_s, order.cancelled_at_s)
+            times = [None if at_s is None else iso(at_s) for at_s in (*moments, *ends)]
+            head = (order.id, order.customer, order.reference, order.status.value)
+            for item in order.items:
+                yield (*head, item.product, item.quantity, item.made, item.delivered, *times)
+        if len(orders) < ROWS_AT_ONCE:
+            return
+        after = orders[-1].created_at_s, orders[-1].id
+
+
+def _created(order_id: str, answer: bytes, headers: Mapping[str, str] | None = None) -> Json:
+    location = {"Location": f"/api/orders/{order_id}"}
+    return Json(answer, HTTPStatus.CREATED, headers=location | dict(headers or {}))
+
+
+def _answer(projection: Projection, order: Order | None, order_id: str, base_url: str) -> Json:
+    if order is None:
+        raise not_found("order", order_id, "GET /api/orders")
+    return Json(order_answer(order, base_url, projection.orders.why_waits(order.id)))

@@ -1,0 +1,63 @@
+"""The customer's view of an order for programs: no login, no names, no vehicles."""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from typing import Annotated
+
+from fastapi import APIRouter, Path
+
+from dray.gateway.http.problems import Problem, not_found
+from dray.gateway.http.provided import Now, Provided
+from dray.gateway.http.responses import Json, described, problems
+from dray.gateway.live.projection import Projection
+from dray.gateway.tracking.answer import TrackAnswer, answer
+from dray.gateway.tracking.facts import NoPage, facts_of
+from dray.gateway.tracking.track import track
+from dray.store import Store
+
+router = APIRouter(tags=["orders"])
+
+PRIVATE = {
+    # Whoever has the link may see the page; search engines and caches may not keep it.
+    "X-Robots-Tag": "noindex, nofollow",
+    "Cache-Control": "private, no-store",
+    # Nor may the pages that it leads to learn the address.
+    "Referrer-Policy": "no-referrer",
+}
+"""Headers of everything that a link leads to."""
+
+
+@router.get(
+    "/track/{token}",
+    responses={
+        200: described(TrackAnswer, "The customer's view"),
+        **problems(p404="There is no such page", p410="The link was taken back, or has expired"),
+    },
+    response_class=Json,
+)
+async def track_order(
+    store: Provided[Store],
+    projection: Provided[Projection],
+    now_s: Now,
+    token: Annotated[str, Path(max_length=64)],
+) -> Json:
+    """An order, for whoever knows its token."""
+    found = await facts_of(store, projection, token, now_s)
+    if found.facts is None:
+        raise _no_page(found.why or NoPage.UNKNOWN, token)
+    return Json(answer(track(found.facts)), headers=PRIVATE)
+
+
+def _no_page(why: NoPage, token: str) -> Problem:
+    if why is NoPage.UNKNOWN:
+        problem = not_found("tracking-page", token, "the message that brought the link")
+    else:
+        problem = Problem(
+            HTTPStatus.GONE,
+            "tracking-link-ended",
+            "The link has ended",
+            f"it is {why.value}; ask whoever sent it for a new one",
+        )
+    problem.headers.update(PRIVATE)
+    return problem

@@ -1,0 +1,89 @@
+"""The customer's page: an order, for whoever has its link.
+
+Made whole on the server, so it needs no script; its script asks for the same page again and shows what has
+changed. The time zone is the one that the script has noted, else this computer's.
+"""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import APIRouter, Request
+from fastapi.responses import HTMLResponse, PlainTextResponse, Response
+
+from dray.gateway.http.assets import NotBuilt, Panels
+from dray.gateway.http.language import language_of, remember_language, switches
+from dray.gateway.http.provided import Now, Provided
+from dray.gateway.live.projection import Projection
+from dray.gateway.routes.orders.track import PRIVATE
+from dray.gateway.tracking.facts import NoPage, facts_of
+from dray.gateway.tracking.page import entity_tag, gone, page
+from dray.gateway.tracking.texts import TEXTS
+from dray.gateway.tracking.texts.clock import Clock, zone_named
+from dray.gateway.tracking.track import track
+from dray.store import Store
+
+router = APIRouter(include_in_schema=False)
+
+ZONE_COOKIE = "dray.zone"
+
+HEADERS = PRIVATE | {"Vary": "Accept-Language, Cookie"}
+
+NOT_BUILT = "This page cannot be shown at the moment. Please try again later.\n"
+
+
+@router.api_route("/track/{token}", methods=["GET", "HEAD"])
+async def customer(
+    store: Provided[Store],
+    projection: Provided[Projection],
+    panels: Provided[Panels],
+    now_s: Now,
+    request: Request,
+    token: str,
+) -> Response:
+    """The page of an order, or of a link that leads to none."""
+    found = await facts_of(store, projection, token, now_s)
+    language = language_of(request)
+    texts = TEXTS[language]
+    clock = Clock(texts, zone_named(request.cookies.get(ZONE_COOKIE, "")), now_s)
+    if found.facts is None:
+        why = found.why or NoPage.UNKNOWN
+        status = HTTPStatus.NOT_FOUND if why is NoPage.UNKNOWN else HTTPStatus.GONE
+        return _answer(panels, request, status, "customer-gone.html", language, gone=gone(why, texts))
+    told = page(track(found.facts), texts, clock, now_s)
+    context: dict[str, Any] = {
+        "page": told,
+        "zone": clock.zone,
+        "as_of": clock.full(now_s),
+    }
+    # Not of the time it was asked at: else no page would ever be the same again.
+    tag = entity_tag(told, language, clock.zone, clock.date())
+    if tag in _known(request):
+        return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=HEADERS | {"ETag": tag})
+    return _answer(panels, request, HTTPStatus.OK, "customer.html", language, tag=tag, **context)
+
+
+def _answer(
+    panels: Panels,
+    request: Request,
+    status: HTTPStatus,
+    template: str,
+    language: str,
+    tag: str = "",
+    **more: Any,
+) -> Response:
+    try:
+        html = panels.render(
+            template, language=language, texts=TEXTS[language], switches=switches(language), **more
+        )
+    except NotBuilt:
+        return PlainTextResponse(NOT_BUILT, HTTPStatus.SERVICE_UNAVAILABLE, headers=HEADERS)
+    answer = HTMLResponse(html, status, headers=HEADERS | ({"ETag": tag} if tag else {}))
+    remember_language(answer, request)
+    return answer
+
+
+def _known(request: Request) -> set[str]:
+    """The entity tags that the one who asks has already."""
+    return {tag.strip() for tag in request.headers.get("if-none-match", "").split(",")}

@@ -1,0 +1,60 @@
+"""All routers, and where their paths begin."""
+
+from __future__ import annotations
+
+from fastapi import FastAPI
+
+from dray.gateway.routes import (
+    agents,
+    alerts,
+    atvs,
+    faults,
+    health,
+    inventory,
+    machines,
+    me,
+    plant,
+    products,
+    stream,
+    tasks,
+    traffic,
+)
+from dray.gateway.routes.history import audit, events, kpis, promises
+from dray.gateway.routes.orders import imports, orders, track
+from dray.gateway.routes.pages import customer, docs, login, panels
+
+API = (
+    # Its path looks like that of an order, so it comes first.
+    imports,
+    orders,
+    track,
+    products,
+    inventory,
+    machines,
+    atvs,
+    tasks,
+    alerts,
+    agents,
+    promises,
+    events,
+    kpis,
+    plant,
+    traffic,
+    faults,
+    me,
+    audit,
+)
+"""Those that OpenAPI tells of."""
+
+BESIDE = (docs, stream)
+"""Under `/api` too, and not in OpenAPI."""
+
+REST = (health, login, panels, customer)
+
+
+def add_routes(app: FastAPI) -> None:
+    """Let an application answer what routers answer."""
+    for module in (*API, *BESIDE):
+        app.include_router(module.router, prefix="/api")
+    for module in REST:
+        app.include_router(module.router)

@@ -1,0 +1,272 @@
+"""The services of one running gateway: made, brought up to date from SQL, and run.
+
+Who needs what is said here and nowhere else: every service is given what it uses.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable, Iterable
+from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager, suppress
+from dataclasses import dataclass
+from typing import Any
+
+from prometheus_client.registry import Collector
+
+from dray.adapters.signing import SigningKey
+from dray.errors import UnavailableError
+from dray.gateway.access.access import Access, open_access
+from dray.gateway.access.audit_log import AuditLog
+from dray.gateway.access.login.hasher import Hasher
+from dray.gateway.factory.alerts import AlertMonitor
+from dray.gateway.factory.commands import Commands
+from dray.gateway.factory.exclusions import Exclusions
+from dray.gateway.factory.fault_injection import FaultInjection, FaultInjector
+from dray.gateway.factory.figure_sampler import Sampler
+from dray.gateway.factory.promises import Ledger
+from dray.gateway.http.assets import Panels
+from dray.gateway.http.side_work import SideWork
+from dray.gateway.inbox import Inbox
+from dray.gateway.live.backfill import backfill_news
+from dray.gateway.live.database_sync import DatabaseSync
+from dray.gateway.live.health import Health
+from dray.gateway.live.peer import Peer
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.strategist_probe import StrategistProbe
+from dray.gateway.live.stream import Hub
+from dray.gateway.live.timescale import TimeScale
+from dray.gateway.metrics import Metrics
+from dray.gateway.metrics.history import History
+from dray.gateway.metrics.state import State
+from dray.gateway.orders.actions import OrderActions
+from dray.gateway.orders.completions import Completions
+from dray.gateway.orders.idempotency import KEYS_KEPT_S
+from dray.gateway.orders.outbox import Outbox
+from dray.gateway.orders.placement import OrderPlacement
+from dray.gateway.orders.reconciliation import Reconciliation
+from dray.messages.keys import Keys
+from dray.plant.model import PlantFile
+from dray.ports import Bus
+from dray.settings import Settings
+from dray.store import Historian, Store
+from dray.store.placing import Placing
+
+Beside = Callable[[Commands, Access], AbstractAsyncContextManager[None]]
+"""Runs as long as a gateway does: the way for stops."""
+
+
+@dataclass(frozen=True)
+class Services:
+    """All of them. Nobody but `app` and this file knows this type: see `http.provided`."""
+
+    settings: Settings
+    plant: PlantFile
+    """As the file was when the gateway began; `projection.site` knows what has come since."""
+    time: TimeScale
+    wall_s: Callable[[], float]
+    store: Store
+    historian: Historian | None
+    """None where it runs elsewhere."""
+    peer: Peer
+    strategist_probe: StrategistProbe
+    projection: Projection
+    hub: Hub
+    database_sync: DatabaseSync
+    health: Health
+    metrics: Metrics
+    access: Access
+    outbox: Outbox
+    placement: OrderPlacement
+    actions: OrderActions
+    completions: Completions
+    reconciliation: Reconciliation
+    commands: Commands
+    alerts: AlertMonitor
+    exclusions: Exclusions
+    faults: FaultInjection
+    ledger: Ledger
+    panels: Panels
+    side_work: SideWork
+
+    def by_type(self) -> dict[type[Any], object]:
+        """What routers and middleware may ask for."""
+        return {
+            Settings: self.settings,
+            Store: self.store,
+            Access: self.access,
+            Panels: self.panels,
+            SideWork: self.side_work,
+            Projection: self.projection,
+            Hub: self.hub,
+            Peer: self.peer,
+            Health: self.health,
+            Metrics: self.metrics,
+            OrderPlacement: self.placement,
+            OrderActions: self.actions,
+            Outbox: self.outbox,
+            Completions: self.completions,
+            Commands: self.commands,
+            AlertMonitor: self.alerts,
+            Exclusions: self.exclusions,
+            FaultInjection: self.faults,
+            Ledger: self.ledger,
+        }
+
+
+def open_services(
+    *,
+    settings: Settings,
+    plant: PlantFile,
+    bus: Bus,
+    store: Store,
+    time: TimeScale,
+    authority: SigningKey,
+    incarnation: int,
+    historian: Historian | None,
+    panels: Panels | None,
+    faults: FaultInjector | None,
+    collectors: Iterable[Collector],
+    wall_s: Callable[[], float],
+    hasher: Hasher | None,
+) -> Services:
+    """Make the services; `dray.gateway.app.create_app` says of what."""
+    peer = Peer(bus, Keys(plant.plant), settings.gateway_name, incarnation)
+    projection = Projection(plant, time, trials=faults is not None, wall_s=wall_s)
+    strategist_probe = StrategistProbe(peer.send)
+    products = frozenset(product.id for product in plant.products)
+    outbox = Outbox(send=peer.send, time=time, wall_s=wall_s, products=products)
+    placing = Placing(store.database, keys_kept_s=KEYS_KEPT_S, lines_kept=settings.audit_kept)
+    commands = Commands(
+        peer.send,
+        authority=authority,
+        projection=projection,
+        floor=projection.site.plant,
+        plant_s=lambda: time.to_plant_s(wall_s()),
+        wall_s=wall_s,
+        speed=time.speed,
+        name=f"{settings.gateway_name}.{incarnation}",
+        timeout_s=settings.command_timeout_s,
+    )
+    return Services(
+        settings=settings,
+        plant=plant,
+        time=time,
+        wall_s=wall_s,
+        store=store,
+        historian=historian,
+        peer=peer,
+        strategist_probe=strategist_probe,
+        projection=projection,
+        hub=Hub(
+            projection,
+            wall_s=wall_s,
+            rate_hz=settings.stream_rate_hz,
+            queue_frames=settings.stream_queue_frames,
+            clients=settings.stream_clients,
+            each=settings.stream_clients_each,
+        ),
+        database_sync=DatabaseSync(store, projection, outbox.follow),
+        health=Health(store, peer, strategist_probe, historian),
+        metrics=Metrics(collectors),
+        access=open_access(settings, store, wall_s, hasher),
+        outbox=outbox,
+        placement=OrderPlacement(store, placing, projection, outbox, wall_s),
+        actions=OrderActions(store, projection, outbox, wall_s),
+        completions=Completions(store, outbox, projection, wall_s),
+        reconciliation=Reconciliation(store, outbox, wall_s),
+        commands=commands,
+        alerts=AlertMonitor(projection, store, wall_s),
+        exclusions=Exclusions(
+            store, projection, commands, peer.tell_all, wall_s=wall_s, own=settings.gateway_name
+        ),
+        faults=FaultInjection(faults, projection.trials),
+        ledger=Ledger(store),
+        panels=panels or Panels(),
+        side_work=SideWork(),
+    )
+
+
+async def recall(services: Services) -> None:
+    """Read from SQL what must be known before anybody is heard or answered.
+
+    Raises:
+        UnavailableError: the database cannot be read or written.
+    """
+    async with services.store.write() as work:
+        await work.products.replace(services.plant.products)
+    await services.database_sync.begin()
+    async with services.store.read() as work:
+        await backfill_news(work, services.projection.news, services.time)
+    await services.alerts.begin()
+    await services.exclusions.begin()
+
+
+def measure(services: Services) -> None:
+    """Let Prometheus be told what the services know anyway."""
+    state = State(
+        projection=services.projection,
+        hub=services.hub,
+        peer=services.peer,
+        strategist_probe=services.strategist_probe,
+        health=services.health,
+        store=services.store,
+        wall_s=services.wall_s,
+    )
+    services.metrics.add(state)
+    if services.historian is not None:
+        services.metrics.add(History(services.historian))
+
+
+@asynccontextmanager
+async def running(services: Services, beside: Beside | None) -> AsyncIterator[None]:
+    """Join the bus, and run the services as long as the context lasts."""
+    access, projection = services.access, services.projection
+    # It writes what is added from now on: what was recalled is in SQL.
+    sampler = Sampler(projection, services.store, services.wall_s)
+    inbox = Inbox(
+        meter=services.metrics.meter,
+        strategist_probe=services.strategist_probe,
+        completions=services.completions,
+        outbox=services.outbox,
+        commands=services.commands,
+        projection=projection,
+    )
+    async with AsyncExitStack() as stack:
+        if services.historian is not None:
+            await stack.enter_async_context(services.historian.running(projection.fold))
+        stack.push_async_callback(sampler.sample)
+        stack.callback(services.peer.leave)
+        stack.callback(services.side_work.close)
+        stack.push_async_callback(_last_lines, access.audit_log)
+        services.peer.join(inbox.receive)
+        tasks = await stack.enter_async_context(asyncio.TaskGroup())
+        run = [
+            tasks.create_task(each.run())
+            for each in (
+                services.outbox,
+                services.completions,
+                services.alerts,
+                services.exclusions,
+                services.hub,
+                access,
+                access.watch,
+                access.audit_log,
+                services.strategist_probe,
+                sampler,
+                services.reconciliation,
+                services.database_sync,
+            )
+        ]
+        await services.reconciliation.begin()
+        if beside is not None:
+            await access.learn()
+            await stack.enter_async_context(beside(services.commands, access))
+        yield
+        for task in run:
+            task.cancel()
+
+
+async def _last_lines(audit_log: AuditLog) -> None:
+    """Write what waits for the audit log, if the database is there."""
+    with suppress(UnavailableError):
+        await audit_log.catch_up()
