@@ -22,7 +22,7 @@ from dray.body import (
 from dray.errors import ProtocolViolation
 from dray.memory import WHOLE, AtvMemory, EndedOrder
 from dray.messages import AtvHeartbeat, AtvStatus, EventsAsked, EventsKept, OrderTaken, Pose
-from dray.messages.fact import OrderFulfilled
+from dray.messages.fact import EVENTS_PER_ANSWER, OrderFulfilled
 from dray.messages.keys import Keys
 from dray.protocol.runtime.events import (
     NEVER_S,
@@ -42,7 +42,7 @@ from dray.protocol.runtime.events import (
     Unsubscribe,
     Woke,
 )
-from dray.worker import ANSWER_EVENTS, Worker
+from dray.worker import Worker
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.journal import HeldJournal
 from dray_sim.network.sim_network import SimNetwork
@@ -450,12 +450,12 @@ def test_what_somebody_missed_is_told_to_that_one_alone_and_the_agent_is_not_ask
 
 def test_an_answer_is_bounded_and_tells_how_far_asking_again_will_lead() -> None:
     async def story(stage: Stage) -> None:
-        await with_a_history(stage, ANSWER_EVENTS + 5, HeldJournal(incarnation=3))
+        await with_a_history(stage, EVENTS_PER_ANSWER + 5, HeldJournal(incarnation=3))
         historian = Listener(stage)
         historian.session.send("A1", EventsAsked(incarnation=3, first=3, last=2**53))
         await asyncio.sleep(1.0)
-        assert [event.number for event in historian.events] == list(range(3, ANSWER_EVENTS + 3))
-        assert historian.others == [EventsKept(incarnation=3, first=1, last=ANSWER_EVENTS + 5, life=3)]
+        assert [event.number for event in historian.events] == list(range(3, EVENTS_PER_ANSWER + 3))
+        assert historian.others == [EventsKept(incarnation=3, first=1, last=EVENTS_PER_ANSWER + 5, life=3)]
 
     play(story)
 

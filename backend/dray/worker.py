@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, assert_never, cast
 
 from dray import messages
 from dray.errors import ProtocolViolation
+from dray.messages.fact import EVENTS_PER_ANSWER
 from dray.protocol.runtime.events import (
     NEVER_S,
     Agent,
@@ -60,10 +61,6 @@ the newest heartbeat waits from then on: it says all that the older ones have sa
 SENDER_ROOM = INBOX // 4
 """Messages of one sender that wait in a crowded inbox. What is beyond that is the sender's own loss: nobody fills
 an inbox alone, and nobody pushes out what others have said."""
-
-ANSWER_EVENTS = 200
-"""Events in one answer to `EventsAsked`, so that no answer crowds out what is going on; whoever lacks
-more asks again."""
 
 
 class _Newest:
@@ -379,7 +376,7 @@ class Worker:
         life = asked.incarnation
         first, last = self._journal.kept(life)
         start = max(first, asked.first)
-        for event in self._journal.events(life, start, min(last, asked.last, start + ANSWER_EVENTS - 1)):
+        for event in self._journal.events(life, start, min(last, asked.last, start + EVENTS_PER_ANSWER - 1)):
             session.send(asker, event)
         answer = messages.EventsKept(incarnation=life, first=first, last=last, life=self.agent.incarnation)
         session.send(asker, answer)

@@ -40,10 +40,9 @@ from dray.messages import (
     VehicleCommand,
 )
 from dray.messages.fact import OrderFulfilled
-from dray.messages.keys import Keys
+from dray.messages.keys import STRATEGIST, Keys
 from dray.messages.speakers import Kind
 from dray.plant import load_plant
-from dray.protocol.strategist.strategist import STRATEGIST
 
 HERE = Path(__file__).parent
 SOURCES = HERE.parents[1] / "examples/vehicle-ts/src"

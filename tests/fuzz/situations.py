@@ -36,9 +36,10 @@ from dray.messages import (
     Transport,
     VehicleCommand,
 )
+from dray.messages.keys import STRATEGIST
 from dray.protocol.machine.machine import Machine
 from dray.protocol.runtime.events import Effect, Publish, Send
-from dray.protocol.strategist.strategist import STRATEGIST, Strategist
+from dray.protocol.strategist.strategist import Strategist
 from dray.protocol.vehicle.atv import Atv
 
 PRODUCT = "pump-p3"

@@ -10,10 +10,11 @@ import pytest
 from gateway_kit import AUTHORITY, NOW_S, House, atv_heartbeat, gateway, problem
 
 from dray.adapters.signing import TrustedKeys
-from dray.gateway.factory.commands import CLOCKS_S, STOP_VALID_S
+from dray.gateway.factory.commands import STOP_VALID_S
 from dray.gateway.live.projection.recent_commands import RecentCommands
 from dray.gateway.live.views import CommandView
 from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand, signed_words
+from dray.messages.base import CLOCKS_AGREE_S
 
 pytestmark = pytest.mark.anyio
 
@@ -75,7 +76,7 @@ async def test_a_grant_ends_soon_after_its_answer_was_waited_for_and_that_of_a_s
             (command,) = await heard_of(house, body)
             assert command.grant is not None
             until_s.append(command.grant.valid_until_s)
-        assert until_s == [5.0 * 20 + (2.0 + CLOCKS_S) * 20, 5.0 * 20 + STOP_VALID_S * 20]
+        assert until_s == [5.0 * 20 + (2.0 + CLOCKS_AGREE_S) * 20, 5.0 * 20 + STOP_VALID_S * 20]
 
 
 async def heard_of(house: House, body: dict[str, Any]) -> list[VehicleCommand]:

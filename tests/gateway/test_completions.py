@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 from gateway_kit import NOW_S, OTHER_PRODUCT, PRODUCT, House, events, gateway
 
-from dray.gateway.orders.outbox import STRATEGIST
 from dray.messages import OrderReleased, OrderTaken
 from dray.messages.fact import GoalContracted, GoodsDelivered, OrderAccepted
+from dray.messages.keys import STRATEGIST
 from dray.store.orders import Orders
 
 pytestmark = pytest.mark.anyio

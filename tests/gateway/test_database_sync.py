@@ -17,7 +17,6 @@ from dray.gateway.live import database_sync
 from dray.gateway.live.database_sync import DatabaseSync
 from dray.gateway.live.projection.orders import Orders as ShownOrders
 from dray.gateway.live.views import OrderView
-from dray.gateway.orders.outbox import STRATEGIST
 from dray.messages import (
     CancellationTaken,
     Event,
@@ -30,6 +29,7 @@ from dray.messages import (
     RevocationTaken,
 )
 from dray.messages.fact import CommandObeyed, GoalContracted, GoodsDelivered
+from dray.messages.keys import STRATEGIST
 from dray.store.acknowledgements import Acknowledgement
 from dray.store.orders import Mark, Order, Orders
 from dray.store.progress import Goal

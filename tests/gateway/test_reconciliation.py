@@ -10,10 +10,10 @@ import pytest
 from gateway_kit import PRODUCT, FakeBus, House, Wall, events, gateway
 
 from dray.gateway.orders import reconciliation
-from dray.gateway.orders.outbox import STRATEGIST
 from dray.gateway.orders.reconciliation import CALL_EVERY_S, CANCELLED_AGAIN_S, Reconciliation
 from dray.messages import Message, OrderCancelled, OrderReleased, OrderRevoked, OrderTaken
 from dray.messages.fact import GoodsDelivered
+from dray.messages.keys import STRATEGIST
 from dray.store.orders import Orders
 from dray_sim.clock.loop import run
 

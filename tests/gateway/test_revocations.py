@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 from gateway_kit import OTHER_PRODUCT, PRODUCT, House, events, gateway, problem
 
-from dray.gateway.orders.outbox import STRATEGIST
 from dray.messages import OrderReleased, OrderRevoked, OrderTaken, RevocationTaken
 from dray.messages.fact import GoalContracted, GoalWithdrawn, GoodsDelivered, OrderAccepted, PieceMade
+from dray.messages.keys import STRATEGIST
 from dray.store.orders import Orders
 
 pytestmark = pytest.mark.anyio

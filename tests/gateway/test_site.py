@@ -65,7 +65,7 @@ def test_what_a_machine_says_of_itself_later_moves_nothing(projection: Projectio
 def test_a_peer_that_invents_machines_ends_somewhere(
     projection: Projection, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(site_module, "MAX_NEWCOMERS", 2)
+    monkeypatch.setattr(site_module, "JOINING_MACHINES_MAX", 2)
     for number in range(3):
         projection.fold(introduction(f"X{number}", node="nowhere"))
     projection.fold(introduction())

@@ -34,10 +34,10 @@ from dray.messages import (
     TakenOver,
 )
 from dray.messages.fact import TaskClosed, TaskOpened, TookOver
+from dray.messages.keys import STRATEGIST
 from dray.protocol.machine.machine import Machine
 from dray.protocol.runtime.events import Effect, Instruct, Record, Send
 from dray.protocol.runtime.retransmission import ASK_AGAIN_S
-from dray.protocol.strategist.strategist import STRATEGIST
 from dray.protocol.vehicle.atv import Atv
 
 ATVS = ("ATV1", "ATV2", "ATV3")

@@ -27,8 +27,8 @@ from dray.body import Admit, GoodsArrived
 from dray.memory import Memory
 from dray.messages import Award, GoalBrief, OrderItem, OrderReleased, OrderTaken, Production, TaskAnnounced
 from dray.messages.fact import OrderFulfilled
+from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
 from dray.protocol.runtime.events import Effect, Publish
-from dray.protocol.strategist.machine_monitor import GOAL_SILENCE_S
 
 PRODUCT = "pump-p3"
 MACHINES = PLANT.machines_for(PRODUCT)[:3]

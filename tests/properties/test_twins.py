@@ -13,10 +13,11 @@ from hypothesis import strategies as st
 from kit import Credulous, accepted, bid, declined, facts, rhb, transport
 
 from dray.messages import AtvHeartbeat, AtvStatus, Bid, HelpWanted, Role
+from dray.messages.command import PROMISE_MAX_S
 from dray.messages.fact import AwardGiven
 from dray.protocol.contract_net.auction import Auction, Place, Terms
 from dray.protocol.contract_net.auction_rules import AuctionRules
-from dray.protocol.liveness.failure_detector import IN_ERROR, PROMISE_MAX_S, SILENT, FailureDetector
+from dray.protocol.liveness.failure_detector import IN_ERROR, SILENT, FailureDetector
 from dray.protocol.liveness.suspicion import (
     DEVIATIONS,
     FALSE_ALARM,

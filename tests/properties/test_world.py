@@ -14,7 +14,7 @@ from world import World
 
 from dray.body import Drop, Pick
 from dray.messages import CommandKind, Link
-from dray.protocol.strategist.strategist import STRATEGIST
+from dray.messages.keys import STRATEGIST
 
 VEHICLES = {"ATV1": "p3", "ATV2": "s3", "ATV3": "p1"}
 ATVS = st.sampled_from(sorted(VEHICLES))

@@ -38,6 +38,7 @@ from dray.messages import (
     VehicleCommand,
 )
 from dray.messages.fact import ContractEnded, ContractTaken, OrderFulfilled, TaskClosed, TaskOpened
+from dray.messages.keys import STRATEGIST
 from dray.protocol.machine.machine import Machine
 from dray.protocol.runtime.events import (
     Effect,
@@ -49,7 +50,7 @@ from dray.protocol.runtime.events import (
     Subscribe,
     Unsubscribe,
 )
-from dray.protocol.strategist.strategist import STRATEGIST, Strategist
+from dray.protocol.strategist.strategist import Strategist
 from dray.protocol.vehicle.atv import Atv
 
 LATENCY_S = 0.02

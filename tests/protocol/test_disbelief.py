@@ -9,12 +9,13 @@ from m7 import NO_HOUSINGS, m7
 from msgspec.structs import replace
 
 from dray.messages import Accepted, Bid, Disbelieved, HelpWanted, Release, Role, TakenOver, TaskAnnounced
+from dray.messages.command import PROMISE_MAX_S
 from dray.messages.fact import CarrierChanged, NotBelieved, WordDisbelieved
 from dray.protocol.contract_net.assessment import Assessor
 from dray.protocol.contract_net.disbelief import TOLD_EVERY_S
 from dray.protocol.contract_net.plausibility import CLOCK
 from dray.protocol.contract_net.task import StandbyContract
-from dray.protocol.liveness.failure_detector import IN_ERROR, PROMISE_MAX_S, FailureDetector
+from dray.protocol.liveness.failure_detector import IN_ERROR, FailureDetector
 from dray.protocol.runtime.events import Effect, Ignore
 
 NOW_S = 5000.0

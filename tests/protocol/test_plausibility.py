@@ -9,11 +9,11 @@ from kit import PLANT, bid, goal_bid, production, transport
 from msgspec.structs import replace
 
 from dray.messages import Bid, Transport
+from dray.messages.base import CLOCK_WRONG_S
 from dray.plant import Plant
 from dray.protocol.contract_net.plausibility import (
     BEFORE_NOW,
     CLOCK,
-    CLOCK_WRONG_S,
     LATE_S,
     LATEST_GOAL_S,
     NEGATIVE,

@@ -56,10 +56,10 @@ from dray.messages import (
     VehicleCommand,
 )
 from dray.messages.fact import BidRefused, CarrierChanged, ContractEnded
+from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
 from dray.protocol.runtime.events import NEVER_S, Leave
 from dray.protocol.runtime.retransmission import ASK_AGAIN_S
 from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S, COORDINATOR_LEAVES_WITHIN_S, LEAVES
-from dray.protocol.strategist.machine_monitor import GOAL_SILENCE_S
 from dray.protocol.vehicle.transport_job import GIVE_UP_AFTER
 
 GOODS = transport(item="pump-p3", quantity=24, sources=("M8",), destination="DELIVERY", goal="G8")

@@ -10,8 +10,9 @@ from kit import facts, instructed, mhb, sent
 from dray.body import Admit, GoodsArrived
 from dray.messages import MachineStatus, Withdrawn
 from dray.messages.fact import GoalContracted, GoalLost, GoalWaits, GoodsDelivered, OrderFulfilled, TaskClosed
+from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
 from dray.protocol.runtime.events import Woke
-from dray.protocol.strategist.machine_monitor import BREAKDOWN_S, GOAL_SILENCE_S
+from dray.protocol.strategist.machine_monitor import BREAKDOWN_S
 
 
 def test_a_machine_that_names_its_goal_keeps_it_for_as_long_as_it_takes() -> None:

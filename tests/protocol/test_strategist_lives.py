@@ -18,8 +18,8 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import GoalLost, GoodsDelivered, OrderAccepted, OrderFulfilled, TaskClosed
+from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
 from dray.protocol.runtime.events import Commit, Effect
-from dray.protocol.strategist.machine_monitor import GOAL_SILENCE_S
 
 
 def test_what_binds_the_strategist_is_written_down_before_it_is_said() -> None:

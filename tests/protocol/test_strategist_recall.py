@@ -25,8 +25,8 @@ from dray.messages.fact import (
     OrderFulfilled,
     OrderReturned,
 )
+from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
 from dray.protocol.runtime.events import NEVER_S
-from dray.protocol.strategist.machine_monitor import GOAL_SILENCE_S
 
 # --- cancelling -------------------------------------------------------------------------------------
 

@@ -10,17 +10,17 @@ from dray.protocol.liveness.suspicion import (
     JITTER_S,
     MISSES,
     WORKING_INTERVAL_S,
-    atv_interval_s,
     bound_s,
+    interval_s,
 )
 
 
 def test_a_vehicle_with_a_task_is_expected_every_second() -> None:
-    assert atv_interval_s(rhb("ATV1", 1, 0.0, task="T1")) == WORKING_INTERVAL_S == 1.0
+    assert interval_s(rhb("ATV1", 1, 0.0, task="T1")) == WORKING_INTERVAL_S == 1.0
 
 
 def test_a_vehicle_without_a_task_is_expected_every_five_seconds() -> None:
-    assert atv_interval_s(rhb("ATV1", 1, 0.0)) == IDLE_INTERVAL_S == 5.0
+    assert interval_s(rhb("ATV1", 1, 0.0)) == IDLE_INTERVAL_S == 5.0
 
 
 @pytest.mark.parametrize("interval_s", [WORKING_INTERVAL_S, IDLE_INTERVAL_S])

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from dray.messages import Heartbeat, Message, StationHeartbeat
+from dray.messages.keys import STRATEGIST
 from dray.plant import default_plant
 from dray.plant.model import VehicleSpec
-from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.run.trace import Trace

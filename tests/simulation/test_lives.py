@@ -11,11 +11,12 @@ from typing import cast
 import pytest
 
 from dray.messages import AtvHeartbeat, Event, Heartbeat, Message
+from dray.messages.fact import HISTORY_KEPT
+from dray.messages.keys import STRATEGIST
 from dray.plant import default_plant
 from dray.ports import Receive, Session
-from dray.protocol.strategist.strategist import STRATEGIST
 from dray.store import Historian, Store
-from dray.store.gaps import LIVES, MISSING_PER_LIFE, TAIL_S, Known
+from dray.store.gaps import LIVES, TAIL_S, Known
 from dray.store.goals import Goal
 from dray.store.orders import Order
 from dray_sim.checks.invariants import Invariants
@@ -75,9 +76,7 @@ class Shelf:
         for agent, life, number in self.kept:
             lives.setdefault((agent, life), set()).add(number)
         return [
-            Known(
-                agent, life, max(there), tuple(sorted(set(range(1, max(there))) - there))[-MISSING_PER_LIFE:]
-            )
+            Known(agent, life, max(there), tuple(sorted(set(range(1, max(there))) - there))[-HISTORY_KEPT:])
             for (agent, life), there in sorted(lives.items())
             if life + LIVES > max(other for name, other in lives if name == agent)
         ]

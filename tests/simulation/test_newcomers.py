@@ -10,8 +10,8 @@ from msgspec.structs import replace
 from dray.errors import PlantError
 from dray.messages import MachineHeartbeat
 from dray.messages.fact import GoalContracted, GoalLost, GoodsDelivered, OrderFulfilled, TaskClosed
+from dray.messages.keys import STRATEGIST
 from dray.plant import Plant, default_plant, with_machine
-from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.bodies.floor import NEARLY_EMPTY_FRAC
 from dray_sim.run.evidence import HELD
 from dray_sim.run.stage import Shift, Stage, play

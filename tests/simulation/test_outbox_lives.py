@@ -9,10 +9,11 @@ from random import Random
 import pytest
 
 from dray.gateway.live.timescale import TimeScale
-from dray.gateway.orders.outbox import STRATEGIST, Outbox
+from dray.gateway.orders.outbox import Outbox
 from dray.memory import WHOLE
 from dray.messages import CancellationTaken, Event, Message, OrderTaken
 from dray.messages.fact import OrderDropped, OrderFulfilled
+from dray.messages.keys import STRATEGIST
 from dray.plant import default_plant
 from dray.store.orders import Item, Order
 from dray.store.progress import OrderStatus

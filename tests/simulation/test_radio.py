@@ -48,6 +48,7 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.contract import TransportCost
+from dray.messages.radio import CARRIED_BY_RADIO
 from dray_sim.clock.loop import clock, run
 from dray_sim.faults import (
     AccessPointDown,
@@ -61,7 +62,7 @@ from dray_sim.faults import (
 from dray_sim.network.coverage import AccessPoint, Coverage
 from dray_sim.network.latency import Latency
 from dray_sim.network.modem import NOTICE_S
-from dray_sim.network.radio import CONTROL, NOBODY_NEAR, RADIO, TOO_LONG, TOO_MANY, UNFIT, RadioSpec
+from dray_sim.network.radio import NOBODY_NEAR, RADIO, TOO_LONG, TOO_MANY, UNFIT, RadioSpec
 from dray_sim.network.sim_network import GATEWAY_S, NO_GATEWAY, NO_WLAN, SimNetwork
 from dray_sim.run.trace import Trace
 
@@ -282,7 +283,7 @@ def test_short_control_messages_go_both_ways(message: Message) -> None:
 
 
 def test_the_short_control_messages_are_these_and_no_others() -> None:
-    assert {type(message) for message in SAID} == CONTROL
+    assert {type(message) for message in SAID} == CARRIED_BY_RADIO
 
 
 @pytest.mark.parametrize("message", NOT_FOR_RADIO, ids=lambda said: type(said).__name__)

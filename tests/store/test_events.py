@@ -6,9 +6,10 @@ import msgspec
 import pytest
 from history import a_day, accepted, delivered, keep, made, order, same_clock, tell
 
+from dray.messages.fact import HISTORY_KEPT
 from dray.store import Store
 from dray.store.events import EventFilter, EventRow
-from dray.store.gaps import LIVES, MISSING_PER_LIFE, Known
+from dray.store.gaps import LIVES, Known
 from dray.store.progress import Goal
 
 pytestmark = pytest.mark.anyio
@@ -102,12 +103,10 @@ async def test_the_newest_lives_are_known_with_their_holes(store: Store) -> None
 
 
 async def test_of_a_long_history_only_what_an_agent_may_still_have_is_looked_through(store: Store) -> None:
-    told = tell("M1", *[made("G1", 1)] * (MISSING_PER_LIFE + 10))
+    told = tell("M1", *[made("G1", 1)] * (HISTORY_KEPT + 10))
     async with store.write() as work:
-        await work.events.add(
-            [event for event in told if event.number not in {3, MISSING_PER_LIFE}], same_clock
-        )
-        assert await work.events.known() == [Known("M1", 1, MISSING_PER_LIFE + 10, (MISSING_PER_LIFE,))]
+        await work.events.add([event for event in told if event.number not in {3, HISTORY_KEPT}], same_clock)
+        assert await work.events.known() == [Known("M1", 1, HISTORY_KEPT + 10, (HISTORY_KEPT,))]
 
 
 async def test_pruned_events_are_not_missing(store: Store) -> None:

@@ -6,18 +6,8 @@ from collections.abc import Iterable
 from itertools import pairwise
 
 from dray.messages import EventsAsked, EventsKept
-from dray.store.gaps import (
-    AGAIN_S,
-    ASKED_AT_ONCE,
-    LIVES,
-    MISSING_PER_LIFE,
-    SETTLE_S,
-    SILENCE_S,
-    TAIL_S,
-    WINDOW,
-    Gaps,
-    Known,
-)
+from dray.messages.fact import EVENTS_PER_ANSWER, HISTORY_KEPT
+from dray.store.gaps import AGAIN_S, ASKED_AT_ONCE, LIVES, SETTLE_S, SILENCE_S, TAIL_S, Gaps, Known
 
 
 def note(gaps: Gaps, *numbers: int, agent: str = "M1", life: int = 1, now_s: float = 0.0) -> Gaps:
@@ -66,12 +56,12 @@ def test_a_new_life_counts_from_one_and_late_numbers_of_the_old_one_still_count(
 
 
 def test_numbers_are_looked_for_to_a_bound_and_gone_beyond() -> None:
-    gaps = note(Gaps(), 3 * MISSING_PER_LIFE + 1)
-    assert (gaps.missing, gaps.gone) == (MISSING_PER_LIFE, 2 * MISSING_PER_LIFE)
-    note(gaps, 4 * MISSING_PER_LIFE + 2)
-    assert (gaps.missing, gaps.gone) == (MISSING_PER_LIFE, 3 * MISSING_PER_LIFE)
+    gaps = note(Gaps(), 3 * HISTORY_KEPT + 1)
+    assert (gaps.missing, gaps.gone) == (HISTORY_KEPT, 2 * HISTORY_KEPT)
+    note(gaps, 4 * HISTORY_KEPT + 2)
+    assert (gaps.missing, gaps.gone) == (HISTORY_KEPT, 3 * HISTORY_KEPT)
     note(gaps, 2**53)
-    assert gaps.missing == MISSING_PER_LIFE
+    assert gaps.missing == HISTORY_KEPT
 
 
 def test_what_is_known_from_before_may_have_holes() -> None:
@@ -111,16 +101,16 @@ def test_nobody_is_asked_twice_before_the_pause_is_over_and_pauses_grow_to_a_bou
 
 
 def test_a_question_is_no_wider_than_an_answer() -> None:
-    gaps = note(Gaps(), 3, WINDOW * 3)
-    assert asked(gaps, SETTLE_S) == [(1, 1, WINDOW)]
+    gaps = note(Gaps(), 3, EVENTS_PER_ANSWER * 3)
+    assert asked(gaps, SETTLE_S) == [(1, 1, EVENTS_PER_ANSWER)]
 
 
 def test_an_answer_that_helps_is_followed_by_the_next_question_at_once() -> None:
-    gaps = note(Gaps(), WINDOW * 2)
+    gaps = note(Gaps(), EVENTS_PER_ANSWER * 2)
     asked(gaps, 1.0)
-    note(gaps, *range(1, WINDOW + 1), now_s=1.1)
-    assert gaps.answered("M1", kept(1, WINDOW * 2), 1.2) == 0
-    assert asked(gaps, 1.2) == [(1, WINDOW + 1, WINDOW * 2 - 1)]
+    note(gaps, *range(1, EVENTS_PER_ANSWER + 1), now_s=1.1)
+    assert gaps.answered("M1", kept(1, EVENTS_PER_ANSWER * 2), 1.2) == 0
+    assert asked(gaps, 1.2) == [(1, EVENTS_PER_ANSWER + 1, EVENTS_PER_ANSWER * 2 - 1)]
 
 
 def test_an_answer_that_does_not_help_is_asked_again_later() -> None:
@@ -136,10 +126,10 @@ def test_an_answer_that_does_not_help_is_asked_again_later() -> None:
 
 def test_an_agent_that_seems_to_lack_nothing_is_asked_now_and_then_for_what_comes_next() -> None:
     gaps = note(Gaps(), 1, 2)
-    assert asked(gaps, SETTLE_S) == [(1, 3, 2 + WINDOW)]
+    assert asked(gaps, SETTLE_S) == [(1, 3, 2 + EVENTS_PER_ANSWER)]
     gaps.answered("M1", kept(1, 2), 1.1)
     assert asked(gaps, 1.0 + TAIL_S) == []
-    assert asked(gaps, 1.1 + TAIL_S) == [(1, 3, 2 + WINDOW)]
+    assert asked(gaps, 1.1 + TAIL_S) == [(1, 3, 2 + EVENTS_PER_ANSWER)]
 
 
 def test_a_last_event_that_was_lost_is_learnt_of_and_asked_for() -> None:
@@ -154,7 +144,7 @@ def test_a_last_event_that_was_lost_is_learnt_of_and_asked_for() -> None:
 def test_an_agent_that_was_heard_but_has_told_nothing_is_asked_from_the_beginning() -> None:
     gaps = Gaps()
     gaps.note_alive("M1", 1, 0.0)
-    assert asked(gaps, SETTLE_S) == [(1, 1, WINDOW)]
+    assert asked(gaps, SETTLE_S) == [(1, 1, EVENTS_PER_ANSWER)]
 
 
 def test_an_agent_that_was_never_heard_before_is_asked_for_its_earlier_lives_too() -> None:
@@ -170,21 +160,21 @@ def test_an_agent_that_was_never_heard_before_is_asked_for_its_earlier_lives_too
 def test_lives_between_two_that_are_known_are_asked_about() -> None:
     gaps = Gaps([Known("M1", 1, 3), Known("M1", 3, 3)])
     gaps.answered("M1", kept(1, 3, life=1, said_in=3), 0.0)
-    assert asked(gaps, 0.0) == [(2, 1, WINDOW)]
+    assert asked(gaps, 0.0) == [(2, 1, EVENTS_PER_ANSWER)]
 
 
 def test_who_is_known_by_name_only_is_asked_too_and_tells_which_life_it_is_in() -> None:
     gaps = Gaps([Known("M2", 3, 1)], agents=["M1", "M2"])
-    assert asked(gaps, 0.0) == [(1, 1, WINDOW)]
+    assert asked(gaps, 0.0) == [(1, 1, EVENTS_PER_ANSWER)]
     gaps.answered("M1", kept(1, 0, life=1, said_in=2), 0.1)
-    assert asked(gaps, 0.1) == [(2, 1, WINDOW)]
+    assert asked(gaps, 0.1) == [(2, 1, EVENTS_PER_ANSWER)]
     gaps.answered("M1", kept(1, 4, life=2), 0.2)
     assert gaps.missing == 4
 
 
 def test_what_came_while_nobody_listened_is_asked_for_first_of_all() -> None:
     gaps = Gaps([Known("M1", 1, 17)], now_s=5.0)
-    assert asked(gaps, 5.0) == [(1, 18, 17 + WINDOW)]
+    assert asked(gaps, 5.0) == [(1, 18, 17 + EVENTS_PER_ANSWER)]
 
 
 def test_not_all_agents_are_asked_at_once() -> None:
@@ -239,7 +229,7 @@ def test_of_a_life_that_is_over_and_forgotten_everything_missing_is_gone() -> No
     assert asked(gaps, SETTLE_S) == [(1, 1, 2)]
     assert gaps.answered("M1", kept(1, 0, life=1, said_in=2), 1.1) == 2
     assert (gaps.missing, gaps.gone) == (0, 2)
-    assert asked(gaps, 1.1) == [(2, 2, 1 + WINDOW)]
+    assert asked(gaps, 1.1) == [(2, 2, 1 + EVENTS_PER_ANSWER)]
 
 
 # --- lives -----------------------------------------------------------------------------------------
@@ -250,11 +240,11 @@ def test_the_end_of_a_life_is_asked_for_when_the_next_one_is_heard() -> None:
     asked(gaps, SETTLE_S)
     gaps.answered("M1", kept(1, 2), 1.1)
     gaps.note_alive("M1", 2, 5.0)
-    assert asked(gaps, 5.0 + SETTLE_S) == [(1, 3, 2 + WINDOW)]
+    assert asked(gaps, 5.0 + SETTLE_S) == [(1, 3, 2 + EVENTS_PER_ANSWER)]
     note(gaps, 3, 4, now_s=6.1)
     gaps.answered("M1", kept(1, 4, life=1, said_in=2), 6.2)
     # That life is over: nothing more can come of it.
-    assert asked(gaps, 6.2) == [(2, 1, WINDOW)]
+    assert asked(gaps, 6.2) == [(2, 1, EVENTS_PER_ANSWER)]
     gaps.answered("M1", kept(1, 0, life=2), 6.3)
     assert [life for life, _, _ in asked(gaps, 6.3 + TAIL_S)] == [2]
 
@@ -275,7 +265,7 @@ def test_only_so_many_lives_are_followed() -> None:
     gaps = note(Gaps(), 3)
     gaps.note_alive("M1", 100, 1.0)
     assert (gaps.missing, gaps.gone) == (0, 2)
-    assert asked(gaps, 2.0) == [(100 - LIVES + 1, 1, WINDOW)]
+    assert asked(gaps, 2.0) == [(100 - LIVES + 1, 1, EVENTS_PER_ANSWER)]
 
 
 def test_whatever_is_lost_all_that_is_kept_arrives_in_the_end() -> None:

@@ -25,13 +25,10 @@ from dray.adapters.quarantine import set_aside
 from dray.errors import UnavailableError
 from dray.memory import Changes, Memory, Note
 from dray.messages import Event
+from dray.messages.fact import HISTORY_KEPT
 
 BUSY_S = 5.0
 """Wait for another process that has the file open: a backup, or this agent's last life as it ends."""
-
-EVENTS_KEPT = 10_000
-"""Some 5 MB on the disk. A strategist whose machines come and go tells a thousand facts in minutes, and what
-it forgets before the historian is back is gone for good."""
 
 LAYOUT = 1
 """Of the tables."""
@@ -94,7 +91,7 @@ class SqliteJournal:
         UnavailableError: the file cannot be read or written, or is another agent's; also from every write.
     """
 
-    def __init__(self, file: Path, *, events_kept: int = EVENTS_KEPT) -> None:
+    def __init__(self, file: Path, *, events_kept: int = HISTORY_KEPT) -> None:
         self._file, self._events_kept = file, events_kept
         self.writes = 0
         self.writing_s = 0.0

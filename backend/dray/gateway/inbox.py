@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from dray.gateway.factory.commands import Commands
-from dray.gateway.live.peer import STRATEGIST
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.strategist_probe import StrategistProbe
 from dray.gateway.metrics.meter import Meter
 from dray.gateway.orders.completions import Completions
 from dray.gateway.orders.outbox import Outbox
 from dray.messages import CancellationTaken, CommandAnswered, Message, OrderTaken, RevocationTaken
+from dray.messages.keys import STRATEGIST
 
 
 @dataclass(frozen=True, slots=True)

@@ -42,6 +42,14 @@ Radians = Annotated[float, Meta(ge=-1e3, le=1e3)]
 Fraction = Annotated[float, Meta(ge=0.0, le=1.0)]
 
 
+CLOCKS_AGREE_S = 1.0
+"""Clocks of one plant agree within this. It is added wherever a time by one clock is judged by another one."""
+
+CLOCK_WRONG_S = 300.0
+"""A clock that is wrong by more is not made up for. Computers that ask NTP are right within milliseconds; one that was
+set by hand is a few minutes off; what is beyond that has lost its battery, or takes its time from elsewhere."""
+
+
 class Part(msgspec.Struct, frozen=True, gc=False):
     """A part of a message: an immutable value with no name of its own on the wire."""
 

@@ -26,6 +26,10 @@ A person stops what the tablet shows. Its picture of a working vehicle is up to 
 is under way for a moment; meanwhile a vehicle at 1.5 m/s drives 2 m, and a stop must not be lost to that.
 """
 
+PROMISE_MAX_S = 900.0
+"""The longest `wait_s` of a promise. A person who has promised to come is waited for that long and no longer, since a
+promise may be forgotten."""
+
 
 class CommandKind(StrEnum):
     """What a person may ask of a vehicle (paper, case 5)."""
@@ -69,7 +73,7 @@ class VehicleCommand(Message, frozen=True):
     speed_frac: Fraction | None = None
     """For SET_SPEED: 0 to 1 of the vehicle's own top speed."""
     wait_s: Seconds | None = None
-    """For PROMISE: how long from now the help will take."""
+    """For PROMISE: how long from now the help will take, `PROMISE_MAX_S` at most."""
     issued_by: Text = ""
     """Whom the vehicle names when it tells of the command; what counts is the grant."""
     grant: Grant | None = None

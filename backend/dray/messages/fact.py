@@ -193,6 +193,10 @@ class ContractTaken(Fact, frozen=True):
     coordinator: Id
 
 
+HANDED_OVER = "handed_over"
+"""Why a contract has ended (`ContractEnded.reason`) that was done well."""
+
+
 class ContractEnded(Fact, frozen=True):
     """It is free of this contract: `handed_over`, `released`, `resigned`, `superseded`, `withdrawn`."""
 
@@ -432,10 +436,18 @@ AnyFact = (
 )
 
 
+EVENTS_PER_ANSWER = 200
+"""Events that one answer to `EventsAsked` holds at most."""
+
+HISTORY_KEPT = 10_000
+"""Events that an agent keeps of its history, some 5 MB on the disk: nobody asks for older ones. A strategist whose machines
+come and go tells a thousand facts in minutes, and what it forgets before the historian is back is gone for good."""
+
+
 class EventsAsked(Message, frozen=True):
     """Tell again what was missed.
 
-    Answered to the asker alone, with those `Event`s that the agent still has, a few hundred at most,
+    Answered to the asker alone, with those `Event`s that the agent still has, `EVENTS_PER_ANSWER` at most,
     and then with `EventsKept`. Asking for more than there is shows what was said last.
     """
 

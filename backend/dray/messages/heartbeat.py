@@ -79,6 +79,10 @@ class Phase(StrEnum):
     """Superseded with a load on board: on the way back to a storage."""
 
 
+GOODS_ABOARD = frozenset({Phase.CARRYING, Phase.UNLOADING, Phase.HANDING_OVER, Phase.RETURNING})
+"""Phases in which a load has left its source: goods cannot be fetched there a second time."""
+
+
 class Pose(Part, frozen=True):
     """Where a vehicle is in the plant's frame: x to the right, y up, heading from x towards y."""
 
@@ -214,6 +218,11 @@ class Making(Part, frozen=True):
 
     product: Id
     cycle_s: Seconds
+
+
+JOINING_MACHINES_MAX = 100
+"""Machines that may come to a plant whose file does not know them: more than anybody sets up before writing them
+into it."""
 
 
 class Newcomer(Part, frozen=True):

@@ -19,6 +19,9 @@ never holds any of these.
 
 from __future__ import annotations
 
+STRATEGIST = "strategist"
+"""The strategist's id, where a plant has one."""
+
 
 class Keys:
     """The keys of one plant.

@@ -25,6 +25,7 @@ from statistics import median
 import msgspec
 
 from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, StationHeartbeat
+from dray.messages.base import CLOCK_WRONG_S, CLOCKS_AGREE_S
 
 HEARD_KEPT = 8
 """Heartbeats of each agent that are looked at: as the clock filter of NTP (RFC 5905, 10)."""
@@ -32,14 +33,8 @@ HEARD_KEPT = 8
 LATELY_S = 60.0
 """Plant seconds after its last heartbeat for which an agent's clock counts for what all have in common."""
 
-WRONG_S = 1.0
-"""Clocks of a plant agree within a second (`VehicleCommand`'s grants ask for it); what is beyond is told to people."""
-
 ALONE_S = 60.0
-"""The same where fewer than three are heard."""
-
-FUTURE_S = 300.0
-"""What is told to happen later than this has not happened: coordinators make up for no clock that is wrong by more."""
+"""What is beyond `CLOCKS_AGREE_S` is told to people; beyond this where fewer than three are heard."""
 
 WALL_SLACK_S = 2.0
 """Wall seconds that a simulated plant at speed may be behind, or come in bursts."""
@@ -102,7 +97,7 @@ class Clocks:
             return _event(message, ahead_s) if ahead_s else message
         agent = _speaker(message)
         self._note(agent, message.at_s, now_s)
-        ahead_s = self._shift_s(agent, message.at_s, now_s, oldest_s=FUTURE_S + self._slack_s)
+        ahead_s = self._shift_s(agent, message.at_s, now_s, oldest_s=CLOCK_WRONG_S + self._slack_s)
         if not ahead_s:
             return message
         if isinstance(message, AtvHeartbeat):
@@ -119,7 +114,7 @@ class Clocks:
         least_s = min(heard.behind_s)
         common_s = self._common_s(heard.at_s)
         spread_s = median(heard.behind_s) - least_s
-        return Offset(common_s - least_s, spread_s + max(0.0, min(common_s, WRONG_S)) + self._slack_s)
+        return Offset(common_s - least_s, spread_s + max(0.0, min(common_s, CLOCKS_AGREE_S)) + self._slack_s)
 
     def wrong(self, now_s: float) -> Iterator[tuple[str, Offset]]:
         """The agents that were heard lately and whose clocks are wrong beyond doubt."""
@@ -150,7 +145,7 @@ class Clocks:
         heard.at_s = now_s
 
     def _threshold_s(self) -> float:
-        return WRONG_S if len(self._heard) >= MAJORITY else ALONE_S
+        return CLOCKS_AGREE_S if len(self._heard) >= MAJORITY else ALONE_S
 
     def _common_s(self, now_s: float) -> float:
         """Looked at once a second: it changes slowly, and is asked for with every message."""
@@ -170,7 +165,7 @@ class Clocks:
             shift_s = offset.ahead_s
         by_now_s = at_s - shift_s - now_s
         common_s = max(0.0, -self._common_s(now_s))
-        if by_now_s > FUTURE_S + self._slack_s + common_s or by_now_s < -oldest_s:
+        if by_now_s > CLOCK_WRONG_S + self._slack_s + common_s or by_now_s < -oldest_s:
             shift_s = at_s - now_s
         return shift_s
 

@@ -11,9 +11,9 @@ from sqlalchemy import ColumnElement, delete, func, select, union
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dray.messages import Event, Production, Transport
-from dray.messages.fact import TaskOpened
+from dray.messages.fact import HISTORY_KEPT, TaskOpened
 from dray.store.dialect import insert_new
-from dray.store.gaps import LIVES, MISSING_PER_LIFE, Known
+from dray.store.gaps import LIVES, Known
 from dray.store.progress import ToWall
 from dray.store.tables import events, goals
 
@@ -124,7 +124,7 @@ class Events:
                 start = 1 if oldest == 1 else first
                 missing: tuple[int, ...] = ()
                 if count < last - start + 1:
-                    start = max(start, last - MISSING_PER_LIFE + 1)
+                    start = max(start, last - HISTORY_KEPT + 1)
                     missing = await self._missing(agent, life, start, last)
                 found.append(Known(agent, life, last, missing))
         return found

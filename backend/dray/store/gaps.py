@@ -22,9 +22,7 @@ from collections.abc import Iterable
 import msgspec
 
 from dray.messages import EventsAsked, EventsKept
-
-MISSING_PER_LIFE = 10_000
-"""Numbers looked for one by one; as many as a journal keeps, so that older ones are gone anyway."""
+from dray.messages.fact import EVENTS_PER_ANSWER, HISTORY_KEPT
 
 LIVES = 4
 """Lives of one agent that are followed, the last ones; an agent that starts more often than this in a
@@ -46,9 +44,6 @@ dozen heartbeats or more that it sends in that time."""
 
 ASKED_AT_ONCE = 32
 """Agents with an open question: their answers, of some 200 events each, fit the historian's queue."""
-
-WINDOW = 200
-"""Numbers in one question: what an answer holds."""
 
 
 class Known(msgspec.Struct, frozen=True, gc=False):
@@ -112,7 +107,7 @@ class Gaps:
             self._begin_life(teller, one.incarnation)
             life = teller.lives[one.incarnation]
             life.last = one.last
-            life.missing.update(one.missing[-MISSING_PER_LIFE:])
+            life.missing.update(one.missing[-HISTORY_KEPT:])
             self.missing += len(life.missing)
         for agent in agents:
             if agent not in self._tellers:
@@ -225,12 +220,12 @@ class Gaps:
 
     def _miss(self, life: _Life, first: int, end: int) -> None:
         """These numbers were skipped; `end` is not one of them."""
-        sought = max(first, end - MISSING_PER_LIFE)
+        sought = max(first, end - HISTORY_KEPT)
         self.gone += sought - first
         life.missing.update(range(sought, end))
         self.missing += end - sought
-        if len(life.missing) > MISSING_PER_LIFE:
-            self._give_up(life, sorted(life.missing)[-MISSING_PER_LIFE])
+        if len(life.missing) > HISTORY_KEPT:
+            self._give_up(life, sorted(life.missing)[-HISTORY_KEPT])
 
     def _give_up(self, life: _Life, first: int) -> int:
         """The numbers before this one are gone; returns how many of them were missing."""
@@ -252,7 +247,7 @@ def _question(teller: _Teller) -> EventsAsked:
     lacking = (item for item in teller.lives.items() if item[1].missing or item[1].open)
     incarnation, life = next(lacking, None) or next(reversed(teller.lives.items()))
     if not life.missing:
-        return EventsAsked(incarnation=incarnation, first=life.last + 1, last=life.last + WINDOW)
+        return EventsAsked(incarnation=incarnation, first=life.last + 1, last=life.last + EVENTS_PER_ANSWER)
     first = min(life.missing)
-    last = max(number for number in life.missing if number < first + WINDOW)
+    last = max(number for number in life.missing if number < first + EVENTS_PER_ANSWER)
     return EventsAsked(incarnation=incarnation, first=first, last=last)

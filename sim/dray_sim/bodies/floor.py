@@ -13,10 +13,10 @@ from random import Random
 import msgspec
 
 from dray.errors import PlantError
+from dray.messages.keys import STRATEGIST
 from dray.plant import Plant, with_machine
 from dray.plant.model import MachineSpec, VehicleSpec
 from dray.ports import Body, Clock
-from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.bodies.chargers import Chargers
 from dray_sim.bodies.gate import Gate
 from dray_sim.bodies.stores import DeliveryWarehouse, Place, SourceWarehouse, Storage

@@ -1,6 +1,6 @@
 """How long anything may take once all faults are over: pure arithmetic over a plant.
 
-    settle_s      = NOTICE_S + HELP_S + vehicles * one duty of an operator, where there are any
+    settle_s      = NOTICE_S + PATIENCE_MAX_S + vehicles * one duty of an operator, where there are any
                     + 2 * vehicles / chargers * one full charge, where that takes minutes
     transport_s   = bidding + 2 * longest way + loading + unloading + ASKING_S
     task bound_s  = settle_s + transport_s * (1 + tasks that were done meanwhile / vehicles that are able)
@@ -19,17 +19,16 @@ from math import ceil
 
 from dray.plant import Plant
 from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, LATENESS_MAX_S, bound_s
+from dray.protocol.vehicle.assistance import PATIENCE_MAX_S
 from dray_sim.bodies.battery import Battery
 from dray_sim.people.habits import Habits
 from dray_sim.people.operators import LOOK_S
 from dray_sim.people.tablet import ANSWER_S, TRIES
 
-NOTICE_S = 90.0
+NOTICE_S = bound_s(IDLE_INTERVAL_S, loss_frac=1.0, deviation_s=LATENESS_MAX_S) + 25.0
 """From the end of the last fault until agents know who lives and who carries what: the longest bound of
-suspicion, of an idle vehicle on the worst link (65 s), and what follows from it."""
-
-HELP_S = 180.0
-"""A task may wait so long for a person who does not come (`dray.protocol.vehicle.assistance.PATIENCE_MAX_S`)."""
+suspicion, of an idle vehicle on the worst link, and what follows from it."""
 
 ASKING_S = 20.0
 """Docks that are held for a moment, questions asked again, a handover answered."""
@@ -59,7 +58,7 @@ class Bounds:
         self._plant = plant
         # In the worst case every vehicle needs somebody, and all stand in one area.
         duties_s = 0.0 if habits is None else len(kinds) * _duty_s(habits)
-        self.settle_s = NOTICE_S + HELP_S + duties_s + _charging_s(plant)
+        self.settle_s = NOTICE_S + PATIENCE_MAX_S + duties_s + _charging_s(plant)
         """Until everybody has noticed that the faults are over, and people have put everything right (s)."""
         handling_s = max(kind.load_s + kind.unload_s for kind in kinds)
         bidding_s = (

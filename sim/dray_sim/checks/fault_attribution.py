@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 from dray.messages import AtvStatus, Event, Message
 from dray.messages.fact import AtvStatusChanged, CarrierChanged, GoalLost
+from dray.messages.keys import STRATEGIST
 from dray.protocol.runtime.shutdown import LEAVES
-from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.faults import (
     ClockSet,

@@ -22,6 +22,7 @@ from dray.messages import (
     StationHeartbeat,
 )
 from dray.messages.fact import (
+    HANDED_OVER,
     AtvStatusChanged,
     AwardAnswered,
     CarrierChanged,
@@ -32,7 +33,7 @@ from dray.messages.fact import (
     TaskClosed,
     TaskOpened,
 )
-from dray.protocol.vehicle.transport_job import HANDED_OVER
+from dray.messages.keys import STRATEGIST
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.checks.delivered import DeliveredExactly
 from dray_sim.checks.granted import GrantedOnly
@@ -328,7 +329,7 @@ class Invariants:
 
 def _is_goal(fact: ContractTaken) -> bool:
     """Machines hold several goals; only transports bind a vehicle to one."""
-    return fact.coordinator == "strategist"
+    return fact.coordinator == STRATEGIST
 
 
 def _forget_oldest(tasks: dict[str, Any]) -> None:

@@ -15,7 +15,7 @@ from random import Random
 
 from dray import __version__
 from dray.adapters.signing import SigningKey, TrustedKeys
-from dray.messages.keys import Keys
+from dray.messages.keys import STRATEGIST, Keys
 from dray.messages.speakers import Kind
 from dray.plant import Plant, with_machine
 from dray.plant.model import MachineSpec, VehicleSpec
@@ -23,7 +23,7 @@ from dray.ports import Body, Bus, Clock
 from dray.protocol.machine.machine import Machine
 from dray.protocol.runtime.events import Agent
 from dray.protocol.station.station import Station
-from dray.protocol.strategist.strategist import STRATEGIST, Strategist
+from dray.protocol.strategist.strategist import Strategist
 from dray.protocol.vehicle.atv import Atv
 from dray.protocol.vehicle.command_authorisation import Trusts
 from dray.worker import Worker

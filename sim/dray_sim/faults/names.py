@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from dray.errors import InputError
+from dray.messages.keys import STRATEGIST
 from dray.plant import Plant
-from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.faults.kinds import (
     ClockSet,
     Crashed,

@@ -37,6 +37,7 @@ from dray.messages import (
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.dock import dock_of
+from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S
 from dray.protocol.runtime.events import (
     Effect,
     Event,
@@ -50,9 +51,6 @@ from dray.protocol.runtime.events import (
     Woke,
 )
 from dray_sim.insiders.behaviour import Answer, Behaviour, Price
-
-BEAT_S = 1.0
-"""As a vehicle at work beats."""
 
 SPEAKS_S = 1.0
 """So long it goes on after it was awarded something, so that its word on it is heard."""
@@ -201,7 +199,7 @@ class Liar:
 
     def _beat(self, now_s: float) -> None:
         flood_hz = self._behaviour.flood_hz
-        self.wake_at_s = now_s + (min(BEAT_S, 1.0 / flood_hz) if flood_hz else BEAT_S)
+        self.wake_at_s = now_s + (min(WORKING_INTERVAL_S, 1.0 / flood_hz) if flood_hz else WORKING_INTERVAL_S)
         if self._behaviour.names_others:
             for coordinator, brief in self._others.values():
                 self._say_heartbeat(

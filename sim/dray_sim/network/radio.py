@@ -15,27 +15,9 @@ from dataclasses import dataclass, field
 from math import hypot
 from typing import TYPE_CHECKING
 
-from msgspec.structs import replace
-
 from dray.codec import encode
-from dray.messages import (
-    AtvHeartbeat,
-    CommandAnswered,
-    Confirmed,
-    Declined,
-    Docked,
-    DockHeld,
-    DockOpened,
-    Handover,
-    HandoverAccepted,
-    Link,
-    Release,
-    Resigned,
-    Superseded,
-    TakenOver,
-    VehicleCommand,
-    Withdrawn,
-)
+from dray.messages import AtvHeartbeat
+from dray.messages.radio import CARRIED_BY_RADIO, shortened
 from dray_sim.network.latency import QUANTILE_BITS, Latency
 
 if TYPE_CHECKING:
@@ -44,26 +26,6 @@ if TYPE_CHECKING:
     from dray.messages import Message
     from dray_sim.clock.loop import VirtualClock
     from dray_sim.network.modem import Modem
-
-CONTROL: frozenset[type[Message]] = frozenset(
-    {
-        CommandAnswered,
-        Confirmed,
-        Declined,
-        DockHeld,
-        DockOpened,
-        Docked,
-        Handover,
-        HandoverAccepted,
-        Release,
-        Resigned,
-        Superseded,
-        TakenOver,
-        VehicleCommand,
-        Withdrawn,
-    }
-)
-"""What may go by radio beside heartbeats: what a carriage needs to come to its end, and no negotiation."""
 
 UNFIT = "not for the radio"
 TOO_LONG = "too long for the radio"
@@ -172,12 +134,11 @@ class Radio:
     def shorten(self, sender: str, message: Message) -> Message | None:
         """What of a message goes into a frame; None when it may not or cannot, which is counted.
 
-        A heartbeat leaves out what others can do without: first the way, then the watches, at last
-        its software and berth. The frame's own header (who, to whom, over whom) is not counted.
+        The frame's own header (who, to whom, over whom) is not counted.
         """
         if type(message) is AtvHeartbeat:
             return self._shorten_heartbeat(sender, message)
-        if type(message) not in CONTROL:
+        if type(message) not in CARRIED_BY_RADIO:
             self._lost[UNFIT] += 1
         elif len(encode(sender, message)) > self.spec.frame_bytes:
             self._lost[TOO_LONG] += 1
@@ -233,9 +194,7 @@ class Radio:
         return True
 
     def _shorten_heartbeat(self, sender: str, heartbeat: AtvHeartbeat) -> AtvHeartbeat | None:
-        short = replace(heartbeat, link=Link.MESH)
-        for less in ({}, {"way": ()}, {"watches": ()}, {"software": "", "berth": ""}):
-            short = replace(short, **less) if less else short
+        for short in shortened(heartbeat):
             if len(encode(sender, short)) <= self.spec.frame_bytes:
                 return short
         self._lost[TOO_LONG] += 1

@@ -6,8 +6,8 @@ import asyncio
 from collections.abc import Iterable
 
 from dray.messages import CancellationTaken, Message, OrderCancelled
+from dray.messages.keys import STRATEGIST
 from dray.ports import Bus
-from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.clock.loop import VirtualClock
 
 NAME = "regret"

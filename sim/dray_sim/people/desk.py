@@ -6,8 +6,8 @@ import asyncio
 from collections.abc import Iterable
 
 from dray.messages import Message, OrderReleased, OrderTaken
+from dray.messages.keys import STRATEGIST
 from dray.ports import Bus, Clock
-from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.people.demand import Order
 
 DESK = "desk"

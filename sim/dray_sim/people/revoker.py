@@ -14,8 +14,8 @@ from dray.messages import (
     OrderTaken,
     RevocationTaken,
 )
+from dray.messages.keys import STRATEGIST
 from dray.ports import Bus
-from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.clock.loop import VirtualClock
 from dray_sim.people.demand import Order
 

@@ -9,7 +9,7 @@ from dray.messages.fact import BidReceived
 from dray.plant import Plant
 from dray_sim.bodies.condition import BATTERY_EMPTY
 
-TAKEOVER_TIMEOUT_S = 120.0
+BEYOND_PROMISE_S = 120.0
 """A carrier may wait so long beyond its promise."""
 
 WORKS_S = 15.0
@@ -45,7 +45,7 @@ class Watch:
     Attributes:
         flat: vehicles whose battery was empty, in the order of their misfortune.
         longest: the wait that was longest beyond a promise.
-        waits: carriers that waited longer than their promise and `TAKEOVER_TIMEOUT_S`, by task.
+        waits: carriers that waited longer than their promise and `BEYOND_PROMISE_S`, by task.
     """
 
     def __init__(self, plant: Plant) -> None:
@@ -92,7 +92,7 @@ class Watch:
         beyond_s = beat.at_s - promised_s
         if beat.at_s - since_s <= self._works_s[beat.atv]:
             return
-        if beyond_s > TAKEOVER_TIMEOUT_S:
+        if beyond_s > BEYOND_PROMISE_S:
             self.waits[beat.atv, task.task] = beyond_s
         if beyond_s > self.longest.beyond_s:
             self.longest = Waiting(beat.atv, task.task, task.item, str(task.phase), beat.node, beyond_s)

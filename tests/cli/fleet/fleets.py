@@ -22,9 +22,8 @@ from dray.adapters.zenoh_links import Links
 from dray.cli.fleet.process_registry import ProcessRegistry, read_registry
 from dray.cli.fleet.rollout.report import Report
 from dray.messages import Message
-from dray.messages.keys import Keys
+from dray.messages.keys import STRATEGIST, Keys
 from dray.plant import Plant, plant_yaml
-from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.plants.generator import generate_plant
 
 WHOLE = generate_plant(1, machines=3, vehicles=2)

@@ -19,6 +19,7 @@ from dray.messages import (
     TransportCost,
 )
 from dray.messages.fact import (
+    HANDED_OVER,
     AwardAnswered,
     BidReceived,
     CarrierChanged,
@@ -29,9 +30,8 @@ from dray.messages.fact import (
     GoalLost,
     TaskClosed,
 )
+from dray.messages.keys import STRATEGIST
 from dray.protocol.liveness.failure_detector import IN_ERROR, SILENT
-from dray.protocol.strategist.strategist import STRATEGIST
-from dray.protocol.vehicle.transport_job import HANDED_OVER
 
 NEW, LATE_S = "2.0", 10.0
 PROMISED_S = 100.0

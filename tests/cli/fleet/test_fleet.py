@@ -17,8 +17,8 @@ from fleets import AGENTS, NEW_MACHINE, PLANT, START_S, WHOLE, Fleet, Witness
 from dray import __version__
 from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, OrderItem, TrialBrief
 from dray.messages.fact import OrderFulfilled
+from dray.messages.keys import STRATEGIST
 from dray.plant import plant_yaml
-from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.clock.loop import VirtualClock
 from dray_sim.people.demand import Order
 from dray_sim.people.desk import Desk

@@ -7,7 +7,7 @@ import pytest
 from dray.cli.fleet.rollout.history import WINDOW_S, History, Told
 from dray.messages import AnyFact, MachineHeartbeat, MachineStatus, Production, Role, TaskBrief, Transport
 from dray.messages.fact import CarrierChanged, ContractEnded, TaskClosed, TaskOpened
-from dray.protocol.strategist.strategist import STRATEGIST
+from dray.messages.keys import STRATEGIST
 
 TRANSPORT = Transport(item="steel", quantity=1, sources=("S1",), destination="M1", ability="pallet")
 

@@ -136,7 +136,8 @@ def strategist(settings: SettingsFile = None) -> None:
     import asyncio
 
     from dray.cli.runtime.agent_process import run_agent
-    from dray.protocol.strategist.strategist import STRATEGIST, Strategist
+    from dray.messages.keys import STRATEGIST
+    from dray.protocol.strategist.strategist import Strategist
 
     where = _surroundings(settings)
     asyncio.run(run_agent(where, STRATEGIST, lambda life: Strategist(where.plant, incarnation=life)))

@@ -15,9 +15,9 @@ from dray.cli.fleet.processes import PROC
 from dray.cli.runtime.options import load_settings
 from dray.cli.runtime.roster import FLOOR, agents_of
 from dray.errors import UnavailableError
+from dray.messages.keys import STRATEGIST
 from dray.messages.speakers import Kind, names_of
 from dray.plant import Plant
-from dray.protocol.strategist.strategist import STRATEGIST
 from dray.settings import PREFIX, Settings
 
 REGISTRY, SETTINGS, CERTIFICATES, JOURNALS, LOGS = "fleet.json", "fleet.env", "certs", "journals", "logs"

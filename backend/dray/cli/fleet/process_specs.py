@@ -14,9 +14,9 @@ from pathlib import Path
 from dray.cli.fleet.addresses import free_addresses
 from dray.cli.fleet.folder import GATEWAY, HISTORIAN, LOGS
 from dray.cli.runtime.roster import FLOOR, agents_of
+from dray.messages.keys import STRATEGIST
 from dray.messages.speakers import Kind
 from dray.plant import Plant
-from dray.protocol.strategist.strategist import STRATEGIST
 from dray.settings import PREFIX
 
 DISTANCES = (1, 2, 4)

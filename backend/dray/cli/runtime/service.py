@@ -23,11 +23,10 @@ from dray.cli.runtime.telemetry.logs import quieten
 from dray.gateway.access.tokens import new_token
 from dray.gateway.http.provided import provided
 from dray.gateway.live.health import Health
-from dray.gateway.live.peer import STRATEGIST
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.metrics import Metrics
 from dray.gateway.orders.placement import OrderPlacement
-from dray.messages.keys import Keys
+from dray.messages.keys import STRATEGIST, Keys
 from dray.plant import Plant
 from dray.ports import Bus
 from dray.settings import Settings

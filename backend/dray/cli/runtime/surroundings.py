@@ -18,8 +18,8 @@ from dray.adapters.zenoh_exclusions import Exclusions
 from dray.adapters.zenoh_links import Identity, Links
 from dray.cli.runtime.telemetry.logs import prepare_logs
 from dray.gateway.live.timescale import TimeScale
+from dray.messages.keys import STRATEGIST
 from dray.plant import Plant, default_plant, load_plant
-from dray.protocol.strategist.strategist import STRATEGIST
 from dray.settings import Settings
 from dray.store.historian import AGENT as HISTORIAN
 

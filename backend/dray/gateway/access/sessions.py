@@ -4,7 +4,7 @@ A session ends when it is logged out or taken back, when nothing has used it for
 when its person's working day is over. An open stream uses it: a panel that is watched is not idle.
 
 Stop is never behind a login prompt. An operator's session that has only run out of time, or was replaced by
-a login of the same person elsewhere, may for `TAKEOVER_TIMEOUT_S` more stop vehicles in its areas, and nothing else; and
+a login of the same person elsewhere, may for `MAY_STILL_STOP_S` more stop vehicles in its areas, and nothing else; and
 so may everybody whom we knew before, while the database is away.
 """
 
@@ -34,7 +34,7 @@ LIFE_S = {Role.MANAGER: 12 * HOUR_S, Role.OPERATOR: 10 * HOUR_S}
 IDLE_S = 2 * HOUR_S
 """A break with a meeting behind it; a browser that was closed and forgotten for longer is logged out."""
 
-TAKEOVER_TIMEOUT_S = 12 * HOUR_S
+MAY_STILL_STOP_S = 12 * HOUR_S
 """Until the operator of the next shift has long logged in."""
 
 USED_AGAIN_S = 60.0
@@ -185,7 +185,7 @@ class Sessions:
         changes = self._changes
         async with self._store.read() as work:
             people = {person.id: person for person in await work.people.all()}
-            latest = await work.sessions.latest(self._wall_s() - TAKEOVER_TIMEOUT_S, REMEMBERED)
+            latest = await work.sessions.latest(self._wall_s() - MAY_STILL_STOP_S, REMEMBERED)
         if changes != self._changes:
             return  # Somebody has come or gone since: the next look tells it all.
         logins = {(each.person_id, each.created_at_s) for _, each in latest}
@@ -237,7 +237,7 @@ class Sessions:
 
 def may_still_stop(person: Person, session: Session, now_s: float) -> bool:
     """Whether somebody whose session is over may still stop vehicles."""
-    return person.role == Role.OPERATOR and now_s < ends_at_s(session) + TAKEOVER_TIMEOUT_S
+    return person.role == Role.OPERATOR and now_s < ends_at_s(session) + MAY_STILL_STOP_S
 
 
 def principal_of(person: Person, session: Session, *, over: Over | None = None) -> Principal:

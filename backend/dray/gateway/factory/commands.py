@@ -19,14 +19,11 @@ from dray.gateway.http.problems import Problem
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.views import CommandView
 from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand
+from dray.messages.base import CLOCKS_AGREE_S
 from dray.plant import Plant
 
 STOP_VALID_S = 30.0
 """A stop that comes late, over a bad link, is still better than none."""
-
-CLOCKS_S = 1.0
-"""Everything else is good for as long as its answer is waited for, and so much longer, as clocks differ: who
-was told that it is not confirmed must not see it obeyed later."""
 
 PENDING = 1_000
 """Commands that wait for an answer at once: some per vehicle of the largest plant."""
@@ -231,7 +228,9 @@ class Commands:
         self._projection.commands.put(view, near)
 
     def _granted(self, sent: Sent, by: Principal) -> VehicleCommand:
-        valid_s = STOP_VALID_S if sent.said.kind is CommandKind.STOP else self._timeout_s + CLOCKS_S
+        # All but a stop is good for as long as its answer is waited for, and so much longer as clocks differ: who was told
+        # that it is not confirmed must not see it obeyed later.
+        valid_s = STOP_VALID_S if sent.said.kind is CommandKind.STOP else self._timeout_s + CLOCKS_AGREE_S
         until_s = self._plant_s() + valid_s * self._speed
         return granted(self._authority, sent.atv, sent.said, by, until_s)
 

@@ -13,8 +13,8 @@ from collections.abc import Iterable, Iterator, Sequence
 import msgspec
 
 from dray.gateway.http.csv_tables import Row, row_of
-from dray.gateway.live.peer import STRATEGIST
 from dray.messages.fact import CarrierChanged, TaskClosed
+from dray.messages.keys import STRATEGIST
 from dray.store import Store
 from dray.store.events import EventFilter, EventRow
 

@@ -8,9 +8,6 @@ from dray.messages import Message, ShutOut
 from dray.messages.keys import Keys
 from dray.ports import Bus, Session
 
-STRATEGIST = "strategist"
-"""The strategist's name on the bus (protocol, "Who")."""
-
 
 class Peer:
     """Takes part in the bus.

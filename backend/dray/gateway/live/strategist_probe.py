@@ -9,8 +9,8 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 
-from dray.gateway.live.peer import STRATEGIST
 from dray.messages import EventsAsked, Message
+from dray.messages.keys import STRATEGIST
 
 ASK_EVERY_S = 10.0
 """Wall seconds between two questions: two small messages each."""

@@ -6,9 +6,9 @@ from typing import TypeVar
 
 from prometheus_client import CollectorRegistry, Counter, Histogram
 
-from dray.gateway.live.peer import STRATEGIST
 from dray.messages import Event, Production, Role
 from dray.messages.fact import AwardAnswered, BidReceived, RoundFailed, TaskClosed, TaskOpened
+from dray.messages.keys import STRATEGIST
 
 K = TypeVar("K")
 V = TypeVar("V")

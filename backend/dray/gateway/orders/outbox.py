@@ -15,7 +15,6 @@ from contextlib import suppress
 from heapq import heappop, heappush
 from itertools import count
 
-from dray.gateway.live.peer import STRATEGIST
 from dray.gateway.live.timescale import TimeScale
 from dray.messages import (
     CancellationTaken,
@@ -27,6 +26,7 @@ from dray.messages import (
     OrderTaken,
     RevocationTaken,
 )
+from dray.messages.keys import STRATEGIST
 from dray.store.orders import Order
 from dray.store.progress import OPEN, OrderStatus
 

@@ -14,8 +14,8 @@ from dray.gateway.http.problems import not_found
 from dray.gateway.http.provided import Provided
 from dray.gateway.http.request_bodies import Line, json_only
 from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, page, problems
-from dray.gateway.live.peer import STRATEGIST
 from dray.gateway.live.projection import Projection
+from dray.messages.keys import STRATEGIST
 from dray.store import Store
 from dray.store.exclusions import Exclusion
 from dray.store.historian import AGENT as HISTORIAN

@@ -23,12 +23,9 @@ from dray.gateway.live.projection import Projection
 from dray.gateway.live.views import AtvView
 from dray.gateway.routes.parameters import Seen
 from dray.messages import CommandKind
+from dray.messages.command import PROMISE_MAX_S
 
 router = APIRouter(tags=["factory"])
-
-
-MAX_PROMISE_S = 900.0
-"""No vehicle waits longer for a promise: it may be forgotten."""
 
 
 COLUMNS = (
@@ -54,7 +51,7 @@ class CommandRequest(BaseModel):
     kind: CommandKind
     speed_frac: Annotated[float | None, Field(strict=True, gt=0, le=1)] = None
     """For `set_speed` only: a part of the vehicle's own top speed."""
-    wait_s: Annotated[float | None, Field(strict=True, gt=0, le=MAX_PROMISE_S)] = None
+    wait_s: Annotated[float | None, Field(strict=True, gt=0, le=PROMISE_MAX_S)] = None
     """For `promise` only: how long from now the help will take, in factory seconds."""
     command: Annotated[str | None, Field(pattern=r"^[A-Za-z0-9._:-]{1,64}$")] = None
     """A name for this command, by which the caller finds it in the stream. A command that is sent again under

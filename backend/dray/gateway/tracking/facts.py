@@ -11,6 +11,7 @@ from dray.gateway.live.views import MachineView
 from dray.gateway.tracking.eta import History
 from dray.gateway.tracking.reasons import Doing
 from dray.gateway.tracking.track import Facts
+from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S
 from dray.store import Store
 from dray.store.links import Link
 from dray.store.orders import Order
@@ -21,7 +22,7 @@ KEPT_S = 90 * 86_400.0
 """How long the link that came with an order leads to its page after the order has ended: a quarter, in which
 complaints and bills are settled."""
 
-SILENCE_S = (10.0, 60.0)
+SILENCE_S = (10.0, 12 * IDLE_INTERVAL_S)
 """After so many wall seconds and so many factory seconds without a heartbeat, nobody knows what a machine
 does: twelve heartbeats of an idle one, and no less than a slow link takes."""
 

@@ -43,7 +43,7 @@ from dray.messages import (
 )
 from dray.messages.fact import AwardAnswered, AwardGiven, BidReceived, RoundFailed, TaskOpened
 from dray.protocol.contract_net.assessment import Assessor
-from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.auction_rules import AuctionRules, rank
 from dray.protocol.contract_net.plausibility import by_our_clock
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Publish, Record, Send
@@ -440,6 +440,5 @@ class Auction:
         self._out.append(Send(bidder, release))
 
     def _rank_of(self, bid: tuple[str, Bid]) -> tuple[float, float, str]:
-        """Cheapest first; then who is done earlier; then the smaller id, so that the order is total."""
         _, surcharge_s = self._noted.get(bid[0], (0, 0.0))
-        return (bid[1].cost.total_s + surcharge_s, bid[1].finish_s, bid[0])
+        return rank(bid[1].cost.total_s + surcharge_s, bid[1].finish_s, bid[0])

@@ -76,3 +76,14 @@ class AuctionRules(msgspec.Struct, frozen=True):
 def _growth(base: float, round_number: int) -> float:
     """`base` to the power of the rounds before this one; held, so that endless rounds do not overflow."""
     return float(base ** min(max(0, round_number - 1), 32))
+
+
+def rank(total_s: float, finish_s: float, bidder: str) -> tuple[float, float, str]:
+    """Bidders are asked in the order of this: the cheapest first; then who is done earlier; then the smaller id.
+
+    Args:
+        total_s: the price, with what its coordinator adds for contracts that the bidder has dropped.
+        finish_s: when it would be done.
+        bidder: its id; it makes the order total.
+    """
+    return (total_s, finish_s, bidder)

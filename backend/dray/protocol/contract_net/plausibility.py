@@ -15,7 +15,7 @@ way is the one from the farthest node to the source and on to the destination, b
 Every time was told by somebody's clock. A bid, an acceptance and a takeover tell when they were said, by the same
 clock as all that is in them. So a clock that is a little wrong is seen and made up for, whatever it promises by it:
 
-    ahead_s = at_s - now           0 within what a link may take, and CLOCKS_S
+    ahead_s = at_s - now           0 within what a link may take, and CLOCKS_AGREE_S
     finish  = finish_s - ahead_s
 
 From CLOCK_WRONG_S on nothing is believed that goes by that clock: it is named, and put right by people.
@@ -31,20 +31,14 @@ import msgspec
 
 from dray.errors import NoWay
 from dray.messages import Accepted, Bid, Production, TakenOver, Transport, TransportCost, Work
+from dray.messages.base import CLOCK_WRONG_S, CLOCKS_AGREE_S
 from dray.plant import Plant
 from dray.protocol.contract_net.dock import dock_of
 from dray.protocol.contract_net.waits import WAIT_MAX_S
 from dray.protocol.liveness.suspicion import LATENESS_MAX_S
 
-CLOCKS_S = 1.0
-"""Clocks of the plant agree within this."""
-
-UNDER_WAY_S = LATENESS_MAX_S + CLOCKS_S
+UNDER_WAY_S = LATENESS_MAX_S + CLOCKS_AGREE_S
 """A bid that comes now may have been made so long ago."""
-
-CLOCK_WRONG_S = 300.0
-"""A clock that is wrong by more is not made up for. Computers that ask NTP are right within milliseconds; one that was
-set by hand is a few minutes off; what is beyond that has lost its battery, or takes its time from elsewhere."""
 
 LATE_S = 1800.0
 """Beside all that a bid tells of ways and queues: docks, people, whatever else it may know of."""
@@ -84,7 +78,7 @@ def clock_ahead_s(at_s: float | None, now_s: float) -> float:
         at_s: when it was said, by that clock; None where nobody has told.
         now_s: the present time.
     """
-    if at_s is None or now_s - UNDER_WAY_S <= at_s <= now_s + CLOCKS_S:
+    if at_s is None or now_s - UNDER_WAY_S <= at_s <= now_s + CLOCKS_AGREE_S:
         return 0.0
     return at_s - now_s
 

@@ -10,19 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from dray.messages import AtvHeartbeat, AtvStatus, Phase
-from dray.protocol.liveness.suspicion import LATENESS_MAX_S, ArrivalStatistics, atv_interval_s, bound_s
+from dray.messages import AtvHeartbeat, AtvStatus
+from dray.messages.command import PROMISE_MAX_S
+from dray.protocol.liveness.suspicion import LATENESS_MAX_S, ArrivalStatistics, bound_s, silence_bound_s
 from dray.protocol.runtime.events import NEVER_S, Effect, Subscribe, Unsubscribe
 
 SILENT = "silent"
 IN_ERROR = "in error, and not helped in time"
-
-
-GOODS_ABOARD = frozenset({Phase.CARRYING, Phase.UNLOADING, Phase.HANDING_OVER, Phase.RETURNING})
-"""Phases in which a load has left its source: goods cannot be fetched there a second time."""
-
-PROMISE_MAX_S = 900.0
-"""A person who has promised to come is waited for that long: a promise may be forgotten."""
 
 UNNAMED_S = 5.0
 """Somebody who is contracted and does not say so for this long has lost the contract: many times the
@@ -97,9 +91,7 @@ class FailureDetector:
         self._last = order
         self.last = heartbeat
         self.heard_s, self._deaf_s = now_s, self._prior.deaf_s
-        self.bound_s = bound_s(
-            atv_interval_s(heartbeat), self._arrivals.loss_frac, self._arrivals.deviation_s
-        )
+        self.bound_s = silence_bound_s(heartbeat, self._arrivals)
         if heartbeat.help is not None:
             # By its own clock, which may be another one: what is left of the time counts, not the time.
             left_s = heartbeat.help.until_s - heartbeat.at_s

@@ -14,6 +14,7 @@ most of it is said by the carrier itself.
 from __future__ import annotations
 
 from dray.messages import AtvHeartbeat, AtvStatus, Phase, Pose
+from dray.messages.command import PROMISE_MAX_S
 from dray.protocol.runtime.events import NEVER_S
 
 STALLED = "does not come nearer"
@@ -30,8 +31,8 @@ SLACK_FRAC = 0.5
 SLACK_MIN_S = 60.0
 """What chance adds to a way: handshakes on a bad link, a dock that is busy."""
 
-EXCUSED_MAX_S = 900.0
-"""As long as a person who has promised to come is waited for (`failure_detector.PROMISE_MAX_S`)."""
+EXCUSED_MAX_S = PROMISE_MAX_S
+"""As long as a person who has promised to come is waited for."""
 
 _RANK = {phase: rank for rank, phase in enumerate(Phase)}
 

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from math import ceil, log
 
-from dray.messages import AtvHeartbeat
+from dray.messages import AtvHeartbeat, MachineHeartbeat, StationHeartbeat
 
 WORKING_INTERVAL_S = 1.0
 """A working agent beats at 1 Hz: a takeover is due within a few seconds of its death."""
@@ -45,10 +45,26 @@ GAIN = 1.0 / 32.0
 
 DEVIATIONS = 4.0
 
+GOAL_SILENCE_S = 15.0
+"""How long a machine may not name a goal before it has lost it. A machine that holds goals beats at 1 Hz,
+so fifteen heartbeats are missing in a row; and its software starts again in less."""
 
-def atv_interval_s(heartbeat: AtvHeartbeat) -> float:
-    """How long after this heartbeat the next one is due."""
-    return WORKING_INTERVAL_S if heartbeat.task is not None else IDLE_INTERVAL_S
+AnyHeartbeat = AtvHeartbeat | MachineHeartbeat | StationHeartbeat
+
+
+def interval_s(heartbeat: AnyHeartbeat) -> float:
+    """How long after this heartbeat the next one is due.
+
+    Whoever holds a task or goals is relied on, also while all that is left of them is on the way.
+    """
+    match heartbeat:
+        case AtvHeartbeat():
+            is_relied_on = heartbeat.task is not None
+        case MachineHeartbeat():
+            is_relied_on = bool(heartbeat.goals)
+        case StationHeartbeat():
+            is_relied_on = False
+    return WORKING_INTERVAL_S if is_relied_on else IDLE_INTERVAL_S
 
 
 def allowed_misses(loss_frac: float) -> int:
@@ -70,6 +86,18 @@ def bound_s(interval_s: float, loss_frac: float = 0.0, deviation_s: float = 0.0)
     """
     lateness_s = min(max(DEVIATIONS * deviation_s, JITTER_S), LATENESS_MAX_S)
     return allowed_misses(loss_frac) * interval_s + lateness_s
+
+
+def silence_bound_s(heartbeat: AnyHeartbeat, arrivals: ArrivalStatistics) -> float:
+    """How long an agent may be silent after this heartbeat before it counts as failed.
+
+    Args:
+        heartbeat: its newest.
+        arrivals: how its heartbeats have arrived so far at whoever judges.
+    """
+    if isinstance(heartbeat, MachineHeartbeat) and heartbeat.goals:
+        return GOAL_SILENCE_S
+    return bound_s(interval_s(heartbeat), arrivals.loss_frac, arrivals.deviation_s)
 
 
 class ArrivalStatistics:

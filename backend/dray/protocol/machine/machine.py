@@ -70,7 +70,7 @@ from dray.protocol.contract_net.task import OpenTask, Outcome
 from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.liveness.progress import NOT_COUNTED
-from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
+from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.machine.cycle import Cycle
 from dray.protocol.machine.dock import Dock
 from dray.protocol.machine.finished_goods import FinishedGoods
@@ -283,12 +283,9 @@ class Machine(AgentBase):
             self._pursue(now_s)
 
     def _beat(self, _about: None, now_s: float) -> None:
-        self._say_status(now_s)
-        # Whoever holds goals is relied on, also while all that is left of them is on the way.
-        interval_s = WORKING_INTERVAL_S if len(self._goals) else IDLE_INTERVAL_S
-        self._heartbeat_timer.go_on(interval_s, now_s)
+        self._heartbeat_timer.go_on(interval_s(self._say_status(now_s)), now_s)
 
-    def _say_status(self, now_s: float) -> None:
+    def _say_status(self, now_s: float) -> MachineHeartbeat:
         heartbeat = MachineHeartbeat(
             machine=self.id,
             incarnation=self.incarnation,
@@ -308,6 +305,7 @@ class Machine(AgentBase):
             newcomer=self._newcomer,
         )
         self._out.append(Publish(self._beat_key, heartbeat))
+        return heartbeat
 
     def _was_deaf(self, span_s: float) -> None:
         self._subscriptions.arrivals.deaf_s += span_s

@@ -24,7 +24,7 @@ from dray.messages import (
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.dock import Door
-from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S
+from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.events import Ignore, Instruct, Publish, Send
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
@@ -93,10 +93,9 @@ class Station(AgentBase):
         return self._written
 
     def _beat(self, _about: None, now_s: float) -> None:
-        self._say_status(now_s)
-        self._heartbeat_timer.go_on(IDLE_INTERVAL_S, now_s)
+        self._heartbeat_timer.go_on(interval_s(self._say_status(now_s)), now_s)
 
-    def _say_status(self, now_s: float) -> None:
+    def _say_status(self, now_s: float) -> StationHeartbeat:
         heartbeat = StationHeartbeat(
             station=self.id,
             incarnation=self.incarnation,
@@ -107,6 +106,7 @@ class Station(AgentBase):
             leaving=self._shutdown.begun,
         )
         self._out.append(Publish(self._beat_key, heartbeat))
+        return heartbeat
 
     def _prepare_to_leave(self, now_s: float) -> None:
         self._heartbeat_timer.at_once(now_s)

@@ -18,10 +18,11 @@ from dray.protocol.contract_net.auction import Place
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.coordinator import Coordinator
 from dray.protocol.contract_net.task import OpenTask, Outcome
+from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
 from dray.protocol.runtime.events import Effect, Record, Send
 from dray.protocol.runtime.shutdown import GracefulShutdown
 from dray.protocol.runtime.timers import Timers
-from dray.protocol.strategist.machine_monitor import GOAL_SILENCE_S, MachineMonitor
+from dray.protocol.strategist.machine_monitor import MachineMonitor
 from dray.protocol.strategist.order_book import OpenGoal, OrderBook
 
 GOAL_RULES = AuctionRules(window_s=0.5, rest_s=5.0, rest_growth=1.5, rest_aged_frac=0.0, moves_deadline=False)

@@ -7,19 +7,13 @@ Nothing is lost by a wrong verdict but work: the gate lets every piece in once, 
 from __future__ import annotations
 
 from dray.messages import MachineHeartbeat, MachineStatus, Newcomer
+from dray.messages.heartbeat import JOINING_MACHINES_MAX
 from dray.plant import Plant
-
-GOAL_SILENCE_S = 15.0
-"""How long a machine may not name a goal before it has lost it. A machine that holds goals beats at 1 Hz,
-so fifteen heartbeats are missing in a row; and its software starts again in less."""
+from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
 
 BREAKDOWN_S = 600.0
 """How long a machine may be broken and keep its goals. A technician mends most breakdowns in less, and
 what was made before is carried away meanwhile."""
-
-MAX_NEWCOMERS = 100
-"""Machines that have come to a plant whose file did not know them: more than anybody sets up before writing
-them into it."""
 
 
 class Seen:
@@ -104,7 +98,7 @@ class MachineMonitor:
     def _welcome(self, heartbeat: MachineHeartbeat, now_s: float) -> Seen | None:
         """Begin to watch a machine that the plant file does not know, if it says what it is."""
         newcomer = heartbeat.newcomer
-        if newcomer is None or len(self._newcomers) >= MAX_NEWCOMERS:
+        if newcomer is None or len(self._newcomers) >= JOINING_MACHINES_MAX:
             return None
         self._newcomers[heartbeat.machine] = newcomer
         seen = self._seen[heartbeat.machine] = Seen(now_s)

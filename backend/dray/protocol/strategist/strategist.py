@@ -50,19 +50,17 @@ from dray.messages.fact import (
     OrderFulfilled,
     OrderReturned,
 )
-from dray.messages.keys import Keys
+from dray.messages.keys import STRATEGIST, Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.assessment import Assessor
 from dray.protocol.contract_net.task import Outcome
+from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.events import Commit, Ignore, Instruct, Record, Send, Subscribe
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.strategist.goal_auctions import GoalAuctions
-from dray.protocol.strategist.machine_monitor import GOAL_SILENCE_S, MachineMonitor
+from dray.protocol.strategist.machine_monitor import MachineMonitor
 from dray.protocol.strategist.order_book import OpenGoal, OrderBook, OrderInWork
-
-STRATEGIST = "strategist"
-"""The agent's id where a plant has one strategist."""
 
 TAKEN_BACK = "its order was taken back"
 

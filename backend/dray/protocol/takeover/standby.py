@@ -10,7 +10,8 @@ from msgspec.structs import replace
 
 from dray.messages import AtvHeartbeat, Award, Brief, Release, Resigned, Role, Transport
 from dray.messages.fact import ContractEnded, ContractTaken, PrimarySuspected
-from dray.protocol.liveness.failure_detector import GOODS_ABOARD, FailureDetector, HeartbeatSubscriptions
+from dray.messages.heartbeat import GOODS_ABOARD
+from dray.protocol.liveness.failure_detector import FailureDetector, HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S
 from dray.protocol.runtime.events import Effect, Record, Send
 from dray.protocol.runtime.timers import Timers

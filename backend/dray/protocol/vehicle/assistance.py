@@ -8,8 +8,8 @@ over. Who promises to come is waited for longer.
 from __future__ import annotations
 
 from dray.messages import HelpWanted
+from dray.messages.command import PROMISE_MAX_S
 from dray.messages.fact import HelpAsked, HelpPromised
-from dray.protocol.liveness.failure_detector import PROMISE_MAX_S
 from dray.protocol.runtime.events import Effect, Record
 
 PATIENCE_MIN_S = 30.0

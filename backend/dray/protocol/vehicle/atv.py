@@ -59,7 +59,14 @@ from dray.messages import (
     VehicleCommand,
     Withdrawn,
 )
-from dray.messages.fact import AtvStatusChanged, ContractEnded, ContractTaken, LinkChanged, TookOver
+from dray.messages.fact import (
+    HANDED_OVER,
+    AtvStatusChanged,
+    ContractEnded,
+    ContractTaken,
+    LinkChanged,
+    TookOver,
+)
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.disbelief import Reproach
@@ -68,7 +75,7 @@ from dray.protocol.contract_net.probation import Probation
 from dray.protocol.contract_net.replies import accept, decline
 from dray.protocol.contract_net.waits import Waits
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
-from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
+from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.events import (
     Effect,
@@ -88,7 +95,7 @@ from dray.protocol.vehicle.command_handling import CommandHandling
 from dray.protocol.vehicle.driving import Driver
 from dray.protocol.vehicle.idle_positioning import CLAIM, SETTLE, IdlePositioning
 from dray.protocol.vehicle.pricing import Quote, Unable
-from dray.protocol.vehicle.transport_job import ASK, CLAIM_TASK, HANDED_OVER, TransportJob
+from dray.protocol.vehicle.transport_job import ASK, CLAIM_TASK, TransportJob
 from dray.protocol.vehicle.work_search import SEEK, WorkSearch
 
 ORDERS_PER_LIFE = 1_000_000
@@ -247,15 +254,13 @@ class Atv(AgentBase):
 
     def _beat(self, _about: None, now_s: float) -> None:
         self._bring_back(now_s)
-        self._say_status(now_s)
-        interval_s = IDLE_INTERVAL_S if self._job is None else WORKING_INTERVAL_S
-        self._heartbeat_timer.go_on(interval_s, now_s)
+        self._heartbeat_timer.go_on(interval_s(self._say_status(now_s)), now_s)
         self._charging.note(self._battery_frac, self._driver.next_node)
         if self._job is None:
             self._idle.check_battery(self._battery_frac, now_s)
             self._seek(now_s)
 
-    def _say_status(self, now_s: float) -> None:
+    def _say_status(self, now_s: float) -> AtvHeartbeat:
         load, load_quantity = self._load
         job = self._job
         heartbeat = AtvHeartbeat(
@@ -284,6 +289,7 @@ class Atv(AgentBase):
             trial=self._trial.brief(),
         )
         self._out.append(Publish(self._beat_key, heartbeat))
+        return heartbeat
 
     def _was_deaf(self, span_s: float) -> None:
         self._subscriptions.arrivals.deaf_s += span_s

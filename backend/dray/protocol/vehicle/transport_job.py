@@ -37,7 +37,7 @@ from dray.messages import (
     Superseded,
     Withdrawn,
 )
-from dray.messages.fact import PhaseEntered
+from dray.messages.fact import HANDED_OVER, PhaseEntered
 from dray.plant import Plant
 from dray.protocol.contract_net.dock import dock_of
 from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Record, Send
@@ -68,7 +68,6 @@ RETRY_S = 5.0
 TRIES = 3
 """Manoeuvres at one place before another one is looked for."""
 
-HANDED_OVER = "handed_over"
 GONE = "its load was taken off"
 
 

@@ -9,7 +9,7 @@ from random import Random
 
 from dray.cli.fleet.folder import GATEWAY, HISTORIAN
 from dray.messages import AtvHeartbeat, MachineHeartbeat, Phase
-from dray.protocol.strategist.strategist import STRATEGIST
+from dray.messages.keys import STRATEGIST
 
 
 class Kind(StrEnum):

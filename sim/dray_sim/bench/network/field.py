@@ -20,10 +20,10 @@ from msgspec.structs import replace
 from dray.adapters.certificates import Authority
 from dray.messages import AtvHeartbeat, MachineHeartbeat, OrderItem, TaskBrief
 from dray.messages.fact import CarrierChanged, PrimarySuspected, TookOver
+from dray.messages.keys import STRATEGIST
 from dray.messages.speakers import Kind
 from dray.plant import Plant, plant_yaml
 from dray.plant.model import BillLine
-from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.bench.network.computers import RADIO_NETWORK, Computers
 from dray_sim.bench.network.probe import AGENTS, PROBE, Post, read, write
 from dray_sim.bench.network.speaker import Speaker

@@ -21,8 +21,7 @@ from dray.adapters.zenoh_bus import ZenohBus
 from dray.adapters.zenoh_links import Identity, Links
 from dray.codec import decode, encode
 from dray.messages import Message, OrderItem
-from dray.messages.keys import Keys
-from dray.protocol.strategist.strategist import STRATEGIST
+from dray.messages.keys import STRATEGIST, Keys
 from dray_sim.people.demand import Order
 from dray_sim.people.desk import DESK, Desk
 

@@ -10,9 +10,9 @@ from statistics import median
 
 from dray.messages import Phase
 from dray.messages.fact import CarrierChanged, GoalLost, PrimarySuspected, TaskClosed
+from dray.messages.keys import STRATEGIST
 from dray.plant import default_plant
 from dray.protocol.runtime.shutdown import LEAVES
-from dray.protocol.strategist.strategist import STRATEGIST
 from dray_sim.run.evidence import Check, Table
 from dray_sim.run.scenario import Findings, Scenario
 from dray_sim.run.stage import Shift, Stage, play

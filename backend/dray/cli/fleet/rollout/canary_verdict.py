@@ -28,6 +28,7 @@ from dray.messages import (
     Role,
 )
 from dray.messages.fact import (
+    HANDED_OVER,
     AwardAnswered,
     BidReceived,
     CarrierChanged,
@@ -40,7 +41,6 @@ from dray.messages.fact import (
     TaskClosed,
 )
 from dray.messages.speakers import Kind
-from dray.protocol.vehicle.transport_job import HANDED_OVER
 
 BIDS_KEPT = 100
 """Bids of one vehicle of which nobody has told yet what became of them: it makes one every few seconds."""

@@ -12,9 +12,8 @@ from collections.abc import Iterable, Mapping
 import msgspec
 
 from dray.messages import AnyFact, MachineHeartbeat, Role, Transport
-from dray.messages.fact import CarrierChanged, ContractEnded, TaskClosed, TaskOpened
-from dray.protocol.strategist.strategist import STRATEGIST
-from dray.protocol.vehicle.transport_job import HANDED_OVER
+from dray.messages.fact import HANDED_OVER, CarrierChanged, ContractEnded, TaskClosed, TaskOpened
+from dray.messages.keys import STRATEGIST
 
 WINDOW_S = 900.0
 """Over which a flow is measured: some fifteen transports of the default plant at its usual load. Chance alone

@@ -8,9 +8,7 @@ import msgspec
 
 from dray.messages import Event
 from dray.messages.fact import HandoverDisputed, WordDisbelieved
-
-KEPT_S = 1800.0
-"""Factory seconds after the last one: as long as coordinators need to forget half of it (`reliability`)."""
+from dray.protocol.contract_net.reliability import HALF_LIFE_S
 
 AGENTS_KEPT = 1_000
 """More than anybody could look at."""
@@ -69,6 +67,6 @@ def _put(known: dict[str, Dispute], dispute: Dispute) -> None:
 
 
 def _lately(known: dict[str, Dispute], now_s: float) -> Iterator[Dispute]:
-    for agent in [each.agent for each in known.values() if now_s - each.at_s > KEPT_S]:
+    for agent in [each.agent for each in known.values() if now_s - each.at_s > HALF_LIFE_S]:
         del known[agent]
     return iter(tuple(known.values()))

@@ -15,6 +15,7 @@ from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.views import NewsView
 from dray.messages import Event, Link
 from dray.messages.fact import (
+    HANDED_OVER,
     CarrierChanged,
     ContractEnded,
     GoalLost,
@@ -100,7 +101,7 @@ class News:
     def _contract_ended(self, event: Event, fact: ContractEnded) -> bool:
         """The coordinator still hears the one that was to be replaced."""
         known = self._news.get(_takeover(fact.task, fact.epoch))
-        if known is None or known.confirmed or known.agent != event.agent or fact.reason == "handed_over":
+        if known is None or known.confirmed or known.agent != event.agent or fact.reason == HANDED_OVER:
             return False
         known.kind, known.reason, known.confirmed = "takeover_refused", fact.reason, True
         self.changes.mark(known.id)

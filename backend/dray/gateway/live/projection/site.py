@@ -6,11 +6,8 @@ from msgspec import ValidationError, convert, to_builtins
 
 from dray.errors import PlantError
 from dray.messages import MachineHeartbeat, Newcomer
+from dray.messages.heartbeat import JOINING_MACHINES_MAX
 from dray.plant import MachineSpec, Plant, PlantFile, with_machine
-
-MAX_NEWCOMERS = 100
-"""Machines that may come while a gateway runs: more belong in the plant file. Each makes the plant's indexes
-anew, which takes some milliseconds."""
 
 
 class Site:
@@ -31,7 +28,7 @@ class Site:
     def hear(self, heartbeat: MachineHeartbeat) -> None:
         """Take a newcomer in when it introduces itself first; one that does not fit here stands nowhere."""
         machine, newcomer = heartbeat.machine, heartbeat.newcomer
-        if newcomer is None or machine in self._heard or len(self._heard) >= MAX_NEWCOMERS:
+        if newcomer is None or machine in self._heard or len(self._heard) >= JOINING_MACHINES_MAX:
             return
         self._heard.add(machine)
         try:

@@ -44,7 +44,7 @@ class UseView(View, kw_only=True):
     """Stopped by a person, or in error."""
     idle: float
     silent: float
-    """Not heard for longer than 15 factory seconds."""
+    """Not heard for longer than three heartbeats of an idle agent take."""
 
 
 class FactoryView(View, kw_only=True):

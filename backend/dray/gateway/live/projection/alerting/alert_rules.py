@@ -16,13 +16,10 @@ from dray.gateway.live.projection.materials import Materials
 from dray.gateway.live.views import AlertKind, OrderView, TaskView
 from dray.messages import AtvHeartbeat, AtvStatus, MachineHeartbeat, MachineStatus, StationHeartbeat
 from dray.overload import Overload
+from dray.protocol.vehicle.reserve import RESERVE_FRAC
 from dray.store.clocks import Offset
 from dray.store.exclusions import Exclusion
 from dray.store.progress import ToWall
-
-BATTERY_FRAC = 0.1
-"""A vehicle goes to a charger long before; at this level something keeps it from there."""
-
 
 PATIENCE_S = 120.0
 """Factory seconds that a machine may wait for a vehicle before it is worth a look: longer than most
@@ -186,7 +183,8 @@ def of_atvs(heartbeats: Iterable[AtvHeartbeat], now: Moment) -> Iterator[Trouble
             yield Trouble(kind="atv_error", agent=agent, problem=heard.problem)
         elif heard.status is AtvStatus.STOPPED:
             yield Trouble(kind="atv_stopped", agent=agent, problem=heard.problem)
-        elif heard.battery_frac < BATTERY_FRAC and heard.status is not AtvStatus.CHARGING:
+        # It goes to a charger long before it touches its reserve: something keeps it from there.
+        elif heard.battery_frac < RESERVE_FRAC and heard.status is not AtvStatus.CHARGING:
             yield Trouble(kind="atv_battery", agent=agent, battery_frac=round(heard.battery_frac, 2))
 
 

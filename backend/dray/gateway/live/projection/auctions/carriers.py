@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dray.gateway.live.views import CarrierView, TaskView
 from dray.messages import Event
-from dray.messages.fact import ContractEnded
+from dray.messages.fact import HANDED_OVER, ContractEnded
 
 MAX_CARRIERS = 16
 """Changes of a task's carrier that are kept, newest last: more than one task sees while somebody looks."""
@@ -42,7 +42,7 @@ def undo_takeover(task: TaskView, event: Event, fact: ContractEnded) -> bool:
     last = task.carriers[-1] if task.carriers else None
     if last is None or last.confirmed or (last.carrier, last.epoch) != (event.agent, fact.epoch):
         return False
-    if fact.reason == "handed_over":
+    if fact.reason == HANDED_OVER:
         return False
     task.carriers = task.carriers[:-1]
     before = task.carriers[-1] if task.carriers else None

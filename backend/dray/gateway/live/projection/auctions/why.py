@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dray.gateway.live.projection.auctions.why_text import why_text
 from dray.gateway.live.views import BidView, CarrierView, PassedView, RefusedView, TaskView, WhyView
+from dray.protocol.contract_net.auction_rules import rank
 
 TIE_S = 0.05
 """A smaller difference is not seen in figures with one decimal."""
@@ -129,12 +130,9 @@ def _passed(task: TaskView, bid: BidView, won: BidView) -> PassedView:
 
 
 def _bids(task: TaskView, epoch: int) -> list[BidView]:
-    """The last bid of everybody for the contract itself, in the order in which they are asked.
-
-    That is `_rank_of` in `dray.protocol.contract_net.auction`.
-    """
+    """The last bid of everybody for the contract itself, in the order in which they are asked."""
     last = {bid.bidder: bid for bid in task.bids if bid.role == "primary" and bid.epoch == epoch}
-    return sorted(last.values(), key=lambda bid: (bid.total_s, bid.finish_at_s, bid.bidder))
+    return sorted(last.values(), key=lambda bid: rank(bid.total_s, bid.finish_at_s, bid.bidder))
 
 
 def _declined(bid: BidView) -> bool:

@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from dray.gateway.live.projection.figures.sliding_window import Window
+from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, MISSES
 
-SILENCE_S = 15.0
+SILENCE_S = MISSES * IDLE_INTERVAL_S
 """Factory seconds after its last word for which an agent is believed: three times the slowest rate."""
 
 HOUR_SLOTS = (60.0, 60)
