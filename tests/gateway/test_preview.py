@@ -8,7 +8,7 @@ import msgspec
 import pytest
 from gateway_kit import NOW_S, PLANT, PRODUCT, House, draft, machine_heartbeat, problem
 
-from dray.gateway.live.views import BufferView, GoalView, MachineView, OrderItemView, OrderView
+from dray.gateway.live.views import BufferView, GoalView, MachineView, OrderItemView, OrderView, SilenceView
 from dray.gateway.orders.feasibility import OrderPreview, Situation, Wanted, preview
 from dray.gateway.tracking.eta import History
 from dray.messages import GoalBrief, MachineStatus
@@ -38,6 +38,7 @@ def machine(
         ),
         buffers=(BufferView(item=GEAR.bill[0].material, level=level, capacity=100),),
         seen_at_s=NOW_S - silent_s,
+        silence=SilenceView(beat_s=1.0, overdue_after_s=1.5, lost_after_s=15.0),
     )
 
 

@@ -11,7 +11,7 @@ from login_kit import BROWSER, COOKIE, set_cookies, try_in
 
 from dray.gateway.access.login.redirect import onward
 from dray.gateway.access.principal import Over, Role, Scope
-from dray.gateway.access.sessions import HOUR_S, IDLE_S, LIFE_S, TAKEOVER_TIMEOUT_S
+from dray.gateway.access.sessions import HOUR_S, IDLE_S, LIFE_S, MAY_STILL_STOP_S
 
 pytestmark = pytest.mark.anyio
 
@@ -111,7 +111,7 @@ async def test_a_session_that_ran_out_of_time_may_stop_and_nothing_else(house: H
     assert principal.areas == {"AREA1"}
     for path in ("/api/me", "/api/atvs", "/api/stream", "/api/orders"):
         assert (await ana.get(path)).status_code in {401, 404}, path
-    house.wall.now_s += TAKEOVER_TIMEOUT_S
+    house.wall.now_s += MAY_STILL_STOP_S
     assert await house.access.sessions.recognise(token) is None
 
 
@@ -126,7 +126,7 @@ async def test_a_session_that_was_replaced_may_stop_and_nothing_else(house: Hous
     assert principal is not None
     assert (principal.over, principal.areas) == (Over.REPLACED, {"AREA1"})
     assert principal.scopes == {Scope.VEHICLES_STOP}
-    house.wall.now_s += TAKEOVER_TIMEOUT_S
+    house.wall.now_s += MAY_STILL_STOP_S
     assert await sessions.recognise(token) is None
     assert sessions.remembered(token, house.wall.now_s) is None
 

@@ -88,6 +88,7 @@ export interface Point {
 export interface AtvView {
   acknowledged: boolean;
   battery_frac: number;
+  battery_low: boolean;
   berth: string;
   clock: ClockView | null;
   heading_rad: number;
@@ -101,6 +102,7 @@ export interface AtvView {
   problem: string;
   seen_at_s: number;
   shut_out: ShutOutView | null;
+  silence: SilenceView;
   software: string;
   speed_limit_frac: number;
   speed_mps: number;
@@ -126,6 +128,7 @@ export interface ClockView {
  * A problem that a person can solve, while its task waits for that.
  */
 export interface HelpView {
+  promise_max_s: number;
   promised_by: string;
   until_at_s: number;
 }
@@ -136,6 +139,14 @@ export interface ShutOutView {
   at_s: number;
   by: string;
   reason: string;
+}
+/**
+ * How long an agent may say nothing, by the rule of the agents themselves; factory seconds after its last heartbeat.
+ */
+export interface SilenceView {
+  beat_s: number;
+  lost_after_s: number;
+  overdue_after_s: number;
 }
 /**
  * A vehicle's part in one task.
@@ -342,6 +353,7 @@ export interface MachineView {
   product: string;
   seen_at_s: number;
   shut_out: ShutOutView | null;
+  silence: SilenceView;
   software: string;
   status: "blocked" | "error" | "idle" | "producing" | "starved";
   tasks: OpenTaskView[];
@@ -439,6 +451,7 @@ export interface StationView {
   name: string;
   seen_at_s: number;
   shut_out: ShutOutView | null;
+  silence: SilenceView;
   software: string;
   stocks: StockView[];
 }
@@ -465,6 +478,7 @@ export interface TaskView {
   destination: string;
   epoch: number;
   goal: string;
+  goods_aboard: boolean;
   id: string;
   item: string;
   kind: "production" | "transport";

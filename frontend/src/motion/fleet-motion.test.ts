@@ -8,8 +8,8 @@ const roads = roadsOf({
   nodes: [{ id: "a", x_m: 0, y_m: 0 }, { id: "b", x_m: 50, y_m: 0 }],
   lanes: [{ start: "a", end: "b", ...lane }],
 });
-const at = (x_m: number, seen_at_s: number, status: AtvView["status"] = "working") =>
-  ({ id: "ATV1", x_m, y_m: 0, seen_at_s, status, node: "a", way: ["b"], heading_rad: 0 }) as unknown as AtvView;
+const at = (x_m: number, seen_at_s: number, beat_s = 1) =>
+  ({ id: "ATV1", x_m, y_m: 0, seen_at_s, silence: { beat_s }, node: "a", way: ["b"], heading_rad: 0 }) as unknown as AtvView;
 
 let fleet: FleetMotion;
 const x = (): number => fleet.get("ATV1")?.x ?? NaN;
@@ -21,14 +21,14 @@ beforeEach(() => {
 });
 
 /** Drives a vehicle at 1 m/s with a heartbeat every `beatS`; returns the longest step on the screen. */
-function longestStepM(beatS: number, status: AtvView["status"]): number {
-  fleet.reset([at(0, 100, status)]);
+function longestStepM(beatS: number): number {
+  fleet.reset([at(0, 100, beatS)]);
   let longest = 0;
   let beats = 0;
   for (let now = 100; now < 130; now += 0.02) {
     if (now - 100 >= (beats + 1) * beatS) {
       beats += 1;
-      fleet.observe([at(beats * beatS, 100 + beats * beatS, status)]);
+      fleet.observe([at(beats * beatS, 100 + beats * beatS, beatS)]);
     }
     const before = x();
     play(now);
@@ -41,11 +41,11 @@ function longestStepM(beatS: number, status: AtvView["status"]): number {
 
 describe("a fleet in motion", () => {
   test("glides between the heartbeats of a second at work", () => {
-    expect(longestStepM(1, "working")).toBeLessThan(0.04);
+    expect(longestStepM(1)).toBeLessThan(0.04);
   });
 
   test("glides, too, where an idle vehicle speaks every five seconds only", () => {
-    expect(longestStepM(5, "idle")).toBeLessThan(0.04);
+    expect(longestStepM(5)).toBeLessThan(0.04);
   });
 
   test("needs no further picture once everybody stands", () => {

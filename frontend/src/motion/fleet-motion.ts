@@ -74,7 +74,7 @@ export class FleetMotion {
     let moving = false;
     for (const entry of this.#entries.values()) {
       const { shown, track } = entry;
-      const wantedS = serverS - delayS(shown.view.status, speed);
+      const wantedS = serverS - delayS(shown.view.silence.beat_s, speed);
       entry.atS = smooth ? nextMoment(entry.atS, wantedS, passedS, entry.resting) : Infinity;
       const pose = poseAt(track, entry.atS);
       const heading = turnTowards(shown.heading, pose.heading, smooth ? passedS / TURN_S : 1);

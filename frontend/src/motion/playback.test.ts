@@ -2,9 +2,9 @@ import { describe, expect, test } from "vitest";
 import { delayS, nextMoment } from "./playback";
 
 test("who speaks seldom is shown later, and a fast factory with less delay", () => {
-  expect(delayS("idle", 1)).toBeGreaterThan(delayS("working", 1));
-  expect(delayS("working", 1)).toBeGreaterThan(1);
-  expect(delayS("working", 50)).toBeLessThan(0.5);
+  expect(delayS(5, 1)).toBeGreaterThan(delayS(1, 1));
+  expect(delayS(1, 1)).toBeGreaterThan(1);
+  expect(delayS(1, 50)).toBeLessThan(0.5);
 });
 
 describe("the shown moment", () => {

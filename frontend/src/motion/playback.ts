@@ -3,23 +3,20 @@
  * next heartbeat has normally arrived. It runs evenly; where the delay changes, its speed bends, and
  * its direction never turns.
  */
-import type { AtvView } from "../api/types";
-
-/** Vehicles say where they are once per factory second at work, else every fifth (protocol, heartbeats). */
-const WORKING_BEAT_S = 1;
-const OTHER_BEAT_S = 5;
 /** Frames are gathered for a tenth of a second, and a network is not even. */
 const MARGIN_S = 0.25;
 /** How much quicker and slower than real time a vehicle may be shown until its delay is right. */
 const HURRY = 0.5;
 const EASE = 0.4;
 /** Further off than this (a hidden tab, another server) it is better to begin anew. */
-const LOST_S = 10;
+const AFRESH_S = 10;
 
-/** @param speed factory seconds per real second */
-export function delayS(status: AtvView["status"], speed: number): number {
-  const beat = status === "working" ? WORKING_BEAT_S : OTHER_BEAT_S;
-  return beat / Math.max(speed, 0.25) + MARGIN_S;
+/**
+ * @param beatS factory seconds between two heartbeats of the vehicle
+ * @param speed factory seconds per real second
+ */
+export function delayS(beatS: number, speed: number): number {
+  return beatS / Math.max(speed, 0.25) + MARGIN_S;
 }
 
 /**
@@ -32,7 +29,7 @@ export function delayS(status: AtvView["status"], speed: number): number {
  */
 export function nextMoment(atS: number, wantedS: number, passedS: number, resting: boolean): number {
   const behind = wantedS - (atS + passedS);
-  if (Math.abs(behind) > LOST_S) return wantedS;
+  if (Math.abs(behind) > AFRESH_S) return wantedS;
   if (resting) return Math.max(atS, wantedS);
   if (behind > 0) return atS + passedS + Math.min(behind, passedS * HURRY);
   return atS + passedS - Math.min(-behind, passedS * EASE);

@@ -25,27 +25,22 @@ describe("a buffer", () => {
 });
 
 describe("silence", () => {
-  test("of an idle vehicle is normal for a few seconds", () => {
-    expect(isLost({ seen_at_s: 90 }, 100, 1)).toBe(false);
-    expect(isLost({ seen_at_s: 80 }, 100, 1)).toBe(true);
+  const seen = { seen_at_s: 90, shut_out: null, silence: { beat_s: 1, overdue_after_s: 2, lost_after_s: 7 } };
+
+  test("means what the gateway tells that it means", () => {
+    expect([isOverdue(seen, 91.9, 1), isOverdue(seen, 92.1, 1)]).toEqual([false, true]);
+    expect([isLost(seen, 96.9, 1), isLost(seen, 97.1, 1)]).toEqual([false, true]);
+    expect(isLost(seen, 90.1 + boundS(seen, 1), 1)).toBe(true);
   });
 
-  test("of a vehicle with a task is noticed as soon as its watch notices it", () => {
-    expect(isLost({ seen_at_s: 97, task: {} }, 100, 1)).toBe(false);
-    expect(isLost({ seen_at_s: 96, task: {} }, 100, 1)).toBe(true);
+  test("is told in factory seconds", () => {
+    expect([isOverdue(seen, 90.9, 2), isOverdue(seen, 91.1, 2)]).toEqual([false, true]);
+    expect([isLost(seen, 93.4, 2), isLost(seen, 93.6, 2)]).toEqual([false, true]);
   });
 
-  test("counts sooner in a factory that runs faster, but a busy page is no silence", () => {
-    expect(isLost({ seen_at_s: 95 }, 100, 50)).toBe(true);
-    expect(isLost({ seen_at_s: 98.5, task: {} }, 100, 50)).toBe(false);
-  });
-});
-
-describe("a heartbeat", () => {
-  test("is overdue before its absence is failure", () => {
-    const seen = { seen_at_s: 98, task: {} };
-    expect([isOverdue(seen, 99, 1), isOverdue(seen, 100, 1), isLost(seen, 100, 1)]).toEqual([false, true, false]);
-    expect(isLost(seen, 98.1 + boundS(seen, 1), 1)).toBe(true);
+  test("of whoever is shut out is there at once", () => {
+    const by = { by: "Ada", reason: "lies", at_s: 90 };
+    expect(isLost({ ...seen, shut_out: by }, 90, 1)).toBe(true);
   });
 });
 

@@ -6,18 +6,19 @@ import { format, t } from "../../text/manager";
 import { problemText } from "../problem-text";
 import { helpText } from "./help";
 
-/** How long help takes that somebody promises from a desk, in factory seconds. */
+/** How long help takes that somebody promises from a desk, in factory seconds; where the vehicle waits so long. */
 const PROMISE_S = 300;
 
 /** How long a vehicle waits for a person, and the promise that one comes. */
 export function HelpWanted({ atv, help, speed }: { atv: string; help: HelpView; speed: number }) {
   const busy = useSignal(false);
   const failed = useSignal("");
+  const promiseS = Math.min(PROMISE_S, help.promise_max_s);
   const promise = async () => {
     busy.value = true;
     failed.value = "";
     try {
-      const { done, reason } = await commandAtv(atv, { kind: "promise", wait_s: PROMISE_S });
+      const { done, reason } = await commandAtv(atv, { kind: "promise", wait_s: promiseS });
       if (!done) failed.value = t("atv.promiseFailed", { reason });
     } catch (error) {
       failed.value = t("atv.promiseFailed", { reason: problemText(error) });
@@ -33,7 +34,7 @@ export function HelpWanted({ atv, help, speed }: { atv: string; help: HelpView; 
           type="button"
           class="button small promise"
           disabled={busy.value}
-          title={t("atv.promiseTitle", { left: format.duration(PROMISE_S) })}
+          title={t("atv.promiseTitle", { left: format.duration(promiseS) })}
           onClick={() => void promise()}
         >
           {t("atv.promise")}

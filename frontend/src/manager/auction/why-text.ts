@@ -9,8 +9,6 @@ import { isSilence } from "../news/news-text";
 
 /** Bidders that were passed over and are named; more would make a list of a sentence. */
 const PASSED_NAMED = 2;
-/** A smaller difference is not seen in figures with one decimal. */
-const TIE_S = 0.05;
 /** What has gone through no rounds of bidding, or not through those that are told. */
 const WITHOUT_ROUNDS = new Set<WhyView["kind"]>(["took_over", "adopted", "unknown", "withdrawn"]);
 
@@ -63,7 +61,7 @@ function comparedText(why: WhyView, total: string): string {
 function passedText(passed: readonly PassedView[], coordinator: string): string {
   const named = passed.slice(0, PASSED_NAMED).map((each) => {
     const words = { agent: each.agent, answer: answerText(each, coordinator) };
-    if (each.less_s < TIE_S) return t("why.passedEqual", words);
+    if (each.less_s === 0) return t("why.passedEqual", words);
     return t("why.passed", { ...words, by: format.price(each.less_s) });
   });
   const rest = passed.length - named.length;

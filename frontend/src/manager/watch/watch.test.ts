@@ -6,8 +6,8 @@ import { guardings, isFound, passes } from "./watch";
 
 const NOW_S = 100;
 const task = (id: string, primary: string, more: Partial<TaskView> = {}) =>
-  ({ id, kind: "transport", state: "contracted", coordinator: "M8", primary, secondary: "", goal: "", phase: "approaching", ...more }) as TaskView;
-const atv = (id: string, ageS: number) => ({ id, task: {}, status: "working", seen_at_s: NOW_S - ageS }) as unknown as AtvView;
+  ({ id, kind: "transport", state: "contracted", coordinator: "M8", primary, secondary: "", goods_aboard: false, phase: "approaching", ...more }) as TaskView;
+const atv = (id: string, ageS: number) => ({ id, task: {}, status: "working", seen_at_s: NOW_S - ageS, shut_out: null, silence: { beat_s: 1, overdue_after_s: 1.5, lost_after_s: 3.5 } }) as unknown as AtvView;
 
 function world(tasks: TaskView[], atvs: AtvView[]): World {
   return {
@@ -50,8 +50,8 @@ describe("who guards whom", () => {
   });
 
   test("tells goods on board from a watch that is only missing", () => {
-    const goods = task("M8-7", "ATV2", { goal: "G1", phase: "carrying" });
-    const aboard = guardings(world([goods, task("M8-8", "ATV3", { goal: "G1" })], []), NOW_S);
+    const goods = task("M8-7", "ATV2", { goods_aboard: true });
+    const aboard = guardings(world([goods, task("M8-8", "ATV3")], []), NOW_S);
     expect(aboard.map((each) => each.aboard)).toEqual([true, false]);
     expect(aboard[0]?.carrier).toBeNull();
   });

@@ -19,7 +19,6 @@ export interface Guarding {
 export const FILTERS = ["all", "guarded", "unguarded", "overdue"] as const;
 export type Filter = (typeof FILTERS)[number];
 
-const ABOARD = new Set(["carrying", "unloading", "handing_over"]);
 const RANK: Readonly<Record<WatchState, number>> = { silent: 0, overdue: 1, unguarded: 2, guarded: 3 };
 
 /** The worst first, then by carrier: a line keeps its place while nothing happens to it. */
@@ -29,7 +28,7 @@ export function guardings(world: World, nowS: number): Guarding[] {
     const carrier = world.atvs.get(task.primary) ?? null;
     const guard = world.atvs.get(task.secondary) ?? null;
     const state = stateOf(task, carrier, nowS, world.factory.speed);
-    return [{ task, carrier, guard, state, aboard: task.goal !== "" && ABOARD.has(task.phase) }];
+    return [{ task, carrier, guard, state, aboard: task.goods_aboard }];
   });
   return all.sort((a, b) => RANK[a.state] - RANK[b.state] || byId({ id: a.task.primary }, { id: b.task.primary }));
 }

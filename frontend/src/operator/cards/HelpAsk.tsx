@@ -6,7 +6,7 @@ import { hindranceOf } from "../commands/hindrance";
 import { circumstancesOf, moment } from "../state";
 import { patienceS } from "./need";
 
-/** How long it takes to walk over and put something right; a vehicle waits for 15 min at most. */
+/** How long it takes to walk over and put something right; what is more than the vehicle waits for is not offered. */
 const MINUTES = [1, 3, 5, 10];
 
 /** What has happened to a vehicle, how long its task waits, and the promise to come. */
@@ -42,11 +42,12 @@ function Patience({ help, leftS }: { help: HelpView; leftS: number }) {
 function Promises({ atv }: { atv: AtvView }) {
   const disabled = hindranceOf("promise", atv, circumstancesOf(atv)) !== null;
   const promised = atv.help?.promised_by !== "";
+  const longestS = atv.help?.promise_max_s ?? 0;
   const title = t(promised ? "help.later" : "help.onMyWay");
   return (
     <div class="promises" role="group" aria-label={title}>
       <span aria-hidden="true">{title}</span>
-      {MINUTES.map((minutes) => (
+      {MINUTES.filter((minutes) => minutes * 60 <= longestS).map((minutes) => (
         <button
           key={minutes}
           type="button"

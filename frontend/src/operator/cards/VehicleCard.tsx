@@ -17,8 +17,6 @@ const TONES = {
   help: "warn", coming: "warn", problem: "alarm", lost: "alarm", stopped: "warn", working: "normal", resting: "normal",
 } as const;
 
-/** Below this a vehicle may not come back from where it is sent. */
-const LOW_FRAC = 0.2;
 
 /** One vehicle near: what it does or needs, and what a person may ask of it. Stop is in the bar below all cards. */
 export function VehicleCard({ atv }: { atv: AtvView }) {
@@ -73,7 +71,7 @@ function Where({ atv }: { atv: AtvView }) {
       {from && <span class="num">{t("card.away", { metres: format.count(distanceM(from, atv)) })}</span>}
       {atv.link === "mesh" && <span class="tone-warn">{t("card.mesh")}</span>}
       <span class="battery">
-        <Meter frac={atv.battery_frac} label={t("card.battery", { percent })} tone={atv.battery_frac < LOW_FRAC ? "warn" : "normal"} />
+        <Meter frac={atv.battery_frac} label={t("card.battery", { percent })} tone={atv.battery_low ? "warn" : "normal"} />
         <span class="num" aria-hidden="true">{percent}</span>
       </span>
     </span>

@@ -4,9 +4,9 @@ import { groupsOf, needOf, patienceS, shownGroups } from "./need";
 
 const NOW = { nowS: 1000, speed: 1 };
 const atv = (id: string, more: Partial<AtvView> = {}): AtvView =>
-  ({ id, status: "idle", problem: "", help: null, task: null, seen_at_s: 999, ...more }) as AtvView;
+  ({ id, status: "idle", problem: "", help: null, task: null, seen_at_s: 999, shut_out: null, silence: { beat_s: 5, overdue_after_s: 5.5, lost_after_s: 15.5 }, ...more }) as AtvView;
 const waiting = (until_at_s: number, promised_by = ""): Partial<AtvView> => ({
-  problem: "the load has shifted", status: "error", help: { until_at_s, promised_by } satisfies HelpView,
+  problem: "the load has shifted", status: "error", help: { until_at_s, promised_by, promise_max_s: 900 } satisfies HelpView,
 });
 const task = { task: "M8-1" } as BriefView;
 
@@ -14,7 +14,7 @@ describe("what a vehicle needs", () => {
   test.each<[string, Partial<AtvView>, string]>([
     ["asks for help", waiting(1200), "help"],
     ["has been promised some", waiting(1200, "North"), "coming"],
-    ["is stopped by a person while its task waits", { status: "stopped", help: { until_at_s: 1100, promised_by: "" } }, "stopped"],
+    ["is stopped by a person while its task waits", { status: "stopped", help: { until_at_s: 1100, promised_by: "", promise_max_s: 900 } }, "stopped"],
     ["is stopped with a problem", { ...waiting(1200), status: "stopped" }, "stopped"],
     ["has a problem and no task", { status: "error", problem: "battery empty" }, "problem"],
     ["is held by a person", { status: "stopped" }, "stopped"],
@@ -69,7 +69,7 @@ describe("the order of cards", () => {
 });
 
 test("patience is counted on the factory's clock, and goes on after its end", () => {
-  expect(patienceS({ help: { until_at_s: 1010, promised_by: "" } }, { nowS: 1000, speed: 20 })).toBe(200);
-  expect(patienceS({ help: { until_at_s: 990, promised_by: "" } }, NOW)).toBe(-10);
+  expect(patienceS({ help: { until_at_s: 1010, promised_by: "", promise_max_s: 900 } }, { nowS: 1000, speed: 20 })).toBe(200);
+  expect(patienceS({ help: { until_at_s: 990, promised_by: "", promise_max_s: 900 } }, NOW)).toBe(-10);
   expect(patienceS({ help: null }, NOW)).toBeNull();
 });

@@ -11,7 +11,7 @@ describe("what keeps a command from being given", () => {
   test.each<[string, Partial<Circumstances>]>([
     ["offline", { connected: false }], ["ended", { ended: true }], ["lost", { lost: true }],
   ])("%s: all of them, but never a stop", (hindrance, more) => {
-    const ready = { ...stopped, acknowledged: true, help: { until_at_s: 0, promised_by: "" } };
+    const ready = { ...stopped, acknowledged: true, help: { until_at_s: 0, promised_by: "", promise_max_s: 900 } };
     expect(KINDS.map((kind) => hindranceOf(kind, ready, { ...well, ...more }))).toEqual([null, ...Array<string>(4).fill(hindrance)]);
   });
 
@@ -33,6 +33,6 @@ describe("what keeps a command from being given", () => {
 
   test("nobody promises to come where nothing waits", () => {
     expect(hindranceOf("promise", free, well)).toBe("no_help_wanted");
-    expect(hindranceOf("promise", { ...free, help: { until_at_s: 5, promised_by: "" } }, well)).toBeNull();
+    expect(hindranceOf("promise", { ...free, help: { until_at_s: 5, promised_by: "", promise_max_s: 900 } }, well)).toBeNull();
   });
 });

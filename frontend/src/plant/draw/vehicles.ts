@@ -6,8 +6,6 @@ import type { Brush } from "./brush";
 import { setFont } from "./brush";
 import { traceBolt } from "./floor";
 
-/** Below this a vehicle has to think of a charger. */
-const LOW_BATTERY = 0.2;
 
 /** From the rim of a chosen vehicle to that of its halo. */
 const HALO_PX = 6;
@@ -167,7 +165,7 @@ function drawInside(brush: Brush, x: number, y: number, r: number, view: AtvView
 
 /** Only shown where it matters, or where there is room for it. */
 function drawBattery(brush: Brush, x: number, y: number, r: number, view: AtvView): void {
-  const low = view.battery_frac < LOW_BATTERY;
+  const low = view.battery_low;
   if (!low && r < 13 && view.status !== "charging") return;
   const { ctx, palette } = brush;
   const start = -Math.PI / 2;

@@ -9,7 +9,7 @@ from starlette.responses import Response
 
 from dray.gateway.access.gate import COOKIE
 from dray.gateway.access.principal import Role
-from dray.gateway.access.sessions import LIFE_S, TAKEOVER_TIMEOUT_S
+from dray.gateway.access.sessions import LIFE_S, MAY_STILL_STOP_S
 from dray.store.people import Person
 
 STATION = "dray_station"
@@ -30,7 +30,7 @@ def give_session(answer: Response, request: Request, token: str, role: Role) -> 
     The cookie lives as long as the session may still be good for something; what it is worth is judged by
     the server alone.
     """
-    life_s = LIFE_S[role] + (TAKEOVER_TIMEOUT_S if role is Role.OPERATOR else 0.0)
+    life_s = LIFE_S[role] + (MAY_STILL_STOP_S if role is Role.OPERATOR else 0.0)
     _set(answer, request, COOKIE, token, int(life_s), "strict")
 
 

@@ -6,12 +6,13 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import Any
 
+from dray.gateway.live.projection.alerting.silence import Silence
 from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.projection.figures.fleet import Fleet
 from dray.gateway.live.projection.outsiders import Outsiders
 from dray.gateway.live.views import AtvView, BriefView, ClockView, HelpView, TrialView
 from dray.messages import AtvHeartbeat, Brief, Heartbeat, HelpWanted
-from dray.plant.model import VehicleSpec
+from dray.plant.model import Charging, VehicleSpec, VehicleType
 from dray.store.clocks import Clocks
 from dray.store.progress import ToWall
 
@@ -38,9 +39,11 @@ class Atvs:
 
     Args:
         fleet: the plant's vehicles; others may come.
+        types: of vehicles.
         to_wall_s: plant clock to wall clock.
         outsiders: who is shut out.
         clocks: of all agents.
+        silence: of all agents.
         top_mps: no vehicle is faster.
 
     Attributes:
@@ -50,14 +53,17 @@ class Atvs:
     def __init__(
         self,
         fleet: Iterable[VehicleSpec],
+        types: Iterable[VehicleType],
         to_wall_s: ToWall,
         outsiders: Outsiders,
         clocks: Clocks,
+        silence: Silence,
         top_mps: float,
     ) -> None:
         self._outsiders = outsiders
-        self._clocks = clocks
+        self._clocks, self._silence = clocks, silence
         self._types = {vehicle.id: vehicle.type for vehicle in fleet}
+        self._charging = {kind.id: kind.charging for kind in types}
         self._to_wall_s = to_wall_s
         self._last: dict[str, AtvHeartbeat] = {}
         self.changes = Changes("atv")
@@ -140,6 +146,7 @@ class Atvs:
             node=heartbeat.node,
             way=heartbeat.way,
             battery_frac=heartbeat.battery_frac,
+            battery_low=heartbeat.battery_frac < self._must_charge_below(heartbeat.atv),
             load=heartbeat.load,
             load_quantity=heartbeat.load_quantity,
             link=plain(heartbeat.link),
@@ -157,7 +164,11 @@ class Atvs:
             shut_out=self._outsiders.view(heartbeat.atv),
             clock=clock_of(self._clocks, heartbeat.atv),
             seen_at_s=self._to_wall_s(heartbeat.at_s),
+            silence=self._silence.view(heartbeat.atv, heartbeat),
         )
+
+    def _must_charge_below(self, atv: str) -> float:
+        return self._charging.get(self._types.get(atv, ""), Charging()).must_below_frac
 
     def _brief(self, brief: Brief) -> BriefView:
         return BriefView(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator
 
+from dray.gateway.live.projection.alerting.silence import Silence
 from dray.gateway.live.projection.atvs import clock_of, newcomers_max, plain, trial_of
 from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.projection.figures.time_use import TimeUse
@@ -32,15 +33,22 @@ class Machines:
         to_wall_s: plant clock to wall clock.
         outsiders: who is shut out.
         clocks: of all agents.
+        silence: of all agents.
         materials: knows their names.
     """
 
     def __init__(
-        self, site: Site, to_wall_s: ToWall, outsiders: Outsiders, clocks: Clocks, materials: Materials
+        self,
+        site: Site,
+        to_wall_s: ToWall,
+        outsiders: Outsiders,
+        clocks: Clocks,
+        silence: Silence,
+        materials: Materials,
     ) -> None:
         self._materials = materials
         self._outsiders = outsiders
-        self._clocks = clocks
+        self._clocks, self._silence = clocks, silence
         self._known = frozenset(site.plant.machines)
         """Those of the plant file."""
         self.strangers = 0
@@ -133,6 +141,7 @@ class Machines:
             shut_out=self._outsiders.view(heartbeat.machine),
             clock=clock_of(self._clocks, heartbeat.machine),
             seen_at_s=self._to_wall_s(heartbeat.at_s),
+            silence=self._silence.view(heartbeat.machine, heartbeat),
         )
 
     def _task(self, task: TaskBrief) -> OpenTaskView:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dray.gateway.live.frames import Delta, Snapshot
 from dray.gateway.live.projection.alerting import alert_rules
 from dray.gateway.live.projection.alerting.alerts import Alerts
-from dray.gateway.live.projection.alerting.silence import bound_s, heard_until_s
+from dray.gateway.live.projection.alerting.silence import Silence, heard_until_s, plant_bound_s
 from dray.gateway.live.projection.atvs import Atvs
 from dray.gateway.live.projection.auctions.tasks import Tasks
 from dray.gateway.live.projection.disputes import Disputes
@@ -58,15 +58,25 @@ class Projection:
     ) -> None:
         self.plant, self._time, self._wall_s = plant.plant, time, wall_s
         self.outsiders = Outsiders()
-        self.clocks, self.disputes = Clocks(time.speed), Disputes()
+        self.clocks, self.disputes, self._silence = Clocks(time.speed), Disputes(), Silence(time.speed)
         top_mps = max(kind.max_speed_mps for kind in plant.vehicle_types)
-        self.atvs = Atvs(plant.fleet, time.to_wall_s, self.outsiders, self.clocks, top_mps)
+        self.atvs = Atvs(
+            plant.fleet,
+            plant.vehicle_types,
+            time.to_wall_s,
+            self.outsiders,
+            self.clocks,
+            self._silence,
+            top_mps,
+        )
         self.site = Site(plant)
         self._materials = _materials(plant)
-        self.machines = Machines(self.site, time.to_wall_s, self.outsiders, self.clocks, self._materials)
+        self.machines = Machines(
+            self.site, time.to_wall_s, self.outsiders, self.clocks, self._silence, self._materials
+        )
         self.tasks = Tasks(time.to_wall_s)
         storages = {storage.id: storage for storage in plant.storages}
-        self.stations = Stations(storages, time.to_wall_s, self.outsiders, self.clocks)
+        self.stations = Stations(storages, time.to_wall_s, self.outsiders, self.clocks, self._silence)
         self.orders = Orders(
             time.to_wall_s, frozenset(product.id for product in plant.products), self._materials
         )
@@ -110,22 +120,29 @@ class Projection:
 
     def fold(self, message: Message) -> None:
         """Take one message in; never raises for what a peer may say."""
+        delay_s = 0.0
         if self._wall_s is not None and isinstance(message, Timed):
-            message = self.clocks.right(message, self._time.to_plant_s(self._wall_s()))
+            now_s = self._time.to_plant_s(self._wall_s())
+            message = self.clocks.right(message, now_s)
+            delay_s = now_s - message.at_s
         match message:
             case AtvHeartbeat():
                 before = self.atvs.last(message.atv)
                 told = self.atvs.fold(message)
                 if told:
+                    self._silence.note(message.atv, message, delay_s)
                     self.traffic.follow(before, message)
             case MachineHeartbeat():
                 self.site.hear(message)
                 told = self.machines.fold(message)
                 if told:
+                    self._silence.note(message.machine, message, delay_s)
                     self.tasks.hear(message)
                     self.orders.hear(message)
             case StationHeartbeat():
                 told = self.stations.fold(message)
+                if told:
+                    self._silence.note(message.station, message, delay_s)
             case Event():
                 # All look: GoalWaits is about a task and an order, and news.
                 told = (
@@ -156,7 +173,9 @@ class Projection:
             The alerts that had been acknowledged and have ended.
         """
         now_s, heard_s = self._time.to_plant_s(wall_s), self._heard_until_s(wall_s)
-        now = alert_rules.Moment(now_s, heard_s, wall_s, self._time.speed, self._time.to_wall_s)
+        now = alert_rules.Moment(
+            now_s, heard_s, wall_s, self._time.speed, self._time.to_wall_s, self._silence
+        )
         heard = [each for each in self.atvs.heartbeats() if each.atv not in self.outsiders]
         of_atvs = tuple(alert_rules.of_atvs(heard, now))
         machines = (each for each in self.machines.heartbeats() if each[0].machine not in self.outsiders)
@@ -284,7 +303,7 @@ class Projection:
     def _present_s(self, wall_s: float) -> float:
         """The plant's present (plant clock): of one that is behind, that of what is heard of it."""
         now_s, heard_s = self._time.to_plant_s(wall_s), self._heard_until_s(wall_s)
-        return now_s if now_s - heard_s <= bound_s(working=False, speed=self._time.speed) else heard_s
+        return now_s if now_s - heard_s <= plant_bound_s(self._time.speed) else heard_s
 
     def discard_changes(self) -> None:
         """Nobody is looking: the next delta begins from here."""

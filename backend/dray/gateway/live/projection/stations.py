@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+from dray.gateway.live.projection.alerting.silence import Silence
 from dray.gateway.live.projection.atvs import clock_of
 from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.projection.outsiders import Outsiders
@@ -22,14 +23,20 @@ class Stations:
         to_wall_s: plant clock to wall clock.
         outsiders: who is shut out.
         clocks: of all agents.
+        silence: of all agents.
     """
 
     def __init__(
-        self, storages: Mapping[str, Storage], to_wall_s: ToWall, outsiders: Outsiders, clocks: Clocks
+        self,
+        storages: Mapping[str, Storage],
+        to_wall_s: ToWall,
+        outsiders: Outsiders,
+        clocks: Clocks,
+        silence: Silence,
     ) -> None:
         self._storages = storages
         self._to_wall_s = to_wall_s
-        self._outsiders, self._clocks = outsiders, clocks
+        self._outsiders, self._clocks, self._silence = outsiders, clocks, silence
         self._last: dict[str, StationHeartbeat] = {}
         self.changes = Changes("station")
 
@@ -81,6 +88,7 @@ class Stations:
             shut_out=self._outsiders.view(heartbeat.station),
             clock=clock_of(self._clocks, heartbeat.station),
             seen_at_s=self._to_wall_s(heartbeat.at_s),
+            silence=self._silence.view(heartbeat.station, heartbeat),
         )
 
 

@@ -20,6 +20,7 @@ from dray.gateway.live.views.machine import BufferView, GoalView, MachineView, O
 from dray.gateway.live.views.news import NewsView
 from dray.gateway.live.views.order import OrderItemView, OrderView
 from dray.gateway.live.views.shutout import ShutOutView
+from dray.gateway.live.views.silence import SilenceView
 from dray.gateway.live.views.station import StationView, StockView
 from dray.gateway.live.views.task import BidView, CarrierView, RefusalView, TaskView
 from dray.gateway.live.views.trial import TrialView
@@ -51,6 +52,7 @@ __all__ = [
     "RefusalView",
     "RefusedView",
     "ShutOutView",
+    "SilenceView",
     "StationView",
     "StockView",
     "TaskView",

@@ -7,7 +7,9 @@ from typing import Literal
 from dray.gateway.live.views.base import View
 from dray.gateway.live.views.clock import ClockView
 from dray.gateway.live.views.shutout import ShutOutView
+from dray.gateway.live.views.silence import SilenceView
 from dray.gateway.live.views.trial import TrialView
+from dray.messages.command import PROMISE_MAX_S
 
 
 class BriefView(View, kw_only=True):
@@ -31,6 +33,8 @@ class HelpView(View, kw_only=True):
     """Solved by then, the vehicle goes on; else somebody else takes its task."""
     promised_by: str = ""
     """Who has said to be on the way; empty while nobody has."""
+    promise_max_s: float = PROMISE_MAX_S
+    """How long from now help may be promised for, in factory seconds."""
 
 
 class AtvView(View, kw_only=True):
@@ -47,6 +51,8 @@ class AtvView(View, kw_only=True):
     way: tuple[str, ...] = ()
     """Nodes still ahead; the vehicle is between `node` and `way[0]`."""
     battery_frac: float
+    battery_low: bool = False
+    """It takes no work before it has charged, by its type's `must_below_frac`."""
     load: str = ""
     load_quantity: int = 0
     link: Literal["wlan", "mesh"] = "wlan"
@@ -69,4 +75,5 @@ class AtvView(View, kw_only=True):
     """Nobody hears it any more: all else here is what it said before."""
     clock: ClockView | None = None
     """None while nothing is known of it."""
-    seen_at_s: float = 0.0
+    seen_at_s: float
+    silence: SilenceView

@@ -7,6 +7,7 @@ from typing import Literal
 from dray.gateway.live.views.base import View
 from dray.gateway.live.views.clock import ClockView
 from dray.gateway.live.views.shutout import ShutOutView
+from dray.gateway.live.views.silence import SilenceView
 from dray.gateway.live.views.trial import TrialView
 
 
@@ -74,3 +75,4 @@ class MachineView(View, kw_only=True):
     clock: ClockView | None = None
     """None while nothing is known of it."""
     seen_at_s: float
+    silence: SilenceView

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dray.gateway.live.views.base import View
 from dray.gateway.live.views.clock import ClockView
 from dray.gateway.live.views.shutout import ShutOutView
+from dray.gateway.live.views.silence import SilenceView
 
 
 class StockView(View, kw_only=True):
@@ -34,3 +35,4 @@ class StationView(View, kw_only=True):
     clock: ClockView | None = None
     """None while nothing is known of it."""
     seen_at_s: float
+    silence: SilenceView

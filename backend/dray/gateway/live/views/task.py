@@ -79,6 +79,8 @@ class TaskView(View, kw_only=True):
     radius_m: float = 0.0
     state: Literal["bidding", "contracted", "delivered", "withdrawn"] = "bidding"
     phase: str = ""
+    goods_aboard: bool = False
+    """Goods exist once: nobody else could fetch them now."""
     primary: str = ""
     secondary: str = ""
     opened_at_s: float

@@ -12,7 +12,7 @@ class PassedView(View, kw_only=True):
 
     agent: str
     less_s: float
-    """How much less it had bid."""
+    """How much less it had bid; 0 where no figure with one decimal shows a difference."""
     answer: str
     """silent, late (its bid came after the window), asked (no answer is on record), or why it declined."""
     taken_for: str = ""

@@ -20,6 +20,7 @@ from dray.gateway.live.views import (
     MachineView,
     OpenTaskView,
     RefusalView,
+    SilenceView,
     TaskView,
     UseView,
 )
@@ -107,6 +108,7 @@ _STRUCTS = (
         buffers=(BufferView(item="shaft", level=8, capacity=60, reorder_point=10, on_order=20),),
         goods=(BufferView(item="P1", level=1, capacity=8),),
         seen_at_s=NOW_S,
+        silence=SilenceView(beat_s=1.0, overdue_after_s=1.5, lost_after_s=3.5),
     ),
     AtvView(
         id="ATV2",
@@ -130,6 +132,7 @@ _STRUCTS = (
             due_at_s=NOW_S + 48,
         ),
         seen_at_s=NOW_S,
+        silence=SilenceView(beat_s=1.0, overdue_after_s=1.5, lost_after_s=3.5),
     ),
     TaskView(
         id="M1.1-1",

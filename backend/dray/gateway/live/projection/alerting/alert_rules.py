@@ -9,13 +9,14 @@ from collections.abc import Container, Iterable, Iterator
 
 import msgspec
 
-from dray.gateway.live.projection.alerting.silence import bound_s
+from dray.gateway.live.projection.alerting.silence import Silence, plant_bound_s
 from dray.gateway.live.projection.auctions.tasks import Tasks
 from dray.gateway.live.projection.disputes import Dispute, Disputes
 from dray.gateway.live.projection.materials import Materials
 from dray.gateway.live.views import AlertKind, OrderView, TaskView
 from dray.messages import AtvHeartbeat, AtvStatus, MachineHeartbeat, MachineStatus, StationHeartbeat
 from dray.overload import Overload
+from dray.protocol.liveness.suspicion import AnyHeartbeat
 from dray.protocol.vehicle.reserve import RESERVE_FRAC
 from dray.store.clocks import Offset
 from dray.store.exclusions import Exclusion
@@ -60,12 +61,17 @@ class Moment(msgspec.Struct, frozen=True):
     speed: float
     """Factory seconds per real second."""
     to_wall_s: ToWall
+    silence: Silence
+
+    def is_lost(self, agent: str, last: AnyHeartbeat) -> bool:
+        """Whether nothing was heard of an agent since this heartbeat for longer than it may be silent."""
+        return self.heard_s - last.at_s > self.silence.bound_s(agent, last)
 
 
 def of_the_plant(now: Moment) -> Iterator[Trouble]:
     """What is wrong with all that is heard: it is old."""
     behind_s = now.plant_s - now.heard_s
-    if behind_s > bound_s(working=False, speed=now.speed):
+    if behind_s > plant_bound_s(now.speed):
         yield Trouble(kind="plant_behind", behind_s=round(behind_s / now.speed))
 
 
@@ -141,10 +147,9 @@ def of_machines(
         materials: knows their names.
         now: when it is looked at.
     """
-    silent_before_s = now.heard_s - bound_s(working=False, speed=now.speed)
     for heard, since_s in heartbeats:
         agent, patient = heard.machine, now.heard_s - since_s < PATIENCE_S
-        if heard.at_s < silent_before_s:
+        if now.is_lost(agent, heard):
             yield Trouble(kind="machine_lost", agent=agent, seen_at_s=now.to_wall_s(heard.at_s))
         elif heard.status is MachineStatus.ERROR:
             yield Trouble(kind="machine_error", agent=agent, problem=heard.problem)
@@ -157,18 +162,16 @@ def of_machines(
 
 def of_stations(heartbeats: Iterable[StationHeartbeat], now: Moment) -> Iterator[Trouble]:
     """What is wrong with the stations of storages: nothing is promised or handed out where one is silent."""
-    silent_before_s = now.heard_s - bound_s(working=False, speed=now.speed)
     for heard in heartbeats:
-        if heard.at_s < silent_before_s:
+        if now.is_lost(heard.station, heard):
             yield Trouble(kind="station_lost", agent=heard.station, seen_at_s=now.to_wall_s(heard.at_s))
 
 
 def of_atvs(heartbeats: Iterable[AtvHeartbeat], now: Moment) -> Iterator[Trouble]:
     """What is wrong with vehicles."""
-    silent_s = {working: bound_s(working=working, speed=now.speed) for working in (False, True)}
     for heard in heartbeats:
         agent, help_ = heard.atv, heard.help
-        if now.heard_s - heard.at_s > silent_s[heard.task is not None]:
+        if now.is_lost(agent, heard):
             yield Trouble(kind="atv_lost", agent=agent, seen_at_s=now.to_wall_s(heard.at_s))
         elif help_ is not None and (help_.promised_by or heard.status is not AtvStatus.STOPPED):
             # Who is on the way has answered: there is less to ask for. Who was stopped by a person asks for nobody.

@@ -1,4 +1,7 @@
-"""When silence of one agent means that what is shown of it is a memory: as the agents themselves judge it.
+"""When silence of one agent means that what is shown of it is a memory: by the rule of the agents themselves.
+
+The rule is `dray.protocol.liveness.suspicion`, applied to heartbeats as they arrive here. Panels are told what it gives and
+have no rule of their own.
 
 It is judged against the newest that was heard of the plant, and not against the gateway's clock alone. A simulation that
 runs slower than was asked for, a gateway with more to read than it can, a network that holds everything up: all of
@@ -10,12 +13,16 @@ from __future__ import annotations
 from collections.abc import Iterable
 from heapq import nlargest
 
-WORKING_BEAT_S, IDLE_BEAT_S = 1.0, 5.0
-"""Who carries something speaks every second of factory time, everybody else every five."""
-
-BEATS = 3
-
-SLACK_S = 0.5
+from dray.gateway.live.views import SilenceView
+from dray.protocol.liveness.suspicion import (
+    IDLE_INTERVAL_S,
+    JITTER_S,
+    AnyHeartbeat,
+    ArrivalStatistics,
+    bound_s,
+    interval_s,
+    silence_bound_s,
+)
 
 COMPANY = 4
 """Of fewer agents it cannot be told whether they are silent or nobody can be heard."""
@@ -26,16 +33,70 @@ WITNESSES = 2
 LEAST_S = 2.0
 """Wall seconds, however fast the factory runs: what is on its way to the gateway is not lost yet."""
 
+LEAST_OVERDUE_S = 1.2
+"""Wall seconds before anything is overdue: browsers are told ten times a second at most, and a page may be busy."""
 
-def bound_s(*, working: bool, speed: float) -> float:
-    """The silence that counts as failure, in factory seconds.
+
+class _Heard:
+    """What was heard of one agent."""
+
+    __slots__ = ("arrivals", "newest")
+
+    def __init__(self) -> None:
+        self.arrivals = ArrivalStatistics()
+        self.newest = (0, 0)
+        """Incarnation and number of its newest heartbeat."""
+
+
+class Silence:
+    """How the heartbeats of each agent arrive, and how long it may be silent.
 
     Args:
-        working: whether it carries something.
         speed: factory seconds per real second.
     """
-    beat_s = WORKING_BEAT_S if working else IDLE_BEAT_S
-    return max(LEAST_S * speed, BEATS * beat_s + SLACK_S)
+
+    def __init__(self, speed: float) -> None:
+        self._speed = speed
+        self._heard: dict[str, _Heard] = {}
+        """By agent: bounded by whoever lets agents in."""
+
+    def note(self, agent: str, heartbeat: AnyHeartbeat, delay_s: float) -> None:
+        """A heartbeat has come, newer than those before.
+
+        Args:
+            agent: whose.
+            heartbeat: what it says.
+            delay_s: how long it was under way, by the plant's clock; 0 where nobody knows.
+        """
+        heard = self._heard.setdefault(agent, _Heard())
+        incarnation, seq = heard.newest
+        missed = heartbeat.seq - seq - 1 if heartbeat.incarnation == incarnation else 0
+        heard.arrivals.note(missed, delay_s)
+        heard.newest = (heartbeat.incarnation, heartbeat.seq)
+
+    def bound_s(self, agent: str, heartbeat: AnyHeartbeat) -> float:
+        """After how much silence an agent counts as lost, in factory seconds."""
+        heard = self._heard.get(agent)
+        arrivals = ArrivalStatistics() if heard is None else heard.arrivals
+        return max(LEAST_S * self._speed, silence_bound_s(heartbeat, arrivals))
+
+    def view(self, agent: str, heartbeat: AnyHeartbeat) -> SilenceView:
+        """The same as panels are told it."""
+        beat_s = interval_s(heartbeat)
+        return SilenceView(
+            beat_s=beat_s,
+            overdue_after_s=max(LEAST_OVERDUE_S * self._speed, beat_s + JITTER_S),
+            lost_after_s=round(self.bound_s(agent, heartbeat), 1),
+        )
+
+
+def plant_bound_s(speed: float) -> float:
+    """How old the newest may be that is heard of the plant, in factory seconds.
+
+    Args:
+        speed: factory seconds per real second.
+    """
+    return max(LEAST_S * speed, bound_s(IDLE_INTERVAL_S))
 
 
 def heard_until_s(told_s: Iterable[float], now_s: float) -> float:

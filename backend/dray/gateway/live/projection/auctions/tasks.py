@@ -44,6 +44,7 @@ from dray.messages.fact import (
     TookOver,
     WatchLost,
 )
+from dray.messages.heartbeat import GOODS_ABOARD
 from dray.store.progress import ToWall
 
 CLOSED_KEPT = 50
@@ -142,6 +143,7 @@ class Tasks:
             # Here and not with every fact: of twenty bids between two looks only the last one counts.
             self._unexplained.discard(task)
             view.why = why_of(view)
+            view.goods_aboard = bool(view.goal) and view.phase in GOODS_ABOARD
         return view
 
     def under_way(self) -> Iterable[TaskView]:

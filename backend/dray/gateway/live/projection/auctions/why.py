@@ -121,8 +121,9 @@ def _passed(task: TaskView, bid: BidView, won: BidView) -> PassedView:
     answer = bid.answer or LATE
     if answer == "busy" and task.kind == "production":
         answer = QUEUE  # A machine works at one goal after another: others came before this one.
+    less_s = won.total_s - bid.total_s
     return PassedView(
-        agent=bid.bidder, less_s=max(0.0, won.total_s - bid.total_s), answer=answer, taken_for=bid.taken_for
+        agent=bid.bidder, less_s=less_s if less_s >= TIE_S else 0.0, answer=answer, taken_for=bid.taken_for
     )
 
 

@@ -117,7 +117,7 @@ def _passed(passed: Sequence[PassedView], coordinator: str) -> str:
 
 
 def _cheaper(less_s: float) -> str:
-    return f"{_s(less_s)} cheaper" if less_s >= 0.05 else "just as cheap"
+    return f"{_s(less_s)} cheaper" if less_s else "just as cheap"
 
 
 def _answer(each: PassedView, coordinator: str) -> str:
