@@ -11,7 +11,7 @@ from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
 from random import Random
-from typing import Any
+from typing import Any, Literal
 
 import msgspec
 import pytest
@@ -126,8 +126,10 @@ def handed_over(task: str) -> ContractEnded:
     return ContractEnded(task=task, epoch=1, role=Role.PRIMARY, reason="handed_over")
 
 
-def closed(task: str, carrier: str = "ATV2") -> TaskClosed:
-    return TaskClosed(task=task, epoch=1, outcome="delivered", carrier=carrier)
+def closed(
+    task: str, carrier: str = "ATV2", outcome: Literal["delivered", "withdrawn"] = "delivered"
+) -> TaskClosed:
+    return TaskClosed(task=task, epoch=1, outcome=outcome, carrier=carrier)
 
 
 def changed(carrier: str) -> CarrierChanged:
@@ -231,6 +233,18 @@ def test_a_carrier_is_released_for_a_reason_when_it_was_silent_or_replaced(answe
         ContractEnded(task="M8-2", epoch=1, role=Role.PRIMARY, reason="released"),
     )
     told.by("M8", closed("M8-2"))
+    assert found(aftermath(told)) == set()
+
+
+def test_a_carrier_that_comes_back_when_its_task_was_withdrawn_is_released_for_a_reason() -> None:
+    accepted = AwardAnswered(task="M8-2", epoch=1, role=Role.PRIMARY, bidder="ATV2", answer="accepted")
+    told = whole()
+    told.by("M8", opened("M8-2"), accepted, closed("M8-2", outcome="withdrawn"))
+    told.by(
+        "ATV2",
+        taken("M8-2"),
+        ContractEnded(task="M8-2", epoch=1, role=Role.PRIMARY, reason="released"),
+    )
     assert found(aftermath(told)) == set()
 
 

@@ -144,10 +144,11 @@ def _broken(check: Listener, said: Iterable[_Utterance]) -> tuple[str, ...]:
 def _for_nothing(events: Sequence[Event]) -> Iterable[str]:
     """Transports of which a carrier was released that its coordinator had contracted and not replaced since.
 
-    Whoever was silent when it was asked, or took over from somebody who lives, is released for a reason.
+    Whoever was silent when it was asked, or took over from somebody who lives, is released for a reason; and so is who
+    comes back when its task was withdrawn: its goal was given to another machine, or it was waited for in vain.
     """
     accepted: set[tuple[str, int, str]] = set()
-    replaced: set[tuple[str, str]] = set()
+    let_go: set[tuple[str, str]] = set()
     transports: set[str] = set()
     for event in events:
         match event.fact:
@@ -156,13 +157,15 @@ def _for_nothing(events: Sequence[Event]) -> Iterable[str]:
             case AwardAnswered(role=Role.PRIMARY, answer="accepted") as answer:
                 accepted.add((answer.task, answer.epoch, answer.bidder))
             case CarrierChanged(task=task, replaced=carrier):
-                replaced.add((task, carrier))
+                let_go.add((task, carrier))
+            case TaskClosed(outcome="withdrawn", task=task, carrier=carrier):
+                let_go.add((task, carrier))
     for event in events:
         match event.fact:
             case ContractEnded(role=Role.PRIMARY, reason="released", task=task, epoch=epoch) if (
                 task in transports
                 and (task, epoch, event.agent) in accepted
-                and (task, event.agent) not in replaced
+                and (task, event.agent) not in let_go
             ):
                 yield f"{event.agent} was released from {task} (epoch {epoch}), which it had"
 
