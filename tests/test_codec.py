@@ -44,7 +44,7 @@ HEARTBEAT = AtvHeartbeat(
 )
 
 
-def wire(message: dict[str, Any], v: Any = 1, sender: Any = "ATV-07") -> bytes:
+def wire(message: dict[str, Any], v: Any = 2, sender: Any = "ATV-07") -> bytes:
     return json.dumps({"v": v, "from": sender, "m": message}).encode()
 
 
@@ -131,7 +131,7 @@ def test_the_envelope_is_the_published_one() -> None:
 
 
 def test_fields_of_a_newer_software_are_ignored() -> None:
-    data = json.dumps({"v": 1, "trace": "00-ab", "from": "S", "m": {**TAKEN, "mood": [1, {}]}}).encode()
+    data = json.dumps({"v": 2, "trace": "00-ab", "from": "S", "m": {**TAKEN, "mood": [1, {}]}}).encode()
     assert decode(data) == ("S", OrderTaken(order="o-1"))
 
 
@@ -185,16 +185,16 @@ def test_a_message_with_a_foreign_value_is_read_or_refused(
         (b"", "truncated"),
         (b"{", "truncated"),
         (b"[]", "Expected `object`"),
-        (b'{"v":1,"from":"a"}', "missing required field `m`"),
-        (b'{"v":1,"from":"a","m":{"type":"OrderTaken","order":"\xff"}}', "utf-8"),
-        (b'{"v":1,"x":' + b"[" * 60_000, "recursion"),
+        (b'{"v":2,"from":"a"}', "missing required field `m`"),
+        (b'{"v":2,"from":"a","m":{"type":"OrderTaken","order":"\xff"}}', "utf-8"),
+        (b'{"v":2,"x":' + b"[" * 60_000, "recursion"),
         (wire({"type": "Nonsense"}), "Invalid value 'Nonsense'"),
         (wire({"type": "OrderTaken"}), "missing required field `order`"),
         (wire({"type": "OrderTaken", "order": 7}), "Expected `str`, got `int` - at `$.m.order`"),
         (wire(TAKEN, v="1"), "Expected `int`"),
         (wire(TAKEN, v=0), "wire version 0 was never spoken"),
         (wire(TAKEN, sender=None), "Expected `str`"),
-        (b'{"v":1' + b"0" * 5000 + b',"from":"a","m":{}}', "out of range"),
+        (b'{"v":2' + b"0" * 5000 + b',"from":"a","m":{}}', "out of range"),
     ],
     ids=lambda value: value[:40] if isinstance(value, str) else "",
 )
@@ -224,7 +224,7 @@ def test_a_quantity_that_cannot_be_carried_is_refused(quantity: object) -> None:
 
 @pytest.mark.parametrize("due_s", ["NaN", "Infinity", "-Infinity", "1e999", "1e300", "null"])
 def test_a_time_that_is_no_time_is_refused(due_s: str) -> None:
-    order = '{"v":1,"from":"G","m":{"type":"OrderReleased","order":"o","items":[],"due_s":%s}}'
+    order = '{"v":2,"from":"G","m":{"type":"OrderReleased","order":"o","items":[],"due_s":%s}}'
     assert decode((order % "1e3").encode())[1] == OrderReleased(order="o", items=(), due_s=1000.0)
     with pytest.raises(WireError):
         decode((order % due_s).encode())
@@ -236,7 +236,7 @@ def test_a_time_that_is_no_number_is_refused_by_the_peer() -> None:
         decode(encode("G", sick))
 
 
-@pytest.mark.parametrize("v", [2, 17])
+@pytest.mark.parametrize("v", [3, 17])
 @pytest.mark.parametrize("message", [TAKEN, {"type": "FromTheFuture"}, {}])
 def test_a_newer_wire_version_is_told_apart(v: int, message: dict[str, Any]) -> None:
     with pytest.raises(NewerVersion, match=f"wire version {v}"):

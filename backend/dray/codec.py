@@ -1,6 +1,6 @@
 """Bytes <-> messages: the only validator of what comes from the wire.
 
-A message travels as UTF-8 JSON in an envelope: ``{"v": 1, "from": "ATV-07", "m": {"type": "Bid", ...}}``.
+A message travels as UTF-8 JSON in an envelope: ``{"v": 2, "from": "ATV-07", "m": {"type": "Bid", ...}}``.
 `v` is the wire version, `from` the sender; what belongs to a trace carries its context as `t`. Fields that we
 do not know are ignored, so a newer software may add some; a *newer version* is refused, for we could
 misunderstand it.

@@ -245,7 +245,7 @@ class Worker:
                 self._wake_task()
 
     def _queue_up(self, heard: Heard) -> Heard | _Newest | None:
-        """Decide what a crowded inbox does with a newcomer; None where it does not wait in its own place."""
+        """Decide what a crowded inbox does with a message that has just come; None where it does not wait in its own place."""
         crowd = self._crowd
         if crowd is None:
             crowd = self._crowd = _Crowd(self._inbox)

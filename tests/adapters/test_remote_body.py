@@ -285,7 +285,7 @@ def test_letters_that_find_no_room_are_said_again(monkeypatch: pytest.MonkeyPatc
     in_a_house(test)
 
 
-def test_a_newcomer_that_does_not_fit_is_refused_with_the_reason() -> None:
+def test_a_joining_agent_that_does_not_fit_is_refused_with_the_reason() -> None:
     async def test(house: House) -> None:
         with pytest.raises(UnavailableError, match="has no type 'submarine'"):
             await put_down(house.here, PLANT.id, replace(PLANT.fleet[ATV], id="ATV99", type="submarine"))
@@ -391,7 +391,7 @@ def test_a_body_that_is_taken_over_twice_by_one_life_is_as_new_as_before() -> No
     in_a_house(test)
 
 
-def test_a_newcomer_is_put_down_once_and_drives() -> None:
+def test_a_joining_agent_is_put_down_once_and_drives() -> None:
     spec = replace(PLANT.fleet[ATV], id="ATV99")
 
     async def test(house: House) -> None:

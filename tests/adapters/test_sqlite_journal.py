@@ -101,13 +101,13 @@ def test_a_damaged_journal_is_moved_aside_and_its_agent_begins_a_greater_life(
     file, rng = tmp_path / "ATV1.db", Random(how)
     whole = lived(file)
     damaged = 0
-    for trial in range(30):
+    for attempt in range(30):
         for each in tmp_path.glob("ATV1.db*"):
             each.unlink()
         file.write_bytes(torn(whole, how, rng))
         (tmp_path / "ATV1.lives").write_text("2 1ad5be0d\n")
         with closing(SqliteJournal(file)) as journal:
-            assert journal.incarnation == 3, trial
+            assert journal.incarnation == 3, attempt
             if journal.lost:
                 damaged += 1
                 # Of a file that was cut off at its first byte there is nothing to be kept.
@@ -165,10 +165,10 @@ def test_a_number_of_lives_never_falls_though_both_files_are_torn(tmp_path: Path
     file, lives = tmp_path / "ATV1.db", tmp_path / "ATV1.lives"
     before_s = time.time()
     last = 0
-    for trial in range(3):
+    for attempt in range(3):
         lives.write_bytes(b"\xff\xfe")
-        file.write_bytes(Random(trial).randbytes(10_000))
-        if trial < 2:
+        file.write_bytes(Random(attempt).randbytes(10_000))
+        if attempt < 2:
             with closing(SqliteJournal(file)) as journal:
                 assert journal.incarnation >= max(last, int(before_s))
                 assert journal.lost

@@ -26,7 +26,7 @@ APART = Apart("p", vehicles=("ATV1",), wired=("M1", "M2", "strategist"))
 THEIRS = ("p/hb/machine/M2", "p/task/3-4", "p/goal/pump", "p/event/M2", "p/shut-out")
 """What wired processes publish."""
 
-ITS_OWN = ("p/hb/atv/ATV1", "p/hb/atv/ATV2", "p/event/ATV1", "p/berth/P1", "p/agent/@M1")
+ITS_OWN = ("p/hb/atv/ATV1", "p/hb/atv/ATV2", "p/event/ATV1", "p/dwell-point/P1", "p/agent/@M1")
 """What a vehicle says, for another one too."""
 
 

@@ -81,7 +81,7 @@ def test_a_load_shifts_and_an_operator_stops_puts_right_acknowledges_and_resumes
     finder.fill(atv)
     finder.press("Enter")
     overview = manager.locator(".card.atv")
-    overview.get_by_role("button", name="Trials").click()
+    overview.get_by_role("button", name="Faults").click()
     manager.get_by_role("button", name="Shift its load").click()
     expect(overview).to_contain_text("the load has shifted", timeout=HEARD_MS)
 

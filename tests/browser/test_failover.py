@@ -69,7 +69,7 @@ def test_a_vehicle_that_is_switched_off_is_taken_over_from_and_its_load_delivere
     choose(page, primary)
     card = page.locator(".card.atv")
     expect(card.get_by_role("heading")).to_contain_text(primary)
-    card.get_by_role("button", name="Trials").press("Enter")
+    card.get_by_role("button", name="Faults").press("Enter")
     page.get_by_role("button", name="Switch off").click()
     expect(card).to_contain_text("switched off")
 
@@ -100,7 +100,7 @@ def test_a_vehicle_without_wlan_is_seen_over_its_neighbours(
     page = open_page(factory.url)
     choose(page, "ATV2")
     card = page.locator(".card.atv")
-    card.get_by_role("button", name="Trials").click()
+    card.get_by_role("button", name="Faults").click()
     page.get_by_role("button", name="Cut its WLAN").click()
     expect(card).to_contain_text("mesh via ATV", timeout=TAKEN_OVER_MS)
     screenshot(page, "mesh")
@@ -109,14 +109,14 @@ def test_a_vehicle_without_wlan_is_seen_over_its_neighbours(
     expect(card).not_to_contain_text("mesh", timeout=TAKEN_OVER_MS)
 
 
-def test_trials_are_reached_and_left_by_keyboard(factory: Any, open_page: OpenPage) -> None:
+def test_faults_are_reached_and_left_by_keyboard(factory: Any, open_page: OpenPage) -> None:
     page = open_page(factory.url)
     choose(page, "ATV2")
-    trials = page.locator(".card.atv").get_by_role("button", name="Trials")
-    trials.focus()
+    faults = page.locator(".card.atv").get_by_role("button", name="Faults")
+    faults.focus()
     page.keyboard.press("Enter")
     shift = page.get_by_role("button", name="Shift its load")
     expect(shift).to_be_visible()
     page.keyboard.press("Escape")
     expect(shift).to_be_hidden()
-    expect(trials).to_be_focused()
+    expect(faults).to_be_focused()

@@ -65,15 +65,15 @@ def test_an_agent_that_is_not_in_the_plant_is_refused(dray: Dray) -> None:
     [
         ("ATV99", ("--type", "zeppelin", "--node", "a1"), "--type: there is no 'zeppelin'"),
         ("ATV99", ("--type", "light", "--node", "z9"), "--node: there is no 'z9'"),
-        ("ATV99", ("--node", "a1"), "--type: a newcomer needs it beside --node"),
-        ("ATV1", ("--type", "light"), "--node: a newcomer needs it beside --type"),
+        ("ATV99", ("--node", "a1"), "--type: a joining vehicle needs it beside --node"),
+        ("ATV1", ("--type", "light"), "--node: a joining vehicle needs it beside --type"),
         ("ATV1", ("--type", "light", "--node", "a1"), "NAME: ATV1 is in the plant file already"),
         ("M1", ("--type", "light", "--node", "a1"), "NAME: M1 is somebody else in this plant"),
         ("Gateway", ("--type", "light", "--node", "a1"), "NAME: Gateway is somebody else in this plant"),
         ("ATV 9", ("--type", "light", "--node", "a1"), "NAME: 'ATV 9' is no id; write letters"),
     ],
 )
-def test_a_newcomer_needs_a_name_a_type_and_a_place(
+def test_a_joining_agent_needs_a_name_a_type_and_a_place(
     dray: Dray, name: str, options: tuple[str, ...], told: str
 ) -> None:
     code, error = dray("agent", "atv", name, *options)
@@ -81,27 +81,29 @@ def test_a_newcomer_needs_a_name_a_type_and_a_place(
     assert told in error
 
 
-def test_a_machine_that_is_a_newcomer_stands_in_a_plant_file_that_has_it(dray: Dray, tmp_path: Path) -> None:
+def test_a_machine_that_is_a_joining_agent_stands_in_a_plant_file_that_has_it(
+    dray: Dray, tmp_path: Path
+) -> None:
     file = tmp_path / "new.yaml"
     file.write_text(plant_yaml(default_plant()), encoding="utf-8")
     for machine, option, wrong in (
         ("M99", file, "NAME: there is no 'M99'; choose one of M1"),
-        ("M1", file, "--newcomer: M1 is in the plant file already"),
+        ("M1", file, "--joining: M1 is in the plant file already"),
         ("M1", tmp_path / "none.yaml", "there is no such file"),
     ):
-        code, error = dray("agent", "machine", machine, "--newcomer", str(option))
+        code, error = dray("agent", "machine", machine, "--joining", str(option))
         assert code == 2
         assert wrong in error
 
 
-def test_a_newcomer_that_does_not_fit_into_the_plant_of_the_others_is_refused(
+def test_a_joining_agent_that_does_not_fit_into_the_plant_of_the_others_is_refused(
     dray: Dray, tmp_path: Path
 ) -> None:
     file = tmp_path / "elsewhere.yaml"
     elsewhere = generate_plant(1, machines=20, vehicles=2)
     file.write_text(plant_yaml(elsewhere), encoding="utf-8")
     stranger = next(reversed(elsewhere.machines))
-    code, error = dray("agent", "machine", stranger, "--newcomer", str(file))
+    code, error = dray("agent", "machine", stranger, "--joining", str(file))
     assert code == 2
     assert f"{file}: machines[12]" in error
 

@@ -53,8 +53,8 @@ def test_a_new_vehicle_gets_one_that_all_others_trust(dray: Dray, tmp_path: Path
     code, out, _ = dray("issue", tmp_path, "atv", "ATV9")
     assert (code, out.strip()) == (0, str(tmp_path / "ATV9.pem"))
     plant = default_plant().id
-    newcomer, machine = (Seals(Identity.in_folder(tmp_path, name), plant) for name in ("ATV9", "M1"))
-    assert machine.examine(newcomer.seal("k", 1, 1, b"x"), "ATV9", "k", 1, 1, b"x") is Kind.ATV
+    joining, machine = (Seals(Identity.in_folder(tmp_path, name), plant) for name in ("ATV9", "M1"))
+    assert machine.examine(joining.seal("k", 1, 1, b"x"), "ATV9", "k", 1, 1, b"x") is Kind.ATV
 
 
 def test_an_authority_is_never_overwritten(dray: Dray, tmp_path: Path) -> None:
@@ -129,7 +129,7 @@ def elsewhere(tmp_path: Path) -> Path:
     return file
 
 
-def test_a_newcomer_belongs_to_the_plant_of_its_authority(
+def test_a_joining_agent_belongs_to_the_plant_of_its_authority(
     dray: Dray, tmp_path: Path, elsewhere: Path
 ) -> None:
     folder = tmp_path / "certs"

@@ -57,8 +57,11 @@ def test_a_warning_leaves_the_exit_code_unless_strict(starving: Path, tmp_path: 
     starving.write_text(text)
     code, told = dray("plant", "check", str(starving), "--json", str(tmp_path / "w.json"))
     assert code == 0
-    assert f"{starving}: parkings: warning: berths: 2 berths (1 chargers, 1 parking places) for 3" in told
-    assert json.loads((tmp_path / "w.json").read_text())[0]["kind"] == "berths"
+    assert (
+        f"{starving}: parkings: warning: dwell_points: 2 dwell points (1 chargers, 1 parking places) for 3"
+        in told
+    )
+    assert json.loads((tmp_path / "w.json").read_text())[0]["kind"] == "dwell_points"
     assert dray("plant", "check", str(starving), "--strict")[0] == 2
 
 

@@ -24,7 +24,7 @@ from dray.messages import (
     AnyFact,
     AtvHeartbeat,
     AtvStatus,
-    BerthClaimed,
+    DwellPointClaimed,
     Event,
     MachineHeartbeat,
     MachineStatus,
@@ -562,7 +562,7 @@ SAID_BY_ONESELF: Mapping[str, tuple[str, Callable[[str], Message], str, str]] = 
     "a vehicle's heartbeat": ("p/hb/atv/{}", beat, "R1", "R2"),
     "a machine's heartbeat": ("p/hb/machine/{}", hum, "W1", "W2"),
     "an announcement": ("p/goal/pump", call, "W1", "W2"),
-    "a claim": ("p/berth/P1", lambda atv: BerthClaimed("P1", atv, 0.1, standing=True), "R1", "R2"),
+    "a claim": ("p/dwell-point/P1", lambda atv: DwellPointClaimed("P1", atv, 0.1, standing=True), "R1", "R2"),
     "an event": ("p/event/{}", lambda agent: tell(agent, ON_THE_WAY), "R1", "R2"),
 }
 """All that says who speaks: where it is said, how, and by whom or whom not."""

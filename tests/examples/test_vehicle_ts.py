@@ -240,7 +240,7 @@ def test_it_joins_with_tls_and_all_that_is_ordered_arrives(tmp_path: Path, stack
 
             # It leaves in order, and says so.
             vehicle.terminate()
-            await gateway.until(lambda said: isinstance(said, AtvHeartbeat) and said.leaving)
+            await gateway.until(lambda said: isinstance(said, AtvHeartbeat) and said.draining)
             assert await asyncio.to_thread(vehicle.wait) == 0
 
     asyncio.run(story())

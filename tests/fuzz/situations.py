@@ -66,7 +66,7 @@ NAMES = {
     "source": STATIONS,
     "sources": STATIONS,
     "ability": ("tote", "heavy", ""),
-    "berth": tuple(PLANT.berths[:3]),
+    "dwell_point": tuple(PLANT.dwell_points[:3]),
     "node": tuple(PLANT.nodes)[:3],
 }
 """By the name of the field that they fit into."""

@@ -23,7 +23,7 @@ from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S
 UTTERANCES = Utterances(NAMES)
 
 CALM_S = 40.0
-"""After the talk: longer than every question is repeated, every watch lasts and every berth is sought."""
+"""After the talk: longer than every question is repeated, every watch lasts and every dwell point is sought."""
 
 MOST_EFFECTS = 400
 """Of one event: a machine that announces for every buffer to every cell of the plant makes some 100."""

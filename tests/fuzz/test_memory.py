@@ -34,7 +34,9 @@ from dray.messages import Award, Message, OrderReleased, VehicleCommand
 from dray.plant import Plant
 from dray.protocol.runtime.events import Agent, Heard, Woke
 
-NEW_NAMES = frozenset({"task", "order", "goal", "command", "atv", "machine", "agent", "bidder", "berth"})
+NEW_NAMES = frozenset(
+    {"task", "order", "goal", "command", "atv", "machine", "agent", "bidder", "dwell_point"}
+)
 """Fields that hold another name each time; the others mean something real."""
 
 SAID = 2400

@@ -89,7 +89,7 @@ def standing(area: str, where: str = "", *, seq: int = 1) -> Message:
         watches=(_brief(after(area), Role.SECONDARY),),
         help=HelpWanted(until_s=500.0),
         problem=f"the way is blocked by {ATV[after(area)]}",
-        berth=next(iter(FLOOR.berths)),
+        dwell_point=next(iter(FLOOR.dwell_points)),
     )
 
 

@@ -112,7 +112,7 @@ async def test_a_snapshot_holds_what_is_in_the_area(area: str) -> None:
     assert {each["kind"] for each in frame["news"]} == {"took_over", "help_asked", "link_lost"}
     assert {each["agent"] for each in frame["alerts"]} == {ATV[area]}
     assert frame["orders"] == frame["faults"] == []
-    assert frame["trials"] is False
+    assert frame["fault_injection"] is False
     assert frame["factory"]["atvs_by_status"] == {}
 
 

@@ -56,7 +56,7 @@ async def test_panels_see_what_is_at_work(simulated: House) -> None:
     await begin(simulated)
     assert [fault.id for fault in projection.delta(1, NOW_S, None).faults] == ["f1"]
     snapshot = projection.snapshot(1, NOW_S)
-    assert (snapshot.trials, [fault.id for fault in snapshot.faults]) == (True, ["f1"])
+    assert (snapshot.fault_injection, [fault.id for fault in snapshot.faults]) == (True, ["f1"])
     await simulated.client.delete("/api/faults/f1")
     assert projection.delta(2, NOW_S, None).gone == ("fault:f1",)
 
@@ -114,4 +114,4 @@ async def test_a_factory_that_is_not_simulated_has_no_faults(house: House, metho
     told = problem(answer, 409, "not-simulated")
     assert "dray up" in told["detail"]
     problem(await house.client.delete("/api/faults/f1"), 409, "not-simulated")
-    assert house.projection.snapshot(1, NOW_S).trials is False
+    assert house.projection.snapshot(1, NOW_S).fault_injection is False

@@ -11,7 +11,7 @@ from gateway_kit import NOW_S, PLANT, atv_heartbeat, machine_heartbeat
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection import atvs as atvs_module
 from dray.gateway.live.projection import machines as machines_module
-from dray.gateway.live.views import TrialView
+from dray.gateway.live.views import ProbationView
 from dray.messages import (
     AtvStatus,
     Brief,
@@ -19,9 +19,9 @@ from dray.messages import (
     GoalBrief,
     MachineStatus,
     Phase,
+    ProbationBrief,
     Role,
     TaskBrief,
-    TrialBrief,
 )
 
 # --- heartbeats -------------------------------------------------------------------------------------
@@ -76,13 +76,13 @@ def test_a_machine_is_seen_as_its_last_heartbeat_told(projection: Projection) ->
 
 
 @pytest.mark.parametrize("make", [atv_heartbeat, machine_heartbeat])
-def test_who_leaves_or_is_on_trial_is_seen_to(projection: Projection, make: Any) -> None:
-    projection.fold(make(seq=1, leaving=True))
-    assert [view.leaving for view in (*projection.atvs.views(), *projection.machines.views())] == [True]
-    projection.fold(make(seq=1, incarnation=2, trial=TrialBrief(of=3, done=1)))
+def test_who_leaves_or_is_on_probation_is_seen_to(projection: Projection, make: Any) -> None:
+    projection.fold(make(seq=1, draining=True))
+    assert [view.draining for view in (*projection.atvs.views(), *projection.machines.views())] == [True]
+    projection.fold(make(seq=1, incarnation=2, probation=ProbationBrief(of=3, done=1)))
     [view] = (*projection.atvs.views(), *projection.machines.views())
-    assert not view.leaving
-    assert view.trial == TrialView(of=3, done=1)
+    assert not view.draining
+    assert view.probation == ProbationView(of=3, done=1)
 
 
 @pytest.mark.parametrize("make", [atv_heartbeat, machine_heartbeat])
@@ -120,8 +120,8 @@ def test_vehicles_and_machines_are_counted_by_status(projection: Projection) -> 
 def test_a_peer_that_invents_names_does_not_fill_the_memory(
     projection: Projection, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(atvs_module, "newcomers_max", lambda _known: 2)
-    monkeypatch.setattr(machines_module, "newcomers_max", lambda _known: 2)
+    monkeypatch.setattr(atvs_module, "joining_max", lambda _known: 2)
+    monkeypatch.setattr(machines_module, "joining_max", lambda _known: 2)
     for number in range(5):
         projection.fold(atv_heartbeat(f"X{number}"))
         projection.fold(machine_heartbeat(f"Y{number}"))

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from gateway_kit import NOW_S, PLANT, gateway
-from newcomer_kit import BEFORE, SPEC, introduction
+from joining_kit import BEFORE, SPEC, introduction
 
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection import site as site_module
@@ -22,7 +22,7 @@ def projection() -> Projection:
     return Projection(BEFORE, TimeScale(0.0, NOW_S))
 
 
-def test_a_newcomer_stands_where_it_says(projection: Projection) -> None:
+def test_a_joining_machine_stands_where_it_says(projection: Projection) -> None:
     projection.fold(introduction())
     assert projection.site.plant.machines[SPEC.id] == SPEC
     view = projection.machines.view(SPEC.id)
@@ -30,7 +30,9 @@ def test_a_newcomer_stands_where_it_says(projection: Projection) -> None:
     assert view.name == SPEC.name
 
 
-def test_operators_of_its_area_see_a_newcomer_that_comes_while_they_look(projection: Projection) -> None:
+def test_operators_of_its_area_see_a_joining_machine_that_comes_while_they_look(
+    projection: Projection,
+) -> None:
     here, elsewhere = (
         AreaVisibility(projection, frozenset(areas))
         for areas in ({AREA}, {each.id for each in PLANT.areas} - {AREA})
@@ -47,7 +49,7 @@ def test_operators_of_its_area_see_a_newcomer_that_comes_while_they_look(project
 
 
 @pytest.mark.parametrize("wrong", [{"node": "nowhere"}, {"station": "nobody's"}, {"makes": ()}])
-def test_a_newcomer_that_does_not_fit_is_seen_and_stands_nowhere(
+def test_a_joining_machine_that_does_not_fit_is_seen_and_stands_nowhere(
     projection: Projection, wrong: dict[str, Any]
 ) -> None:
     before = projection.site.plant
@@ -73,7 +75,7 @@ def test_a_peer_that_invents_machines_ends_somewhere(
 
 
 @pytest.mark.anyio
-async def test_the_plant_over_rest_has_the_newcomer_and_so_has_a_preview(url: str) -> None:
+async def test_the_plant_over_rest_has_the_joining_machine_and_so_has_a_preview(url: str) -> None:
     async with gateway(url, plant=BEFORE) as house:
         client = house.client
         house.bus.say(introduction())

@@ -43,14 +43,16 @@ def test_the_small_plant_is_told_that_its_only_vehicle_is_alone(small_text: str)
     assert "ATV1 alone of 1 carries tote" in alone.text
 
 
-def test_fewer_berths_than_vehicles(small_text: str) -> None:
-    [berths] = of_kind(change(small_text, (FIRST_FLEET, fleet("middle", "west", "east", "south"))), "berths")
-    assert "2 berths (1 chargers, 1 parking places) for 4 vehicles: 2 without work" in berths.text
-    assert "add 2 parking places" in berths.text
+def test_fewer_dwell_points_than_vehicles(small_text: str) -> None:
+    [dwell_points] = of_kind(
+        change(small_text, (FIRST_FLEET, fleet("middle", "west", "east", "south"))), "dwell_points"
+    )
+    assert "2 dwell points (1 chargers, 1 parking places) for 4 vehicles: 2 without work" in dwell_points.text
+    assert "add 2 parking places" in dwell_points.text
 
 
-def test_as_many_berths_as_vehicles_are_enough(small_text: str) -> None:
-    assert of_kind(change(small_text, (FIRST_FLEET, fleet("middle", "west"))), "berths") == []
+def test_as_many_dwell_points_as_vehicles_are_enough(small_text: str) -> None:
+    assert of_kind(change(small_text, (FIRST_FLEET, fleet("middle", "west"))), "dwell_points") == []
 
 
 def test_one_charger_for_vehicles_that_use_more_than_it_gives(small_text: str) -> None:

@@ -57,7 +57,7 @@ def test_machines_stand_in_the_centre_in_rows_of_three(plant: Plant) -> None:
 
 
 def test_a_docked_vehicle_stands_off_the_lanes(plant: Plant) -> None:
-    for place in (*plant.machines, *plant.storages, *plant.berths, "SOURCE"):
+    for place in (*plant.machines, *plant.storages, *plant.dwell_points, "SOURCE"):
         spur = plant.roads.leaving[plant.node_of(place)]
         assert len(spur) == 1
         assert 1.5 <= spur[0].length_m <= 4.0
@@ -83,9 +83,9 @@ def test_every_node_can_be_reached_from_every_other(plant: Plant) -> None:
     assert len(plant.roads.parts()) == 1
 
 
-def test_vehicles_stand_all_over_the_floor_on_a_berth_of_their_own(plant: Plant) -> None:
+def test_vehicles_stand_all_over_the_floor_on_a_dwell_point_of_their_own(plant: Plant) -> None:
     nodes = [vehicle.node for vehicle in plant.fleet.values()]
-    assert set(nodes) <= {plant.node_of(berth) for berth in plant.berths}
+    assert set(nodes) <= {plant.node_of(dwell_point) for dwell_point in plant.dwell_points}
     places = [plant.nodes[node] for node in nodes]
     assert min(place.x_m for place in places) < 20
     assert max(place.x_m for place in places) > 40
@@ -153,7 +153,7 @@ def test_a_transport_takes_about_two_minutes(plant: Plant) -> None:
         routes = plant.routes(kind.id)
         durations_s = []
         for machine in plant.machines:
-            for start in plant.berths:
+            for start in plant.dwell_points:
                 approach = routes.duration_s(plant.node_of(start), plant.node_of("S4"))
                 carry = routes.duration_s(plant.node_of("S4"), plant.node_of(machine))
                 durations_s.append(approach + kind.load_s + carry + kind.unload_s)

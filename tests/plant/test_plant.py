@@ -19,7 +19,7 @@ def plant() -> Plant:
 
 
 def test_a_place_is_where_vehicles_dock(plant: Plant) -> None:
-    for place in (*plant.machines, *plant.storages, *plant.warehouses, *plant.berths):
+    for place in (*plant.machines, *plant.storages, *plant.warehouses, *plant.dwell_points):
         node = plant.nodes[plant.node_of(place)]
         assert plant.position_of(place) == (node.x_m, node.y_m)
 
@@ -29,8 +29,8 @@ def test_a_vehicle_is_no_place(plant: Plant) -> None:
         plant.node_of("ATV1")
 
 
-def test_berths_are_chargers_then_parking_places(plant: Plant) -> None:
-    assert plant.berths == (*plant.chargers, *plant.parkings)
+def test_dwell_points_are_chargers_then_parking_places(plant: Plant) -> None:
+    assert plant.dwell_points == (*plant.chargers, *plant.parkings)
 
 
 def test_storages_of_a_material_keep_it(plant: Plant) -> None:

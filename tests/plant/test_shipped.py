@@ -30,9 +30,9 @@ def test_every_node_can_be_reached_from_every_other(plant: Plant) -> None:
     assert len(plant.roads.parts()) == 1
 
 
-def test_every_vehicle_begins_on_a_berth_of_its_own(plant: Plant) -> None:
-    berths = {plant.node_of(berth) for berth in plant.berths}
-    assert {vehicle.node for vehicle in plant.fleet.values()} <= berths
+def test_every_vehicle_begins_on_a_dwell_point_of_its_own(plant: Plant) -> None:
+    dwell_points = {plant.node_of(dwell_point) for dwell_point in plant.dwell_points}
+    assert {vehicle.node for vehicle in plant.fleet.values()} <= dwell_points
 
 
 def test_two_halls_are_joined_by_gates_in_one_direction_each() -> None:

@@ -1,4 +1,4 @@
-"""A sketched plant is one that runs: no fault, and no warning that a newcomer would have to understand first."""
+"""A sketched plant is one that runs: no fault, and no warning that somebody new would have to understand first."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ def test_whatever_is_wished_for_has_no_fault(machines: int, vehicles: int) -> No
         file = sketch(Wishes(machines=machines, vehicles=vehicles, products=products))
         plant = parse_plant(plant_yaml(Plant(file)), "sketch")
         assert (len(plant.machines), len(plant.fleet), len(plant.products)) == (machines, vehicles, products)
-        assert len(plant.berths) >= vehicles
+        assert len(plant.dwell_points) >= vehicles
         kinds = {each.kind for each in advice(plant)}
-        assert not kinds & {"berths", "charger", "trap", "range"}, advice(plant)
+        assert not kinds & {"dwell_points", "charger", "trap", "range"}, advice(plant)
 
 
 def test_the_usual_one_has_nothing_to_be_warned_of() -> None:

@@ -130,7 +130,7 @@ class Walk:
         self.job.on_answer(Superseded(task="M8-1", epoch=2), self.now_s)
 
     def asks_to_leave(self) -> None:
-        self.job.give_back("leaves in order", self.now_s)
+        self.job.give_back("graceful shutdown", self.now_s)
 
     def refuses_way(self) -> None:
         self.job.way_refused(self.now_s)

@@ -24,9 +24,9 @@ from dray.errors import ProtocolViolation
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
-    BerthClaimed,
     Declined,
     Docked,
+    DwellPointClaimed,
     GoalClosed,
     Handover,
     OrderReleased,
@@ -92,7 +92,7 @@ def test_what_is_not_meant_for_a_vehicle_is_ignored() -> None:
         OrderReleased(order="O1", items=(), due_s=1.0),
         Docked(task="M8-1", epoch=1, station="M8"),
         Handover(task="M8-1", epoch=1, quantity=1),
-        BerthClaimed(berth="CH1", atv="ATV9", battery_frac=0.1, standing=False),
+        DwellPointClaimed(dwell_point="CH1", atv="ATV9", battery_frac=0.1, standing=False),
     ):
         assert deeds(rig.hear("X", message)) == [], message
 

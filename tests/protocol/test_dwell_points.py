@@ -6,7 +6,7 @@ import msgspec
 import pytest
 from kit import KEYS, PLANT, listening, published
 
-from dray.messages import BerthClaimed
+from dray.messages import DwellPointClaimed
 from dray.plant import Plant
 from dray.protocol.runtime.events import Effect, Publish, Subscribe
 from dray.protocol.vehicle.dwell_points import APPROACH_S, BLOCKED_S, TAKEN_MEMORY_S, DwellPoints, Hold
@@ -17,13 +17,13 @@ class Driver:
 
     def __init__(self, atv: str = "ATV5") -> None:
         self.out: list[Effect] = []
-        self.berths = DwellPoints(atv, PLANT, "light", KEYS, self.out)
+        self.dwell_points = DwellPoints(atv, PLANT, "light", KEYS, self.out)
 
     def seek(self, *, charger: bool = True, battery_frac: float = 0.5, now_s: float = 0.0) -> bool:
-        return self.berths.seek(charger=charger, node="e3", battery_frac=battery_frac, now_s=now_s)
+        return self.dwell_points.seek(charger=charger, node="e3", battery_frac=battery_frac, now_s=now_s)
 
     @property
-    def claims(self) -> list[BerthClaimed]:
+    def claims(self) -> list[DwellPointClaimed]:
         return [effect.message for effect in self.out if isinstance(effect, Publish)]
 
     @property
@@ -32,21 +32,21 @@ class Driver:
 
 
 def rival(
-    berth: str, atv: str = "ATV7", battery_frac: float = 0.5, *, standing: bool = False
-) -> BerthClaimed:
-    return BerthClaimed(berth=berth, atv=atv, battery_frac=battery_frac, standing=standing)
+    dwell_point: str, atv: str = "ATV7", battery_frac: float = 0.5, *, standing: bool = False
+) -> DwellPointClaimed:
+    return DwellPointClaimed(dwell_point=dwell_point, atv=atv, battery_frac=battery_frac, standing=standing)
 
 
-def test_the_nearest_berth_of_the_kind_is_claimed_on_its_own_key() -> None:
+def test_the_nearest_dwell_point_of_the_kind_is_claimed_on_its_own_key() -> None:
     driver = Driver()
     assert driver.seek()
     routes = PLANT.routes("light")
     nearest = min(PLANT.chargers, key=lambda each: routes.duration_s("e3", PLANT.node_of(each)))
-    assert driver.berths.berth == nearest
-    assert driver.berths.is_charger
-    assert driver.berths.hold is Hold.CLAIMED
+    assert driver.dwell_points.dwell_point == nearest
+    assert driver.dwell_points.is_charger
+    assert driver.dwell_points.hold is Hold.CLAIMED
     assert driver.claims == [rival(nearest, "ATV5")]
-    assert driver.keys == {KEYS.berth(nearest)}
+    assert driver.keys == {KEYS.dwell_point(nearest)}
 
 
 def test_whoever_claims_listens_before_it_speaks() -> None:
@@ -58,8 +58,8 @@ def test_whoever_claims_listens_before_it_speaks() -> None:
 def test_parking_places_are_sought_apart_from_chargers() -> None:
     driver = Driver()
     assert driver.seek(charger=False)
-    assert driver.berths.berth in PLANT.parkings
-    assert not driver.berths.is_charger
+    assert driver.dwell_points.dwell_point in PLANT.parkings
+    assert not driver.dwell_points.is_charger
 
 
 @pytest.mark.parametrize(
@@ -78,21 +78,21 @@ def test_a_contest_goes_to_the_occupant_then_the_emptier_battery_then_the_smalle
 ) -> None:
     driver = Driver("ATV5")
     driver.seek(battery_frac=0.5)
-    berth = driver.berths.berth
-    lost = driver.berths.on_claim(msgspec.structs.replace(rival(berth), **claim), 0.5)
+    dwell_point = driver.dwell_points.dwell_point
+    lost = driver.dwell_points.on_claim(msgspec.structs.replace(rival(dwell_point), **claim), 0.5)
     assert lost is not keeps
-    assert driver.berths.berth == (berth if keeps else "")
+    assert driver.dwell_points.dwell_point == (dwell_point if keeps else "")
     assert len(driver.claims) == (2 if keeps else 1)
 
 
 def test_an_occupant_objects_to_everybody_and_is_never_driven_out() -> None:
     driver = Driver("ATV5")
     driver.seek(battery_frac=0.9)
-    driver.berths.arrive()
-    berth = driver.berths.berth
-    for claim in (rival(berth, "ATV1", 0.01), rival(berth, "ATV9", 0.99)):
-        assert not driver.berths.on_claim(claim, 10.0)
-    assert driver.berths.hold is Hold.STANDING
+    driver.dwell_points.arrive()
+    dwell_point = driver.dwell_points.dwell_point
+    for claim in (rival(dwell_point, "ATV1", 0.01), rival(dwell_point, "ATV9", 0.99)):
+        assert not driver.dwell_points.on_claim(claim, 10.0)
+    assert driver.dwell_points.hold is Hold.STANDING
     assert [claim.standing for claim in driver.claims] == [False, True, True]
 
 
@@ -100,12 +100,12 @@ def held_off_s(*, standing: bool) -> float:
     """How long a rival that never charges can keep a vehicle from the only charger by words."""
     one = Plant(msgspec.structs.replace(PLANT.file, chargers=PLANT.file.chargers[:1]))
     out: list[Effect] = []
-    berths = DwellPoints("ATV5", one, "light", KEYS, out)
+    dwell_points = DwellPoints("ATV5", one, "light", KEYS, out)
     for now_s in range(0, 24 * 3600, 30):
-        if not berths.seek(charger=True, node="e3", battery_frac=0.5, now_s=float(now_s)):
+        if not dwell_points.seek(charger=True, node="e3", battery_frac=0.5, now_s=float(now_s)):
             continue
-        liar = rival(berths.berth, battery_frac=0.0, standing=standing)
-        if not berths.on_claim(liar, now_s + 0.5):
+        liar = rival(dwell_points.dwell_point, battery_frac=0.0, standing=standing)
+        if not dwell_points.on_claim(liar, now_s + 0.5):
             return float(now_s)
     return float("inf")
 
@@ -119,99 +119,99 @@ def test_a_claim_is_believed_for_as_long_as_it_can_be_true() -> None:
 def test_a_parking_place_may_be_stood_in_for_ever() -> None:
     driver = Driver()
     assert driver.seek(charger=False, now_s=0.0)
-    first = driver.berths.berth
+    first = driver.dwell_points.dwell_point
     for day in range(30):
         now_s = day * 86_400.0
-        while driver.seek(charger=False, now_s=now_s) and driver.berths.berth != first:
-            driver.berths.on_claim(rival(driver.berths.berth, standing=True), now_s)
-        assert driver.berths.on_claim(rival(first, standing=True), now_s)
+        while driver.seek(charger=False, now_s=now_s) and driver.dwell_points.dwell_point != first:
+            driver.dwell_points.on_claim(rival(driver.dwell_points.dwell_point, standing=True), now_s)
+        assert driver.dwell_points.on_claim(rival(first, standing=True), now_s)
 
 
-def test_a_berth_that_is_left_to_another_one_is_lost_without_a_word() -> None:
+def test_a_dwell_point_that_is_left_to_another_one_is_lost_without_a_word() -> None:
     driver = Driver()
-    driver.berths.stand("CH2", 0.9)
+    driver.dwell_points.stand("CH2", 0.9)
     said = len(driver.claims)
-    assert driver.berths.on_claim(rival("CH2", battery_frac=0.2), 1.0, plugged=True, gives_way=True)
+    assert driver.dwell_points.on_claim(rival("CH2", battery_frac=0.2), 1.0, plugged=True, gives_way=True)
     assert len(driver.claims) == said
-    assert driver.berths.hold is Hold.NONE
-    assert driver.berths.is_taken("CH2", 2.0)
+    assert driver.dwell_points.hold is Hold.NONE
+    assert driver.dwell_points.is_taken("CH2", 2.0)
 
 
 def test_a_charger_of_no_use_is_not_asked_for_again_before_somebody_can_have_seen_to_it() -> None:
     driver = Driver()
     driver.seek(now_s=0.0)
-    useless = driver.berths.berth
-    driver.berths.block(0.0)
+    useless = driver.dwell_points.dwell_point
+    driver.dwell_points.block(0.0)
     for now_s in (1.0, BLOCKED_S - 1.0):
         driver.seek(now_s=now_s)
-        assert driver.berths.berth != useless
+        assert driver.dwell_points.dwell_point != useless
     driver.seek(now_s=BLOCKED_S + 1.0)
-    assert driver.berths.berth == useless
+    assert driver.dwell_points.dwell_point == useless
 
 
 def test_where_no_way_leads_to_a_charger_there_is_none_to_ask_for() -> None:
     lanes = tuple(lane for lane in PLANT.file.lanes if "e3" not in (lane.start, lane.end))
     alone = Plant(msgspec.structs.replace(PLANT.file, lanes=lanes))
-    berths = DwellPoints("ATV5", alone, "light", KEYS, [])
-    assert not berths.seek(charger=True, node="e3", battery_frac=0.5, now_s=0.0)
+    dwell_points = DwellPoints("ATV5", alone, "light", KEYS, [])
+    assert not dwell_points.seek(charger=True, node="e3", battery_frac=0.5, now_s=0.0)
 
 
-def test_a_vehicle_that_begins_in_a_berth_stands_there() -> None:
+def test_a_vehicle_that_begins_in_a_dwell_point_stands_there() -> None:
     driver = Driver("ATV5")
-    driver.berths.stand("CH2", 0.9)
+    driver.dwell_points.stand("CH2", 0.9)
     assert driver.claims == [rival("CH2", "ATV5", 0.9, standing=True)]
-    assert not driver.berths.on_claim(rival("CH2", battery_frac=0.01), 1.0)
+    assert not driver.dwell_points.on_claim(rival("CH2", battery_frac=0.01), 1.0)
 
 
-def test_a_berth_that_was_lost_is_not_asked_for_again_soon() -> None:
+def test_a_dwell_point_that_was_lost_is_not_asked_for_again_soon() -> None:
     driver = Driver("ATV5")
     driver.seek(now_s=0.0)
-    first = driver.berths.berth
-    driver.berths.on_claim(rival(first, battery_frac=0.1), 1.0)
+    first = driver.dwell_points.dwell_point
+    driver.dwell_points.on_claim(rival(first, battery_frac=0.1), 1.0)
     driver.seek(now_s=2.0)
-    assert driver.berths.berth not in ("", first)
+    assert driver.dwell_points.dwell_point not in ("", first)
     driver.seek(now_s=1.0 + TAKEN_MEMORY_S)
-    assert driver.berths.berth == first
+    assert driver.dwell_points.dwell_point == first
 
 
-def test_when_every_berth_is_taken_there_is_none_to_ask_for() -> None:
+def test_when_every_dwell_point_is_taken_there_is_none_to_ask_for() -> None:
     driver = Driver("ATV5")
     for _ in PLANT.chargers:
         assert driver.seek()
-        driver.berths.on_claim(rival(driver.berths.berth, standing=True), 1.0)
+        driver.dwell_points.on_claim(rival(driver.dwell_points.dwell_point, standing=True), 1.0)
     assert not driver.seek(now_s=2.0)
-    assert driver.berths.berth == ""
-    assert driver.berths.hold is Hold.NONE
+    assert driver.dwell_points.dwell_point == ""
+    assert driver.dwell_points.hold is Hold.NONE
 
 
-def test_claims_of_other_berths_and_of_nobody_else_mean_nothing() -> None:
+def test_claims_of_other_dwell_points_and_of_nobody_else_mean_nothing() -> None:
     driver = Driver("ATV5")
-    assert not driver.berths.on_claim(rival("CH1", battery_frac=0.0), 1.0)
+    assert not driver.dwell_points.on_claim(rival("CH1", battery_frac=0.0), 1.0)
     driver.seek()
-    berth = driver.berths.berth
-    other = next(each for each in PLANT.chargers if each != berth)
-    assert not driver.berths.on_claim(rival(other, battery_frac=0.0), 1.0)
-    assert not driver.berths.on_claim(rival(berth, "ATV5", 0.0), 1.0)
-    assert driver.berths.berth == berth
+    dwell_point = driver.dwell_points.dwell_point
+    other = next(each for each in PLANT.chargers if each != dwell_point)
+    assert not driver.dwell_points.on_claim(rival(other, battery_frac=0.0), 1.0)
+    assert not driver.dwell_points.on_claim(rival(dwell_point, "ATV5", 0.0), 1.0)
+    assert driver.dwell_points.dwell_point == dwell_point
     assert len(driver.claims) == 1
 
 
-def test_a_berth_that_is_left_is_defended_no_longer() -> None:
+def test_a_dwell_point_that_is_left_is_defended_no_longer() -> None:
     driver = Driver("ATV5")
     driver.seek()
-    berth = driver.berths.berth
-    driver.berths.leave()
-    driver.berths.leave()
+    dwell_point = driver.dwell_points.dwell_point
+    driver.dwell_points.leave()
+    driver.dwell_points.leave()
     assert driver.keys == set()
-    assert not driver.berths.on_claim(rival(berth), 1.0)
+    assert not driver.dwell_points.on_claim(rival(dwell_point), 1.0)
     assert len(driver.claims) == 1
 
 
 def test_the_battery_of_a_claim_does_not_change_while_it_stands() -> None:
     driver = Driver("ATV5")
     driver.seek(battery_frac=0.5)
-    berth = driver.berths.berth
+    dwell_point = driver.dwell_points.dwell_point
     for _ in range(3):
-        driver.berths.on_claim(rival(berth, battery_frac=0.7), 1.0)
+        driver.dwell_points.on_claim(rival(dwell_point, battery_frac=0.7), 1.0)
     assert {claim.battery_frac for claim in driver.claims} == {0.5}
-    assert published(driver.out, BerthClaimed) == [rival(berth, "ATV5", 0.5)]
+    assert published(driver.out, DwellPointClaimed) == [rival(dwell_point, "ATV5", 0.5)]

@@ -25,8 +25,8 @@ from m7 import NO_HOUSINGS, m7, status, supplied_by
 from dray.body import Broken, Repaired, VehicleState
 from dray.errors import ProtocolViolation
 from dray.messages import (
-    BerthClaimed,
     CommandKind,
+    DwellPointClaimed,
     GoalClosed,
     MachineHeartbeat,
     MachineStatus,
@@ -165,7 +165,7 @@ def test_the_heartbeat_tells_of_buffers_and_goods() -> None:
 def test_what_is_not_meant_for_a_machine_is_ignored() -> None:
     rig = m7(goal=2)
     command = VehicleCommand(command="C1", kind=CommandKind.STOP)
-    claim = BerthClaimed(berth="CH1", atv="ATV1", battery_frac=0.5, standing=False)
+    claim = DwellPointClaimed(dwell_point="CH1", atv="ATV1", battery_frac=0.5, standing=False)
     for message in (
         command,
         claim,

@@ -1,4 +1,4 @@
-"""On trial: short tasks only, until enough were done well (paper, 4.2 case 6)."""
+"""On probation: short tasks only, until enough were done well (paper, 4.2 case 6)."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from dray.messages import (
     Handover,
     HandoverAccepted,
     MachineHeartbeat,
+    ProbationBrief,
     Refusal,
     Role,
     Superseded,
-    TrialBrief,
 )
 from dray.messages.fact import BidRefused
 from dray.protocol.contract_net.probation import PASSED_OVER_ROUNDS, SHORT_S, Probation
@@ -40,8 +40,8 @@ LONG = transport(sources=("S1",), destination="M12")
 """To the other end of the plant: 106 s."""
 
 
-def vehicle(trial: int = 2, node: str = "p3") -> VehicleRig:
-    rig = VehicleRig(trial=trial, node=node)
+def vehicle(probation: int = 2, node: str = "p3") -> VehicleRig:
+    rig = VehicleRig(probation=probation, node=node)
     rig.start()
     return rig
 
@@ -59,10 +59,10 @@ def carry(rig: VehicleRig, number: int) -> None:
     rig.run(rig.now_s)
 
 
-def told(rig: VehicleRig | MachineRig) -> TrialBrief | None:
+def told(rig: VehicleRig | MachineRig) -> ProbationBrief | None:
     rig.run(rig.now_s)
     kind = AtvHeartbeat if isinstance(rig, VehicleRig) else MachineHeartbeat
-    return rig.heartbeats(kind)[-1].trial
+    return rig.heartbeats(kind)[-1].probation
 
 
 def test_the_transports_of_these_tests_are_short_and_long() -> None:
@@ -74,24 +74,24 @@ def test_the_transports_of_these_tests_are_short_and_long() -> None:
     assert finish_s[0] <= SHORT_S < finish_s[1]
 
 
-def test_on_trial_a_vehicle_bids_for_short_transports_only() -> None:
+def test_on_probation_a_vehicle_bids_for_short_transports_only() -> None:
     rig = vehicle()
     assert len(sent(rig.hear("M8", announcement(work=SHORT)), Bid)) == 1
     effects = rig.hear("M1", announcement(task="M1-1", coordinator="M1", work=LONG))
     assert not sent(effects, Bid)
     [refused] = facts(effects, BidRefused)
     assert refused.reason is Refusal.NOT_FIT
-    assert refused.detail.startswith("on trial")
+    assert refused.detail.startswith("on probation")
 
 
-def test_what_nobody_has_taken_is_taken_on_trial_too() -> None:
+def test_what_nobody_has_taken_is_taken_on_probation_too() -> None:
     rig = vehicle()
     again = announcement(task="M1-1", coordinator="M1", work=LONG, round=PASSED_OVER_ROUNDS + 1)
     assert len(sent(rig.hear("M1", again), Bid)) == 1
     assert len(sent(rig.hear("M1", award(task="M1-1", work=LONG)), Accepted)) == 1
 
 
-def test_on_trial_a_vehicle_watches_nobody() -> None:
+def test_on_probation_a_vehicle_watches_nobody() -> None:
     rig = vehicle()
     watch = announcement(role=Role.SECONDARY, primary="ATV2", round=PASSED_OVER_ROUNDS + 1)
     assert not sent(rig.hear("M8", watch), Bid)
@@ -100,11 +100,11 @@ def test_on_trial_a_vehicle_watches_nobody() -> None:
     assert declined.reason is Refusal.NOT_FIT
 
 
-def test_after_so_many_handovers_its_trial_is_over() -> None:
+def test_after_so_many_handovers_its_probation_is_over() -> None:
     rig = vehicle(2)
-    assert told(rig) == TrialBrief(of=2, done=0)
+    assert told(rig) == ProbationBrief(of=2, done=0)
     carry(rig, 1)
-    assert told(rig) == TrialBrief(of=2, done=1)
+    assert told(rig) == ProbationBrief(of=2, done=1)
     carry(rig, 2)
     assert told(rig) is None
     rig.arrive()
@@ -116,11 +116,11 @@ def test_a_transport_that_others_finish_does_not_count() -> None:
     rig = vehicle(1)
     rig.hear("M8", award())
     rig.hear("M8", Superseded(task="M8-1", epoch=2))
-    assert told(rig) == TrialBrief(of=1, done=0)
+    assert told(rig) == ProbationBrief(of=1, done=0)
 
 
 @pytest.mark.parametrize("make", [VehicleRig, MachineRig])
-def test_who_is_not_on_trial_says_nothing_of_it(make: type[VehicleRig | MachineRig]) -> None:
+def test_who_is_not_on_probation_says_nothing_of_it(make: type[VehicleRig | MachineRig]) -> None:
     rig = make()
     rig.start()
     assert told(rig) is None
@@ -129,9 +129,9 @@ def test_who_is_not_on_trial_says_nothing_of_it(make: type[VehicleRig | MachineR
 LOT = PLANT.products["pump-p3"].lot
 
 
-def machine(trial: int = 1) -> MachineRig:
+def machine(probation: int = 1) -> MachineRig:
     full = {material: PLANT.materials[material].buffer for material in PLANT.materials_of("M7")}
-    rig = MachineRig("M7", full, trial=trial)
+    rig = MachineRig("M7", full, probation=probation)
     rig.start()
     return rig
 
@@ -143,7 +143,7 @@ def put_up(rig: MachineRig, pieces: int, number: int = 1, rounds: int = 1) -> li
     return sent(rig.hear("STRATEGIST", goal), Bid)
 
 
-def test_on_trial_a_machine_takes_goals_of_one_container() -> None:
+def test_on_probation_a_machine_takes_goals_of_one_container() -> None:
     rig = machine()
     assert len(put_up(rig, LOT)) == 1
     assert not put_up(rig, LOT + 1, 2)
@@ -157,15 +157,15 @@ def test_a_transport_that_is_handed_over_to_it_counts() -> None:
     rig.take_goal("G1", production())
     rig.hire("M7-1", "ATV1")
     rig.hear("ATV1", rhb("ATV1", 1, rig.now_s, task="M7-1", coordinator="M7"))
-    assert told(rig) == TrialBrief(of=1, done=0)
+    assert told(rig) == ProbationBrief(of=1, done=0)
     rig.hear("ATV1", Handover(task="M7-1", epoch=1, quantity=24))
     assert told(rig) is None
     assert len(put_up(rig, 10 * LOT, 3)) == 1
 
 
-def test_a_trial_ends_with_its_last_transport_and_counts_no_more() -> None:
-    trial = Probation(1)
-    trial.note_done()
-    trial.note_done()
-    assert not trial.lasts
-    assert not trial.bars(short=False, round_number=1)
+def test_probation_ends_with_its_last_transport_and_counts_no_more() -> None:
+    probation = Probation(1)
+    probation.note_done()
+    probation.note_done()
+    assert not probation.lasts
+    assert not probation.bars(short=False, round_number=1)

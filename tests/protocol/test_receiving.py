@@ -97,7 +97,7 @@ def test_material_that_nobody_has_counted_is_disputed_and_brought_by_somebody_el
     assert sent(answered, HandoverAccepted) == []
     assert [each.epoch for each in sent(answered, Superseded, to="ATV2")] == [2]
     assert facts(rig.all, TaskClosed) == []
-    assert rig.agent._tasks._failover._assessor.reliability.on_probation("ATV2", rig.now_s)
+    assert rig.agent._tasks._failover._assessor.reliability.is_restricted("ATV2", rig.now_s)
     rig.hear("ATV3", bid(50.0, task="M7-1", epoch=2))
     effects: list[Effect] = []
     while not sent(effects, Award, to="ATV3") and rig.now_s < 60.0:

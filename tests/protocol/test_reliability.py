@@ -32,8 +32,8 @@ class School:
     def surcharge_s(self, now_s: float = 0.0) -> float:
         return self.reliability.surcharge_s("ATV9", now_s)
 
-    def on_probation(self, now_s: float = 0.0) -> bool:
-        return self.reliability.on_probation("ATV9", now_s)
+    def is_restricted(self, now_s: float = 0.0) -> bool:
+        return self.reliability.is_restricted("ATV9", now_s)
 
 
 def test_nothing_is_held_against_a_stranger_and_one_that_keeps_its_word_leaves_no_trace() -> None:
@@ -73,22 +73,22 @@ def test_a_late_one_is_dearer_by_as_much_as_it_is_late_and_by_no_more_than_a_dro
     assert school.reliability.surcharge_s("ATV8", 0.0) == DROPPED_S
 
 
-def test_who_drops_contract_after_contract_is_on_probation_until_short_ones_were_kept() -> None:
+def test_who_drops_contract_after_contract_is_restricted_until_short_ones_were_kept() -> None:
     school = School()
     school.drops(3)
-    assert school.on_probation()
+    assert school.is_restricted()
     for _ in range(4):
         school.reliability.note_kept("ATV9", "T2", 0.0, 0.0)
-    assert not school.on_probation()
-    assert not facts(school.out, ContractorRated)[-1].on_probation
+    assert not school.is_restricted()
+    assert not facts(school.out, ContractorRated)[-1].restricted
 
 
 def test_probation_ends_with_time_too() -> None:
     school = School()
     school.drops(100)
     assert school.surcharge_s() == DOUBT_MAX * DROPPED_S
-    assert school.on_probation(2 * HALF_LIFE_S)
-    assert not school.on_probation(4 * HALF_LIFE_S)
+    assert school.is_restricted(2 * HALF_LIFE_S)
+    assert not school.is_restricted(4 * HALF_LIFE_S)
 
 
 def test_a_breakdown_now_and_then_is_no_probation() -> None:
@@ -96,7 +96,7 @@ def test_a_breakdown_now_and_then_is_no_probation() -> None:
     for hour in range(24):
         school.drops(now_s=hour * 1800.0)
         school.reliability.note_kept("ATV9", "T2", 0.0, hour * 1800.0 + 600.0)
-        assert not school.on_probation(hour * 1800.0)
+        assert not school.is_restricted(hour * 1800.0)
 
 
 def test_no_more_contractors_are_remembered_than_there_is_room_for() -> None:
@@ -106,7 +106,7 @@ def test_no_more_contractors_are_remembered_than_there_is_room_for() -> None:
     assert len(school.reliability._ratings) == KNOWN_MAX
 
 
-def test_on_probation_a_task_that_was_dropped_counts_as_long_however_short_its_bid() -> None:
+def test_restricted_a_task_that_was_dropped_counts_as_long_however_short_its_bid() -> None:
     assessor = Assessor(PLANT, [])
     for _ in range(3):
         assessor.reliability.note_given_back("ATV9", "T1", "changed its mind", 0.0)

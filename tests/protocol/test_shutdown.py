@@ -59,7 +59,11 @@ from dray.messages.fact import BidRefused, CarrierChanged, ContractEnded
 from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
 from dray.protocol.runtime.events import NEVER_S, Leave
 from dray.protocol.runtime.retransmission import ASK_AGAIN_S
-from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S, COORDINATOR_LEAVES_WITHIN_S, LEAVES
+from dray.protocol.runtime.shutdown import (
+    CARRIER_LEAVES_WITHIN_S,
+    COORDINATOR_LEAVES_WITHIN_S,
+    GRACEFUL_SHUTDOWN,
+)
 from dray.protocol.vehicle.transport_job import GIVE_UP_AFTER
 
 GOODS = transport(item="pump-p3", quantity=24, sources=("M8",), destination="DELIVERY", goal="G8")
@@ -102,13 +106,13 @@ def test_one_that_stands_idle_leaves_at_once_and_says_so_with_its_last_word() ->
     *_, last_word, leave = rig.leave()
     assert isinstance(leave, Leave)
     [heartbeat] = published([last_word], AtvHeartbeat)
-    assert heartbeat.leaving
+    assert heartbeat.draining
 
 
 def test_until_it_is_asked_nobody_hears_of_leaving() -> None:
     rig = approaching()
     rig.run(20.0)
-    assert not any(heartbeat.leaving for heartbeat in rig.heartbeats(AtvHeartbeat))
+    assert not any(heartbeat.draining for heartbeat in rig.heartbeats(AtvHeartbeat))
 
 
 def test_on_its_way_to_a_place_to_stand_it_stops_at_the_next_node() -> None:
@@ -136,7 +140,7 @@ def test_its_watches_are_given_back() -> None:
     rig = idle()
     rig.hear("M8", award(role=Role.SECONDARY, primary="ATV2"))
     [resigned] = sent(rig.leave(), Resigned, to="M8")
-    assert (resigned.role, resigned.reason) == (Role.SECONDARY, LEAVES)
+    assert (resigned.role, resigned.reason) == (Role.SECONDARY, GRACEFUL_SHUTDOWN)
 
 
 @pytest.mark.parametrize("role", Role)
@@ -158,7 +162,7 @@ def test_a_task_whose_load_is_not_on_board_is_given_back_and_it_waits_to_be_reli
         "M8-1",
         1,
         Role.PRIMARY,
-        LEAVES,
+        GRACEFUL_SHUTDOWN,
     )
     assert rig.last(Drive).nodes == (rig.node,), "it stops"
     rig.arrive()
@@ -171,7 +175,7 @@ def test_a_task_whose_load_is_not_on_board_is_given_back_and_it_waits_to_be_reli
     assert rig.has_left
     assert newest(rig).task is None
     [ended] = facts(rig.all, ContractEnded)
-    assert (ended.task, ended.reason) == ("M8-1", LEAVES)
+    assert (ended.task, ended.reason) == ("M8-1", GRACEFUL_SHUTDOWN)
     assert committed(rig.all[-8:]) == {WHOLE: AtvMemory()}
 
 
@@ -247,7 +251,7 @@ def test_after_a_pick_that_fails_the_task_is_given_back() -> None:
     rig.arrive()
     rig.leave()
     rig.failed(Pick)
-    assert [resigned.reason for resigned in sent(rig.all, Resigned)] == [LEAVES]
+    assert [resigned.reason for resigned in sent(rig.all, Resigned)] == [GRACEFUL_SHUTDOWN]
     relieve(rig)
     assert rig.has_left
 
@@ -318,7 +322,7 @@ def test_asking_twice_changes_nothing() -> None:
 
 
 def gives_back(office: Office, atv: str = "ATV2", epoch: int = 1) -> None:
-    resigned = Resigned(task="T1", epoch=epoch, role=Role.PRIMARY, reason=LEAVES)
+    resigned = Resigned(task="T1", epoch=epoch, role=Role.PRIMARY, reason=GRACEFUL_SHUTDOWN)
     office.desk.on_resigned(atv, resigned, office.now_s)
 
 
@@ -334,7 +338,7 @@ def test_in_a_planned_takeover_the_secondary_is_asked_and_nobody_else() -> None:
     announced = published(office.out, TaskAnnounced)
     assert [said.epoch for said in announced if said.role is Role.PRIMARY] == [1]
     [changed] = facts(office.out, CarrierChanged)
-    assert (changed.replaced, changed.carrier, changed.reason) == ("ATV2", "", LEAVES)
+    assert (changed.replaced, changed.carrier, changed.reason) == ("ATV2", "", GRACEFUL_SHUTDOWN)
 
 
 def test_a_secondary_that_declines_lets_the_task_be_announced() -> None:
@@ -403,7 +407,7 @@ def test_who_gives_back_what_has_ended_is_told_so() -> None:
 def test_a_watch_becomes_a_contract_when_its_vehicle_is_asked() -> None:
     rig = idle()
     rig.hear("M8", award(role=Role.SECONDARY, primary="ATV2"))
-    rig.hear("M8", Release(task="M8-1", epoch=1, role=Role.SECONDARY, reason=LEAVES))
+    rig.hear("M8", Release(task="M8-1", epoch=1, role=Role.SECONDARY, reason=GRACEFUL_SHUTDOWN))
     [answer] = sent(rig.hear("M8", award(epoch=2, source="S3")), Accepted, to="M8")
     assert (answer.role, answer.epoch) == (Role.PRIMARY, 2)
     rig.run(rig.now_s)
@@ -426,7 +430,7 @@ def test_a_machine_that_waits_for_nobody_leaves_at_once() -> None:
     rig = supplied()
     rig.leave()
     assert rig.has_left
-    assert rig.heartbeats(MachineHeartbeat)[-1].leaving
+    assert rig.heartbeats(MachineHeartbeat)[-1].draining
 
 
 def test_it_takes_no_goals_any_more() -> None:
@@ -436,7 +440,7 @@ def test_it_takes_no_goals_any_more() -> None:
     goal = announcement(task="G2", coordinator="STRATEGIST", work=production())
     effects = rig.hear("STRATEGIST", goal)
     assert not sent(effects, Bid)
-    assert [refused.detail for refused in facts(effects, BidRefused)] == [LEAVES]
+    assert [refused.detail for refused in facts(effects, BidRefused)] == [GRACEFUL_SHUTDOWN]
     [declined] = sent(rig.award_goal("G2", production()), Declined)
     assert declined.reason is Refusal.NOT_FIT
 

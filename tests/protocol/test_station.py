@@ -265,6 +265,6 @@ def test_asked_to_leave_it_promises_nothing_more_and_waits_for_the_vehicle_at_it
     rig.docks("ATV1", "M8-1")
     rig.leave()
     assert not rig.has_left
-    assert rig.asks("M8-2") == [Ignore("asked for while the station was leaving")]
+    assert rig.asks("M8-2") == [Ignore("asked for while the station was draining")]
     rig.changes(-40, "ATV1")
     assert rig.has_left

@@ -25,9 +25,9 @@ from dray.body import Repaired
 from dray.errors import ProtocolViolation
 from dray.messages import (
     Award,
-    BerthClaimed,
     Confirmed,
     Docked,
+    DwellPointClaimed,
     GoalClosed,
     OrderItem,
     OrderReleased,
@@ -219,7 +219,7 @@ def test_what_is_not_meant_for_a_strategist_is_ignored() -> None:
         rhb("ATV1", 1, 0.0),
         Docked(task="M8-1", epoch=1, station="M8"),
         GoalClosed(goal="G1"),
-        BerthClaimed(berth="CH1", atv="ATV1", battery_frac=0.5, standing=False),
+        DwellPointClaimed(dwell_point="CH1", atv="ATV1", battery_frac=0.5, standing=False),
         goal_bid("G9", 1.0),
         declined("G9"),
     ):

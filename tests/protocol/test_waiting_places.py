@@ -1,4 +1,4 @@
-"""Where a vehicle waits that has no berth."""
+"""Where a vehicle waits that has no dwell point."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lets the tests beside it import `yard` and `trial_kit`."""
+"""Lets the tests beside it import `yard` and `check_kit`."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ def test_every_message_is_counted_once_by_its_kind() -> None:
             session = bus.join("ATV-07", lambda *_: None)
             session.publish(bus.keys.atv_heartbeat("ATV-07"), HEARTBEAT)
             session.publish(bus.keys.transports("1-1"), HEARTBEAT)
-            session.publish(bus.keys.berth("C1"), HEARTBEAT)
+            session.publish(bus.keys.dwell_point("C1"), HEARTBEAT)
             for to in ("A", "A", "B", "nobody"):
                 session.send(to, OrderTaken(order="1"))
             return dict(listener.heard)

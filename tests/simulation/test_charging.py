@@ -14,7 +14,7 @@ import msgspec
 import pytest
 
 from dray.body import VehicleState
-from dray.messages import BerthClaimed, Message
+from dray.messages import DwellPointClaimed, Message
 from dray.messages.speakers import Kind
 from dray.plant import Plant, VehicleSpec, default_plant
 from dray.protocol.vehicle.charging import Charging
@@ -160,7 +160,7 @@ def test_one_vehicle_with_one_charger_works_on() -> None:
     assert all_delivered(result)
 
 
-def test_where_every_berth_is_a_charger_work_is_done() -> None:
+def test_where_every_dwell_point_is_a_charger_work_is_done() -> None:
     plant = small(vehicles=4, chargers=4, parkings=0, battery_frac=0.4)
     looks, result = played(plant, hours=2.0, load=0.3)
     assert flat(looks) == set()
@@ -240,7 +240,10 @@ async def dies_on_its_way(stage: Stage) -> list[Look]:
     while claimed is None:
         await stage.until_s(stage.now_s() + 1.0)
         for atv, heartbeat in stage.witness.atvs.items():
-            if heartbeat.berth in stage.plant.chargers and factory.vehicles[atv].sense().speed_mps > 0.0:
+            if (
+                heartbeat.dwell_point in stage.plant.chargers
+                and factory.vehicles[atv].sense().speed_mps > 0.0
+            ):
                 claimed = atv
     factory.crash(claimed)
     return await looking(stage, until_s=stage.now_s() + 1000.0)
@@ -261,14 +264,16 @@ def let_lie(stage: Stage, *, standing: bool) -> None:
     factory = stage.factory
 
     def hear(sender: str, message: Message) -> None:
-        if isinstance(message, BerthClaimed) and sender != LIAR:
-            claim = BerthClaimed(berth=message.berth, atv=LIAR, battery_frac=0.0, standing=standing)
-            session.publish(factory.keys.berth(message.berth), claim)
+        if isinstance(message, DwellPointClaimed) and sender != LIAR:
+            claim = DwellPointClaimed(
+                dwell_point=message.dwell_point, atv=LIAR, battery_frac=0.0, standing=standing
+            )
+            session.publish(factory.keys.dwell_point(message.dwell_point), claim)
 
     factory.bus.kinds[LIAR] = Kind.ATV
     session = factory.bus.join(LIAR, hear)
     for charger in stage.plant.chargers:
-        session.subscribe(factory.keys.berth(charger))
+        session.subscribe(factory.keys.dwell_point(charger))
 
 
 @pytest.mark.parametrize("standing", [False, True], ids=["is on its way", "stands there"])

@@ -31,7 +31,7 @@ print(*(play(draw(seed, profile), listen=True).trace for seed, profile in ((4, "
 
 
 @pytest.mark.parametrize("profile", PROFILES)
-def test_a_seed_stands_for_one_trial(profile: str) -> None:
+def test_a_seed_stands_for_one_run(profile: str) -> None:
     first, again, other = draw(7, profile), draw(7, profile), draw(8, profile)
     assert first == again
     assert first.plant != other.plant
@@ -39,12 +39,12 @@ def test_a_seed_stands_for_one_trial(profile: str) -> None:
     assert first.timetable() == again.timetable()
 
 
-def test_trials_have_plants_without_faults() -> None:
+def test_runs_have_plants_without_faults() -> None:
     for seed in range(20):
         assert list(plant_faults(draw(seed).plant.file)) == []
 
 
-def test_trials_last_twenty_minutes_and_end_in_calm() -> None:
+def test_runs_last_twenty_minutes_and_end_in_calm() -> None:
     for seed in range(20):
         run = draw(seed)
         assert run.duration_s >= 1200.0
@@ -54,7 +54,7 @@ def test_trials_last_twenty_minutes_and_end_in_calm() -> None:
         assert all(order.at_s <= run.faults_until_s for order in run.orders)
 
 
-def test_trials_are_of_all_sorts() -> None:
+def test_runs_are_of_all_sorts() -> None:
     runs = [draw(seed) for seed in range(60)]
     assert {len(run.plant.fleet) for run in runs} == {1, 2, 3, 4, 5, 6}
     assert {run.habits is None for run in runs} == {True, False}
@@ -72,7 +72,7 @@ def test_trials_are_of_all_sorts() -> None:
 # --- playing ----------------------------------------------------------------------------------------
 
 
-def test_a_trial_is_played_the_same_in_every_process() -> None:
+def test_a_run_is_played_the_same_in_every_process() -> None:
     printed = {
         subprocess.run(
             [sys.executable, "-c", PRINT_TRACES],

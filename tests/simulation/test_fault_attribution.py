@@ -7,7 +7,7 @@ from check_kit import TASK, event
 
 from dray.messages import AtvStatus
 from dray.messages.fact import AtvStatusChanged, CarrierChanged, GoalLost
-from dray.protocol.runtime.shutdown import LEAVES
+from dray.protocol.runtime.shutdown import GRACEFUL_SHUTDOWN
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.checks.fault_attribution import LATER_S, FaultAttribution
 from dray_sim.faults import (
@@ -56,7 +56,7 @@ def test_a_stopped_vehicle_may_lose_its_contract() -> None:
     attribution.hear(1001.0, "M8", "*", event("M8", LOST))
 
 
-GIVEN_BACK = CarrierChanged(task=TASK, epoch=2, replaced="ATV3", carrier="", reason=LEAVES)
+GIVEN_BACK = CarrierChanged(task=TASK, epoch=2, replaced="ATV3", carrier="", reason=GRACEFUL_SHUTDOWN)
 
 
 def test_a_vehicle_that_was_asked_to_leave_may_give_its_task_back_and_need_not_be_missed() -> None:

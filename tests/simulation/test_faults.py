@@ -502,7 +502,7 @@ def test_random_schedules_have_all_kinds_as_often_as_they_weigh_and_overlap() ->
     assert sum(ends) / len(ends) > 30.0
 
 
-def test_agents_that_leave_are_drawn_apart_some_for_a_trial() -> None:
+def test_agents_that_leave_are_drawn_apart_some_for_probation() -> None:
     schedule = random_schedule(PLANT, Random(1), 3600.0, 2.0, weights=LEAVING)
     leaving = [timed.fault for timed in schedule]
     assert {type(fault) for fault in leaving} == {SentAway}

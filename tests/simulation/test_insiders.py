@@ -43,9 +43,9 @@ async def lossy(stage: Stage) -> set[str]:
     """Who was on probation at any time, while a fifth of all deliveries was lost."""
     stage.faults.begin(LinkTrouble(loss_frac=0.2))
     await stage.until_s(stage.shift.duration_s)
-    return {seen.said.contractor for seen in stage.witness.all(ContractorRated) if seen.said.on_probation}
+    return {seen.said.contractor for seen in stage.witness.all(ContractorRated) if seen.said.restricted}
 
 
-def test_honest_vehicles_on_bad_links_are_never_on_probation() -> None:
+def test_honest_vehicles_on_bad_links_are_never_restricted() -> None:
     played = play(replace(SHORT, keep=(ContractorRated,)), default_plant(), 1, lossy)
     assert played.told == set()

@@ -8,7 +8,8 @@ from check_kit import PLANT, TASK, closed, event, heartbeat, opened
 
 from dray.messages import CancellationTaken, Message, OrderReleased, Production, RevocationTaken
 from dray.messages.fact import Fact, OrderFulfilled, PieceMade
-from dray_sim.checks.bounds import HELP_S, NOTICE_S, Bounds
+from dray.protocol.vehicle.assistance import PATIENCE_MAX_S
+from dray_sim.checks.bounds import NOTICE_S, Bounds
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.checks.liveness import LivenessCheck
 from dray_sim.people.habits import Habits
@@ -147,7 +148,7 @@ def test_a_vehicle_that_ends_its_work_is_free() -> None:
 
 def test_people_make_everything_slower() -> None:
     alone, helped = Bounds(PLANT, None), Bounds(PLANT, Habits())
-    assert alone.settle_s == NOTICE_S + HELP_S
+    assert alone.settle_s == NOTICE_S + PATIENCE_MAX_S
     assert helped.settle_s > alone.settle_s
     assert helped.transport_s == alone.transport_s
     assert helped.stall_s - alone.stall_s == pytest.approx(helped.settle_s - alone.settle_s)

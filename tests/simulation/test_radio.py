@@ -21,7 +21,6 @@ from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
     Award,
-    BerthClaimed,
     Bid,
     Brief,
     CommandAnswered,
@@ -31,6 +30,7 @@ from dray.messages import (
     Docked,
     DockHeld,
     DockOpened,
+    DwellPointClaimed,
     Handover,
     HandoverAccepted,
     Link,
@@ -101,7 +101,7 @@ NOT_FOR_RADIO = [
     Bid("T", 1, Role.PRIMARY, 1, TransportCost(1.0, 2.0, 3.0, 4.0), 9.0),
     Award("T", 1, Role.PRIMARY, TRANSPORT, 100.0),
     Accepted("T", 1, Role.PRIMARY),
-    BerthClaimed("CH1", "V0", 0.5, standing=False),
+    DwellPointClaimed("CH1", "V0", 0.5, standing=False),
 ]
 
 
@@ -293,8 +293,10 @@ def test_what_is_not_for_the_radio_is_lost_and_counted_both_ways(message: Messag
         await floor.cut("V0")
         await floor.beat_and_wait("V0")
         floor.sessions["V0"].send("M", message)
-        floor.sessions["V0"].publish("p/berth/CH1", message)
-        answer = msgspec.structs.replace(message, atv="M") if isinstance(message, BerthClaimed) else message
+        floor.sessions["V0"].publish("p/dwell-point/CH1", message)
+        answer = (
+            msgspec.structs.replace(message, atv="M") if isinstance(message, DwellPointClaimed) else message
+        )
         floor.sessions["M"].send("V0", answer)
         await asyncio.sleep(SOON_S)
         assert len(floor.heard["M"]) == 1
@@ -435,7 +437,7 @@ def test_a_long_heartbeat_leaves_out_what_others_can_do_without() -> None:
             "watches": (watch,) * 4,
             "way": ("n1", "n2") * 20,
             "software": "1",
-            "berth": "P1",
+            "dwell_point": "P1",
         }
         sizes = [
             len(encode("V0", heartbeat("V0", link=Link.MESH, **fields)))
@@ -449,7 +451,7 @@ def test_a_long_heartbeat_leaves_out_what_others_can_do_without() -> None:
             beats += floor.beats("M")
         assert [len(beat.way) for beat in beats] == [40, 0, 0, 0]
         assert [len(beat.watches) for beat in beats] == [4, 4, 0, 0]
-        assert [beat.software + beat.berth for beat in beats] == ["1P1", "1P1", "1P1", ""]
+        assert [beat.software + beat.dwell_point for beat in beats] == ["1P1", "1P1", "1P1", ""]
         assert all(beat.task == task for beat in beats)
 
     play(story())

@@ -246,7 +246,7 @@ class Stage:
 
     def _write(self, sender: str, to: str, message: Message) -> None:
         name = type(message).__name__
-        if name in ("MachineHeartbeat", "BerthClaimed"):
+        if name in ("MachineHeartbeat", "DwellPointClaimed"):
             return
         if isinstance(message, AtvHeartbeat):
             # A heartbeat is worth a line only where it tells something new of a contract.

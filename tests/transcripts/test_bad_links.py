@@ -17,8 +17,8 @@ from hypothesis import strategies as st
 from dray.messages import (
     AtvHeartbeat,
     Award,
-    BerthClaimed,
     Confirmed,
+    DwellPointClaimed,
     MachineHeartbeat,
     Message,
     Production,
@@ -41,7 +41,7 @@ MESSAGES = 16
 
 LOST = -1.0
 
-LEFT_ALONE = (AtvHeartbeat, MachineHeartbeat, BerthClaimed)
+LEFT_ALONE = (AtvHeartbeat, MachineHeartbeat, DwellPointClaimed)
 
 STOCK = {"housing": 72, "shaft": 0, "bearing": 120, "impeller": 90, "seal-kit": 120}
 
@@ -51,7 +51,7 @@ class BadStage(Stage):
 
     Args:
         faults: by the number of the message, counted from 0 over all that is heard except heartbeats and
-            claims of berths: how much later it comes a second time, or `LOST`.
+            claims of dwell points: how much later it comes a second time, or `LOST`.
     """
 
     def __init__(self, faults: Mapping[int, float]) -> None:

@@ -59,11 +59,11 @@ def test_a_schema_tells_a_wrong_value_another_message_and_another_version() -> N
     fits = jsonschema_rs.validator_for(
         message_schema(next(k for k in MESSAGE_TYPES if k.__name__ == "Handover"))
     )
-    good = {"v": 1, "from": "ATV1", "m": {"type": "Handover", "task": "t", "epoch": 1, "quantity": 4}}
+    good = {"v": 2, "from": "ATV1", "m": {"type": "Handover", "task": "t", "epoch": 1, "quantity": 4}}
     assert fits.is_valid(good)
     for change in ({"quantity": -1}, {"task": "a/b"}, {"type": "Docked"}):
         assert not fits.is_valid({**good, "m": {**good["m"], **change}})
-    assert not fits.is_valid({**good, "v": 2})
+    assert not fits.is_valid({**good, "v": 1})
     assert not fits.is_valid({**good, "from": "*"})
 
 

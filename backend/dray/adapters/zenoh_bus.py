@@ -84,7 +84,7 @@ class ZenohSession:
         self._replaced = False
         """Another life was seen. Said to the loop once, however often others come and go."""
         self._said: Counter[str] = Counter()
-        """How many messages on each key; keys are few: agents, cells, products, berths."""
+        """How many messages on each key; keys are few: agents, cells, products, dwell points."""
         self._heard = Tally()
         self._patterns: dict[str, zenoh.KeyExpr] = {}
         self._subscribers: dict[str, zenoh.Subscriber[None]] = {}

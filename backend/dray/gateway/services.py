@@ -131,7 +131,7 @@ def open_services(
 ) -> Services:
     """Make the services; `dray.gateway.app.create_app` says of what."""
     peer = Peer(bus, Keys(plant.plant), settings.gateway_name, incarnation)
-    projection = Projection(plant, time, trials=faults is not None, wall_s=wall_s)
+    projection = Projection(plant, time, fault_injection=faults is not None, wall_s=wall_s)
     strategist_probe = StrategistProbe(peer.send)
     products = frozenset(product.id for product in plant.products)
     outbox = Outbox(send=peer.send, time=time, wall_s=wall_s, products=products)
@@ -179,7 +179,7 @@ def open_services(
         exclusions=Exclusions(
             store, projection, commands, peer.tell_all, wall_s=wall_s, own=settings.gateway_name
         ),
-        faults=FaultInjection(faults, projection.trials),
+        faults=FaultInjection(faults, projection.faults),
         ledger=Ledger(store),
         panels=panels or Panels(),
         side_work=SideWork(),

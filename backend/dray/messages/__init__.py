@@ -1,7 +1,7 @@
 """Everything agents say to one another: frozen structs, one per utterance.
 
 `heartbeat` is what everybody may hear at any time, `contract` the negotiation, `order` and `command` what
-comes from people, `shutout` whom people let nobody hear, `berth` how vehicles share places to stand, `stock` how
+comes from people, `shutout` whom people let nobody hear, `dwell_point` how vehicles share places to stand, `stock` how
 material in storages is reserved, `fact` what each writes into its history.
 How messages become bytes is `dray.codec`; when they are said is `dray.protocol`.
 """
@@ -9,7 +9,6 @@ How messages become bytes is `dray.codec`; when they are said is `dray.protocol`
 from __future__ import annotations
 
 from dray.messages.base import WIRE_VERSION, Message, Part
-from dray.messages.berth import BerthClaimed
 from dray.messages.command import CommandAnswered, CommandKind, Grant, VehicleCommand, signed_words
 from dray.messages.contract import (
     Accepted,
@@ -41,6 +40,7 @@ from dray.messages.contract import (
     Work,
     WorkSought,
 )
+from dray.messages.dwell_point import DwellPointClaimed
 from dray.messages.fact import AnyFact, Event, EventsAsked, EventsKept, Fact
 from dray.messages.heartbeat import (
     AtvHeartbeat,
@@ -49,18 +49,18 @@ from dray.messages.heartbeat import (
     BufferLevel,
     GoalBrief,
     HelpWanted,
+    JoiningMachine,
     Link,
     MachineHeartbeat,
     MachineStatus,
     MaterialWait,
-    Newcomer,
     Phase,
     Pose,
+    ProbationBrief,
     Role,
     StationHeartbeat,
     StockLevel,
     TaskBrief,
-    TrialBrief,
 )
 from dray.messages.order import (
     CancellationTaken,
@@ -107,7 +107,7 @@ AnyMessage = (
     | RevocationTaken
     | VehicleCommand
     | CommandAnswered
-    | BerthClaimed
+    | DwellPointClaimed
     | WorkSought
     | Event
     | EventsAsked
@@ -127,7 +127,6 @@ __all__ = [
     "AtvHeartbeat",
     "AtvStatus",
     "Award",
-    "BerthClaimed",
     "Bid",
     "Brief",
     "Brought",
@@ -142,6 +141,7 @@ __all__ = [
     "DockHeld",
     "DockOpened",
     "Docked",
+    "DwellPointClaimed",
     "Event",
     "EventsAsked",
     "EventsKept",
@@ -153,12 +153,12 @@ __all__ = [
     "HandoverAccepted",
     "Heartbeat",
     "HelpWanted",
+    "JoiningMachine",
     "Link",
     "MachineHeartbeat",
     "MachineStatus",
     "MaterialWait",
     "Message",
-    "Newcomer",
     "OrderCancelled",
     "OrderItem",
     "OrderReleased",
@@ -167,6 +167,7 @@ __all__ = [
     "Part",
     "Phase",
     "Pose",
+    "ProbationBrief",
     "Production",
     "ProductionCost",
     "Refusal",
@@ -187,7 +188,6 @@ __all__ = [
     "TaskBrief",
     "Transport",
     "TransportCost",
-    "TrialBrief",
     "VehicleCommand",
     "Wait",
     "Withdrawn",

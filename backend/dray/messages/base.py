@@ -11,7 +11,7 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
-WIRE_VERSION = 1
+WIRE_VERSION = 2
 """Raised when a receiver of the older version could misunderstand; new optional fields do not raise it."""
 
 Id = Annotated[

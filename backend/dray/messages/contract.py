@@ -31,7 +31,7 @@ class Transport(Part, tag_field="kind", tag="transport", frozen=True):
     goal: IdOrNone = ""
     """The goal whose products these are, on the way out."""
     node: IdOrNone = ""
-    """Where vehicles dock at the machine that asks, if it is a newcomer; empty for one in the plant file."""
+    """Where vehicles dock at the machine that asks, if it is a joining one; empty for one in the plant file."""
 
 
 class Production(Part, tag_field="kind", tag="production", frozen=True):
@@ -175,7 +175,7 @@ class Refusal(StrEnum):
     DEADLINE = "deadline"
     NO_WAY = "no_way"
     NOT_FIT = "not_fit"
-    """Stopped, in error, on the radio mesh, leaving, or on trial and this is not for it."""
+    """Stopped, in error, on the radio mesh, draining, or on probation and this is not for it."""
     IS_PRIMARY = "is_primary"
     """Asked to watch itself."""
 

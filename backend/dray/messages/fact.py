@@ -133,7 +133,7 @@ class ContractorRated(Fact, frozen=True):
     """`kept`, how late it was, or why it was dropped."""
     surcharge_s: Seconds
     """Added to its bids from now on; half of it is forgotten in half an hour."""
-    on_probation: bool
+    restricted: bool
     """It is given short tasks only."""
 
 

@@ -116,8 +116,8 @@ class HelpWanted(Part, frozen=True):
     """Who has said to be on the way; empty while nobody has."""
 
 
-class TrialBrief(Part, frozen=True):
-    """How far an agent on trial has come."""
+class ProbationBrief(Part, frozen=True):
+    """How far an agent on probation has come."""
 
     of: Count
     """Transports that it has to do well."""
@@ -153,7 +153,7 @@ class AtvHeartbeat(Message, frozen=True):
     """The tasks it is secondary of."""
     way: tuple[Id, ...] = ()
     """The nodes still ahead, in order; empty when it stands."""
-    berth: IdOrNone = ""
+    dwell_point: IdOrNone = ""
     """The charger or parking place that it holds or is driving to."""
     speed_limit_frac: Fraction = 1.0
     """An operator's limit, as a part of the vehicle's own top speed."""
@@ -164,10 +164,10 @@ class AtvHeartbeat(Message, frozen=True):
     help: HelpWanted | None = None
     """Set while a person could still save the task."""
     software: Text = ""
-    leaving: bool = False
+    draining: bool = False
     """It was asked to leave: it takes nothing new, and goes when nothing holds it any more."""
-    trial: TrialBrief | None = None
-    """Set while it is on trial: it takes short tasks only."""
+    probation: ProbationBrief | None = None
+    """Set while it is on probation: it takes short tasks only."""
 
 
 class BufferLevel(Part, frozen=True):
@@ -225,7 +225,7 @@ JOINING_MACHINES_MAX = 100
 into it."""
 
 
-class Newcomer(Part, frozen=True):
+class JoiningMachine(Part, frozen=True):
     """What a machine tells of itself that the plant files of others do not know yet."""
 
     name: Text
@@ -294,7 +294,7 @@ class StationHeartbeat(Message, frozen=True):
     stocks: tuple[StockLevel, ...] = ()
     """In the order of the plant file."""
     software: Text = ""
-    leaving: bool = False
+    draining: bool = False
 
 
 class MachineHeartbeat(Message, frozen=True):
@@ -322,9 +322,9 @@ class MachineHeartbeat(Message, frozen=True):
     """What it needs and cannot have fetched, the oldest first."""
     problem: Text = ""
     software: Text = ""
-    leaving: bool = False
+    draining: bool = False
     """It was asked to leave: it takes nothing new, and goes when nothing holds it any more."""
-    trial: TrialBrief | None = None
-    """Set while it is on trial: it takes short goals only."""
-    newcomer: Newcomer | None = None
+    probation: ProbationBrief | None = None
+    """Set while it is on probation: it takes short goals only."""
+    joining: JoiningMachine | None = None
     """Set when it has come to a plant whose file did not know it."""

@@ -9,7 +9,7 @@ never holds any of these.
     {plant}/hb/station/{id}   heartbeats of a storage's station
     {plant}/task/{cell}       announcements of transports, to the grid cells within the radius
     {plant}/goal/{product}    announcements of production goals, to the machines that can make it
-    {plant}/berth/{id}        claims of one charger or parking place
+    {plant}/dwell-point/{id}  claims of one charger or parking place
     {plant}/free/{id}         a vehicle that is free asks for work that waits
     {plant}/agent/@{id}       what is said to one agent alone
     {plant}/event/{id}        an agent's numbered events
@@ -68,8 +68,8 @@ class Keys:
     def goals(self, product: str) -> str:
         return f"{self.plant}/goal/{product}"
 
-    def berth(self, berth: str) -> str:
-        return f"{self.plant}/berth/{berth}"
+    def dwell_point(self, dwell_point: str) -> str:
+        return f"{self.plant}/dwell-point/{dwell_point}"
 
     def free(self, atv: str) -> str:
         return f"{self.plant}/free/{atv}"

@@ -50,7 +50,7 @@ CARRIED_BY_RADIO: frozenset[type[Message]] = frozenset(
 )
 """What may go by radio beside heartbeats, in both directions."""
 
-DISPENSABLE: tuple[dict[str, Any], ...] = ({"way": ()}, {"watches": ()}, {"software": "", "berth": ""})
+DISPENSABLE: tuple[dict[str, Any], ...] = ({"way": ()}, {"watches": ()}, {"software": "", "dwell_point": ""})
 """What a heartbeat leaves out so that it fits into a frame, in this order: what others can do without first."""
 
 

@@ -11,7 +11,6 @@ from collections.abc import Container, Mapping
 from enum import StrEnum
 
 from dray.messages.base import Message
-from dray.messages.berth import BerthClaimed
 from dray.messages.command import CommandAnswered, VehicleCommand
 from dray.messages.contract import (
     Accepted,
@@ -34,6 +33,7 @@ from dray.messages.contract import (
     Withdrawn,
     WorkSought,
 )
+from dray.messages.dwell_point import DwellPointClaimed
 from dray.messages.fact import (
     AtvStatusChanged,
     AwardAnswered,
@@ -153,7 +153,7 @@ SPEAKERS: Mapping[type[Message], frozenset[Kind]] = {
     StockReserved: _STATIONS,
     StockShort: _STATIONS,
     StockFreed: _MACHINES,
-    BerthClaimed: _ATVS,
+    DwellPointClaimed: _ATVS,
     WorkSought: _ATVS,
     CommandAnswered: _ATVS,
     OrderReleased: _GATEWAYS,
@@ -216,7 +216,7 @@ SIGNATURES: Mapping[type[Message], str] = {
     MachineHeartbeat: "machine",
     StationHeartbeat: "station",
     TaskAnnounced: "coordinator",
-    BerthClaimed: "atv",
+    DwellPointClaimed: "atv",
     WorkSought: "atv",
     Event: "agent",
 }

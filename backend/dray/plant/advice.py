@@ -40,7 +40,7 @@ class Advice(msgspec.Struct, frozen=True):
     """One warning."""
 
     kind: str
-    """berths, charger, material, dock, buffer, machine, vehicles, range, alone, trap or uncounted."""
+    """dwell_points, charger, material, dock, buffer, machine, vehicles, range, alone, trap or uncounted."""
     field: str
     """The section of the plant file."""
     text: str
@@ -53,7 +53,7 @@ def advice(plant: Plant) -> list[Advice]:
     """All warnings of a plant; none for one in which nothing is short."""
     flow = Flow(plant)
     return [
-        *_berths(plant),
+        *_dwell_points(plant),
         *_ranges(flow),
         *_limits(plant, flow),
         *_alone(plant),
@@ -62,16 +62,16 @@ def advice(plant: Plant) -> list[Advice]:
     ]
 
 
-def _berths(plant: Plant) -> Iterator[Advice]:
-    berths, fleet = len(plant.berths), len(plant.fleet)
-    if berths < fleet:
-        missing = fleet - berths
+def _dwell_points(plant: Plant) -> Iterator[Advice]:
+    dwell_points, fleet = len(plant.dwell_points), len(plant.fleet)
+    if dwell_points < fleet:
+        missing = fleet - dwell_points
         text = (
-            f"{berths} berths ({len(plant.chargers)} chargers, {len(plant.parkings)} parking places) for {fleet} "
+            f"{dwell_points} dwell points ({len(plant.chargers)} chargers, {len(plant.parkings)} parking places) for {fleet} "
             f"vehicles: {missing} without work stand where they are, in the lanes or at docks; "
             f"add {missing} parking place{'s' * (missing > 1)}"
         )
-        yield Advice("berths", "parkings", text)
+        yield Advice("dwell_points", "parkings", text)
 
 
 def _uncounted(plant: Plant) -> Iterator[Advice]:
@@ -165,7 +165,7 @@ def _traps(plant: Plant) -> Iterator[Advice]:
             more = f" and {len(nodes) - 3} more" if len(nodes) > 3 else ""
             yield Advice("trap", "nodes", f"{', '.join(nodes[:3])}{more} {what}: {remedy}")
     docks: dict[str, list[str]] = {}
-    for place in (*plant.machines, *plant.storages, *plant.warehouses, *plant.berths):
+    for place in (*plant.machines, *plant.storages, *plant.warehouses, *plant.dwell_points):
         docks.setdefault(plant.node_of(place), []).append(place)
     for node, places in docks.items():
         if len(places) > 1:

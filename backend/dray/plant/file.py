@@ -112,8 +112,8 @@ def with_machine(plant: Plant, spec: MachineSpec, name: str) -> Plant:
 
     Args:
         plant: as it was.
-        spec: the newcomer.
-        name: what to call the newcomer in errors, usually the path of its file.
+        spec: the joining agent.
+        name: what to call the joining agent in errors, usually the path of its file.
 
     Raises:
         PlantError: it does not fit into this plant.

@@ -69,7 +69,7 @@ class Plant:
         """The border of every area, and the box around it: most points lie outside of that already."""
         self.vehicle_types: Mapping[str, VehicleType] = _by_id(file.vehicle_types)
         self.fleet: Mapping[str, VehicleSpec] = _by_id(file.fleet)
-        self.berths: tuple[str, ...] = (*self.chargers, *self.parkings)
+        self.dwell_points: tuple[str, ...] = (*self.chargers, *self.parkings)
         """Where a vehicle may stay: chargers, then parking places."""
         self.source_warehouses = tuple(w.id for w in file.warehouses if w.kind == "source")
         self.delivery_warehouses = tuple(w.id for w in file.warehouses if w.kind == "delivery")

@@ -29,7 +29,7 @@ _PARAMETERS = {
     "station": "The id of a storage.",
     "cell": "A cell of the grid.",
     "product": "A product's id.",
-    "berth": "The id of a charger or parking place.",
+    "dwell_point": "The id of a charger or parking place.",
 }
 
 

@@ -8,7 +8,7 @@ from typing import get_args
 from dray.messages import (
     AnyMessage,
     AtvHeartbeat,
-    BerthClaimed,
+    DwellPointClaimed,
     Event,
     MachineHeartbeat,
     Message,
@@ -71,10 +71,10 @@ _PUBLISHED = (
         (TaskAnnounced,),
     ),
     Channel(
-        "berths",
-        _KEYS.berth("{berth}"),
+        "dwellPoints",
+        _KEYS.dwell_point("{dwell_point}"),
         "Claims of one charger or parking place, to the vehicles that want it too.",
-        (BerthClaimed,),
+        (DwellPointClaimed,),
     ),
     Channel(
         "free",
@@ -97,7 +97,7 @@ _PUBLISHED = (
 )
 
 _BROADCAST_ONLY = frozenset(
-    {AtvHeartbeat, MachineHeartbeat, StationHeartbeat, BerthClaimed, WorkSought, ShutOut}
+    {AtvHeartbeat, MachineHeartbeat, StationHeartbeat, DwellPointClaimed, WorkSought, ShutOut}
 )
 
 CHANNELS = (

@@ -87,7 +87,7 @@ export class Body {
 
   /** Put a vehicle on the floor that the plant file does not know; harmless when it stands there already. */
   static async putDown(session: Session, plant: string, spec: { id: string; type: string; node: string }): Promise<void> {
-    await answered(session, `${plant}/floor/@newcomers`, pack(['VehicleSpec', spec]));
+    await answered(session, `${plant}/floor/@joining`, pack(['VehicleSpec', spec]));
   }
 
   /** Take the body over. */

@@ -5,7 +5,7 @@ import { pack, unpack } from './msgpack.ts';
 import { SealError, type Seals } from './seals.ts';
 import type { Session } from './zenoh.ts';
 
-const WIRE_VERSION = 1;
+const WIRE_VERSION = 2;
 const BYTES_MAX = 65_536;
 
 /** Who may say what to a vehicle; whatever is not here is refused. */
@@ -19,12 +19,12 @@ const SPEAKERS: Readonly<Record<string, readonly string[]>> = {
   DockOpened: ['machine', 'station'],
   DockHeld: ['machine', 'station'],
   HandoverAccepted: ['machine', 'station'],
-  BerthClaimed: ['atv'],
+  DwellPointClaimed: ['atv'],
   VehicleCommand: ['gateway'],
   EventsAsked: ['gateway', 'historian'],
   ShutOut: ['gateway'],
 };
-const SIGNED_AS: Readonly<Record<string, string>> = { TaskAnnounced: 'coordinator', BerthClaimed: 'atv' };
+const SIGNED_AS: Readonly<Record<string, string>> = { TaskAnnounced: 'coordinator', DwellPointClaimed: 'atv' };
 
 export type Receive = (sender: string, message: Message) => void;
 

@@ -20,7 +20,7 @@ const TICK_MS = 50;
 const { values } = parseArgs({
   options: {
     name: { type: 'string' },
-    // Of a newcomer that the plant file does not know: its type, and where it stands.
+    // Of a joining vehicle, which the plant file does not know: its type, and where it stands.
     type: { type: 'string' },
     node: { type: 'string' },
     plant: { type: 'string' },

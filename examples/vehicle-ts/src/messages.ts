@@ -79,9 +79,9 @@ export type Answer = OfTask &
     | { readonly type: 'HandoverAccepted' | 'Confirmed' | 'Superseded' | 'Withdrawn' }
   );
 
-export interface BerthClaimed {
-  readonly type: 'BerthClaimed';
-  readonly berth: string;
+export interface DwellPointClaimed {
+  readonly type: 'DwellPointClaimed';
+  readonly dwell_point: string;
   readonly atv: string;
   readonly battery_frac: number;
   readonly standing: boolean;
@@ -102,19 +102,19 @@ export interface Heartbeat {
   readonly load_quantity: number;
   readonly task: object | null;
   readonly way: readonly string[];
-  readonly berth: string;
+  readonly dwell_point: string;
   readonly speed_limit_frac: number;
   readonly acknowledged: boolean;
   readonly problem: string;
   readonly software: string;
-  readonly leaving: boolean;
+  readonly draining: boolean;
 }
 
 export type Message =
   | TaskAnnounced
   | Award
   | Answer
-  | BerthClaimed
+  | DwellPointClaimed
   | Heartbeat
   | VehicleCommand
   | { readonly type: 'ShutOut'; readonly number: number; readonly agents: readonly string[] }

@@ -1,6 +1,6 @@
-/** What a vehicle does without work: claim a berth with nobody in the middle, stand there, and charge in time. */
+/** What a vehicle does without work: claim a dwell point with nobody in the middle, stand there, and charge in time. */
 
-import type { BerthClaimed } from './messages.ts';
+import type { DwellPointClaimed } from './messages.ts';
 import type { Hands } from './carriage.ts';
 
 const SETTLE_S = 4;
@@ -13,14 +13,14 @@ const CHARGED_FRAC = 0.95;
 /** What a rest needs of its vehicle, beside what a carriage does. */
 export interface Bed extends Hands {
   readonly atv: string;
-  claim(claim: BerthClaimed): void;
-  listen(berth: string): void;
-  ignore(berth: string): void;
+  claim(claim: DwellPointClaimed): void;
+  listen(dwellPoint: string): void;
+  ignore(dwellPoint: string): void;
 }
 
 export class Rest {
-  /** The berth that it holds or is driving to; empty for none. */
-  berth = '';
+  /** The dwell point that it holds or is driving to; empty for none. */
+  dwellPoint = '';
   #bed: Bed;
   #standing = false;
   #claimed_frac = 0;
@@ -42,7 +42,7 @@ export class Rest {
     this.#settles_s = this.#bed.now_s() + SETTLE_S;
   }
 
-  /** There is work, or it is leaving. */
+  /** There is work, or it is draining. */
   stop(): void {
     this.#leave();
     this.#charge = 0;
@@ -50,9 +50,9 @@ export class Rest {
   }
 
   arrived(): void {
-    if (!this.berth || this.#bed.plant.dockOf(this.berth) !== this.#bed.driver.node) return;
+    if (!this.dwellPoint || this.#bed.plant.dockOf(this.dwellPoint) !== this.#bed.driver.node) return;
     this.#standing = true;
-    if (this.#bed.plant.chargers.includes(this.berth)) this.#beginCharge();
+    if (this.#bed.plant.chargers.includes(this.dwellPoint)) this.#beginCharge();
   }
 
   /** A charge has ended, well or not; false when the action was another. */
@@ -71,33 +71,33 @@ export class Rest {
     if (now_s >= this.#sure_s) {
       // Nobody has objected.
       this.#sure_s = Infinity;
-      if (this.berth && !driver.go(this.#bed.plant.dockOf(this.berth)!, now_s)) this.arrived();
+      if (this.dwellPoint && !driver.go(this.#bed.plant.dockOf(this.dwellPoint)!, now_s)) this.arrived();
     }
     if (this.charging && battery_frac >= CHARGED_FRAC) {
       this.#charge = 0;
       this.#leave();
       this.#settles_s = now_s;
     }
-    const seeking = this.#sure_s < Infinity || this.#settles_s < Infinity || (this.berth && !this.#standing);
+    const seeking = this.#sure_s < Infinity || this.#settles_s < Infinity || (this.dwellPoint && !this.#standing);
     if (battery_frac < CHARGE_BELOW_FRAC && !this.charging && !seeking) this.#settles_s = now_s;
     if (now_s >= this.#settles_s) this.#settle(now_s, battery_frac);
   }
 
-  /** Somebody wants a berth. Who stands there keeps it, else the emptier battery, else the smaller id. */
-  hear(claim: BerthClaimed): void {
-    if (claim.berth !== this.berth || claim.atv === this.#bed.atv) return;
+  /** Somebody wants a dwell point. Who stands there keeps it, else the emptier battery, else the smaller id. */
+  hear(claim: DwellPointClaimed): void {
+    if (claim.dwell_point !== this.dwellPoint || claim.atv === this.#bed.atv) return;
     if (this.#winsOver(claim)) {
       this.#say();
       return;
     }
-    this.#takenUntil_s.set(claim.berth, this.#bed.now_s() + TAKEN_S);
+    this.#takenUntil_s.set(claim.dwell_point, this.#bed.now_s() + TAKEN_S);
     this.#charge = 0;
     this.#sure_s = Infinity;
     this.#leave();
     this.#settles_s = this.#bed.now_s();
   }
 
-  #winsOver(claim: BerthClaimed): boolean {
+  #winsOver(claim: DwellPointClaimed): boolean {
     if (this.#standing !== claim.standing) return this.#standing;
     if (this.#claimed_frac !== claim.battery_frac) return this.#claimed_frac < claim.battery_frac;
     return this.#bed.atv < claim.atv;
@@ -109,9 +109,9 @@ export class Rest {
     const wantsCharge = battery_frac < CHARGE_BELOW_FRAC;
     if (this.charging || (this.#standing && !wantsCharge)) return;
     const free = (wantsCharge ? plant.chargers : plant.parkings).filter(
-      (berth) => (this.#takenUntil_s.get(berth) ?? 0) <= now_s,
+      (dwellPoint) => (this.#takenUntil_s.get(dwellPoint) ?? 0) <= now_s,
     );
-    const far_m = (berth: string) => driver.wayTo(plant.dockOf(berth)!)?.length_m ?? Infinity;
+    const far_m = (dwellPoint: string) => driver.wayTo(plant.dockOf(dwellPoint)!)?.length_m ?? Infinity;
     const nearest = free.sort((a, b) => far_m(a) - far_m(b))[0];
     this.#leave();
     if (nearest === undefined || far_m(nearest) === Infinity) {
@@ -119,7 +119,7 @@ export class Rest {
       this.#settles_s = now_s + SEEK_AGAIN_S;
       return;
     }
-    this.berth = nearest;
+    this.dwellPoint = nearest;
     this.#claimed_frac = battery_frac;
     this.#bed.listen(nearest);
     this.#say();
@@ -127,19 +127,19 @@ export class Rest {
   }
 
   #beginCharge(): void {
-    const charger = this.berth;
+    const charger = this.dwellPoint;
     this.#charge = this.#bed.driver.act((order) => ({ kind: 'Charge', order, charger }));
   }
 
   #say(): void {
-    const { berth } = this;
-    const claim = { berth, atv: this.#bed.atv, battery_frac: this.#claimed_frac, standing: this.#standing };
-    this.#bed.claim({ type: 'BerthClaimed', ...claim });
+    const { dwellPoint } = this;
+    const claim = { dwell_point: dwellPoint, atv: this.#bed.atv, battery_frac: this.#claimed_frac, standing: this.#standing };
+    this.#bed.claim({ type: 'DwellPointClaimed', ...claim });
   }
 
   #leave(): void {
-    if (this.berth) this.#bed.ignore(this.berth);
-    this.berth = '';
+    if (this.dwellPoint) this.#bed.ignore(this.dwellPoint);
+    this.dwellPoint = '';
     this.#standing = false;
   }
 }

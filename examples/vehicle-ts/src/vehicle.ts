@@ -4,7 +4,7 @@ import type { Body, Report } from './body.ts';
 import type { Bus } from './bus.ts';
 import { Carriage } from './carriage.ts';
 import type { Driver } from './driver.ts';
-import type { Answer, Award, BerthClaimed, Message, Status, TaskAnnounced } from './messages.ts';
+import type { Answer, Award, DwellPointClaimed, Message, Status, TaskAnnounced } from './messages.ts';
 import type { Contract, Notes } from './notes.ts';
 import type { Obedience } from './obedience.ts';
 import type { Plant } from './plant.ts';
@@ -31,7 +31,7 @@ export class Vehicle implements Bed {
   #carriage: Carriage | undefined;
   #rest: Rest;
   #problem: string;
-  #leaving = false;
+  #draining = false;
   /** Told what has happened, in a line. */
   readonly #tell: (line: string) => void;
 
@@ -79,16 +79,16 @@ export class Vehicle implements Bed {
     this.#notes.write({ contract });
   }
 
-  claim(claim: BerthClaimed): void {
-    this.#bus.publish(`${this.plant.id}/berth/${claim.berth}`, claim);
+  claim(claim: DwellPointClaimed): void {
+    this.#bus.publish(`${this.plant.id}/dwell-point/${claim.dwell_point}`, claim);
   }
 
-  listen(berth: string): void {
-    this.#bus.subscribe(`${this.plant.id}/berth/${berth}`);
+  listen(dwellPoint: string): void {
+    this.#bus.subscribe(`${this.plant.id}/dwell-point/${dwellPoint}`);
   }
 
-  ignore(berth: string): void {
-    this.#bus.unsubscribe(`${this.plant.id}/berth/${berth}`);
+  ignore(dwellPoint: string): void {
+    this.#bus.unsubscribe(`${this.plant.id}/dwell-point/${dwellPoint}`);
   }
 
   // --- time passes ---
@@ -96,13 +96,13 @@ export class Vehicle implements Bed {
   /** Called several times a second. */
   tick(): void {
     this.#step((carriage) => carriage.tick(this.body.state.load));
-    if (!this.#carriage && !this.#isStuck && !this.#leaving) this.#rest.tick();
+    if (!this.#carriage && !this.#isStuck && !this.#draining) this.#rest.tick();
     if (this.now_s() >= this.#beats_s) this.#beat();
   }
 
   /** Take nothing new; give the task back unless the load is on board. */
   leave(): void {
-    this.#leaving = true;
+    this.#draining = true;
     this.#rest.stop();
     this.#step((carriage) => carriage.giveBack());
     if (!this.#carriage) this.driver.halt(this.now_s());
@@ -111,7 +111,7 @@ export class Vehicle implements Bed {
 
   /** Whether nothing holds it any more. */
   get mayGo(): boolean {
-    return this.#leaving && (this.#isStuck || (!this.#carriage && !this.driver.isDriving));
+    return this.#draining && (this.#isStuck || (!this.#carriage && !this.driver.isDriving));
   }
 
   // --- others speak ---
@@ -143,7 +143,7 @@ export class Vehicle implements Bed {
       case 'Withdrawn':
         if (this.#contractWith(sender, message.task)) this.#step((carriage) => carriage.hear(message as Answer));
         break;
-      case 'BerthClaimed':
+      case 'DwellPointClaimed':
         this.#rest.hear(message);
         break;
       case 'VehicleCommand': {
@@ -253,7 +253,7 @@ export class Vehicle implements Bed {
   }
 
   get #isFree(): boolean {
-    return !this.#carriage && !this.#isStuck && !this.#leaving && !this.body.state.load;
+    return !this.#carriage && !this.#isStuck && !this.#draining && !this.body.state.load;
   }
 
   #go(contract: Contract, begin: (carriage: Carriage) => void): void {
@@ -279,7 +279,7 @@ export class Vehicle implements Bed {
     if (!carriage) return;
     const { phase } = carriage.contract;
     step(carriage);
-    if (this.#leaving && !carriage.ended) carriage.giveBack();
+    if (this.#draining && !carriage.ended) carriage.giveBack();
     if (carriage.ended) {
       this.#tell(`${carriage.contract.task}: ${carriage.ended}`);
       this.#carriage = undefined;
@@ -317,12 +317,12 @@ export class Vehicle implements Bed {
       load_quantity: state.load_quantity,
       task: this.#carriage?.brief ?? null,
       way: this.driver.ahead,
-      berth: this.#rest.berth,
+      dwell_point: this.#rest.dwellPoint,
       speed_limit_frac: this.#notes.kept.speed_frac,
       acknowledged: this.#obedience.acknowledged,
       problem: this.#problem,
       software: SOFTWARE,
-      leaving: this.#leaving,
+      draining: this.#draining,
     });
   }
 }

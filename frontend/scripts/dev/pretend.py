@@ -121,10 +121,10 @@ class Pretend:
         vehicle = Vehicle(view, kind.max_speed_mps, [], self.chance.random() * HEARTBEAT_S)
         charger = next((c for c in self.plant.chargers if c.node == spec.node), None)
         if charger:
-            view.status, view.berth, view.battery_frac = "charging", charger.id, 0.21
+            view.status, view.dwell_point, view.battery_frac = "charging", charger.id, 0.21
         parking = next((p for p in self.plant.parkings if p.node == spec.node), None)
         if parking:
-            view.berth = parking.id
+            view.dwell_point = parking.id
         if self.faults and i == 7:
             view.status, view.problem = "error", "load shifted, waits for a person"
         if self.faults and i == 2:
@@ -326,7 +326,12 @@ class Pretend:
             task=task.id, epoch=1, role="primary", coordinator=machine.id, phase="approaching",
             item=task.item, quantity=task.quantity, due_at_s=due,
         )  # fmt: skip
-        vehicle.job, vehicle.view.task, vehicle.view.status, vehicle.view.berth = task, brief, "working", ""
+        vehicle.job, vehicle.view.task, vehicle.view.status, vehicle.view.dwell_point = (
+            task,
+            brief,
+            "working",
+            "",
+        )
         watcher = next((b for b in others if b.answer == ""), None)
         if watcher:
             task.secondary, watcher.answer = watcher.bidder, "accepted"
@@ -383,11 +388,15 @@ class Pretend:
         if task.source == machine.id:
             machine.goods[0].level = max(0, machine.goods[0].level - task.quantity)
         self.changed["machine"].add(machine.id)
-        berths = [p for p in self.plant.parkings if all(v.view.berth != p.id for v in self.atvs.values())]
-        if berths:
-            berth = min(berths, key=lambda p: math.dist(self.roads.at[p.node], (view.x_m, view.y_m)))
-            view.berth = berth.id
-            vehicle.steps = [("drive", berth.node)]
+        dwell_points = [
+            p for p in self.plant.parkings if all(v.view.dwell_point != p.id for v in self.atvs.values())
+        ]
+        if dwell_points:
+            dwell_point = min(
+                dwell_points, key=lambda p: math.dist(self.roads.at[p.node], (view.x_m, view.y_m))
+            )
+            view.dwell_point = dwell_point.id
+            vehicle.steps = [("drive", dwell_point.node)]
         closed = [t.id for t in self.tasks.values() if t.closed_at_s is not None]
         for old in closed[:-50]:
             del self.tasks[old]

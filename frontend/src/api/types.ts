@@ -89,16 +89,17 @@ export interface AtvView {
   acknowledged: boolean;
   battery_frac: number;
   battery_low: boolean;
-  berth: string;
   clock: ClockView | null;
+  draining: boolean;
+  dwell_point: string;
   heading_rad: number;
   help: HelpView | null;
   id: string;
-  leaving: boolean;
   link: "mesh" | "wlan";
   load: string;
   load_quantity: number;
   node: string;
+  probation: ProbationView | null;
   problem: string;
   seen_at_s: number;
   shut_out: ShutOutView | null;
@@ -108,7 +109,6 @@ export interface AtvView {
   speed_mps: number;
   status: "charging" | "error" | "idle" | "stopped" | "working";
   task: BriefView | null;
-  trial: TrialView | null;
   type: string;
   via: string[];
   watches: BriefView[];
@@ -131,6 +131,13 @@ export interface HelpView {
   promise_max_s: number;
   promised_by: string;
   until_at_s: number;
+}
+/**
+ * How far an agent on probation has come: so many transports have to be done well.
+ */
+export interface ProbationView {
+  done: number;
+  of: number;
 }
 /**
  * A manager has shut the agent out: nobody hears it, whatever it says.
@@ -160,13 +167,6 @@ export interface BriefView {
   quantity: number;
   role: "primary" | "secondary";
   task: string;
-}
-/**
- * How far an agent on trial has come: so many transports have to be done well.
- */
-export interface TrialView {
-  done: number;
-  of: number;
 }
 /**
  * Who is shown the stream, and how much of it.
@@ -344,11 +344,12 @@ export interface FaultView {
 export interface MachineView {
   buffers: BufferView[];
   clock: ClockView | null;
+  draining: boolean;
   goals: GoalView[];
   goods: BufferView[];
   id: string;
-  leaving: boolean;
   name: string;
+  probation: ProbationView | null;
   problem: string;
   product: string;
   seen_at_s: number;
@@ -357,7 +358,6 @@ export interface MachineView {
   software: string;
   status: "blocked" | "error" | "idle" | "producing" | "starved";
   tasks: OpenTaskView[];
-  trial: TrialView | null;
   waits: string;
 }
 /**
@@ -446,8 +446,8 @@ export interface OrderItemView {
  */
 export interface StationView {
   clock: ClockView | null;
+  draining: boolean;
   id: string;
-  leaving: boolean;
   name: string;
   seen_at_s: number;
   shut_out: ShutOutView | null;
@@ -785,6 +785,7 @@ export interface Snapshot {
   audience: AudienceView | null;
   commands: CommandView[];
   factory: FactoryView;
+  fault_injection: boolean;
   faults: FaultView[];
   machines: MachineView[];
   news: NewsView[];
@@ -793,6 +794,5 @@ export interface Snapshot {
   plant: string;
   stations: StationView[];
   tasks: TaskView[];
-  trials: boolean;
   type: "snapshot";
 }

@@ -10,7 +10,7 @@ import "../styles/alerts.css";
 import { effect } from "@preact/signals";
 import { render } from "preact";
 import { onLoggedOut, toLogin } from "../api/session";
-import { followNewcomers, loadPlant } from "../plant/load";
+import { followJoining, loadPlant } from "../plant/load";
 import { start, world } from "../stream/stream";
 import { t, tables } from "../text/manager";
 import { beginToSpeak } from "../text/speech";
@@ -34,7 +34,7 @@ chooseAtFirst();
 start();
 const askForPlant = () => void loadPlant(plant, plantFailed, problemText);
 askForPlant();
-followNewcomers(plant, world, askForPlant);
+followJoining(plant, world, askForPlant);
 
 const root = document.getElementById("app");
 if (root) render(<App />, root);

@@ -7,7 +7,7 @@ import "../styles/plant.css";
 import "./operator.css";
 import { effect } from "@preact/signals";
 import { render } from "preact";
-import { followNewcomers, loadPlant } from "../plant/load";
+import { followJoining, loadPlant } from "../plant/load";
 import { start, world } from "../stream/stream";
 import { t, tables } from "../text/operator";
 import { beginToSpeak } from "../text/speech";
@@ -30,7 +30,7 @@ beginSession();
 start();
 const askForPlant = () => void loadPlant(plant, plantFailed, problemText);
 askForPlant();
-followNewcomers(plant, world, askForPlant);
+followJoining(plant, world, askForPlant);
 
 const root = document.getElementById("app");
 if (root) render(<App />, root);

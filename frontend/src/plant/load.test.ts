@@ -1,7 +1,7 @@
 import { signal } from "@preact/signals";
 import { expect, test, vi } from "vitest";
 import type { PlantFile } from "../api/types";
-import { followNewcomers } from "./load";
+import { followJoining } from "./load";
 
 const plantOf = (...ids: string[]): PlantFile => ({ machines: ids.map((id) => ({ id })) }) as PlantFile;
 const worldOf = (...ids: string[]) => ({ machines: new Map(ids.map((id) => [id, {}])) });
@@ -10,7 +10,7 @@ test("the plant is asked for anew when a machine comes that it does not have, an
   const plant = signal<PlantFile | null>(null);
   const world = signal<ReturnType<typeof worldOf> | null>(worldOf("M1", "M2"));
   const ask = vi.fn();
-  const end = followNewcomers(plant, world, ask);
+  const end = followJoining(plant, world, ask);
   plant.value = plantOf("M1", "M2");
   expect(ask).not.toHaveBeenCalled();
   world.value = worldOf("M1", "M2", "M3");

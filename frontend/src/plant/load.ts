@@ -25,7 +25,7 @@ export async function loadPlant(
  * Calls `ask` for the plant anew when a machine is heard of that it does not have: one that came to a running
  * factory. Once for each, since a machine that does not fit into the plant is in no plant file.
  */
-export function followNewcomers(
+export function followJoining(
   plant: ReadonlySignal<PlantFile | null>,
   world: ReadonlySignal<{ readonly machines: ReadonlyMap<string, unknown> } | null>,
   ask: () => void,

@@ -38,7 +38,7 @@ export interface World {
   /** What is wrong now. */
   readonly alerts: ReadonlyMap<string, AlertView>;
   /** Whether faults can be begun by hand. */
-  readonly trials: boolean;
+  readonly fault_injection: boolean;
   /** Those that were begun by hand and have not ended. */
   readonly faults: ReadonlyMap<string, FaultView>;
   /** What people have asked of vehicles lately, oldest first, and what became of it. */
@@ -73,7 +73,7 @@ export function worldOf(frame: Snapshot): World {
     orders: byId(frame.orders),
     news: byId(frame.news),
     alerts: byId(frame.alerts),
-    trials: frame.trials,
+    fault_injection: frame.fault_injection,
     faults: byId(frame.faults),
     commands: byId(frame.commands),
     audience: frame.audience,

@@ -75,7 +75,7 @@ DUE_S = 86_400.0
 """A day: these orders are there to keep machines busy."""
 
 SAID = {"hb": "heartbeats", "event": "facts", "agent": "to one agent", "task": "announcements"}
-"""Kinds of messages by the second chunk of their key; the rest are goals and berths."""
+"""Kinds of messages by the second chunk of their key; the rest are goals and dwell points."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -95,7 +95,7 @@ def _charging_s(plant: Plant) -> float:
 
 def _longest_way_s(plant: Plant) -> float:
     """Between any two places where something is fetched, brought or kept, for the slowest vehicle."""
-    places = (*plant.machines, *plant.storages, *plant.delivery_warehouses, *plant.berths)
+    places = (*plant.machines, *plant.storages, *plant.delivery_warehouses, *plant.dwell_points)
     nodes = sorted({plant.node_of(place) for place in places})
     routes = [plant.routes(kind) for kind in sorted({spec.type for spec in plant.fleet.values()})]
     return max(each.duration_s(start, end) for each in routes for start in nodes for end in nodes)

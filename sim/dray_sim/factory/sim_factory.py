@@ -288,7 +288,7 @@ class SimFactory:
         """
         workcell = self.floor.add_machine(spec)
         plant = with_machine(self.plant, spec, spec.id)
-        self._employ(spec.id, Kind.MACHINE, self._machine(spec.id, plant, newcomer=True), workcell)
+        self._employ(spec.id, Kind.MACHINE, self._machine(spec.id, plant, joining=True), workcell)
         self._start(spec.id)
         return workcell
 
@@ -303,13 +303,13 @@ class SimFactory:
     def _powered(self, agent: str) -> SimVehicle | SimWorkcell:
         return self.vehicles[agent] if agent in self.vehicles else self.workcells[agent]
 
-    def _machine(self, machine: str, plant: Plant, *, newcomer: bool = False) -> MakeAgent:
+    def _machine(self, machine: str, plant: Plant, *, joining: bool = False) -> MakeAgent:
         return lambda life, software, probation: Machine(
-            machine, plant, incarnation=life, software=software, newcomer=newcomer, trial=probation
+            machine, plant, incarnation=life, software=software, joining=joining, probation=probation
         )
 
     def _station(self, storage: str) -> MakeAgent:
-        return lambda life, software, _trial: Station(
+        return lambda life, software, _probation: Station(
             storage, self.plant, incarnation=life, software=software
         )
 
@@ -320,11 +320,11 @@ class SimFactory:
             vehicle_type=spec.type,
             incarnation=life,
             software=software,
-            trial=probation,
+            probation=probation,
             trusts=self.trusts,
         )
 
-    def _strategist(self, life: int, _software: str, _trial: int) -> Agent:
+    def _strategist(self, life: int, _software: str, _probation: int) -> Agent:
         return Strategist(self.plant, incarnation=life)
 
     def _employ(self, agent: str, kind: Kind, make: MakeAgent, body: Body | None) -> None:

@@ -65,7 +65,7 @@ LONGEST_GAP_S = 5.0
 LEAST_STEP_S, LARGEST_STEP_S = 0.05, 60.0
 """By how much a clock is set wrong, evenly on a logarithmic scale: from what NTP leaves to what a person does."""
 
-LONGEST_TRIAL = 3
+LONGEST_PROBATION = 3
 """Transports; more than that hardly anybody does in a short run."""
 
 SHORT_S, LONG_S = 2.0, 240.0
@@ -236,7 +236,7 @@ _DRAW: Mapping[type[Fault], Callable[[Plant, Random], Fault]] = {
     Crashed: lambda plant, random: Crashed(_agent(plant, random)),
     JournalLost: lambda plant, random: JournalLost(_forgetful(plant, random)),
     ClockSet: lambda plant, random: ClockSet(_agent(plant, random), _step_s(random)),
-    SentAway: lambda plant, random: SentAway(_agent(plant, random), random.randint(0, LONGEST_TRIAL)),
+    SentAway: lambda plant, random: SentAway(_agent(plant, random), random.randint(0, LONGEST_PROBATION)),
     MachineBroken: lambda plant, random: MachineBroken(_machine(plant, random)),
     VehicleBroken: lambda plant, random: VehicleBroken(_vehicle(plant, random)),
     LoadShifted: lambda plant, random: LoadShifted(_vehicle(plant, random)),

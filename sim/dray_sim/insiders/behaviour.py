@@ -114,7 +114,7 @@ _ALL = (
         pretends=True,
         hands_over=True,
     ),
-    Behaviour("claims-berths", "claims every charger and parking place", claims_all=True),
+    Behaviour("claims-dwell-points", "claims every charger and parking place", claims_all=True),
     Behaviour("names-others-tasks", "names as its own what others carry", names_others=True),
     Behaviour("floods", "sends 20 messages a second to the coordinators", price=Price.LEAST, flood_hz=20.0),
     Behaviour(

@@ -52,7 +52,7 @@ def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) 
             vehicle_type=kind,
             incarnation=life,
             software=software,
-            trial=probation,
+            probation=probation,
             trusts=factory.trusts,
         )
         return Turncoat(atv, behaviour)

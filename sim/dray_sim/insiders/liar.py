@@ -12,11 +12,11 @@ from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
     Award,
-    BerthClaimed,
     Bid,
     Brief,
     Declined,
     Docked,
+    DwellPointClaimed,
     Handover,
     HandoverAccepted,
     MachineHeartbeat,
@@ -279,9 +279,9 @@ class Liar:
         return Phase.UNLOADING
 
     def _claim_all(self) -> None:
-        for berth in self._plant.berths:
-            claim = BerthClaimed(berth=berth, atv=self.id, battery_frac=0.0, standing=True)
-            self._out.append(Publish(self._keys.berth(berth), claim))
+        for dwell_point in self._plant.dwell_points:
+            claim = DwellPointClaimed(dwell_point=dwell_point, atv=self.id, battery_frac=0.0, standing=True)
+            self._out.append(Publish(self._keys.dwell_point(dwell_point), claim))
 
     def _flood(self, now_s: float) -> None:
         machine = next(self._turns)

@@ -26,11 +26,11 @@ SPAN_S = 3600.0
 SHIFT = Shift(name="peak-season", duration_s=3.5 * SPAN_S, load=0.85, keep=(Bid, ContractEnded))
 
 FACTOR = 1.2
-"""So much more must be carried with the newcomers than in the same hour of the same demand without them. The
+"""So much more must be carried with the joining vehicles than in the same hour of the same demand without them. The
 hour before is no measure: other orders come in it."""
 
 SOON_S = 600.0
-"""A newcomer has bid by then; whether it is the cheapest is up to the others, too."""
+"""A joining vehicle has bid by then; whether it is the cheapest is up to the others, too."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +59,7 @@ class Season:
     """What was seen.
 
     Attributes:
-        first_s: how long each newcomer took until its first bid.
+        first_s: how long each joining vehicle took until its first bid.
         disturbed: transports of the first fleet that did not end by a handover.
         lives: incarnations of all that were there before, other than the first.
     """
@@ -79,12 +79,12 @@ def short_fleet() -> tuple[Plant, tuple[VehicleSpec, ...]]:
     return Plant(structs.replace(file, fleet=first)), others
 
 
-async def season(stage: Stage, newcomers: tuple[VehicleSpec, ...], span_s: float) -> Season:
-    """Warm up for half a span, measure, let the newcomers join one after another, measure at the end."""
+async def season(stage: Stage, joining: tuple[VehicleSpec, ...], span_s: float) -> Season:
+    """Warm up for half a span, measure, let the vehicles join one after another, measure at the end."""
     await stage.until_s(span_s / 2)
     before = await _hour(stage, span_s)
     joined_s: dict[str, float] = {}
-    for spec in newcomers:
+    for spec in joining:
         stage.factory.add_vehicle(spec)
         joined_s[spec.id] = stage.now_s()
         await asyncio.sleep(JOIN_EVERY_S)
@@ -129,9 +129,9 @@ def _lives(stage: Stage) -> tuple[str, ...]:
 
 
 def peak(seed: int, shift: Shift = SHIFT, span_s: float = SPAN_S) -> Findings:
-    """Play a season with the newcomers, and the same demand without."""
-    plant, newcomers = short_fleet()
-    joined = play(shift, plant, seed, lambda stage: season(stage, newcomers, span_s))
+    """Play a season with the joining vehicles, and the same demand without."""
+    plant, joining = short_fleet()
+    joined = play(shift, plant, seed, lambda stage: season(stage, joining, span_s))
     alone = play(shift, plant, seed, lambda stage: season(stage, (), span_s))
     told, twin = joined.told, alone.told
     if told is None or twin is None:
@@ -142,7 +142,7 @@ def peak(seed: int, shift: Shift = SHIFT, span_s: float = SPAN_S) -> Findings:
         runs=(joined, alone),
         checks=(
             Check(
-                f"With the newcomers at least {FACTOR - 1:.0%} more transports are made than without, in the same time",
+                f"With the joining vehicles at least {FACTOR - 1:.0%} more transports are made than without, in the same time",
                 with_them.transports >= FACTOR * without.transports,
                 f"{without.transports} without, {with_them.transports} with them",
             ),
@@ -153,9 +153,9 @@ def peak(seed: int, shift: Shift = SHIFT, span_s: float = SPAN_S) -> Findings:
                 f"{with_them.p95_s:.0f} s",
             ),
             Check(
-                f"Every newcomer bids by itself within {SOON_S / 60:.0f} minutes",
-                len(told.first_s) == len(newcomers) and slowest_s <= SOON_S,
-                f"{len(told.first_s)} of {len(newcomers)}, the slowest after {slowest_s:.0f} s",
+                f"Every joining vehicle bids by itself within {SOON_S / 60:.0f} minutes",
+                len(told.first_s) == len(joining) and slowest_s <= SOON_S,
+                f"{len(told.first_s)} of {len(joining)}, the slowest after {slowest_s:.0f} s",
             ),
             Check(
                 "No transport of those who were there before is disturbed",
@@ -174,7 +174,7 @@ def peak(seed: int, shift: Shift = SHIFT, span_s: float = SPAN_S) -> Findings:
                 ("", "vehicles", "transports", "pieces", "p50", "p95"),
                 (
                     told.before.row("before", len(FIRST_FLEET)),
-                    with_them.row("later, with the newcomers", len(FIRST_FLEET) + len(newcomers)),
+                    with_them.row("later, with the joining vehicles", len(FIRST_FLEET) + len(joining)),
                     without.row("the same time, without", len(FIRST_FLEET)),
                 ),
             ),

@@ -179,7 +179,7 @@ def test_another_version_than_it_should_have_fails_it() -> None:
     assert canary.failure == "it says that it runs 1.0, not 2.0"
 
 
-def test_a_second_life_within_its_trial_fails_it() -> None:
+def test_a_second_life_within_its_probation_fails_it() -> None:
     canary = vehicle()
     canary.hear("ATV1", beat(life=3))
     assert canary.failure == "it was started again"

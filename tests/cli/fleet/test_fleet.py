@@ -1,4 +1,4 @@
-"""A factory as processes: an order is delivered, whoever is killed comes back, newcomers join, all end together."""
+"""A factory as processes: an order is delivered, whoever is killed comes back, agents join, all end together."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import pytest
 from fleets import AGENTS, NEW_MACHINE, PLANT, START_S, WHOLE, Fleet, Witness
 
 from dray import __version__
-from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, OrderItem, TrialBrief
+from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, OrderItem, ProbationBrief
 from dray.messages.fact import OrderFulfilled
 from dray.messages.keys import STRATEGIST
 from dray.plant import plant_yaml
@@ -23,7 +23,7 @@ from dray_sim.clock.loop import VirtualClock
 from dray_sim.people.demand import Order
 from dray_sim.people.desk import Desk
 
-NEWCOMER = "ATV99"
+JOINING = "ATV99"
 
 PIECES = 8
 """Enough that the order is still in work when both have been killed, one after the other."""
@@ -33,7 +33,7 @@ DELIVERED_S = 240.0
 
 
 @contextmanager
-def newcomer(fleet: Fleet, *agent: str) -> Iterator[subprocess.Popen[bytes]]:
+def joining(fleet: Fleet, *agent: str) -> Iterator[subprocess.Popen[bytes]]:
     """An agent that the plant file does not know, on probation; when the context ends it has left."""
     options = ("--probation", "1", "--settings", str(fleet.folder / "fleet.env"))
     process = subprocess.Popen([sys.executable, "-m", "dray", "agent", *agent, *options], cwd=fleet.folder)
@@ -57,7 +57,7 @@ def assert_each_tells_its_own(told: dict[str, str]) -> None:
 
 
 @pytest.mark.slow
-def test_an_order_is_delivered_whoever_is_killed_and_a_newcomer_joins_and_leaves(fleet: Fleet) -> None:
+def test_an_order_is_delivered_whoever_is_killed_and_a_joining_agent_joins_and_leaves(fleet: Fleet) -> None:
     product = next(each for each in PLANT.products if PLANT.machines_for(each))
     order = Order("O-1", 0.0, 1e10, (OrderItem(product, PIECES),))
     atv = next(iter(PLANT.fleet))
@@ -87,29 +87,29 @@ def test_an_order_is_delivered_whoever_is_killed_and_a_newcomer_joins_and_leaves
                 )
             async with asyncio.timeout(START_S):
                 spec = next(iter(PLANT.fleet.values()))
-                with newcomer(fleet, "atv", NEWCOMER, "--type", spec.type, "--node", spec.node) as process:
+                with joining(fleet, "atv", JOINING, "--type", spec.type, "--node", spec.node) as process:
                     await witness.until(
                         lambda heard: (
                             isinstance(heard, AtvHeartbeat)
-                            and heard.atv == NEWCOMER
-                            and heard.trial == TrialBrief(of=1)
+                            and heard.atv == JOINING
+                            and heard.probation == ProbationBrief(of=1)
                         )
                     )
                     process.terminate()
                     await witness.until(
                         lambda heard: (
-                            isinstance(heard, AtvHeartbeat) and heard.atv == NEWCOMER and heard.leaving
+                            isinstance(heard, AtvHeartbeat) and heard.atv == JOINING and heard.draining
                         )
                     )
             async with asyncio.timeout(START_S):
                 file = fleet.folder / "new.yaml"
                 file.write_text(plant_yaml(WHOLE), encoding="utf-8")
-                with newcomer(fleet, "machine", NEW_MACHINE.id, "--newcomer", str(file)) as process:
+                with joining(fleet, "machine", NEW_MACHINE.id, "--joining", str(file)) as process:
                     await witness.until(
                         lambda heard: (
                             isinstance(heard, MachineHeartbeat)
                             and heard.machine == NEW_MACHINE.id
-                            and heard.newcomer is not None
+                            and heard.joining is not None
                         )
                     )
                     process.terminate()

@@ -66,7 +66,7 @@ def test_what_is_delivered_or_handed_over_twice_is_told() -> None:
 
 
 def test_what_a_vehicle_passes_on_is_counted_within_its_time() -> None:
-    change = CarrierChanged(task="a", epoch=2, replaced="ATV1", carrier="ATV2", reason="leaves in order")
+    change = CarrierChanged(task="a", epoch=2, replaced="ATV1", carrier="ATV2", reason="graceful shutdown")
     history = told(("M1", change), ("M1", change), ("M2", change))
     assert history.passed_on("ATV1", 1.0, 2.0) == 2
     assert history.passed_on("ATV2", 0.0, 9.0) == 0

@@ -312,7 +312,7 @@ def test_who_ends_or_says_nothing_does_not_hold_up_others_for_ever(
     asyncio.run(story())
 
 
-def test_kinds_that_know_no_trial_are_not_put_on_one(tmp_path: Path) -> None:
+def test_kinds_that_know_no_probation_are_not_put_on_one(tmp_path: Path) -> None:
     old, new = make_actor(tmp_path, "1.0"), make_actor(tmp_path, "2.0")
 
     async def story() -> None:

@@ -1,4 +1,4 @@
-"""A replacement: whether the newcomer is ready, as far as that is asked for and not heard."""
+"""A replacement: whether the new process is ready, as far as that is asked for and not heard."""
 
 from __future__ import annotations
 

@@ -88,7 +88,7 @@ class Scene:
             left_s=1.0,
             killed=False,
             away_s=1.0,
-            trial_s=3.0,
+            canary_s=3.0,
             why="it is late" if verdict is Verdict.FAILED else "",
         )
 
@@ -161,7 +161,7 @@ def test_another_wire_version_is_refused(wire: int) -> None:
         replaceable(registry(), plan(target=Software("/new", "3.0", wire)))
 
 
-def test_all_are_replaced_on_trial_and_each_that_passes_is_settled() -> None:
+def test_all_are_replaced_on_probation_and_each_that_passes_is_settled() -> None:
     scene = Scene({})
     report = update(scene, [member("ATV1"), member("M1")])
     assert scene.done == [("ATV1", "2.0", 2, False), ("M1", "2.0", 2, False)]
@@ -230,7 +230,7 @@ def test_the_report_tells_what_it_has_cost() -> None:
         Told("M1", at_s, TaskClosed(task=f"t{at_s}", epoch=1, outcome="delivered", carrier="ATV1"))
         for at_s in moments_s
     ]
-    left = CarrierChanged(task="t", epoch=2, replaced="ATV1", carrier="ATV2", reason="leaves in order")
+    left = CarrierChanged(task="t", epoch=2, replaced="ATV1", carrier="ATV2", reason="graceful shutdown")
     report = update(Scene({}), [member("ATV1")], OrderStatistics(History([*told, Told("M1", 4005.0, left)])))
     assert report.cost is not None
     assert report.cost.before.mean == pytest.approx(50 / 60)

@@ -4,7 +4,7 @@
     Body.instruct --> {plant}/body/@{agent}/do --> Body.instruct
     Body.attach  <-- {plant}/body/@{agent}/told <-- reports, and the state after them, ten times a second
     Body.sense   is the state that was told last
-    put_down      -- query {plant}/floor/@newcomers: a body that the plant file does not know
+    put_down      -- query {plant}/floor/@joining: a body that the plant file does not know
     connect       -- query {plant}/body/@{agent} -> the state now; from then on this life's word counts
 
 A real vehicle has its body on its own computer, and wires lose nothing. The bus may: who passes on what others

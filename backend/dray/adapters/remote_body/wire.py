@@ -60,7 +60,7 @@ def from_part(part: Part) -> Any:
 
 def added_key(plant: str) -> str:
     """Where a floor is asked to take one more body in."""
-    return f"{plant}/floor/@newcomers"
+    return f"{plant}/floor/@joining"
 
 
 def body_key(plant: str, agent: str) -> str:

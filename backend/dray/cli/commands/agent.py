@@ -38,16 +38,14 @@ def agent() -> None:
 @app.command()
 def machine(
     name: Annotated[str, typer.Argument(help="Its id in the plant, as M8.")],
-    newcomer: Annotated[
+    joining: Annotated[
         Path | None,
-        typer.Option(
-            "--newcomer", help="A plant file that has it, when that of the others does not know it."
-        ),
+        typer.Option("--joining", help="A plant file that has it, when that of the others does not know it."),
     ] = None,
     probation: Probation = 0,
     settings: SettingsFile = None,
 ) -> None:
-    """Run the agent of a machine; a newcomer takes part as soon as it is there. SIGTERM lets it leave in order."""
+    """Run the agent of a machine; one that joins takes part as soon as it is there. SIGTERM lets it leave in order."""
     import asyncio
 
     from dray import __version__
@@ -56,7 +54,7 @@ def machine(
     from dray.protocol.machine.machine import Machine
 
     where = _surroundings(settings)
-    plant = where.plant if newcomer is None else _grown(where.plant, newcomer, name)
+    plant = where.plant if joining is None else _grown(where.plant, joining, name)
     spec = one_of(plant.machines, name, "NAME")
 
     def make(life: int) -> Machine:
@@ -65,24 +63,24 @@ def machine(
             plant,
             incarnation=life,
             software=__version__,
-            newcomer=newcomer is not None,
-            trial=probation,
+            joining=joining is not None,
+            probation=probation,
         )
 
-    asyncio.run(run_agent(where, name, make, None if newcomer is None else spec))
+    asyncio.run(run_agent(where, name, make, None if joining is None else spec))
 
 
 @app.command()
 def atv(
     name: Annotated[str, typer.Argument(help="Its id, as ATV3.")],
     type_: Annotated[
-        str | None, typer.Option("--type", help="Of a newcomer that the plant file does not know.")
+        str | None, typer.Option("--type", help="Of a joining vehicle, which the plant file does not know.")
     ] = None,
-    node: Annotated[str | None, typer.Option(help="Where the newcomer stands.")] = None,
+    node: Annotated[str | None, typer.Option(help="Where a joining vehicle stands.")] = None,
     probation: Probation = 0,
     settings: SettingsFile = None,
 ) -> None:
-    """Run the agent of a vehicle; a newcomer takes part as soon as it is there. SIGTERM lets it leave in order."""
+    """Run the agent of a vehicle; one that joins takes part as soon as it is there. SIGTERM lets it leave in order."""
     import asyncio
 
     from dray import __version__
@@ -91,8 +89,8 @@ def atv(
     from dray.protocol.vehicle.atv import Atv
 
     where = _surroundings(settings)
-    newcomer = _newcomer(where.plant, name, type_, node)
-    spec = newcomer or one_of(where.plant.fleet, name, "NAME")
+    joining = _joining(where.plant, name, type_, node)
+    spec = joining or one_of(where.plant.fleet, name, "NAME")
     trusts = _trusted(where)
 
     def make(life: int) -> Atv:
@@ -102,11 +100,11 @@ def atv(
             vehicle_type=spec.type,
             incarnation=life,
             software=__version__,
-            trial=probation,
+            probation=probation,
             trusts=trusts,
         )
 
-    asyncio.run(run_agent(where, name, make, newcomer))
+    asyncio.run(run_agent(where, name, make, joining))
 
 
 @app.command()
@@ -163,11 +161,11 @@ def _grown(plant: Plant, file: Path, name: str) -> Plant:
 
     spec = one_of(load_plant(file).machines, name, "NAME")
     if name in plant.machines:
-        raise SettingsError("--newcomer", f"{name} is in the plant file already: start it without")
+        raise SettingsError("--joining", f"{name} is in the plant file already: start it without")
     return with_machine(plant, spec, str(file))
 
 
-def _newcomer(plant: Plant, name: str, type_: str | None, node: str | None) -> VehicleSpec | None:
+def _joining(plant: Plant, name: str, type_: str | None, node: str | None) -> VehicleSpec | None:
     """A vehicle that the plant does not know; None when nothing was said of one.
 
     Raises:
@@ -182,7 +180,7 @@ def _newcomer(plant: Plant, name: str, type_: str | None, node: str | None) -> V
         return None
     if type_ is None or node is None:
         lacking, given = ("--type", "--node") if type_ is None else ("--node", "--type")
-        reason = f"a newcomer needs it beside {given}; give neither for a vehicle of the plant file"
+        reason = f"a joining vehicle needs it beside {given}; give neither for a vehicle of the plant file"
         raise SettingsError(lacking, reason)
     if name in plant.fleet:
         raise SettingsError(

@@ -103,7 +103,7 @@ def read_settings(folder: Path) -> Settings:
 
 
 def write_settings(folder: Path, common: Mapping[str, str], peers: Sequence[str]) -> None:
-    """Write down what a newcomer needs: the settings of all, and some addresses to call.
+    """Write down what a joining agent needs: the settings of all, and some addresses to call.
 
     Raises:
         UnavailableError: it cannot be written.
@@ -133,7 +133,7 @@ def write_targets(folder: Path, targets: Mapping[str, str]) -> None:
 
 
 def _certify(plant: Plant, folder: Path) -> None:
-    """A certificate for every process, by an authority of this fleet, which may certify newcomers."""
+    """A certificate for every process, by an authority of this fleet, which may certify joining agents."""
     authority = Authority.make(plant.id)
     authority.write(folder)
     kinds = {

@@ -36,7 +36,7 @@ class State(StrEnum):
     """What a process is about, as far as its supervisor knows."""
 
     AT_WORK = ""
-    LEAVING = "leaving"
+    DRAINING = "draining"
     CANARY = "canary"
 
 

@@ -170,7 +170,7 @@ class ProcessSupervisor:
                 started = self._next_start
             killed = False
             if process is not None:
-                self._registry.entered(self._spec.name, State.LEAVING)
+                self._registry.entered(self._spec.name, State.DRAINING)
                 killed = await (_end(process) if at_once else _leave(process, self._leave_s))
             left_s = time.monotonic() - began_s
             self._hurry.set()

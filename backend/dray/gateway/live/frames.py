@@ -40,7 +40,7 @@ class Snapshot(View, kw_only=True, tag_field="type", tag="snapshot"):
     """The last 50, oldest first."""
     alerts: tuple[AlertView, ...] = ()
     """What is wrong now: alarms first, and of one kind the oldest first."""
-    trials: bool = False
+    fault_injection: bool = False
     """Whether faults can be begun by hand: the factory is simulated."""
     faults: tuple[FaultView, ...] = ()
     """Those that were begun by hand and have not ended."""

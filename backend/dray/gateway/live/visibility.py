@@ -162,7 +162,7 @@ class AreaVisibility:
             way=self._way(view.way),
             via=tuple(self._who(atv) for atv in view.via),
             watches=tuple(brief for brief in view.watches if self._concerned(brief)),
-            berth=view.berth if view.berth in self._places else "",
+            dwell_point=view.dwell_point if view.dwell_point in self._places else "",
             problem=self.words(view.problem),
             shut_out=self._shut_out(view.shut_out),
         )
@@ -246,7 +246,7 @@ class AreaVisibility:
         return self._here
 
     def _within(self, plant: Plant) -> frozenset[str]:
-        docks = (*plant.machines, *plant.storages, *plant.warehouses, *plant.berths)
+        docks = (*plant.machines, *plant.storages, *plant.warehouses, *plant.dwell_points)
         return frozenset(place for place in docks if self.reaches(*plant.position_of(place)))
 
     # --- parts of views ---

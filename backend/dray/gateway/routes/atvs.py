@@ -30,7 +30,7 @@ router = APIRouter(tags=["factory"])
 
 COLUMNS = (
     *("id", "type", "status", "problem", "battery_frac", "load", "load_quantity", "link"),
-    *("node", "x_m", "y_m", "speed_mps", "speed_limit_frac", "berth", "software", "seen_at_s"),
+    *("node", "x_m", "y_m", "speed_mps", "speed_limit_frac", "dwell_point", "software", "seen_at_s"),
 )
 
 

@@ -19,7 +19,7 @@ from dray.gateway.http.request_bodies import json_only
 from dray.gateway.http.responses import Json, described, problems
 from dray.gateway.live.views import FaultView
 
-router = APIRouter(tags=["trials"])
+router = APIRouter(tags=["fault injection"])
 
 T = TypeVar("T")
 

@@ -14,7 +14,7 @@ from dray.protocol.contract_net.reliability import Reliability
 from dray.protocol.liveness.progress import STALL_S, Progress
 from dray.protocol.runtime.events import Effect, Ignore
 
-ON_PROBATION = "a bid for a long task by one on probation"
+RESTRICTED = "a bid for a long task by one that is given short ones only"
 
 
 class Assessor:
@@ -41,11 +41,11 @@ class Assessor:
         if objection := self._plausibility.objection(work, bid, now_s):
             self._disbelief.tell(bidder, bid, objection, now_s, clock_ahead_s(bid.at_s, now_s))
             return True
-        if self.reliability.on_probation(bidder, now_s):
+        if self.reliability.is_restricted(bidder, now_s):
             # That it would be short is its own word, and for a task that it has dropped that is not good enough.
             short = bid.finish_s - now_s <= SHORT_S and not self.reliability.has_dropped(bidder, bid.task)
             if is_barred(short=short, round_number=bid.round):
-                self._out.append(Ignore(ON_PROBATION))
+                self._out.append(Ignore(RESTRICTED))
                 return True
         return False
 

@@ -17,7 +17,7 @@ def dock_of(plant: Plant, work: Transport, place: str) -> str:
 
     Args:
         plant: as the plant file has it.
-        work: the transport; one of a newcomer tells where that stands.
+        work: the transport; one of a joining machine tells where that stands.
         place: a place of it.
 
     Returns:

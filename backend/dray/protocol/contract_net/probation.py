@@ -1,24 +1,24 @@
-"""On trial: whoever is not known to be good takes short tasks first, until some were done well (paper, 4.2 case 6).
+"""On probation: whoever is not known to be good takes short tasks first, until some were done well (paper, 4.2 case 6).
 
 A short task that goes wrong costs little, and shows soon that something is wrong. Whether a task was done
 well is for those to judge who have given it out; the agent itself only counts, to know when it may do more.
-A trial is not remembered: each life that is to be on trial is started on trial.
+Probation is not remembered: each life that is to be on probation is started on probation.
 
-A trial must not keep a task from being done at all. What nobody has taken in PASSED_OVER_ROUNDS rounds is
-taken on trial too, however long it is.
+Probation must not keep a task from being done at all. What nobody has taken in PASSED_OVER_ROUNDS rounds is
+taken on probation too, however long it is.
 """
 
 from __future__ import annotations
 
-from dray.messages import TrialBrief
+from dray.messages import ProbationBrief
 
 SHORT_S = 90.0
-"""A transport that is given to one on trial: every second one of the default plant, which take 83 s in the middle."""
+"""A transport that is given to one on probation: every second one of the default plant, which take 83 s in the middle."""
 
 PASSED_OVER_ROUNDS = 4
 """By then the circle of those who are asked has grown to 200 m, and bidders that were busy were asked again."""
 
-ON_TRIAL = "on trial, and this is not short"
+ON_PROBATION = "on probation, and this is not short"
 
 
 def is_barred(*, short: bool, round_number: int) -> bool:
@@ -27,10 +27,10 @@ def is_barred(*, short: bool, round_number: int) -> bool:
 
 
 class Probation:
-    """The trial of one agent.
+    """The probation of one agent.
 
     Args:
-        transports: so many have to be done well; 0 for an agent that is not on trial.
+        transports: so many have to be done well; 0 for an agent that is not on probation.
     """
 
     __slots__ = ("_done", "_of")
@@ -44,7 +44,7 @@ class Probation:
         return self._done < self._of
 
     def bars(self, *, short: bool, round_number: int) -> bool:
-        """Whether a task that was announced is not for an agent on trial.
+        """Whether a task that was announced is not for an agent on probation.
 
         Args:
             short: whether it is a short one, as far as the agent can tell.
@@ -56,6 +56,6 @@ class Probation:
         """A transport came to its good end."""
         self._done += self.lasts
 
-    def brief(self) -> TrialBrief | None:
-        """What the heartbeat tells of it; None when there is no trial, or it is passed."""
-        return TrialBrief(of=self._of, done=self._done) if self.lasts else None
+    def brief(self) -> ProbationBrief | None:
+        """What the heartbeat tells of it; None when there is no probation, or it is passed."""
+        return ProbationBrief(of=self._of, done=self._done) if self.lasts else None

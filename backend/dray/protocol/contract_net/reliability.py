@@ -4,7 +4,7 @@
                  dropped adds its BLAME, one that is late as much of it as it is late, up to 1
     surcharge_s  doubt * DROPPED_S: what a dropped contract costs, times how likely it is. It is added to every bid
                  before bids are ranked, so a contractor in doubt is asked when it is cheaper even so
-    probation    from QUARANTINE of doubt down to HEALED: only short tasks are given to it, as to one on trial
+    restricted   from RESTRICTED_FROM of doubt down to RESTRICTED_TO: only short tasks are given to it, as to one on probation
                  (`probation`), and what nobody else has taken; a task that it has dropped counts as long
 
 Nothing is heard from others: a lie about a rival would be too cheap. So every coordinator pays for its own lesson, and
@@ -34,7 +34,7 @@ KEPT_FRAC = 0.75
 
 BLAME: Mapping[str, float] = {IN_ERROR: 0.25, STALLED: 1.5, OVERDUE: 1.0, NOT_COUNTED: 2.5}
 """Why a contract was dropped, and how much doubt that leaves. Who says itself that it cannot go on has told the
-truth; who says that all is well, and stands, has not; and who says that it has done what it has not is on probation."""
+truth; who says that all is well, and stands, has not; and who says that it has done what it has not is restricted at once."""
 
 DROPPED_BLAME = 1.0
 """For every other reason: silence, and having forgotten the contract."""
@@ -43,9 +43,9 @@ GIVEN_BACK_BLAME = 0.25
 """Giving a contract back costs little: the secondary is asked at once."""
 
 DOUBT_MAX = 8.0
-"""After an hour and a half without contracts even that is probation no more."""
+"""After an hour and a half without contracts even that restricts nobody any more."""
 
-QUARANTINE, HEALED = 2.5, 1.0
+RESTRICTED_FROM, RESTRICTED_TO = 2.5, 1.0
 """Three contracts dropped within minutes, with none kept in between, are no bad luck; after two short ones kept, or
 after forty minutes, it is given more again."""
 
@@ -66,14 +66,14 @@ forgotten begins without prejudice."""
 class Rating:
     """What is held against one contractor."""
 
-    __slots__ = ("_at_s", "_doubt", "dropped", "on_probation")
+    __slots__ = ("_at_s", "_doubt", "dropped", "restricted")
 
     def __init__(self) -> None:
         self.dropped: BoundedMap[str, None] = BoundedMap(DROPPED_KEPT)
         """Tasks that it has dropped or given back."""
         self._doubt = 0.0
         self._at_s = 0.0
-        self.on_probation = False
+        self.restricted = False
 
     def doubt(self, now_s: float) -> float:
         """How much doubt is left."""
@@ -85,9 +85,9 @@ class Rating:
         self.look(now_s)
 
     def look(self, now_s: float) -> None:
-        """Time has passed: it may have healed."""
+        """Time has passed: the restriction may be over."""
         doubt = self.doubt(now_s)
-        self.on_probation = doubt >= QUARANTINE or (self.on_probation and doubt > HEALED)
+        self.restricted = doubt >= RESTRICTED_FROM or (self.restricted and doubt > RESTRICTED_TO)
 
 
 class Reliability:
@@ -106,13 +106,13 @@ class Reliability:
         rating = self._ratings.get(contractor)
         return 0.0 if rating is None else DROPPED_S * rating.doubt(now_s)
 
-    def on_probation(self, contractor: str, now_s: float) -> bool:
+    def is_restricted(self, contractor: str, now_s: float) -> bool:
         """Whether it is given short tasks only."""
         rating = self._ratings.get(contractor)
         if rating is None:
             return False
         rating.look(now_s)
-        return rating.on_probation
+        return rating.restricted
 
     def has_dropped(self, contractor: str, task: str) -> bool:
         """Whether this is a task that it has dropped or given back."""
@@ -155,7 +155,7 @@ class Reliability:
             task=task,
             reason=reason,
             surcharge_s=surcharge_s,
-            on_probation=rating.on_probation,
+            restricted=rating.restricted,
         )
         self._out.append(Record(rated))
         return rating

@@ -17,7 +17,7 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import ContractEnded, ContractTaken
-from dray.protocol.contract_net.probation import ON_TRIAL, Probation
+from dray.protocol.contract_net.probation import ON_PROBATION, Probation
 from dray.protocol.contract_net.replies import Refusals, decline, offer
 from dray.protocol.machine.production import Goal, GoalBook
 from dray.protocol.machine.supply import Supply
@@ -45,7 +45,7 @@ class GoalBidder:
         lots: pieces in a container of each product that the machine can make.
         goals: what it has taken.
         supply: what is at hand.
-        trial: of the machine. A goal of one container is short: more is not spoilt by a bad one.
+        probation: of the machine. A goal of one container is short: more is not spoilt by a bad one.
         timers: the machine's alarms; this class uses names ``(CONFIRM, goal)``.
         out: where effects go.
         commit: called when the machine is bound to something else than before.
@@ -59,7 +59,7 @@ class GoalBidder:
         lots: Mapping[str, int],
         goals: GoalBook,
         supply: Supply,
-        trial: Probation,
+        probation: Probation,
         timers: Timers,
         out: list[Effect],
         commit: Callable[[], None],
@@ -67,7 +67,7 @@ class GoalBidder:
         self._lots = lots
         self._goals = goals
         self._supply = supply
-        self._trial = trial
+        self._probation = probation
         self._out = out
         self._refusals = Refusals(out)
         self._commit = commit
@@ -89,8 +89,8 @@ class GoalBidder:
         if not isinstance(work, Production) or work.product not in self._lots:
             return
         is_short = work.quantity <= self._lots[work.product]
-        if not unfit and self._trial.bars(short=is_short, round_number=message.round):
-            unfit = ON_TRIAL
+        if not unfit and self._probation.bars(short=is_short, round_number=message.round):
+            unfit = ON_PROBATION
         if unfit:
             self._refusals.note(message, Refusal.NOT_FIT, unfit)
             return

@@ -39,10 +39,10 @@ from dray.messages import (
     Docked,
     GoalClosed,
     Handover,
+    JoiningMachine,
     MachineHeartbeat,
     MachineStatus,
     Message,
-    Newcomer,
     Release,
     Resigned,
     Role,
@@ -91,7 +91,7 @@ from dray.protocol.runtime.events import (
     Subscribe,
 )
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
-from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S, LEAVES
+from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S, GRACEFUL_SHUTDOWN
 
 NOT_REMEMBERED = "about a task that may be of a life that has left no notes"
 
@@ -107,8 +107,8 @@ class Machine(AgentBase):
         plant: the plant it stands in.
         incarnation: how often it has been started.
         software: the version it runs, for its heartbeat.
-        newcomer: the plant files of others do not know it: it says itself what it is and where it stands.
-        trial: transports to or from it that have to be done well before it takes long goals; 0 for a
+        joining: the plant files of others do not know it: it says itself what it is and where it stands.
+        probation: transports to or from it that have to be done well before it takes long goals; 0 for a
             machine that is known to be good.
         rules: patience and reach of its auctions.
     """
@@ -120,8 +120,8 @@ class Machine(AgentBase):
         *,
         incarnation: int = 1,
         software: str = "",
-        newcomer: bool = False,
-        trial: int = 0,
+        joining: bool = False,
+        probation: int = 0,
         rules: AuctionRules | None = None,
     ) -> None:
         super().__init__(machine, incarnation, leaves_within_s=COORDINATOR_LEAVES_WITHIN_S)
@@ -129,16 +129,16 @@ class Machine(AgentBase):
         self._spec = plant.machines[machine]
         self._software = software
         self._heartbeat_timer = HeartbeatTimer(self.id, self._timers)
-        self._newcomer = _introduction(self._spec) if newcomer else None
+        self._joining = _introduction(self._spec) if joining else None
         self._keys = Keys(plant.id)
         self._beat_key = self._keys.machine_heartbeat(machine)
         self._products = tuple(making.product for making in self._spec.makes)
         self._goals = GoalBook(machine, plant)
         self._supply = Supply(machine, plant, self._goals)
-        self._trial = Probation(trial)
+        self._probation = Probation(probation)
         lots = {product: plant.products[product].lot for product in self._products}
         self._bidder = GoalBidder(
-            lots, self._goals, self._supply, self._trial, self._timers, self._out, self._commit
+            lots, self._goals, self._supply, self._probation, self._timers, self._out, self._commit
         )
         x_m, y_m = plant.position_of(machine)
         self._subscriptions = HeartbeatSubscriptions(self._keys.atv_heartbeat, self._out)
@@ -300,9 +300,9 @@ class Machine(AgentBase):
             waits=self._sourcing.waits(),
             problem=self._problem,
             software=self._software,
-            leaving=self._shutdown.begun,
-            trial=self._trial.brief(),
-            newcomer=self._newcomer,
+            draining=self._shutdown.begun,
+            probation=self._probation.brief(),
+            joining=self._joining,
         )
         self._out.append(Publish(self._beat_key, heartbeat))
         return heartbeat
@@ -398,8 +398,8 @@ class Machine(AgentBase):
         self._announce(self._next_task(), self._docked_here(work), deadline_s, now_s)
 
     def _docked_here(self, work: Transport) -> Transport:
-        """A transport as others need it to be told: where a newcomer stands they do not know."""
-        return work if self._newcomer is None else replace(work, node=self._newcomer.node)
+        """A transport as others need it to be told: where a joining machine stands they do not know."""
+        return work if self._joining is None else replace(work, node=self._joining.node)
 
     def _next_task(self) -> str:
         self._task_count += 1
@@ -588,7 +588,7 @@ class Machine(AgentBase):
 
     def _settle_counted(self, task: OpenTask, carrier: str, counted: int, now_s: float) -> None:
         """A transport was delivered, so many pieces of it."""
-        self._trial.note_done()
+        self._probation.note_done()
         self._commit()
         work = cast(Transport, task.work)
         goal = self._goals.get(work.goal)
@@ -613,7 +613,7 @@ class Machine(AgentBase):
 
     def _unfit(self) -> str:
         """Why it takes no goals at all; empty when it does."""
-        return self._problem or (LEAVES if self._shutdown.begun else "")
+        return self._problem or (GRACEFUL_SHUTDOWN if self._shutdown.begun else "")
 
     def _on_award(self, sender: str, message: Award, now_s: float) -> None:
         if self._bidder.on_award(sender, message, self._unfit(), now_s):
@@ -652,8 +652,8 @@ class Machine(AgentBase):
         self._heartbeat_timer.at_once(now_s)
 
 
-def _introduction(spec: MachineSpec) -> Newcomer:
-    return Newcomer(
+def _introduction(spec: MachineSpec) -> JoiningMachine:
+    return JoiningMachine(
         name=spec.name,
         station=spec.station,
         node=spec.node,

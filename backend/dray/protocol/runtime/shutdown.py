@@ -1,6 +1,6 @@
-"""Leaving in order: from the wish that an agent go to its going (paper, 4.2 cases 2 and 6).
+"""Graceful shutdown: from the wish that an agent go to its going (paper, 4.2 cases 2 and 6).
 
-    HERE --Leaving--> LEAVING --nothing holds it, or its time is over--> gone (Leave)
+    HERE --Leaving--> DRAINING --nothing holds it, or its time is over--> gone (Leave)
 
 It takes nothing new. What others can do as well it gives back, and waits until that was heard; what nobody
 else can do it finishes. The rest is in its journal and in its body, for its next life. What is still open
@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dray.protocol.runtime.events import NEVER_S
 
-LEAVES = "leaves in order"
+GRACEFUL_SHUTDOWN = "graceful shutdown"
 """What is told to whoever has to do without it, and stands in the history."""
 
 CARRIER_LEAVES_WITHIN_S = 300.0
@@ -24,7 +24,7 @@ come to the dock later ask until its next life answers."""
 
 
 class GracefulShutdown:
-    """The leaving of one agent.
+    """The graceful shutdown of one agent.
 
     Args:
         within_s: so long after it was asked it goes, whatever holds it.

@@ -37,7 +37,7 @@ NOT_KEPT = "asked for what is not kept here"
 TOO_MANY = "asked for more than anybody needs"
 ANOTHERS = "about a task that another one has asked for"
 FETCHED = "asked again for what was fetched"
-LEAVING = "asked for while the station was leaving"
+DRAINING = "asked for while the station was draining"
 
 
 class Station(AgentBase):
@@ -103,7 +103,7 @@ class Station(AgentBase):
             at_s=now_s,
             stocks=self._told,
             software=self._software,
-            leaving=self._shutdown.begun,
+            draining=self._shutdown.begun,
         )
         self._out.append(Publish(self._beat_key, heartbeat))
         return heartbeat
@@ -141,7 +141,7 @@ class Station(AgentBase):
             same = (known.item, known.quantity) == (asked.item, asked.quantity)
             return "" if same and known.coordinator in ("", sender) else ANOTHERS
         if self._shutdown.begun:
-            return LEAVING
+            return DRAINING
         return TOO_MANY if self._book.has_too_many(sender) else ""
 
     def _on_freed(self, sender: str, freed: StockFreed, now_s: float) -> None:

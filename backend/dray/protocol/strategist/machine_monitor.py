@@ -6,7 +6,7 @@ Nothing is lost by a wrong verdict but work: the gate lets every piece in once, 
 
 from __future__ import annotations
 
-from dray.messages import MachineHeartbeat, MachineStatus, Newcomer
+from dray.messages import JoiningMachine, MachineHeartbeat, MachineStatus
 from dray.messages.heartbeat import JOINING_MACHINES_MAX
 from dray.plant import Plant
 from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
@@ -39,7 +39,7 @@ class MachineMonitor:
     def __init__(self, plant: Plant) -> None:
         self._plant = plant
         self._seen: dict[str, Seen] = {}
-        self._newcomers: dict[str, Newcomer] = {}
+        self._joining: dict[str, JoiningMachine] = {}
 
     def begin(self, now_s: float) -> None:
         """Watch the machines of the plant file; until they have had time to speak all are believed to live."""
@@ -65,12 +65,12 @@ class MachineMonitor:
 
     def machines_for(self, product: str) -> tuple[str, ...]:
         """All that can make a product, those included that the plant file does not know."""
-        newcomers = (
+        joining = (
             machine
-            for machine, newcomer in self._newcomers.items()
-            if any(making.product == product for making in newcomer.makes)
+            for machine, joining in self._joining.items()
+            if any(making.product == product for making in joining.makes)
         )
-        return (*self._plant.machines_for(product), *newcomers)
+        return (*self._plant.machines_for(product), *joining)
 
     def anybody_fit(self, product: str, now_s: float) -> bool:
         """Whether anybody lives and works who can make a product."""
@@ -84,7 +84,7 @@ class MachineMonitor:
     def trouble(self, machine: str, now_s: float) -> str:
         """What is the matter with a machine, in words; empty when it lives and works."""
         seen = self._seen.get(machine)
-        # A newcomer that took a goal in an earlier life of the strategist may never have been heard in this one.
+        # A joining machine that took a goal in an earlier life of the strategist may never have been heard in this one.
         if seen is None or now_s >= seen.heard_s + GOAL_SILENCE_S:
             return "silent"
         return "broken" if seen.broken_s is not None else ""
@@ -97,9 +97,9 @@ class MachineMonitor:
 
     def _welcome(self, heartbeat: MachineHeartbeat, now_s: float) -> Seen | None:
         """Begin to watch a machine that the plant file does not know, if it says what it is."""
-        newcomer = heartbeat.newcomer
-        if newcomer is None or len(self._newcomers) >= JOINING_MACHINES_MAX:
+        joining = heartbeat.joining
+        if joining is None or len(self._joining) >= JOINING_MACHINES_MAX:
             return None
-        self._newcomers[heartbeat.machine] = newcomer
+        self._joining[heartbeat.machine] = joining
         seen = self._seen[heartbeat.machine] = Seen(now_s)
         return seen

@@ -148,7 +148,7 @@ class Strategist(AgentBase):
     def _on_released(self, sender: str, message: OrderReleased, now_s: float) -> None:
         if self._shutdown.begun:
             # Unanswered, it is sent again, to the next life.
-            self._out.append(Ignore("an order that came while the strategist was leaving"))
+            self._out.append(Ignore("an order that came while the strategist was draining"))
             return
         if any(item.product not in self._plant.products for item in message.items):
             self._out.append(Ignore("an order for a product that this plant does not make"))

@@ -40,12 +40,12 @@ from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
     Award,
-    BerthClaimed,
     CommandKind,
     Confirmed,
     Disbelieved,
     DockHeld,
     DockOpened,
+    DwellPointClaimed,
     HandoverAccepted,
     Link,
     Message,
@@ -84,7 +84,7 @@ from dray.protocol.runtime.events import (
     Record,
 )
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
-from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S, LEAVES
+from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S, GRACEFUL_SHUTDOWN
 from dray.protocol.takeover.standby import WATCHED_SILENCE, Standby
 from dray.protocol.vehicle.assistance import Assistance
 from dray.protocol.vehicle.bidding import Bidder, Standing
@@ -111,7 +111,7 @@ class Atv(AgentBase):
         vehicle_type: id of its type; by default that of the fleet's entry.
         incarnation: how often it has been started.
         software: the version it runs, for its heartbeat.
-        trial: transports that it has to do well before it takes long ones; 0 for an agent that is known to be good.
+        probation: transports that it has to do well before it takes long ones; 0 for an agent that is known to be good.
         trusts: whose grants count when people command it.
     """
 
@@ -123,7 +123,7 @@ class Atv(AgentBase):
         vehicle_type: str = "",
         incarnation: int = 1,
         software: str = "",
-        trial: int = 0,
+        probation: int = 0,
         trusts: Trusts = trusts_nobody,
     ) -> None:
         super().__init__(atv, incarnation, leaves_within_s=CARRIER_LEAVES_WITHIN_S)
@@ -137,10 +137,10 @@ class Atv(AgentBase):
         self._cells = CellSubscription(plant, self._keys, self._out)
         self._subscriptions = HeartbeatSubscriptions(self._keys.atv_heartbeat, self._out)
         self._standby = Standby(self._subscriptions, self._timers, self._out)
-        self._trial = Probation(trial)
+        self._probation = Probation(probation)
         self._charging = Charging(plant, self._type)
         self._waits = Waits()
-        self._bidder = Bidder(atv, plant, self._type, self._trial, self._charging, self._waits, self._out)
+        self._bidder = Bidder(atv, plant, self._type, self._probation, self._charging, self._waits, self._out)
         self._phase_s = 0.0
         """Since when its job has been in its present phase (plant clock)."""
         self._idle = IdlePositioning(
@@ -169,7 +169,7 @@ class Atv(AgentBase):
             Superseded: contract,
             Withdrawn: contract,
             VehicleCommand: self._on_command,
-            BerthClaimed: self._on_claim,
+            DwellPointClaimed: self._on_claim,
             Disbelieved: Reproach(self._out).on_disbelieved,
         }
         self._report_handlers = {
@@ -278,15 +278,15 @@ class Atv(AgentBase):
             task=job.brief() if job is not None else None,
             watches=self._standby.briefs() if self._standby else (),
             way=self._driver.ahead,
-            berth=self._idle.berth,
+            dwell_point=self._idle.dwell_point,
             speed_limit_frac=self._driver.speed_frac,
             acknowledged=self._commands.acknowledged,
             link=self._link,
             problem=self._assistance.problem,
             help=self._assistance.help,
             software=self._software,
-            leaving=self._shutdown.begun,
-            trial=self._trial.brief(),
+            draining=self._shutdown.begun,
+            probation=self._probation.brief(),
         )
         self._out.append(Publish(self._beat_key, heartbeat))
         return heartbeat
@@ -297,11 +297,11 @@ class Atv(AgentBase):
     # --- the end ---
 
     def _prepare_to_leave(self, now_s: float) -> None:
-        self._standby.resign(LEAVES)
+        self._standby.resign(GRACEFUL_SHUTDOWN)
         if self._job is None:
             self._idle.stay(now_s)
         else:
-            self._job.give_back(LEAVES, now_s)
+            self._job.give_back(GRACEFUL_SHUTDOWN, now_s)
         self._heartbeat_timer.at_once(now_s)
 
     def _is_held(self) -> bool:
@@ -328,7 +328,7 @@ class Atv(AgentBase):
             self._go_on(lambda job: job.arrived(now_s), now_s)
         else:
             self._idle.arrived()
-            self._update_status(now_s, self._idle.berth)
+            self._update_status(now_s, self._idle.dwell_point)
         self._heartbeat_timer.at_once(now_s)
 
     def _action_done(self, report: ActionDone, now_s: float) -> None:
@@ -411,7 +411,7 @@ class Atv(AgentBase):
         if self._link is Link.MESH:
             return "on the radio mesh"
         if self._shutdown.begun:
-            return LEAVES
+            return GRACEFUL_SHUTDOWN
         return "a load is on board" if self._job is None and self._load[0] else ""
 
     def _on_announced(self, _sender: str, message: TaskAnnounced, now_s: float) -> None:
@@ -597,7 +597,7 @@ class Atv(AgentBase):
         if job.phase is not phase:
             self._note_wait(job, phase, now_s)
         if self._shutdown.begun:
-            job.give_back(LEAVES, now_s)
+            job.give_back(GRACEFUL_SHUTDOWN, now_s)
         self._heartbeat_timer.at_once(now_s)
         if job.ended:
             self._end_carriage(job, now_s)
@@ -619,7 +619,7 @@ class Atv(AgentBase):
         self._job = None
         self._commit()
         if job.ended == HANDED_OVER:
-            self._trial.note_done()
+            self._probation.note_done()
         self._assistance.over()
         self._update_status(now_s, job.ended)
         self._idle.soon(now_s)
@@ -632,7 +632,7 @@ class Atv(AgentBase):
             return
         way = self._driver.way
         self._idle.wake(name, self._battery_frac, now_s)
-        self._update_status(now_s, self._idle.berth)
+        self._update_status(now_s, self._idle.dwell_point)
         if self._driver.way is not way:
             self._heartbeat_timer.at_once(now_s)
 
@@ -644,7 +644,7 @@ class Atv(AgentBase):
         """Whether it stands until a person has seen to it."""
         return self._commands.stopped or bool(self._assistance.problem)
 
-    def _on_claim(self, _sender: str, message: BerthClaimed, now_s: float) -> None:
+    def _on_claim(self, _sender: str, message: DwellPointClaimed, now_s: float) -> None:
         self._idle.on_claim(message, battery_frac=self._battery_frac, may_leave=self._may_rest(), now_s=now_s)
 
     def _on_command(self, sender: str, command: VehicleCommand, now_s: float) -> None:

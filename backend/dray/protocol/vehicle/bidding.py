@@ -6,7 +6,7 @@ import msgspec
 
 from dray.messages import Award, Refusal, Role, TaskAnnounced, Transport, Work
 from dray.plant import Plant
-from dray.protocol.contract_net.probation import ON_TRIAL, SHORT_S, Probation
+from dray.protocol.contract_net.probation import ON_PROBATION, SHORT_S, Probation
 from dray.protocol.contract_net.replies import Refusals, offer
 from dray.protocol.contract_net.waits import Waits
 from dray.protocol.runtime.events import Effect
@@ -45,7 +45,7 @@ class Bidder:
         atv: the vehicle.
         plant: where the ways are.
         vehicle_type: id of the vehicle's type.
-        trial: of the vehicle.
+        probation: of the vehicle.
         charging: of the vehicle: whether its battery lets it work.
         waits: what the vehicle has learned of places; announcements tell of them, too.
         out: where effects go.
@@ -56,14 +56,14 @@ class Bidder:
         atv: str,
         plant: Plant,
         vehicle_type: str,
-        trial: Probation,
+        probation: Probation,
         charging: Charging,
         waits: Waits,
         out: list[Effect],
     ) -> None:
         self._atv = atv
         self._pricer = Pricer(plant, vehicle_type)
-        self._trial = trial
+        self._probation = probation
         self._waits = waits
         self._charging = charging
         self._refusals = Refusals(out)
@@ -85,8 +85,8 @@ class Bidder:
         )
         if isinstance(answer, Quote):
             takes_s = answer.finish_s - now_s
-            if self._trial.bars(short=takes_s <= SHORT_S, round_number=message.round):
-                answer = Unable(Refusal.NOT_FIT, f"{ON_TRIAL}: it would take {takes_s:.0f} s")
+            if self._probation.bars(short=takes_s <= SHORT_S, round_number=message.round):
+                answer = Unable(Refusal.NOT_FIT, f"{ON_PROBATION}: it would take {takes_s:.0f} s")
             else:
                 self._refusals.forget(message)
         if isinstance(answer, Unable):
@@ -127,9 +127,9 @@ class Bidder:
         if role is Role.SECONDARY:
             if primary in ("", self._atv):
                 return Unable(Refusal.IS_PRIMARY, "")
-            if self._trial.lasts:
+            if self._probation.lasts:
                 # A watch is a promise to carry what somebody else has taken, short or long.
-                return Unable(Refusal.NOT_FIT, "on trial, and watches nobody")
+                return Unable(Refusal.NOT_FIT, "on probation, and watches nobody")
             if standing.watches >= MAX_WATCHES:
                 return Unable(Refusal.WATCHING_ENOUGH, f"{standing.watches} tasks")
             # A watch is taken over only when its primary fails, and late is better than never then.

@@ -3,9 +3,9 @@
     SEEKING   --claim uncontested for CONTEST_S--> DRIVING --arrived--> STANDING --left to another--+
        |  ^                                          |                                              |
        |  +---------------- lost to another ---------+----------------------------------------------+
-       +-- no berth of the kind is left: try again later
+       +-- no dwell point of the kind is left: try again later
 
-See `dray.messages.berth` for the verdict that both sides of a contest reach alone. A claim is its speaker's word: one
+See `dray.messages.dwell_point` for the verdict that both sides of a contest reach alone. A claim is its speaker's word: one
 that has kept this vehicle from a charger for longer than anybody needs to drive there or to charge is not believed
 any more, and the vehicle goes and looks.
 """
@@ -15,7 +15,7 @@ from __future__ import annotations
 from enum import Enum
 
 from dray.errors import NoWay
-from dray.messages import BerthClaimed
+from dray.messages import DwellPointClaimed
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.runtime.bounded_map import BoundedMap
@@ -26,14 +26,14 @@ CONTEST_S = 1.0
 heard, on the way."""
 
 TAKEN_MEMORY_S = 60.0
-"""How long a berth that was lost is not asked for again."""
+"""How long a dwell point that was lost is not asked for again."""
 
 BLOCKED_S = 600.0
 """How long a charger is not asked for again at which somebody else was found, or which gave no power: a person has seen
 to it by then, or nobody has."""
 
 OBJECTS_AGAIN_S = 0.5
-"""To one and the same rival: two that are both sure to stand in a berth must not argue as fast as the network can."""
+"""To one and the same rival: two that are both sure to stand in a dwell point must not argue as fast as the network can."""
 
 APPROACH_S = 600.0
 """A claim of somebody who has not arrived by then is not believed: no way across a floor takes longer."""
@@ -52,7 +52,7 @@ COMPARED = 4
 
 
 class Hold(Enum):
-    """What a vehicle has of a berth."""
+    """What a vehicle has of a dwell point."""
 
     NONE = "none"
     CLAIMED = "claimed"
@@ -60,11 +60,11 @@ class Hold(Enum):
 
 
 class DwellPoints:
-    """One vehicle's claim on a berth: at most one at a time.
+    """One vehicle's claim on a dwell point: at most one at a time.
 
     Args:
         atv: the vehicle.
-        plant: where the berths are.
+        plant: where the dwell points are.
         vehicle_type: id of the vehicle's type, for its ways.
         keys: the plant's bus keys.
         out: where effects go.
@@ -83,26 +83,26 @@ class DwellPoints:
         self._opposed_s: BoundedMap[tuple[str, str], tuple[float, float]] = BoundedMap(RIVALS)
         """By charger and rival: since when it has been in the way, and when it was heard last."""
         self._objected_s: BoundedMap[str, float] = BoundedMap(RIVALS)
-        """By rival, when it was told last that this berth is held."""
+        """By rival, when it was told last that this dwell point is held."""
         self._claim_battery_frac = 0.0
-        self.berth = ""
-        """The berth that is claimed or stood in; empty for none."""
+        self.dwell_point = ""
+        """The dwell point that is claimed or stood in; empty for none."""
         self.hold = Hold.NONE
 
     @property
     def is_charger(self) -> bool:
-        return self.berth in self._plant.chargers
+        return self.dwell_point in self._plant.chargers
 
-    def is_taken(self, berth: str, now_s: float) -> bool:
-        """Whether another one has won this berth not long ago."""
-        return self._taken_until_s.get(berth, 0.0) > now_s
+    def is_taken(self, dwell_point: str, now_s: float) -> bool:
+        """Whether another one has won this dwell point not long ago."""
+        return self._taken_until_s.get(dwell_point, 0.0) > now_s
 
-    def stand(self, berth: str, battery_frac: float) -> None:
-        """Claim the berth in which the vehicle stands already."""
-        self._claim(berth, battery_frac, Hold.STANDING)
+    def stand(self, dwell_point: str, battery_frac: float) -> None:
+        """Claim the dwell point in which the vehicle stands already."""
+        self._claim(dwell_point, battery_frac, Hold.STANDING)
 
     def seek(self, *, charger: bool, node: str, battery_frac: float, now_s: float) -> bool:
-        """Claim the nearest berth that is not known to be taken.
+        """Claim the nearest dwell point that is not known to be taken.
 
         Args:
             charger: a charger is needed; else a parking place is.
@@ -114,10 +114,10 @@ class DwellPoints:
             False when none is left to ask for.
         """
         self._taken_until_s = {
-            berth: until_s for berth, until_s in self._taken_until_s.items() if until_s > now_s
+            dwell_point: until_s for dwell_point, until_s in self._taken_until_s.items() if until_s > now_s
         }
         kind = self._plant.chargers if charger else self._plant.parkings
-        free = [berth for berth in kind if berth not in self._taken_until_s]
+        free = [dwell_point for dwell_point in kind if dwell_point not in self._taken_until_s]
         if not free:
             return False
         near = self._plant.closest(node, free, COMPARED)
@@ -130,35 +130,35 @@ class DwellPoints:
         return True
 
     def arrive(self) -> None:
-        """The vehicle stands in its berth now."""
+        """The vehicle stands in its dwell point now."""
         self.hold = Hold.STANDING
 
     def leave(self) -> None:
-        """Give the berth up; harmless without one. Silence frees it: nobody objects any more."""
-        if self.berth:
-            self._out.append(Unsubscribe(self._keys.berth(self.berth)))
-            self.berth, self.hold = "", Hold.NONE
+        """Give the dwell point up; harmless without one. Silence frees it: nobody objects any more."""
+        if self.dwell_point:
+            self._out.append(Unsubscribe(self._keys.dwell_point(self.dwell_point)))
+            self.dwell_point, self.hold = "", Hold.NONE
 
     def block(self, now_s: float) -> None:
         """The charger where the vehicle stands is of no use: leave it, and ask for another one."""
-        self._taken_until_s[self.berth] = now_s + BLOCKED_S
+        self._taken_until_s[self.dwell_point] = now_s + BLOCKED_S
         self.leave()
 
     def on_claim(
-        self, claim: BerthClaimed, now_s: float, *, plugged: bool = False, gives_way: bool = False
+        self, claim: DwellPointClaimed, now_s: float, *, plugged: bool = False, gives_way: bool = False
     ) -> bool:
-        """Somebody wants a berth.
+        """Somebody wants a dwell point.
 
         Args:
             claim: what it says.
             now_s: the present time.
             plugged: this vehicle is being charged there: nobody else can stand there too.
-            gives_way: this vehicle leaves its berth to that one.
+            gives_way: this vehicle leaves its dwell point to that one.
 
         Returns:
-            True when this vehicle has no claim to its berth any more.
+            True when this vehicle has no claim to its dwell point any more.
         """
-        if claim.berth != self.berth or claim.atv == self._atv:
+        if claim.dwell_point != self.dwell_point or claim.atv == self._atv:
             return False
         if not gives_way:
             if plugged or self._wins_over(claim):
@@ -166,22 +166,22 @@ class DwellPoints:
                 return False
             if self.hold is Hold.CLAIMED and self._is_doubtful(claim, now_s):
                 return False
-        self._taken_until_s[claim.berth] = now_s + TAKEN_MEMORY_S
+        self._taken_until_s[claim.dwell_point] = now_s + TAKEN_MEMORY_S
         self.leave()
         return True
 
-    def _is_doubtful(self, claim: BerthClaimed, now_s: float) -> bool:
+    def _is_doubtful(self, claim: DwellPointClaimed, now_s: float) -> bool:
         """Whether a rival has kept this vehicle from a charger for longer than can be."""
         if not self.is_charger:
             return False  # A parking place may be stood in for ever.
-        key = claim.berth, claim.atv
+        key = claim.dwell_point, claim.atv
         since_s, heard_s = self._opposed_s.get(key, (now_s, now_s))
         if now_s - heard_s > PAUSE_S:
             since_s = now_s
         self._opposed_s[key] = since_s, now_s
         return now_s - since_s > (self._stay_s if claim.standing else APPROACH_S)
 
-    def _wins_over(self, claim: BerthClaimed) -> bool:
+    def _wins_over(self, claim: DwellPointClaimed) -> bool:
         stands = self.hold is Hold.STANDING
         if stands != claim.standing:
             return stands
@@ -194,16 +194,16 @@ class DwellPoints:
             self._objected_s[rival] = now_s
             self._object()
 
-    def _claim(self, berth: str, battery_frac: float, hold: Hold) -> None:
-        self.berth, self.hold, self._claim_battery_frac = berth, hold, battery_frac
-        self._out.append(Subscribe(self._keys.berth(berth)))
+    def _claim(self, dwell_point: str, battery_frac: float, hold: Hold) -> None:
+        self.dwell_point, self.hold, self._claim_battery_frac = dwell_point, hold, battery_frac
+        self._out.append(Subscribe(self._keys.dwell_point(dwell_point)))
         self._object()
 
     def _object(self) -> None:
-        claim = BerthClaimed(
-            berth=self.berth,
+        claim = DwellPointClaimed(
+            dwell_point=self.dwell_point,
             atv=self._atv,
             battery_frac=self._claim_battery_frac,
             standing=self.hold is Hold.STANDING,
         )
-        self._out.append(Publish(self._keys.berth(self.berth), claim))
+        self._out.append(Publish(self._keys.dwell_point(self.dwell_point), claim))

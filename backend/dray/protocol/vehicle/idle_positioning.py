@@ -1,8 +1,8 @@
 """What a vehicle does without work: go where it is useful to stand, and charge in time.
 
-    settle ----> berth claimed ----> driving there ----> standing, charging if it is a charger
+    settle ----> dwell point claimed ----> driving there ----> standing, charging if it is a charger
        ^            (CONTEST_S)
-       +---- work ended, berth lost, charge ended, charger left to another, battery low
+       +---- work ended, dwell point lost, charge ended, charger left to another, battery low
 
 When all chargers are taken it waits at a parking place, and where there is none at a node where nobody docks: a vehicle
 that waits at a machine keeps others from it. When it charges, and to whom it leaves its charger, is told by `charging`.
@@ -17,7 +17,7 @@ from math import hypot
 
 from dray.body import Charge
 from dray.errors import NoWay
-from dray.messages import BerthClaimed
+from dray.messages import DwellPointClaimed
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.runtime.events import Effect
@@ -31,17 +31,17 @@ SETTLE = "settle"
 CLAIM = "claim"
 
 SETTLE_S = 4.0
-"""An idle vehicle waits this long for work near by before it drives to a berth."""
+"""An idle vehicle waits this long for work near by before it drives to a dwell point."""
 
 SEEK_AGAIN_S = 30.0
-"""When every berth was taken."""
+"""When every dwell point was taken."""
 
 TRIES = 3
 """Charges that fail at one charger before another one is looked for: who is leaving it may need a moment."""
 
 
 class WaitingPlaces:
-    """Where vehicles of one type wait that have no berth: out of everybody's way, at a node where nobody docks.
+    """Where vehicles of one type wait that have no dwell point: out of everybody's way, at a node where nobody docks.
 
     Args:
         plant: where docks and lanes are.
@@ -82,7 +82,7 @@ class IdlePositioning:
 
     Args:
         atv: the vehicle.
-        plant: where the berths are.
+        plant: where the dwell points are.
         vehicle_type: id of the vehicle's type.
         keys: the plant's bus keys.
         charging: of the vehicle: when it charges.
@@ -108,16 +108,16 @@ class IdlePositioning:
         self._aside = WaitingPlaces(plant, vehicle_type)
         self._driver = driver
         self._timers = timers
-        self._berths = DwellPoints(atv, plant, vehicle_type, keys, out)
+        self._dwell_points = DwellPoints(atv, plant, vehicle_type, keys, out)
         self._charge_order = 0
         """The order number of the running charge; 0 for none."""
         self._failed = 0
         """Charges that have failed at this charger."""
 
     @property
-    def berth(self) -> str:
-        """The berth it stands in or drives to; empty for none."""
-        return self._berths.berth
+    def dwell_point(self) -> str:
+        """The dwell point it stands in or drives to; empty for none."""
+        return self._dwell_points.dwell_point
 
     @property
     def charging(self) -> bool:
@@ -126,7 +126,7 @@ class IdlePositioning:
     # --- beginning and end ---
 
     def start(self, battery_frac: float, now_s: float) -> None:
-        """The vehicle has been switched on, perhaps in a berth."""
+        """The vehicle has been switched on, perhaps in a dwell point."""
         self._stand_here(battery_frac, now_s)
         self._timers.set(SETTLE, now_s + SETTLE_S + spread_frac(self._atv) * SETTLE_S)
 
@@ -143,7 +143,7 @@ class IdlePositioning:
 
     def stop(self) -> None:
         """There is work."""
-        self._berths.leave()
+        self._dwell_points.leave()
         self._charge_order = self._failed = 0
         self._timers.clear(SETTLE)
         self._timers.clear(CLAIM)
@@ -154,8 +154,8 @@ class IdlePositioning:
         """One of its alarms has come."""
         if name == SETTLE:
             self._settle(battery_frac, now_s)
-        elif self._berths.berth:
-            self._take_berth(now_s)
+        elif self._dwell_points.dwell_point:
+            self._take_dwell_point(now_s)
 
     def check_battery(self, battery_frac: float, now_s: float) -> None:
         """A parked vehicle looks for a charger in time, a charged one makes room for others."""
@@ -164,7 +164,9 @@ class IdlePositioning:
                 self._end_charge(now_s)
             return
         seeking = (
-            self._berths.hold is Hold.CLAIMED or self._timers.is_set(SETTLE) or self._timers.is_set(CLAIM)
+            self._dwell_points.hold is Hold.CLAIMED
+            or self._timers.is_set(SETTLE)
+            or self._timers.is_set(CLAIM)
         )
         if not seeking and self._charging.wants(battery_frac, now_s):
             self._timers.set(SETTLE, now_s)
@@ -173,9 +175,12 @@ class IdlePositioning:
 
     def arrived(self) -> None:
         """The vehicle stands where it was sent."""
-        there = self._berths.berth and self._plant.node_of(self._berths.berth) == self._driver.node
-        if there and self._berths.hold is Hold.CLAIMED:
-            self._berths.arrive()
+        there = (
+            self._dwell_points.dwell_point
+            and self._plant.node_of(self._dwell_points.dwell_point) == self._driver.node
+        )
+        if there and self._dwell_points.hold is Hold.CLAIMED:
+            self._dwell_points.arrive()
             self._charge()
 
     def action_done(self, order: int, now_s: float) -> bool:
@@ -192,17 +197,19 @@ class IdlePositioning:
         self._charge_order = 0
         self._failed += 1
         if self._failed < TRIES:
-            self._berths.leave()
+            self._dwell_points.leave()
         else:
             self._failed = 0
-            self._berths.block(now_s)
+            self._dwell_points.block(now_s)
         self.soon(now_s)
         return True
 
     # --- others ---
 
-    def on_claim(self, claim: BerthClaimed, *, battery_frac: float, may_leave: bool, now_s: float) -> None:
-        """Somebody wants a berth, perhaps this one.
+    def on_claim(
+        self, claim: DwellPointClaimed, *, battery_frac: float, may_leave: bool, now_s: float
+    ) -> None:
+        """Somebody wants a dwell point, perhaps this one.
 
         Args:
             claim: what it says.
@@ -211,10 +218,10 @@ class IdlePositioning:
             now_s: the present time.
         """
         gives_way = (
-            claim.berth == self._berths.berth
+            claim.dwell_point == self._dwell_points.dwell_point
             and may_leave
-            and self._berths.is_charger
-            and self._berths.hold is Hold.STANDING
+            and self._dwell_points.is_charger
+            and self._dwell_points.hold is Hold.STANDING
             and self._charging.gives_way(
                 claim.atv,
                 claim.battery_frac,
@@ -223,7 +230,7 @@ class IdlePositioning:
                 now_s=now_s,
             )
         )
-        if self._berths.on_claim(claim, now_s, plugged=self.charging, gives_way=gives_way):
+        if self._dwell_points.on_claim(claim, now_s, plugged=self.charging, gives_way=gives_way):
             self._charge_order = self._failed = 0
             self._timers.clear(CLAIM)
             self._timers.set(SETTLE, now_s)
@@ -233,11 +240,11 @@ class IdlePositioning:
     def _settle(self, battery_frac: float, now_s: float) -> None:
         if self.charging:
             return
-        berths, charging = self._berths, self._charging
-        if berths.hold is Hold.NONE and not self._driver.way:
+        dwell_points, charging = self._dwell_points, self._charging
+        if dwell_points.hold is Hold.NONE and not self._driver.way:
             self._stand_here(battery_frac, now_s)
-        at_charger = berths.hold is Hold.STANDING and berths.is_charger
-        parked = berths.hold is Hold.STANDING and not berths.is_charger
+        at_charger = dwell_points.hold is Hold.STANDING and dwell_points.is_charger
+        parked = dwell_points.hold is Hold.STANDING and not dwell_points.is_charger
         if at_charger and charging.plugs_in(battery_frac, now_s):
             self._charge()
             return
@@ -249,35 +256,37 @@ class IdlePositioning:
         ):
             self._timers.set(CLAIM, now_s + CONTEST_S)
             return
-        if berths.hold is Hold.NONE:
+        if dwell_points.hold is Hold.NONE:
             self._step_aside(now_s)
         self._timers.set(SETTLE, now_s + SEEK_AGAIN_S)
 
     def _seek(self, charger: bool, battery_frac: float, now_s: float) -> bool:
-        return self._berths.seek(
+        return self._dwell_points.seek(
             charger=charger, node=self._driver.next_node, battery_frac=battery_frac, now_s=now_s
         )
 
     def _stand_here(self, battery_frac: float, now_s: float) -> None:
-        """Claim the berth in which the vehicle stands, unless another one has just won it."""
-        for berth in self._plant.berths:
-            if self._plant.node_of(berth) == self._driver.node and not self._berths.is_taken(berth, now_s):
-                self._berths.stand(berth, battery_frac)
+        """Claim the dwell point in which the vehicle stands, unless another one has just won it."""
+        for dwell_point in self._plant.dwell_points:
+            if self._plant.node_of(dwell_point) == self._driver.node and not self._dwell_points.is_taken(
+                dwell_point, now_s
+            ):
+                self._dwell_points.stand(dwell_point, battery_frac)
                 return
 
     def _step_aside(self, now_s: float) -> None:
-        """There is no berth, or the place it was driving to belongs to another now: do not wait at a dock."""
+        """There is no dwell point, or the place it was driving to belongs to another now: do not wait at a dock."""
         self._driver.go(self._aside.nearest(self._driver.next_node), now_s)
 
-    def _take_berth(self, now_s: float) -> None:
+    def _take_dwell_point(self, now_s: float) -> None:
         """Nobody has objected: drive there."""
-        if not self._driver.go(self._plant.node_of(self._berths.berth), now_s):
+        if not self._driver.go(self._plant.node_of(self._dwell_points.dwell_point), now_s):
             self.arrived()
 
     def _charge(self) -> None:
-        if self._berths.is_charger:
+        if self._dwell_points.is_charger:
             self._charge_order = self._driver.next_order()
-            self._driver.act(Charge(order=self._charge_order, charger=self._berths.berth))
+            self._driver.act(Charge(order=self._charge_order, charger=self._dwell_points.dwell_point))
 
     def _end_charge(self, now_s: float) -> None:
         """It has enough: look for another place, and keep this one until there is one or somebody asks for it."""

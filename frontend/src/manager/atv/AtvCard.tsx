@@ -15,9 +15,9 @@ import { ShutOutNote } from "../agents/ShutOutNote";
 import { UpdateFact } from "../agents/UpdateFact";
 import { names, plant } from "../state";
 import { doingText } from "./doing";
-import { TrialFacts } from "../trials/TrialFacts";
-import { TrialMenu } from "../trials/TrialMenu";
-import { ATV_TRIALS } from "../trials/trials";
+import { FaultFacts } from "../faults/FaultFacts";
+import { FaultMenu } from "../faults/FaultMenu";
+import { ATV_FAULTS } from "../faults/faults";
 import { HelpWanted } from "./HelpWanted";
 import { linkText } from "./link";
 import { Promise as PromiseFact } from "./Promise";
@@ -57,7 +57,7 @@ function AtvCard({ atv }: { atv: AtvView }) {
         </div>
       )}
       <Facts>
-        <TrialFacts agent={atv.id} />
+        <FaultFacts agent={atv.id} />
         <UpdateFact agent={atv} />
         <Fact name={t("atv.status")}>{doingText(atv)}</Fact>
         <TaskFacts atv={atv} task={task ?? undefined} lost={lost} />
@@ -92,7 +92,7 @@ function AtvCard({ atv }: { atv: AtvView }) {
 function Status({ atv, lost }: { atv: AtvView; lost: boolean }) {
   return (
     <>
-      <TrialMenu agent={atv.id} kinds={ATV_TRIALS} />
+      <FaultMenu agent={atv.id} kinds={ATV_FAULTS} />
       {lost ? <Tag tone="alarm">{t(atv.shut_out ? "atv.shut_out" : "atv.lost")}</Tag> : <Tag tone={toneOfAtv(atv.status)}>{word("atv", atv.status)}</Tag>}
     </>
   );

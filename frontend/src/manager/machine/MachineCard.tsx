@@ -14,9 +14,9 @@ import { ShutOutMenu } from "../agents/ShutOutMenu";
 import { ShutOutNote } from "../agents/ShutOutNote";
 import { UpdateFact } from "../agents/UpdateFact";
 import { names } from "../state";
-import { TrialFacts } from "../trials/TrialFacts";
-import { TrialMenu } from "../trials/TrialMenu";
-import { MACHINE_TRIALS } from "../trials/trials";
+import { FaultFacts } from "../faults/FaultFacts";
+import { FaultMenu } from "../faults/FaultMenu";
+import { MACHINE_FAULTS } from "../faults/faults";
 import { Stock } from "./Stock";
 
 /** The chosen machine: what it makes, what it needs, who brings it. */
@@ -32,7 +32,7 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
       }
       aside={
         <>
-          <TrialMenu agent={spec.id} kinds={MACHINE_TRIALS} />
+          <FaultMenu agent={spec.id} kinds={MACHINE_FAULTS} />
           {lost ? <Tag tone="alarm">{t(machine.shut_out ? "machine.shut_out" : "machine.lost")}</Tag> : status && <Tag tone={toneOfMachine(status)}>{word("machine", status)}</Tag>}
         </>
       }
@@ -41,7 +41,7 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
       {machine?.shut_out && <ShutOutNote agent={spec.id} kind="machine" out={machine.shut_out} />}
       {machine?.problem && !machine.shut_out && <p class="problem">{failureText(machine.problem)}</p>}
       <Facts>
-        <TrialFacts agent={spec.id} />
+        <FaultFacts agent={spec.id} />
         {machine && <UpdateFact agent={machine} />}
         <Goal machine={machine} />
         <Task machine={machine} />

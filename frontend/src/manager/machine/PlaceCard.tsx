@@ -14,7 +14,7 @@ import type { PlaceInfo } from "./place";
 
 /** A storage, warehouse or charger: what it keeps, and who comes. */
 export function PlaceCard({ place }: { place: PlaceInfo }) {
-  const atvs = [...(world.value?.atvs.values() ?? [])].filter((atv) => atv.berth === place.id);
+  const atvs = [...(world.value?.atvs.values() ?? [])].filter((atv) => atv.dwell_point === place.id);
   const tasks = [...(world.value?.tasks.values() ?? [])].filter(isOpen);
   const charger = place.kind === "charger";
   const station = place.kind === "storage" ? world.value?.stations.get(place.id) : undefined;

@@ -22,7 +22,7 @@ describe("a place in the Stop bar", () => {
     expect(places.map((place) => settlesInMs(place, -Infinity, KEPT_MS))).toEqual([0, 0]);
   });
 
-  test("is given to a newcomer only after its vehicle was away for long", () => {
+  test("is given to a joining vehicle only after its vehicle was away for long", () => {
     const places = after([0, "ATV2", "ATV4"], [1000, "ATV4"]);
     expect(names(seated(places, ["ATV4", "ATV9"], NOBODY, 999 + KEPT_MS))).toEqual(["ATV2", "ATV4", "ATV9"]);
     expect(names(seated(places, ["ATV4", "ATV9"], NOBODY, 1000 + KEPT_MS))).toEqual(["ATV9", "ATV4"]);

@@ -2,7 +2,7 @@
  * The places of the Stop bar. A hand that moves towards a Stop must meet the vehicle that it has seen there, so
  * a vehicle keeps its place while it is near and for a while after it has left. Pure.
  *
- * Newcomers come to the end, or into a place whose vehicle has been away for long. Either way the place has a
+ * Joining vehicles come to the end, or into a place whose vehicle has been away for long. Either way the place has a
  * new owner, and touches on it do not count at first: they were meant for what was there before.
  */
 
@@ -23,7 +23,7 @@ export const KEPT_MS = 120_000;
 export const SETTLE_MS = 500;
 
 /**
- * @param present ids of the vehicles that are near, in the order in which newcomers are seated
+ * @param present ids of the vehicles that are near, in the order in which joining vehicles are seated
  * @param bound those that have a place wherever they are: a Stop to them is not confirmed
  * @returns the very same places where nothing has changed
  */

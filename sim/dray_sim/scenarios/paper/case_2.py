@@ -13,7 +13,7 @@ from dray_sim.run.scenario import Findings, Scenario
 from dray_sim.run.stage import Played, Shift, Stage, play
 from dray_sim.scenarios.tally import SETTLE_S
 
-NEWCOMERS = (
+JOINING = (
     VehicleSpec(id="GUEST1", type="light", node="p2", battery_frac=0.9),
     VehicleSpec(id="GUEST2", type="heavy", node="p4", battery_frac=0.9),
     VehicleSpec(id="GUEST3", type="heavy", node="p6", battery_frac=0.9),
@@ -54,11 +54,11 @@ class Guests:
 
 
 async def visit(stage: Stage, join_s: float = JOIN_S, leave_s: float = LEAVE_S) -> Guests:
-    """Let the newcomers join, and take them away later, one of them in the middle of a transport."""
+    """Let the vehicles join, and take them away later, one of them in the middle of a transport."""
     witness, factory = stage.witness, stage.factory
-    guests = {spec.id for spec in NEWCOMERS}
+    guests = {spec.id for spec in JOINING}
     await stage.until_s(join_s)
-    for spec in NEWCOMERS:
+    for spec in JOINING:
         factory.add_vehicle(spec)
     await stage.until_s(leave_s)
     task = await _carrying(stage, guests)
@@ -116,11 +116,11 @@ def case_2(seed: int) -> Findings:
         checks=(
             Check(
                 f"Whoever joins bids by itself within {SOON_S / 60:.0f} minutes",
-                len(told.first_s) == len(NEWCOMERS) and slowest_s <= SOON_S,
-                f"{len(told.first_s)} of {len(NEWCOMERS)}, the slowest after {slowest_s:.0f} s",
+                len(told.first_s) == len(JOINING) and slowest_s <= SOON_S,
+                f"{len(told.first_s)} of {len(JOINING)}, the slowest after {slowest_s:.0f} s",
             ),
             Check(
-                "The newcomers take a part of the work",
+                "Those that join take a part of the work",
                 told.carried > 0,
                 f"{told.carried} transports, {told.watched} watches",
             ),

@@ -12,7 +12,7 @@ from dray.messages import Phase
 from dray.messages.fact import CarrierChanged, GoalLost, PrimarySuspected, TaskClosed
 from dray.messages.keys import STRATEGIST
 from dray.plant import default_plant
-from dray.protocol.runtime.shutdown import LEAVES
+from dray.protocol.runtime.shutdown import GRACEFUL_SHUTDOWN
 from dray_sim.run.evidence import Check, Table
 from dray_sim.run.scenario import Findings, Scenario
 from dray_sim.run.stage import Shift, Stage, play
@@ -185,17 +185,17 @@ async def _replace(stage: Stage, kind: str, agent: str, probation: int, patience
     await asyncio.sleep(AWAY_S)
     stage.factory.restart(agent, software=NEW, probation=probation)
     started_s = stage.now_s()
-    passed = await _pass_trial(stage, agent, patience_s)
+    passed = await _pass_probation(stage, agent, patience_s)
     return Replaced(kind, left_s - asked_s, stage.now_s() - started_s if passed else None)
 
 
-async def _pass_trial(stage: Stage, agent: str, patience_s: float) -> bool:
+async def _pass_probation(stage: Stage, agent: str, patience_s: float) -> bool:
     """Wait until an agent says that its probation is over; whether it came to that."""
     witness = stage.witness
     for _ in range(int(patience_s)):
         await asyncio.sleep(1.0)
         heard = witness.atvs.get(agent) or witness.machines[agent]
-        if heard.software == NEW and heard.trial is None:
+        if heard.software == NEW and heard.probation is None:
             return True
     return False
 
@@ -228,8 +228,8 @@ def case_6(seed: int) -> Findings:
             ),
             Check(
                 "Nobody is missed: nobody is suspected, and carriers change in planned takeovers only",
-                not told.suspected and set(told.changed) <= {LEAVES},
-                f"suspected: {told.suspected}; planned takeovers: {told.changed.count(LEAVES)} of {len(told.changed)}",
+                not told.suspected and set(told.changed) <= {GRACEFUL_SHUTDOWN},
+                f"suspected: {told.suspected}; planned takeovers: {told.changed.count(GRACEFUL_SHUTDOWN)} of {len(told.changed)}",
             ),
             Check(
                 "Nothing is lost: no machine loses a goal, and every task that ends is delivered",

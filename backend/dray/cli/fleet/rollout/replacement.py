@@ -22,10 +22,10 @@ from dray.gateway.live.timescale import TimeScale
 from dray.settings import Settings
 
 JOIN_S = 60.0
-"""Real seconds in which a newcomer must be on the bus: on a busy computer a start takes ten."""
+"""Real seconds in which a new process must be on the bus: on a busy computer a start takes ten."""
 
 HOLD_S = 3.0
-"""Real seconds that a newcomer must have been there: what cannot live ends in its first moments."""
+"""Real seconds that a new process must have been there: what cannot live ends in its first moments."""
 
 LOOK_S = 0.1
 """How often it is looked at (real seconds)."""
@@ -121,7 +121,7 @@ class Scene:
             left_s=done.left_s,
             killed=done.killed,
             away_s=joined_s - gone_s,
-            trial_s=time.monotonic() - joined_s,
+            canary_s=time.monotonic() - joined_s,
             tasks=canary.done,
             why=canary.failure,
         )

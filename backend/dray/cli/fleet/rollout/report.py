@@ -29,7 +29,7 @@ class Step(msgspec.Struct, frozen=True, kw_only=True):
         left_s: until the old process had ended, after it was asked to leave.
         killed: it had to be killed.
         away_s: from then on until the new one was on the bus.
-        trial_s: from then on until the verdict.
+        canary_s: from then on until the verdict.
         tasks: done well as a canary.
         passed_on: tasks that somebody else carries because of it.
         why: of a verdict that is not the usual one.
@@ -44,7 +44,7 @@ class Step(msgspec.Struct, frozen=True, kw_only=True):
     left_s: float
     killed: bool
     away_s: float
-    trial_s: float
+    canary_s: float
     tasks: int = 0
     passed_on: int = 0
     why: str = ""
@@ -119,7 +119,7 @@ def _row(step: Step) -> Sequence[str]:
         step.version,
         f"{step.left_s:.1f} s{', killed' if step.killed else ''}",
         f"{step.away_s:.1f} s",
-        f"{step.trial_s:.0f} s",
+        f"{step.canary_s:.0f} s",
         str(step.tasks),
         str(step.passed_on),
         step.verdict,

@@ -10,19 +10,19 @@ from dray.gateway.live.projection.alerting.silence import Silence
 from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.projection.figures.fleet import Fleet
 from dray.gateway.live.projection.outsiders import Outsiders
-from dray.gateway.live.views import AtvView, BriefView, ClockView, HelpView, TrialView
+from dray.gateway.live.views import AtvView, BriefView, ClockView, HelpView, ProbationView
 from dray.messages import AtvHeartbeat, Brief, Heartbeat, HelpWanted
 from dray.plant.model import Charging, VehicleSpec, VehicleType
 from dray.store.clocks import Clocks
 from dray.store.progress import ToWall
 
-NEWCOMERS_LEAST = 256
+JOINING_LEAST = 256
 """So many agents of a kind may join a plant of any size without a new plant file."""
 
 
-def newcomers_max(known: int) -> int:
+def joining_max(known: int) -> int:
     """How many agents of a kind may join while everything runs: as many as there are. Who invents names ends here."""
-    return max(NEWCOMERS_LEAST, known)
+    return max(JOINING_LEAST, known)
 
 
 def clock_of(clocks: Clocks, agent: str) -> ClockView | None:
@@ -86,7 +86,7 @@ class Atvs:
         last = self._last.get(heartbeat.atv)
         if last is None:
             if heartbeat.atv not in self._types:
-                if self._joined >= newcomers_max(len(self._types)):
+                if self._joined >= joining_max(len(self._types)):
                     self.strangers += 1
                     return False
                 self._joined += 1
@@ -153,14 +153,14 @@ class Atvs:
             via=heartbeat.via,
             task=None if heartbeat.task is None else self._brief(heartbeat.task),
             watches=tuple(self._brief(brief) for brief in heartbeat.watches),
-            berth=heartbeat.berth,
+            dwell_point=heartbeat.dwell_point,
             speed_limit_frac=heartbeat.speed_limit_frac,
             acknowledged=heartbeat.acknowledged,
             problem=heartbeat.problem,
             help=None if heartbeat.help is None else self._help(heartbeat.help),
             software=heartbeat.software,
-            leaving=heartbeat.leaving,
-            trial=trial_of(heartbeat),
+            draining=heartbeat.draining,
+            probation=probation_of(heartbeat),
             shut_out=self._outsiders.view(heartbeat.atv),
             clock=clock_of(self._clocks, heartbeat.atv),
             seen_at_s=self._to_wall_s(heartbeat.at_s),
@@ -186,10 +186,10 @@ class Atvs:
         return HelpView(until_at_s=self._to_wall_s(wanted.until_s), promised_by=wanted.promised_by)
 
 
-def trial_of(heartbeat: Heartbeat) -> TrialView | None:
-    """How far an agent on trial has come; None for one that is not."""
-    trial = heartbeat.trial
-    return None if trial is None else TrialView(of=trial.of, done=trial.done)
+def probation_of(heartbeat: Heartbeat) -> ProbationView | None:
+    """How far an agent on probation has come; None for one that is not."""
+    probation = heartbeat.probation
+    return None if probation is None else ProbationView(of=probation.of, done=probation.done)
 
 
 def plain(word: Any) -> Any:

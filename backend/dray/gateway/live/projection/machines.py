@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 
 from dray.gateway.live.projection.alerting.silence import Silence
-from dray.gateway.live.projection.atvs import clock_of, newcomers_max, plain, trial_of
+from dray.gateway.live.projection.atvs import clock_of, joining_max, plain, probation_of
 from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.projection.figures.time_use import TimeUse
 from dray.gateway.live.projection.materials import Materials
@@ -72,7 +72,7 @@ class Machines:
         last = self._last.get(heartbeat.machine)
         if last is None:
             if heartbeat.machine not in self._known:
-                if self._joined >= newcomers_max(len(self._known)):
+                if self._joined >= joining_max(len(self._known)):
                     self.strangers += 1
                     return False
                 self._joined += 1
@@ -136,8 +136,8 @@ class Machines:
             problem=heartbeat.problem,
             waits=self._materials.told(heartbeat.waits),
             software=heartbeat.software,
-            leaving=heartbeat.leaving,
-            trial=trial_of(heartbeat),
+            draining=heartbeat.draining,
+            probation=probation_of(heartbeat),
             shut_out=self._outsiders.view(heartbeat.machine),
             clock=clock_of(self._clocks, heartbeat.machine),
             seen_at_s=self._to_wall_s(heartbeat.at_s),

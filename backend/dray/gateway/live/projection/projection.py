@@ -40,7 +40,7 @@ class Projection:
     Args:
         plant: names and types of what stands in it.
         time: the two clocks.
-        trials: whether faults can be begun by hand.
+        faults_possible: whether faults can be begun by hand.
         wall_s: the wall clock, by which times are judged that agents tell; None where all of them are believed.
 
     Attributes:
@@ -53,7 +53,7 @@ class Projection:
         plant: PlantFile,
         time: TimeScale,
         *,
-        trials: bool = False,
+        fault_injection: bool = False,
         wall_s: Callable[[], float] | None = None,
     ) -> None:
         self.plant, self._time, self._wall_s = plant.plant, time, wall_s
@@ -84,7 +84,7 @@ class Projection:
         self.alerts = Alerts()
         self.traffic = Traffic(plant.lanes)
         self.commands = RecentCommands()
-        self.trials = InjectedFaults(possible=trials)
+        self.faults = InjectedFaults(possible=fault_injection)
         self.interventions = Interventions()
         self._overload = Overload()
         kinds = (
@@ -96,7 +96,7 @@ class Projection:
             self.news,
             self.alerts,
             self.commands,
-            self.trials,
+            self.faults,
         )
         self._all = tuple(kind.changes for kind in kinds)
         self.heard = 0
@@ -268,8 +268,8 @@ class Projection:
             orders=self.orders.views(),
             news=self.news.views(),
             alerts=self.alerts.views(),
-            trials=self.trials.possible,
-            faults=self.trials.views(),
+            fault_injection=self.faults.possible,
+            faults=self.faults.views(),
             commands=self.commands.views(),
         )
 
@@ -286,7 +286,7 @@ class Projection:
             orders=self.orders.take_changed(),
             news=self.news.take_changed(),
             alerts=self.alerts.take_changed(),
-            faults=self.trials.take_changed(),
+            faults=self.faults.take_changed(),
             commands=self.commands.take_changed(),
             gone=tuple(name for changes in self._all for name in changes.take_gone()),
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from msgspec import ValidationError, convert, to_builtins
 
 from dray.errors import PlantError
-from dray.messages import MachineHeartbeat, Newcomer
+from dray.messages import JoiningMachine, MachineHeartbeat
 from dray.messages.heartbeat import JOINING_MACHINES_MAX
 from dray.plant import MachineSpec, Plant, PlantFile, with_machine
 
@@ -23,26 +23,26 @@ class Site:
     def __init__(self, file: PlantFile) -> None:
         self.plant = Plant(file)
         self._heard: set[str] = set()
-        """Newcomers whose introduction was read, whether they fit into the plant or not."""
+        """Joining machines whose introduction was read, whether they fit into the plant or not."""
 
     def hear(self, heartbeat: MachineHeartbeat) -> None:
-        """Take a newcomer in when it introduces itself first; one that does not fit here stands nowhere."""
-        machine, newcomer = heartbeat.machine, heartbeat.newcomer
-        if newcomer is None or machine in self._heard or len(self._heard) >= JOINING_MACHINES_MAX:
+        """Take a joining machine in when it introduces itself first; one that does not fit here stands nowhere."""
+        machine, joining = heartbeat.machine, heartbeat.joining
+        if joining is None or machine in self._heard or len(self._heard) >= JOINING_MACHINES_MAX:
             return
         self._heard.add(machine)
         try:
-            self.plant = with_machine(self.plant, _spec(machine, newcomer), machine)
+            self.plant = with_machine(self.plant, _spec(machine, joining), machine)
         except (PlantError, ValidationError):
             return
 
 
-def _spec(machine: str, newcomer: Newcomer) -> MachineSpec:
-    """The newcomer as a plant file would have it.
+def _spec(machine: str, joining: JoiningMachine) -> MachineSpec:
+    """The joining machine as a plant file would have it.
 
     Raises:
         ValidationError: no plant file could.
     """
-    told = to_builtins(newcomer)
+    told = to_builtins(joining)
     box = {size: told.pop(size) for size in ("x_m", "y_m", "width_m", "depth_m")}
     return convert({"id": machine, "box": box, **told}, MachineSpec)

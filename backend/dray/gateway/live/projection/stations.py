@@ -84,7 +84,7 @@ class Stations:
             name=self._storages[heartbeat.station].name,
             stocks=tuple(_stock(level) for level in heartbeat.stocks),
             software=heartbeat.software,
-            leaving=heartbeat.leaving,
+            draining=heartbeat.draining,
             shut_out=self._outsiders.view(heartbeat.station),
             clock=clock_of(self._clocks, heartbeat.station),
             seen_at_s=self._to_wall_s(heartbeat.at_s),

@@ -19,11 +19,11 @@ from dray.gateway.live.views.factory import AudienceView, FactoryView, FaultView
 from dray.gateway.live.views.machine import BufferView, GoalView, MachineView, OpenTaskView
 from dray.gateway.live.views.news import NewsView
 from dray.gateway.live.views.order import OrderItemView, OrderView
+from dray.gateway.live.views.probation import ProbationView
 from dray.gateway.live.views.shutout import ShutOutView
 from dray.gateway.live.views.silence import SilenceView
 from dray.gateway.live.views.station import StationView, StockView
 from dray.gateway.live.views.task import BidView, CarrierView, RefusalView, TaskView
-from dray.gateway.live.views.trial import TrialView
 from dray.gateway.live.views.why import PassedView, RefusedView, WhyView
 
 __all__ = [
@@ -49,6 +49,7 @@ __all__ = [
     "OrderItemView",
     "OrderView",
     "PassedView",
+    "ProbationView",
     "RefusalView",
     "RefusedView",
     "ShutOutView",
@@ -56,7 +57,6 @@ __all__ = [
     "StationView",
     "StockView",
     "TaskView",
-    "TrialView",
     "UseView",
     "View",
     "WhyView",

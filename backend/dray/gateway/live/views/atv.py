@@ -6,9 +6,9 @@ from typing import Literal
 
 from dray.gateway.live.views.base import View
 from dray.gateway.live.views.clock import ClockView
+from dray.gateway.live.views.probation import ProbationView
 from dray.gateway.live.views.shutout import ShutOutView
 from dray.gateway.live.views.silence import SilenceView
-from dray.gateway.live.views.trial import TrialView
 from dray.messages.command import PROMISE_MAX_S
 
 
@@ -60,17 +60,17 @@ class AtvView(View, kw_only=True):
     """The vehicles that pass its heartbeat on, in order, when the link is mesh."""
     task: BriefView | None = None
     watches: tuple[BriefView, ...] = ()
-    berth: str = ""
+    dwell_point: str = ""
     speed_limit_frac: float = 1.0
     acknowledged: bool = False
     """While it is stopped: somebody has said that the reason is gone, and it may be resumed."""
     problem: str = ""
     help: HelpView | None = None
     software: str = ""
-    leaving: bool = False
+    draining: bool = False
     """It was asked to leave, takes nothing new, and goes when nothing holds it any more."""
-    trial: TrialView | None = None
-    """While it is on trial and takes short tasks only."""
+    probation: ProbationView | None = None
+    """While it is on probation and takes short tasks only."""
     shut_out: ShutOutView | None = None
     """Nobody hears it any more: all else here is what it said before."""
     clock: ClockView | None = None

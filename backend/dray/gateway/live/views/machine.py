@@ -6,9 +6,9 @@ from typing import Literal
 
 from dray.gateway.live.views.base import View
 from dray.gateway.live.views.clock import ClockView
+from dray.gateway.live.views.probation import ProbationView
 from dray.gateway.live.views.shutout import ShutOutView
 from dray.gateway.live.views.silence import SilenceView
-from dray.gateway.live.views.trial import TrialView
 
 
 class BufferView(View, kw_only=True):
@@ -66,10 +66,10 @@ class MachineView(View, kw_only=True):
     """The materials that it needs and that nobody can fetch now, and why, as "for rotor (storage S3 has none)"; empty where
     there are none."""
     software: str = ""
-    leaving: bool = False
+    draining: bool = False
     """It was asked to leave, takes nothing new, and goes when nothing holds it any more."""
-    trial: TrialView | None = None
-    """While it is on trial and takes short goals only."""
+    probation: ProbationView | None = None
+    """While it is on probation and takes short goals only."""
     shut_out: ShutOutView | None = None
     """Nobody hears it any more: all else here is what it said before."""
     clock: ClockView | None = None

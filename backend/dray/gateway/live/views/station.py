@@ -28,7 +28,7 @@ class StationView(View, kw_only=True):
     name: str
     stocks: tuple[StockView, ...] = ()
     software: str = ""
-    leaving: bool = False
+    draining: bool = False
     """It was asked to leave, promises nothing new, and goes when nothing holds it any more."""
     shut_out: ShutOutView | None = None
     """Nobody hears it any more: all else here is what it said before."""

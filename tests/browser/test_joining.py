@@ -12,7 +12,7 @@ from playwright.sync_api import Page, expect
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway"))
 
 from gateway_kit import House
-from newcomer_kit import BEFORE, SPEC, introduction
+from joining_kit import BEFORE, SPEC, introduction
 
 from dray.gateway.access.principal import Role
 
@@ -25,7 +25,7 @@ async def _join(house: House) -> None:
     house.bus.say(introduction())
 
 
-def test_a_newcomer_appears_on_the_map_of_an_open_panel(
+def test_a_joining_agent_appears_on_the_map_of_an_open_panel(
     open_page: Callable[..., Page], screenshot: Callable[..., Path], tmp_path: Path
 ) -> None:
     with open_house(tmp_path, plant=BEFORE) as house:
@@ -43,4 +43,4 @@ def test_a_newcomer_appears_on_the_map_of_an_open_panel(
         expect(found).to_have_count(1)
         finder.press("Enter")
         expect(page.get_by_role("heading", name=SPEC.name)).to_be_visible()
-        screenshot(page, "newcomer")
+        screenshot(page, "joining")

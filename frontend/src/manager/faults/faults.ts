@@ -2,13 +2,13 @@
 import type { NewFault } from "../../api/client";
 import type { FaultView } from "../../api/types";
 
-export const ATV_TRIALS = ["wlan_cut", "radio_cut", "powered_off", "vehicle_broken", "load_shifted", "crashed"] as const;
-export const MACHINE_TRIALS = ["powered_off", "machine_broken", "crashed"] as const;
+export const ATV_FAULTS = ["wlan_cut", "radio_cut", "powered_off", "vehicle_broken", "load_shifted", "crashed"] as const;
+export const MACHINE_FAULTS = ["powered_off", "machine_broken", "crashed"] as const;
 
-export type Trial = (typeof ATV_TRIALS)[number] | (typeof MACHINE_TRIALS)[number];
+export type FaultKind = (typeof ATV_FAULTS)[number] | (typeof MACHINE_FAULTS)[number];
 
 /** The fault as the gateway wants it: every kind has its own word for whom it is about. */
-export function faultOf(kind: Trial, agent: string, reason: string): NewFault {
+export function faultOf(kind: FaultKind, agent: string, reason: string): NewFault {
   switch (kind) {
     case "vehicle_broken":
       return { kind, atv: agent, reason };

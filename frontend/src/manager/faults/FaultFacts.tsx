@@ -2,33 +2,33 @@ import { Fact } from "../../parts/Facts";
 import { world } from "../../stream/stream";
 import { t, word } from "../../text/manager";
 import { busy, end, failed } from "./act";
-import { faultsOf } from "./trials";
+import { faultsOf } from "./faults";
 
 /** What was begun by hand and goes on, each with the way back. */
-export function TrialFacts({ agent }: { agent: string }) {
+export function FaultFacts({ agent }: { agent: string }) {
   const faults = faultsOf(world.value?.faults.values() ?? [], agent);
   const complaint = failed.value?.agent === agent ? failed.value.text : "";
   return (
     <>
       {faults.map((fault) => {
-        const what = word("trial.now", fault.kind);
+        const what = word("fault.now", fault.kind);
         return (
-          <Fact key={fault.id} name={t("trial.on")}>
+          <Fact key={fault.id} name={t("fault.on")}>
             <span class="tone-warn">{what}</span>{" "}
             <button
               type="button"
               class="link"
               disabled={busy.value}
-              aria-label={t("trial.endOf", { what })}
+              aria-label={t("fault.endOf", { what })}
               onClick={() => void end(fault.id, agent)}
             >
-              {t("trial.end")}
+              {t("fault.end")}
             </button>
           </Fact>
         );
       })}
       {complaint !== "" && (
-        <dd class="trial-complaint">
+        <dd class="fault-complaint">
           <span class="complaint" role="alert">
             {complaint}
           </span>

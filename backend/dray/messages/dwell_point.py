@@ -1,7 +1,7 @@
-"""Berths: chargers and parking places, shared by vehicles with nobody in the middle.
+"""Dwell points: chargers and parking places, shared by vehicles with nobody in the middle.
 
-A vehicle says which berth it wants on that berth's own key, waits a moment for an objection, and
-drives there. Whoever holds or wants the same berth listens on that key and objects with its own
+A vehicle says which dwell point it wants on that dwell point's own key, waits a moment for an objection, and
+drives there. Whoever holds or wants the same dwell point listens on that key and objects with its own
 claim. Both sides then reach the same verdict alone: who stands there keeps it, else the emptier
 battery, else the smaller id. So the cost of finding a place does not grow with the fleet.
 
@@ -13,10 +13,10 @@ from __future__ import annotations
 from dray.messages.base import Fraction, Id, Message
 
 
-class BerthClaimed(Message, frozen=True):
-    """I stand in this berth, or want to."""
+class DwellPointClaimed(Message, frozen=True):
+    """I stand in this dwell point, or want to."""
 
-    berth: Id
+    dwell_point: Id
     atv: Id
     battery_frac: Fraction
     """At the time of the first claim: it does not change while the claim stands."""

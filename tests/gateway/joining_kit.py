@@ -7,7 +7,7 @@ from typing import Any
 from gateway_kit import PLANT, machine_heartbeat
 from msgspec.structs import replace
 
-from dray.messages import MachineHeartbeat, Newcomer
+from dray.messages import JoiningMachine, MachineHeartbeat
 from dray.messages.heartbeat import Making
 from dray.plant import Plant
 
@@ -16,7 +16,7 @@ BEFORE = replace(PLANT, machines=tuple(spec for spec in PLANT.machines if spec.i
 
 
 def introduction(machine: str = SPEC.id, seq: int = 1, **fields: Any) -> MachineHeartbeat:
-    newcomer = Newcomer(
+    joining = JoiningMachine(
         name=SPEC.name,
         station=SPEC.station,
         node=SPEC.node,
@@ -27,4 +27,4 @@ def introduction(machine: str = SPEC.id, seq: int = 1, **fields: Any) -> Machine
         makes=tuple(Making(making.product, making.cycle_s) for making in SPEC.makes),
         goods_capacity=SPEC.goods_capacity,
     )
-    return machine_heartbeat(machine, seq, newcomer=replace(newcomer, **fields))
+    return machine_heartbeat(machine, seq, joining=replace(joining, **fields))

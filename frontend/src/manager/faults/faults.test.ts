@@ -1,16 +1,16 @@
 import { describe, expect, test } from "vitest";
 import type { FaultView } from "../../api/types";
-import { faultOf, faultsOf, isOn } from "./trials";
+import { faultOf, faultsOf, isOn } from "./faults";
 
 const fault = (id: string, began_at_s: number, agents: string[]) =>
   ({ id, began_at_s, agents, kind: "wlan_cut", fault: {} }) satisfies FaultView;
 
-describe("a trial", () => {
+describe("a fault by hand", () => {
   test("says whom it is about in the words of its kind", () => {
-    expect(faultOf("wlan_cut", "ATV3", "trial")).toEqual({ kind: "wlan_cut", agent: "ATV3" });
-    expect(faultOf("vehicle_broken", "ATV3", "trial")).toEqual({ kind: "vehicle_broken", atv: "ATV3", reason: "trial" });
-    expect(faultOf("machine_broken", "M8", "trial")).toEqual({ kind: "machine_broken", machine: "M8", reason: "trial" });
-    expect(faultOf("load_shifted", "ATV3", "trial")).toEqual({ kind: "load_shifted", atv: "ATV3" });
+    expect(faultOf("wlan_cut", "ATV3", "by hand")).toEqual({ kind: "wlan_cut", agent: "ATV3" });
+    expect(faultOf("vehicle_broken", "ATV3", "by hand")).toEqual({ kind: "vehicle_broken", atv: "ATV3", reason: "by hand" });
+    expect(faultOf("machine_broken", "M8", "by hand")).toEqual({ kind: "machine_broken", machine: "M8", reason: "by hand" });
+    expect(faultOf("load_shifted", "ATV3", "by hand")).toEqual({ kind: "load_shifted", atv: "ATV3" });
   });
 
   test("is found at its agent, the oldest first", () => {
