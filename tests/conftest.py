@@ -114,8 +114,13 @@ LONGEST = "test_fleet_update"
 """Begins first: one that takes minutes and begins last holds everybody up."""
 
 
+def _place(item: pytest.Item) -> Path:
+    """Its module, from here."""
+    return Path(os.path.relpath(item.path.with_suffix(""), Path(__file__).parent))
+
+
 def _is_on_the_wall_clock(item: pytest.Item) -> bool:
-    place = Path(os.path.relpath(item.path.with_suffix(""), Path(__file__).parent))
+    place = _place(item)
     return not ON_THE_WALL_CLOCK.isdisjoint({place.parts[0], place.as_posix()})
 
 
@@ -172,14 +177,14 @@ SQLITE_ONLY = frozenset(
         # Refused before any database is asked; test_openapi tries on both what neither may hold.
         "bad_input",
         "commands",
-        "faults",
+        "fault_injection",
         "live",
         "login_pages",
         "metrics",
+        "middleware",
         "pages",
         "revocations",
         "sessions",
-        "shields",
         "stream",
         "track",
         "why",
@@ -200,7 +205,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def _needless(item: pytest.Item) -> bool:
     callspec = getattr(item, "callspec", None)
     on_postgresql = callspec is not None and callspec.params.get("url") == "postgresql"
-    return on_postgresql and item.path.parent.name == "gateway" and item.path.stem in SQLITE_ONLY
+    return on_postgresql and _place(item).parts[0] == "gateway" and item.path.stem in SQLITE_ONLY
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])

@@ -41,6 +41,7 @@ from dray.gateway.orders.placement import OrderPlacement
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
+    CommandAnswered,
     Event,
     EventsAsked,
     MachineHeartbeat,
@@ -50,6 +51,7 @@ from dray.messages import (
     OrderTaken,
     Pose,
     StationHeartbeat,
+    VehicleCommand,
 )
 from dray.messages.fact import AnyFact
 from dray.messages.keys import Keys
@@ -485,3 +487,16 @@ def problem(response: httpx.Response, status: int, kind: str) -> dict[str, Any]:
         assert error["field"]
         assert error["reason"]
     return body
+
+
+def vehicle(house: House, atv: str = "ATV1", *, done: bool = True, reason: str = "") -> list[VehicleCommand]:
+    """Let a vehicle join that answers every command; the commands that it will have heard."""
+    heard: list[VehicleCommand] = []
+
+    def receive(sender: str, message: Message) -> None:
+        if isinstance(message, VehicleCommand):
+            heard.append(message)
+            house.bus.tell(atv, sender, CommandAnswered(command=message.command, done=done, reason=reason))
+
+    house.bus.join(atv, receive)
+    return heard

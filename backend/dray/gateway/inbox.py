@@ -36,12 +36,12 @@ class Inbox:
 
     def receive(self, sender: str, message: Message) -> bool:
         """Hand a message on; returns whether anybody waited for it."""
-        self.meter.hear(message)
+        self.meter.count(message)
         if sender == STRATEGIST:
             self.strategist_probe.heard()
         match message:
             case OrderTaken(fulfilled=True) | RevocationTaken():
-                return sender != STRATEGIST or self.completions.hear(message)
+                return sender != STRATEGIST or self.completions.on_answer(message)
             case OrderTaken() | CancellationTaken():
                 if sender == STRATEGIST:
                     self.outbox.answered(message)

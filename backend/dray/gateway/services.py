@@ -194,11 +194,11 @@ async def recall(services: Services) -> None:
     """
     async with services.store.write() as work:
         await work.products.replace(services.plant.products)
-    await services.database_sync.begin()
+    await services.database_sync.recall()
     async with services.store.read() as work:
         await backfill_news(work, services.projection.news, services.time)
-    await services.alerts.begin()
-    await services.exclusions.begin()
+    await services.alerts.recall()
+    await services.exclusions.recall()
 
 
 def measure(services: Services) -> None:
@@ -257,7 +257,7 @@ async def running(services: Services, beside: Beside | None) -> AsyncIterator[No
                 services.database_sync,
             )
         ]
-        await services.reconciliation.begin()
+        await services.reconciliation.start()
         if beside is not None:
             await access.learn()
             await stack.enter_async_context(beside(services.commands, access))

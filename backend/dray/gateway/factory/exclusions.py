@@ -56,7 +56,7 @@ class Exclusions:
         self._looking = asyncio.Lock()
         """An older look must not end after a newer one."""
 
-    async def begin(self) -> None:
+    async def recall(self) -> None:
         """Recall what was decided before the gateway was started.
 
         Raises:

@@ -48,7 +48,7 @@ class DatabaseSync:
         """Of the orders that had not ended at the last look."""
         self._looks, self._newest_s = 0, 0.0
 
-    async def begin(self) -> None:
+    async def recall(self) -> None:
         """Learn all orders that have not ended, and the last that have.
 
         Raises:
@@ -62,7 +62,7 @@ class DatabaseSync:
             self._newest_s = await work.orders.newest_change_s()
         self._marks = {order.id: order.mark for order in unended}
         # Oldest first, so that the oldest ended one leaves first.
-        self._projection.orders.begin([(order, goals[order.id]) for order in reversed(orders)], totals)
+        self._projection.orders.recall([(order, goals[order.id]) for order in reversed(orders)], totals)
 
     async def look(self) -> None:
         """Show what has changed since the last look; what has come and ended since then, lists alone tell.
@@ -77,7 +77,7 @@ class DatabaseSync:
             marks = await work.orders.marks(None if whole else min(newest_s, self._newest_s) - OVERLAP_S)
             acknowledged = await work.acknowledgements.all()
         self._newest_s = newest_s
-        self._projection.alerts.hear(acknowledged)
+        self._projection.alerts.on_acknowledged(acknowledged)
         changed = {order for order, mark in marks.items() if self._is_news(order, mark)}
         await self._learn(changed | self._marks.keys() - marks.keys() if whole else changed)
 

@@ -44,7 +44,7 @@ class Whole(Enum):
     """All of it but its orders."""
 
 
-Seen = frozenset[str] | Whole
+Extent = frozenset[str] | Whole
 """What those in a room see: some areas, or the whole."""
 
 
@@ -180,7 +180,7 @@ class Hub:
         self._most, self._each = clients, each
         self._of: Counter[str] = Counter()
         """How many clients each caller has."""
-        self._rooms: dict[Seen, Room] = {}
+        self._rooms: dict[Extent, Room] = {}
         """By what is seen in them. Only those with somebody in them."""
         self._made = Made()
         self._figured_s = -1.0
@@ -192,10 +192,10 @@ class Hub:
         if self.joined >= self._most or self._of[owner] >= self._each:
             return None
         self._of[owner] += 1
-        seen = seen_by(who)
-        room = self._rooms.get(seen)
+        extent = extent_of(who)
+        room = self._rooms.get(extent)
         if room is None:
-            room = self._rooms[seen] = Room(self._scope(seen), self._wall_s, self._made)
+            room = self._rooms[extent] = Room(self._scope(extent), self._wall_s, self._made)
         client = Client(room, owner, audience_of(who), self._queue_frames)
         room.clients.add(client)
         return client
@@ -223,7 +223,7 @@ class Hub:
         self._of[client.owner] -= 1
         if not self._of[client.owner]:
             del self._of[client.owner]
-        self._rooms = {seen: room for seen, room in self._rooms.items() if room.clients}
+        self._rooms = {extent: room for extent, room in self._rooms.items() if room.clients}
 
     def tick(self) -> None:
         """Make a frame, if there is something to tell or it has been quiet for too long."""
@@ -247,16 +247,16 @@ class Hub:
             await asyncio.sleep(self._pause_s)
             self.tick()
 
-    def _scope(self, seen: Seen) -> StreamScope:
-        if isinstance(seen, frozenset):
-            return AreaScope(self._projection, AreaVisibility(self._projection, seen))
-        if seen is Whole.PLANT:
+    def _scope(self, extent: Extent) -> StreamScope:
+        if isinstance(extent, frozenset):
+            return AreaScope(self._projection, AreaVisibility(self._projection, extent))
+        if extent is Whole.PLANT:
             return WholeScope(self._projection)
         return FactoryScope(self._projection, FactoryVisibility(self._projection.site))
 
     def _new_figures(self, now_s: float) -> FactoryView | None:
         """The factory's figures, when it is time for them, somebody sees them and they have changed."""
-        whole = [room for seen, room in self._rooms.items() if isinstance(seen, Whole)]
+        whole = [room for extent, room in self._rooms.items() if isinstance(extent, Whole)]
         if not whole or 0 <= now_s - self._figured_s < FACTORY_S:
             return None
         self._figured_s = now_s
@@ -269,7 +269,7 @@ class Hub:
         return factory
 
 
-def seen_by(who: Principal) -> Seen:
+def extent_of(who: Principal) -> Extent:
     """What somebody sees."""
     if who.areas is not None:
         return who.areas

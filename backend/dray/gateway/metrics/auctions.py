@@ -69,7 +69,7 @@ class Auctions:
         self._bids = histogram("auction_bids", "Bids of one round.", COUNT_BUCKETS, "role")
         self._failed = counter("auction_rounds_failed", "Rounds in which nobody was contracted.", "role")
 
-    def hear(self, event: Event) -> None:
+    def count(self, event: Event) -> None:
         """Take in what a coordinator tells."""
         match event.fact:
             case TaskOpened() as fact:

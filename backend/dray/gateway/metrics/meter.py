@@ -60,7 +60,7 @@ class Meter:
             OrderFulfilled: counter("orders_fulfilled", "Orders of which everything is delivered."),
         }
 
-    def hear(self, message: Message) -> None:
+    def count(self, message: Message) -> None:
         """Count a message."""
         self._messages.labels(type(message).__name__).inc()
         match message:
@@ -71,7 +71,7 @@ class Meter:
             case Event() if self._is_new(message):
                 self._facts.labels(type(message.fact).__name__).inc()
                 self._count(message.fact)
-                self._auctions.hear(message)
+                self._auctions.count(message)
             case _:
                 pass
 

@@ -46,7 +46,7 @@ class Completions:
         """Wait until everything that has been heard is written, or has failed to be."""
         await self._written.wait()
 
-    def hear(self, answer: Ending) -> bool:
+    def on_answer(self, answer: Ending) -> bool:
         """Take an answer; returns whether the outbox has asked for it and it is not written yet."""
         if not self._outbox.awaits(answer):
             return False

@@ -15,7 +15,7 @@ from dray.errors import UnavailableError
 from dray.gateway.orders.outbox import Outbox
 from dray.store import Store
 
-CALL_EVERY_S = 600.0
+RECONCILE_EVERY_S = 600.0
 """Wall seconds between two times: an order that has ended unheard looks open for no longer. Each costs two
 small messages per open order."""
 
@@ -27,7 +27,7 @@ _log = logging.getLogger(__name__)
 
 
 class Reconciliation:
-    """Calls the orders up.
+    """Asks the strategist for the orders that SQL believes to be open.
 
     Args:
         store: what is believed of them.
@@ -38,7 +38,7 @@ class Reconciliation:
     def __init__(self, store: Store, outbox: Outbox, wall_s: Callable[[], float]) -> None:
         self._store, self._outbox, self._wall_s = store, outbox, wall_s
 
-    async def begin(self) -> None:
+    async def start(self) -> None:
         """Ask for all open orders, and drop those that were cancelled lately.
 
         Raises:
@@ -51,18 +51,18 @@ class Reconciliation:
             self._outbox.cancel(order)
         self._outbox.ask(still_open)
 
-    async def call(self) -> None:
+    async def reconcile(self) -> None:
         """Ask for all open orders that are not asked for already; without a database not this time."""
         try:
             async with self._store.read() as work:
                 still_open = await work.orders.open()
         except UnavailableError as error:
-            _log.info("open orders are not called up this time: %s", error)
+            _log.info("open orders are not reconciled this time: %s", error)
         else:
             self._outbox.ask(still_open)
 
     async def run(self) -> None:
-        """Call from time to time, until cancelled."""
+        """Reconcile from time to time, until cancelled."""
         while True:
-            await asyncio.sleep(CALL_EVERY_S)
-            await self.call()
+            await asyncio.sleep(RECONCILE_EVERY_S)
+            await self.reconcile()

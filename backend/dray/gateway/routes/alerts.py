@@ -13,7 +13,7 @@ from dray.gateway.http.provided import Provided
 from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, page, problems
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.views import AlertView
-from dray.gateway.routes.parameters import Seen
+from dray.gateway.routes.parameters import Visible
 
 router = APIRouter(tags=["alerts"])
 
@@ -34,10 +34,10 @@ EXAMPLE = AlertView(
     response_class=Json,
 )
 async def list_alerts(
-    projection: Provided[Projection], seen: Seen, limit: Limit = PAGE, cursor: Cursor = None
+    projection: Provided[Projection], visible: Visible, limit: Limit = PAGE, cursor: Cursor = None
 ) -> Json:
     """What is wrong at this moment, and what it asks of people. An alert leaves when its cause is gone."""
-    alerts = [view for each in projection.alerts.views() if (view := seen.alert(each))]
+    alerts = [view for each in projection.alerts.views() if (view := visible.alert(each))]
     alerts.sort(key=lambda alert: alert.id)
     return page(alerts, lambda alert: alert.id, cursor, limit)
 
@@ -54,13 +54,13 @@ async def acknowledge_alert(
     monitor: Provided[AlertMonitor],
     projection: Provided[Projection],
     caller: Caller,
-    seen: Seen,
+    visible: Visible,
     alert: Annotated[str, Path(max_length=192)],
 ) -> Json:
     """Say, by your name, that an alert is in good hands. Doing it again changes nothing."""
     known = projection.alerts.get(alert)
-    taken = await monitor.acknowledge(alert, caller.name) if known and seen.alert(known) else None
-    view = taken and seen.alert(taken)
+    taken = await monitor.acknowledge(alert, caller.name) if known and visible.alert(known) else None
+    view = taken and visible.alert(taken)
     if view is None:
         raise not_found("alert", alert, "GET /api/alerts; its cause may be gone")
     return Json(view)

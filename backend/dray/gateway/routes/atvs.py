@@ -21,7 +21,7 @@ from dray.gateway.http.request_bodies import json_only
 from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, page, problems
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.views import AtvView
-from dray.gateway.routes.parameters import Seen
+from dray.gateway.routes.parameters import Visible
 from dray.messages import CommandKind
 from dray.messages.command import PROMISE_MAX_S
 
@@ -79,13 +79,13 @@ class CommandAnswer(msgspec.Struct, frozen=True):
 @router.get("/atvs", responses={200: with_csv(list_of(AtvView, "ATVs, by id"))}, response_class=Json)
 async def list_atvs(
     projection: Provided[Projection],
-    seen: Seen,
+    visible: Visible,
     cursor: Cursor = None,
     limit: Limit = PAGE,
     format: Format = "json",  # noqa: A002 - the word that others use
 ) -> Response:
     """ATVs that have been heard."""
-    atvs = [view for each in projection.atvs.views() if (view := seen.atv(each))]
+    atvs = [view for each in projection.atvs.views() if (view := visible.atv(each))]
     if format == "csv":
         return table("fleet", header_of(COLUMNS), (row_of(COLUMNS, atv) for atv in atvs))
     return page(atvs, lambda atv: atv.id, cursor, limit)
@@ -96,10 +96,10 @@ async def list_atvs(
     responses={200: described(AtvView, "The ATV"), **problems(p404="There is no such ATV")},
     response_class=Json,
 )
-async def get_atv(projection: Provided[Projection], seen: Seen, atv: str) -> Json:
+async def get_atv(projection: Provided[Projection], visible: Visible, atv: str) -> Json:
     """One ATV."""
     whole = projection.atvs.view(atv)
-    view = whole and seen.atv(whole)
+    view = whole and visible.atv(whole)
     if view is None:
         raise not_found("atv", atv, "GET /api/atvs")
     return Json(view)
@@ -126,7 +126,7 @@ async def command_atv(
     commands: Provided[Commands],
     projection: Provided[Projection],
     caller: Caller,
-    seen: Seen,
+    visible: Visible,
     note: Noted,
     atv: str,
     command: CommandRequest,
@@ -158,7 +158,7 @@ async def command_atv(
     note.detail["command"] = answer.command
     if not answer.done:
         note.result, note.detail["reason"] = "refused", answer.reason
-    return Json(CommandAnswer(answer.command, answer.done, seen.words(answer.reason)))
+    return Json(CommandAnswer(answer.command, answer.done, visible.words(answer.reason)))
 
 
 def area_rule(projection: Projection, caller: Principal, atv: str, kind: CommandKind) -> None:

@@ -13,7 +13,7 @@ from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, list_of, page
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.views import ClockView, StationView
 from dray.gateway.live.visibility import Visibility
-from dray.gateway.routes.parameters import Seen
+from dray.gateway.routes.parameters import Visible
 from dray.plant.model import Storage
 
 router = APIRouter(tags=["factory"])
@@ -86,7 +86,7 @@ class MaterialAnswer(msgspec.Struct, frozen=True, kw_only=True):
 )
 async def list_inventory(
     projection: Provided[Projection],
-    seen: Seen,
+    visible: Visible,
     item: Annotated[str, Query(max_length=128, description="The id of a material or product")] = "",
     place: Annotated[str, Query(max_length=128, description="The id of a machine or vehicle")] = "",
     cursor: Cursor = None,
@@ -95,7 +95,7 @@ async def list_inventory(
     """What there is at machines and on board of vehicles; of it all, what lies in the caller's areas."""
     lines = [
         line
-        for line in _lines(projection, seen)
+        for line in _lines(projection, visible)
         if (item or line.item) == line.item and (place or line.place) == line.place
     ]
     return page(sorted(lines, key=_place), _place, cursor, limit)
@@ -103,22 +103,23 @@ async def list_inventory(
 
 @router.get("/storages", responses={200: list_of(StorageAnswer, "Storages, by id")}, response_class=Json)
 async def list_storages(
-    projection: Provided[Projection], seen: Seen, cursor: Cursor = None, limit: Limit = PAGE
+    projection: Provided[Projection], visible: Visible, cursor: Cursor = None, limit: Limit = PAGE
 ) -> Json:
     """Interim storages, what lies there and what of it is promised; of them all, those in the caller's areas."""
     stations = projection.stations
     storages = sorted(
-        (_storage(each, stations.view(each.id)) for each in seen.plant().storages), key=lambda each: each.id
+        (_storage(each, stations.view(each.id)) for each in visible.plant().storages),
+        key=lambda each: each.id,
     )
     return page(storages, lambda each: each.id, cursor, limit)
 
 
 @router.get("/materials", responses={200: list_of(MaterialAnswer, "Materials, by id")}, response_class=Json)
 async def list_materials(
-    projection: Provided[Projection], seen: Seen, cursor: Cursor = None, limit: Limit = PAGE
+    projection: Provided[Projection], visible: Visible, cursor: Cursor = None, limit: Limit = PAGE
 ) -> Json:
     """What machines consume, and how much of it there is in the caller's areas."""
-    plant, lines = seen.plant(), tuple(_lines(projection, seen))
+    plant, lines = visible.plant(), tuple(_lines(projection, visible))
     materials = [
         MaterialAnswer(
             id=each.id,
@@ -138,9 +139,9 @@ async def list_materials(
     return page(materials, lambda each: each.id, cursor, limit)
 
 
-def _lines(projection: Projection, seen: Visibility) -> Iterator[InventoryLine]:
+def _lines(projection: Projection, visible: Visibility) -> Iterator[InventoryLine]:
     for machine in projection.machines.views():
-        if seen.machine(machine) is None:
+        if visible.machine(machine) is None:
             continue
         for kind, levels in (("buffer", machine.buffers), ("goods", machine.goods)):
             for level in levels:
@@ -155,7 +156,7 @@ def _lines(projection: Projection, seen: Visibility) -> Iterator[InventoryLine]:
                     seen_at_s=machine.seen_at_s,
                 )
     for atv in projection.atvs.views():
-        if atv.load and seen.atv(atv) is not None:
+        if atv.load and visible.atv(atv) is not None:
             yield InventoryLine(
                 item=atv.load,
                 place=atv.id,

@@ -13,9 +13,9 @@ from dray.gateway.live.projection import Projection
 from dray.gateway.live.visibility import Visibility, visibility_of
 
 
-async def _seen(projection: Provided[Projection], caller: Caller) -> Visibility:
+async def _visible(projection: Provided[Projection], caller: Caller) -> Visibility:
     return visibility_of(projection, caller.areas, orders=caller.may(Scope.ORDERS_READ))
 
 
-Seen = Annotated[Visibility, Depends(_seen)]
+Visible = Annotated[Visibility, Depends(_visible)]
 """What the caller may see of the plant at this moment."""

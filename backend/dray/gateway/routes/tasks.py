@@ -23,7 +23,7 @@ from dray.gateway.http.responses import (
 )
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.views import TaskView
-from dray.gateway.routes.parameters import Seen
+from dray.gateway.routes.parameters import Visible
 
 router = APIRouter(tags=["factory"])
 
@@ -44,7 +44,7 @@ State = Literal["bidding", "contracted", "delivered", "withdrawn"]
 )
 async def list_tasks(
     projection: Provided[Projection],
-    seen: Seen,
+    visible: Visible,
     state: Annotated[list[State] | None, Query(description="Only tasks in these states")] = None,
     cursor: Cursor = None,
     limit: Limit = PAGE,
@@ -52,7 +52,7 @@ async def list_tasks(
 ) -> Response:
     """Open tasks and the last fifty that ended; the whole history is in `/api/events`."""
     after = read_cursor(cursor, tuple[float, str])
-    tasks = [view for each in projection.tasks.views() if (view := seen.task(each))]
+    tasks = [view for each in projection.tasks.views() if (view := visible.task(each))]
     tasks.sort(key=_place, reverse=True)
     if format == "csv":
         rows = (row_of(COLUMNS, task) for task in tasks if not state or task.state in state)
@@ -71,10 +71,10 @@ async def list_tasks(
     responses={200: described(TaskView, "The task"), **problems(p404="There is no such task")},
     response_class=Json,
 )
-async def get_task(projection: Provided[Projection], seen: Seen, task: str) -> Json:
+async def get_task(projection: Provided[Projection], visible: Visible, task: str) -> Json:
     """One task, open or lately ended."""
     whole = projection.tasks.view(task)
-    view = whole and seen.task(whole)
+    view = whole and visible.task(whole)
     if view is None:
         raise not_found("task", task, "GET /api/tasks")
     return Json(view)

@@ -76,7 +76,7 @@ class Orders:
         """How many of those that are kept here have which status."""
         return Counter(order.status for order in self._orders.values())
 
-    def begin(self, orders: Iterable[tuple[Order, Iterable[Goal]]], totals: OrderTotals) -> None:
+    def recall(self, orders: Iterable[tuple[Order, Iterable[Goal]]], totals: OrderTotals) -> None:
         """Start from what SQL knows."""
         for order, goals in orders:
             self._keep(order)
@@ -125,7 +125,7 @@ class Orders:
         self._keep(advanced)
         return True
 
-    def hear(self, heartbeat: MachineHeartbeat) -> None:
+    def on_heartbeat(self, heartbeat: MachineHeartbeat) -> None:
         """A machine tells what it waits for, and its goals wait with it."""
         if not heartbeat.waits and heartbeat.machine not in self._lacks:
             return

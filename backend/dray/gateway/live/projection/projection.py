@@ -133,12 +133,12 @@ class Projection:
                     self._silence.note(message.atv, message, delay_s)
                     self.traffic.follow(before, message)
             case MachineHeartbeat():
-                self.site.hear(message)
+                self.site.on_heartbeat(message)
                 told = self.machines.fold(message)
                 if told:
                     self._silence.note(message.machine, message, delay_s)
-                    self.tasks.hear(message)
-                    self.orders.hear(message)
+                    self.tasks.on_heartbeat(message)
+                    self.orders.on_heartbeat(message)
             case StationHeartbeat():
                 told = self.stations.fold(message)
                 if told:

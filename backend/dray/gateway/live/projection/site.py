@@ -25,7 +25,7 @@ class Site:
         self._heard: set[str] = set()
         """Joining machines whose introduction was read, whether they fit into the plant or not."""
 
-    def hear(self, heartbeat: MachineHeartbeat) -> None:
+    def on_heartbeat(self, heartbeat: MachineHeartbeat) -> None:
         """Take a joining machine in when it introduces itself first; one that does not fit here stands nowhere."""
         machine, joining = heartbeat.machine, heartbeat.joining
         if joining is None or machine in self._heard or len(self._heard) >= JOINING_MACHINES_MAX:

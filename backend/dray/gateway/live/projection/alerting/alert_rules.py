@@ -1,4 +1,4 @@
-"""Troubles: what of machines, storages, vehicles, transports and orders is not as it should be. Pure rules.
+"""Alert rules: what of machines, storages, vehicles, transports and orders is not as it should be. Pure rules.
 
 Each thing has at most one trouble at a time, the gravest: who is silent is not said to be starved as well.
 """
@@ -27,7 +27,7 @@ PATIENCE_S = 120.0
 transports take. A machine whose material is on its way asks nothing of people."""
 
 
-class Trouble(msgspec.Struct, frozen=True, kw_only=True, gc=False):
+class Condition(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     """Something that is wrong now. The fields are those of `AlertView`."""
 
     kind: AlertKind
@@ -68,14 +68,14 @@ class Moment(msgspec.Struct, frozen=True):
         return self.heard_s - last.at_s > self.silence.bound_s(agent, last)
 
 
-def of_the_plant(now: Moment) -> Iterator[Trouble]:
+def of_the_plant(now: Moment) -> Iterator[Condition]:
     """What is wrong with all that is heard: it is old."""
     behind_s = now.plant_s - now.heard_s
     if behind_s > plant_bound_s(now.speed):
-        yield Trouble(kind="plant_behind", behind_s=round(behind_s / now.speed))
+        yield Condition(kind="plant_behind", behind_s=round(behind_s / now.speed))
 
 
-def of_demand(overload: Overload, tasks: Tasks, vehicles: int, now: Moment) -> Iterator[Trouble]:
+def of_demand(overload: Overload, tasks: Tasks, vehicles: int, now: Moment) -> Iterator[Condition]:
     """What is wrong with what is asked for: it is more than the vehicles can carry.
 
     Args:
@@ -92,27 +92,27 @@ def of_demand(overload: Overload, tasks: Tasks, vehicles: int, now: Moment) -> I
     )
     if overload.look(waited_s, vehicles):
         carried_frac = tasks.transports.carried_frac(now.heard_s)
-        yield Trouble(
+        yield Condition(
             kind="overloaded",
             waiting=overload.waiting,
             carried_frac=None if carried_frac is None else round(carried_frac, 2),
         )
 
 
-def of_outsiders(exclusions: Iterable[Exclusion], atvs: Container[str]) -> Iterator[Trouble]:
+def of_outsiders(exclusions: Iterable[Exclusion], atvs: Container[str]) -> Iterator[Condition]:
     """What is wrong with agents that are shut out: nothing else, since what they have said counts no more."""
     for each in exclusions:
         kind: AlertKind = "atv_shut_out" if each.agent in atvs else "machine_shut_out"
-        yield Trouble(kind=kind, agent=each.agent, problem=each.reason, by=each.by)
+        yield Condition(kind=kind, agent=each.agent, problem=each.reason, by=each.by)
 
 
-def of_clocks(wrong: Iterable[tuple[str, Offset]]) -> Iterator[Trouble]:
+def of_clocks(wrong: Iterable[tuple[str, Offset]]) -> Iterator[Condition]:
     """Agents whose clocks are wrong beyond doubt."""
     for agent, offset in wrong:
-        yield Trouble(kind="clock_wrong", agent=agent, clock_ahead_s=round(offset.ahead_s))
+        yield Condition(kind="clock_wrong", agent=agent, clock_ahead_s=round(offset.ahead_s))
 
 
-def of_disputes(disputes: Disputes, wrong: Container[str], now: Moment) -> Iterator[Trouble]:
+def of_disputes(disputes: Disputes, wrong: Container[str], now: Moment) -> Iterator[Condition]:
     """What coordinators do not believe.
 
     Args:
@@ -121,16 +121,16 @@ def of_disputes(disputes: Disputes, wrong: Container[str], now: Moment) -> Itera
         now: when it is looked at.
     """
     for each in disputes.handovers(now.plant_s):
-        yield Trouble(kind="handover_disputed", agent=each.agent, problem=_told(each), by=each.by)
+        yield Condition(kind="handover_disputed", agent=each.agent, problem=_told(each), by=each.by)
     for each in disputes.words(now.plant_s):
         if each.agent not in wrong:
-            yield Trouble(kind="word_disbelieved", agent=each.agent, problem=_told(each), by=each.by)
+            yield Condition(kind="word_disbelieved", agent=each.agent, problem=_told(each), by=each.by)
 
 
-def of_strangers(dropped: int) -> Iterator[Trouble]:
+def of_strangers(dropped: int) -> Iterator[Condition]:
     """Names that are not of this plant, and more than could have joined it."""
     if dropped:
-        yield Trouble(kind="strangers")
+        yield Condition(kind="strangers")
 
 
 def _told(dispute: Dispute) -> str:
@@ -139,7 +139,7 @@ def _told(dispute: Dispute) -> str:
 
 def of_machines(
     heartbeats: Iterable[tuple[MachineHeartbeat, float]], materials: Materials, now: Moment
-) -> Iterator[Trouble]:
+) -> Iterator[Condition]:
     """What is wrong with machines.
 
     Args:
@@ -150,32 +150,32 @@ def of_machines(
     for heard, since_s in heartbeats:
         agent, patient = heard.machine, now.heard_s - since_s < PATIENCE_S
         if now.is_lost(agent, heard):
-            yield Trouble(kind="machine_lost", agent=agent, seen_at_s=now.to_wall_s(heard.at_s))
+            yield Condition(kind="machine_lost", agent=agent, seen_at_s=now.to_wall_s(heard.at_s))
         elif heard.status is MachineStatus.ERROR:
-            yield Trouble(kind="machine_error", agent=agent, problem=heard.problem)
+            yield Condition(kind="machine_error", agent=agent, problem=heard.problem)
         elif heard.status is MachineStatus.STARVED and not patient:
             lacking = heard.problem or materials.told(heard.waits)
-            yield Trouble(kind="machine_starved", agent=agent, problem=lacking)
+            yield Condition(kind="machine_starved", agent=agent, problem=lacking)
         elif heard.status is MachineStatus.BLOCKED and not patient:
-            yield Trouble(kind="machine_blocked", agent=agent, problem=heard.problem)
+            yield Condition(kind="machine_blocked", agent=agent, problem=heard.problem)
 
 
-def of_stations(heartbeats: Iterable[StationHeartbeat], now: Moment) -> Iterator[Trouble]:
+def of_stations(heartbeats: Iterable[StationHeartbeat], now: Moment) -> Iterator[Condition]:
     """What is wrong with the stations of storages: nothing is promised or handed out where one is silent."""
     for heard in heartbeats:
         if now.is_lost(heard.station, heard):
-            yield Trouble(kind="station_lost", agent=heard.station, seen_at_s=now.to_wall_s(heard.at_s))
+            yield Condition(kind="station_lost", agent=heard.station, seen_at_s=now.to_wall_s(heard.at_s))
 
 
-def of_atvs(heartbeats: Iterable[AtvHeartbeat], now: Moment) -> Iterator[Trouble]:
+def of_atvs(heartbeats: Iterable[AtvHeartbeat], now: Moment) -> Iterator[Condition]:
     """What is wrong with vehicles."""
     for heard in heartbeats:
         agent, help_ = heard.atv, heard.help
         if now.is_lost(agent, heard):
-            yield Trouble(kind="atv_lost", agent=agent, seen_at_s=now.to_wall_s(heard.at_s))
+            yield Condition(kind="atv_lost", agent=agent, seen_at_s=now.to_wall_s(heard.at_s))
         elif help_ is not None and (help_.promised_by or heard.status is not AtvStatus.STOPPED):
             # Who is on the way has answered: there is less to ask for. Who was stopped by a person asks for nobody.
-            yield Trouble(
+            yield Condition(
                 kind="atv_promised" if help_.promised_by else "atv_help",
                 agent=agent,
                 problem=heard.problem,
@@ -183,25 +183,25 @@ def of_atvs(heartbeats: Iterable[AtvHeartbeat], now: Moment) -> Iterator[Trouble
                 until_at_s=now.to_wall_s(help_.until_s),
             )
         elif heard.status is AtvStatus.ERROR:
-            yield Trouble(kind="atv_error", agent=agent, problem=heard.problem)
+            yield Condition(kind="atv_error", agent=agent, problem=heard.problem)
         elif heard.status is AtvStatus.STOPPED:
-            yield Trouble(kind="atv_stopped", agent=agent, problem=heard.problem)
+            yield Condition(kind="atv_stopped", agent=agent, problem=heard.problem)
         # It goes to a charger long before it touches its reserve: something keeps it from there.
         elif heard.battery_frac < RESERVE_FRAC and heard.status is not AtvStatus.CHARGING:
-            yield Trouble(kind="atv_battery", agent=agent, battery_frac=round(heard.battery_frac, 2))
+            yield Condition(kind="atv_battery", agent=agent, battery_frac=round(heard.battery_frac, 2))
 
 
-def of_transports(tasks: Iterable[TaskView], told: Iterable[Trouble]) -> Iterator[Trouble]:
+def of_transports(tasks: Iterable[TaskView], told: Iterable[Condition]) -> Iterator[Condition]:
     """What is wrong with transports, unless their carrier tells of it already.
 
     Args:
         tasks: those that have not ended. Of a production goal its order tells.
-        told: the troubles of the vehicles.
+        told: what is wrong with the vehicles.
     """
     problems = {each.agent: each.problem for each in told if each.problem}
     for task in tasks:
         if task.trouble and task.kind == "transport" and problems.get(task.primary) != task.trouble:
-            yield Trouble(
+            yield Condition(
                 kind="task_trouble",
                 agent=task.primary or task.coordinator,
                 task=task.id,
@@ -209,7 +209,7 @@ def of_transports(tasks: Iterable[TaskView], told: Iterable[Trouble]) -> Iterato
             )
 
 
-def of_orders(orders: Iterable[OrderView], impossible: Container[str], now: Moment) -> Iterator[Trouble]:
+def of_orders(orders: Iterable[OrderView], impossible: Container[str], now: Moment) -> Iterator[Condition]:
     """What is wrong with orders.
 
     Args:
@@ -219,8 +219,8 @@ def of_orders(orders: Iterable[OrderView], impossible: Container[str], now: Mome
     """
     for order in orders:
         if order.id in impossible:
-            yield Trouble(kind="order_impossible", order=order.id, problem=order.waits)
+            yield Condition(kind="order_impossible", order=order.id, problem=order.waits)
         elif order.waits:
-            yield Trouble(kind="order_waits", order=order.id, problem=order.waits)
+            yield Condition(kind="order_waits", order=order.id, problem=order.waits)
         elif order.due_at_s is not None and order.due_at_s < now.wall_s:
-            yield Trouble(kind="order_late", order=order.id, until_at_s=order.due_at_s)
+            yield Condition(kind="order_late", order=order.id, until_at_s=order.due_at_s)

@@ -12,7 +12,7 @@ from typing import Literal, get_args
 
 import msgspec
 
-from dray.gateway.live.projection.alerting.alert_rules import Trouble
+from dray.gateway.live.projection.alerting.alert_rules import Condition
 from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.views import AlertKind, AlertResponse, AlertView
 from dray.store.acknowledgements import Acknowledgement
@@ -64,20 +64,20 @@ class Alerts:
         self._forget_at_s = 0.0
         self.changes = Changes("alert")
 
-    def begin(self, acknowledged: Iterable[Acknowledgement], wall_s: float) -> None:
+    def recall(self, acknowledged: Iterable[Acknowledgement], wall_s: float) -> None:
         """Start from what SQL knows."""
         self._remembered = {each.alert: each for each in acknowledged}
         self._forget_at_s = wall_s + REMEMBERED_S
 
-    def look(self, troubles: Iterable[Trouble], wall_s: float) -> list[str]:
+    def look(self, conditions: Iterable[Condition], wall_s: float) -> list[str]:
         """Compare what is wrong now with what was wrong before.
 
         Returns:
             The alerts that had been acknowledged and have ended.
         """
-        wrong = {trouble.id: trouble for trouble in troubles}
-        for trouble in wrong.values():
-            self._put(trouble, wall_s)
+        wrong = {condition.id: condition for condition in conditions}
+        for condition in wrong.values():
+            self._put(condition, wall_s)
         ended = [alert for alert in self._alerts.values() if alert.id not in wrong]
         for alert in ended:
             del self._alerts[alert.id]
@@ -88,7 +88,7 @@ class Alerts:
             self._remembered = {}
         return over
 
-    def hear(self, acknowledged: Iterable[Acknowledgement]) -> None:
+    def on_acknowledged(self, acknowledged: Iterable[Acknowledgement]) -> None:
         """Take in what SQL knows: people at other gateways have acknowledged some."""
         for each in acknowledged:
             alert = self._alerts.get(each.alert)
@@ -123,15 +123,15 @@ class Alerts:
         """Those that have changed since the last call."""
         return tuple(self._alerts[alert] for alert in self.changes.take_changed())
 
-    def _put(self, trouble: Trouble, wall_s: float) -> None:
-        known = self._alerts.get(trouble.id)
-        alert = _view(trouble, wall_s)
+    def _put(self, condition: Condition, wall_s: float) -> None:
+        known = self._alerts.get(condition.id)
+        alert = _view(condition, wall_s)
         if known is not None:
             alert.since_at_s = known.since_at_s
             alert.acknowledged_by, alert.acknowledged_at_s = known.acknowledged_by, known.acknowledged_at_s
             if alert == known:
                 return
-        elif (remembered := self._remembered.pop(trouble.id, None)) is not None:
+        elif (remembered := self._remembered.pop(condition.id, None)) is not None:
             alert.since_at_s = remembered.since_at_s
             alert.acknowledged_by, alert.acknowledged_at_s = remembered.by, remembered.at_s
         self._alerts[alert.id] = alert
@@ -146,14 +146,14 @@ def is_meant(alert: AlertView, acknowledgement: Acknowledgement) -> bool:
     return acknowledgement.at_s + LOOK_S > alert.since_at_s
 
 
-def _view(trouble: Trouble, wall_s: float) -> AlertView:
-    level, response = RESPONSES[trouble.kind]
+def _view(condition: Condition, wall_s: float) -> AlertView:
+    level, response = RESPONSES[condition.kind]
     return AlertView(
-        id=trouble.id,
+        id=condition.id,
         level=level,
         response=response,
         since_at_s=wall_s,
-        **msgspec.structs.asdict(trouble),
+        **msgspec.structs.asdict(condition),
     )
 
 

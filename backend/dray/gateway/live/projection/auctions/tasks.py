@@ -125,7 +125,7 @@ class Tasks:
         self._mark(name)
         return True
 
-    def hear(self, heartbeat: MachineHeartbeat) -> None:
+    def on_heartbeat(self, heartbeat: MachineHeartbeat) -> None:
         """Take in what a machine says about its open tasks."""
         for brief in heartbeat.tasks:
             task = self._open.get(brief.task)

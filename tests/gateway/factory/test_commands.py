@@ -7,31 +7,18 @@ from typing import Any
 
 import httpx
 import pytest
-from gateway_kit import AUTHORITY, NOW_S, House, atv_heartbeat, gateway, problem
+from gateway_kit import AUTHORITY, NOW_S, House, atv_heartbeat, gateway, problem, vehicle
 
 from dray.adapters.signing import TrustedKeys
 from dray.gateway.factory.commands import STOP_VALID_S
 from dray.gateway.live.projection.recent_commands import RecentCommands
 from dray.gateway.live.views import CommandView
-from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand, signed_words
+from dray.messages import CommandAnswered, CommandKind, VehicleCommand, signed_words
 from dray.messages.base import CLOCKS_AGREE_S
 
 pytestmark = pytest.mark.anyio
 
 STOP = {"kind": "stop"}
-
-
-def vehicle(house: House, atv: str = "ATV1", *, done: bool = True, reason: str = "") -> list[VehicleCommand]:
-    """Let a vehicle join that answers every command; the commands that it will have heard."""
-    heard: list[VehicleCommand] = []
-
-    def receive(sender: str, message: Message) -> None:
-        if isinstance(message, VehicleCommand):
-            heard.append(message)
-            house.bus.tell(atv, sender, CommandAnswered(command=message.command, done=done, reason=reason))
-
-    house.bus.join(atv, receive)
-    return heard
 
 
 async def ask(house: House, body: Any, atv: str = "ATV1") -> httpx.Response:

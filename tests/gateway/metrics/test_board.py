@@ -31,7 +31,7 @@ from dray_sim.clock.loop import VirtualClock
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.network.bridge import BridgedBus
 
-DEPLOY = Path(__file__).parents[2] / "deploy"
+DEPLOY = Path(__file__).parents[3] / "deploy"
 
 SUFFIXES = {
     "counter": ("_total",),

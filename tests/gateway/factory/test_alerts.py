@@ -304,9 +304,11 @@ def test_what_was_acknowledged_at_another_gateway_is_of_the_alert_that_began_by_
         Acknowledgement(alert.id, alert.since_at_s - 9.0, name, alert.since_at_s - ago_s)
         for name, ago_s in (("Night shift", LOOK_S), ("Day shift", LOOK_S / 2))
     )
-    projection.alerts.hear([before, Acknowledgement("machine_error-M1", NOW_S, "Day shift", NOW_S)])
+    projection.alerts.on_acknowledged(
+        [before, Acknowledgement("machine_error-M1", NOW_S, "Day shift", NOW_S)]
+    )
     assert the_alert(projection).acknowledged_by == ""
-    projection.alerts.hear([just_now])
+    projection.alerts.on_acknowledged([just_now])
     assert the_alert(projection).acknowledged_by == "Day shift"
 
 
@@ -364,7 +366,7 @@ def test_what_comes_again_is_acknowledged_by_nobody(projection: Projection) -> N
 
 def test_what_was_acknowledged_before_a_start_is_so_after_it(projection: Projection) -> None:
     known = Acknowledgement("machine_error-M8", NOW_S - 600, "Day shift", NOW_S - 500)
-    projection.alerts.begin([known], NOW_S)
+    projection.alerts.recall([known], NOW_S)
     assert alerts(projection) == []
     projection.fold(machine_heartbeat("M8", status=MachineStatus.ERROR))
     alert = the_alert(projection)
@@ -372,7 +374,7 @@ def test_what_was_acknowledged_before_a_start_is_so_after_it(projection: Project
 
 
 def test_what_is_not_wrong_again_soon_after_a_start_has_ended(projection: Projection) -> None:
-    projection.alerts.begin([Acknowledgement("machine_error-M8", NOW_S - 600, "Day shift", NOW_S)], NOW_S)
+    projection.alerts.recall([Acknowledgement("machine_error-M8", NOW_S - 600, "Day shift", NOW_S)], NOW_S)
     assert projection.look(NOW_S + REMEMBERED_S - 1) == []
     assert projection.look(NOW_S + REMEMBERED_S) == ["machine_error-M8"]
     assert projection.look(NOW_S + REMEMBERED_S + 1) == []

@@ -1,4 +1,4 @@
-"""The roll call: open orders are asked for at the start and from time to time, whatever was answered before."""
+"""Reconciliation: open orders are asked for at the start and from time to time, whatever was answered before."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from gateway_kit import PRODUCT, FakeBus, House, Wall, events, gateway
 
 from dray.gateway.orders import reconciliation
-from dray.gateway.orders.reconciliation import CALL_EVERY_S, CANCELLED_AGAIN_S, Reconciliation
+from dray.gateway.orders.reconciliation import CANCELLED_AGAIN_S, RECONCILE_EVERY_S, Reconciliation
 from dray.messages import Message, OrderCancelled, OrderReleased, OrderRevoked, OrderTaken
 from dray.messages.fact import GoodsDelivered
 from dray.messages.keys import STRATEGIST
@@ -21,7 +21,7 @@ pytestmark = pytest.mark.anyio
 
 
 @pytest.fixture
-def roll(house: House) -> Reconciliation:
+def reconciling(house: House) -> Reconciliation:
     """Another one, called by the test."""
     return Reconciliation(house.store, house.outbox, house.wall)
 
@@ -37,7 +37,7 @@ async def taken(house: House) -> str:
     return order
 
 
-def test_the_roll_is_called_every_ten_minutes() -> None:
+def test_a_gateway_reconciles_every_ten_minutes() -> None:
     called_s: list[float] = []
 
     class Watched(Reconciliation):
@@ -47,14 +47,16 @@ def test_the_roll_is_called_every_ten_minutes() -> None:
     async def main() -> None:
         nobody: Any = None
         calling = asyncio.create_task(Watched(nobody, nobody, Wall()).run())
-        await asyncio.sleep(3.5 * CALL_EVERY_S)
+        await asyncio.sleep(3.5 * RECONCILE_EVERY_S)
         calling.cancel()
 
     run(main())
     assert called_s == pytest.approx([600.0, 1200.0, 1800.0])
 
 
-async def test_orders_that_are_still_open_are_asked_for_again(house: House, roll: Reconciliation) -> None:
+async def test_orders_that_are_still_open_are_asked_for_again(
+    house: House, reconciling: Reconciliation
+) -> None:
     first, revoked, ended, cancelled = [await taken(house) for _ in range(4)]
     waiting = (await house.place())["id"]
     await house.place(release=False)
@@ -65,7 +67,7 @@ async def test_orders_that_are_still_open_are_asked_for_again(house: House, roll
     await house.say(events("M1", arrived))
     assert (await house.client.post(f"/api/orders/{cancelled}/cancel")).status_code == 200
     before = said(house)
-    await roll.call()
+    await reconciling.reconcile()
     asked = said(house)[len(before) :]
     assert {(type(message), getattr(message, "order", "")) for message in asked} == {
         (OrderReleased, first),
@@ -76,10 +78,10 @@ async def test_orders_that_are_still_open_are_asked_for_again(house: House, roll
     assert waiting in house.outbox._reminders
 
 
-async def test_a_running_gateway_calls_the_roll_and_ends_what_is_fulfilled(
+async def test_a_running_gateway_reconciles_and_ends_what_is_fulfilled(
     url: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(reconciliation, "CALL_EVERY_S", 0.0)
+    monkeypatch.setattr(reconciliation, "RECONCILE_EVERY_S", 0.0)
     async with gateway(url) as house:
         order = await taken(house)
         await house.bus.next_to(
@@ -97,7 +99,7 @@ async def test_two_gateways_may_ask_for_the_same_order(url: str) -> None:
         gateway(url, bus=bus, gateway_name="gateway-2") as second,
     ):
         order = (await first.place())["id"]
-        await Reconciliation(second.store, second.outbox, second.wall).call()
+        await Reconciliation(second.store, second.outbox, second.wall).reconcile()
         for house, name in ((first, "gateway-1"), (second, "gateway-2")):
             bus.tell(STRATEGIST, name, OrderTaken(order, fulfilled=True))
             await house.completions.written()
@@ -105,8 +107,11 @@ async def test_two_gateways_may_ask_for_the_same_order(url: str) -> None:
         assert (await second.get(f"/api/orders/{order}"))["status"] == "delivered"
 
 
-async def test_without_a_database_the_roll_is_called_the_next_time(
-    house: House, roll: Reconciliation, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+async def test_without_a_database_a_gateway_reconciles_the_next_time(
+    house: House,
+    reconciling: Reconciliation,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
 ) -> None:
     async def fail(_orders: Orders) -> None:
         raise ConnectionRefusedError
@@ -114,12 +119,12 @@ async def test_without_a_database_the_roll_is_called_the_next_time(
     order = await taken(house)
     with monkeypatch.context() as patch, caplog.at_level(logging.INFO):
         patch.setattr(Orders, "open", fail)
-        await roll.call()
+        await reconciling.reconcile()
     assert [record.levelno for record in caplog.records if record.name == reconciliation.__name__] == [
         logging.INFO
     ]
     assert order not in house.outbox._reminders
-    await roll.call()
+    await reconciling.reconcile()
     assert order in house.outbox._reminders
 
 

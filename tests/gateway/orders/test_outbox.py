@@ -188,7 +188,7 @@ def test_an_order_for_what_this_plant_does_not_make_is_not_sent_and_named_once(
     strange.items = (Item("P9", 1),)
 
     async def release(stage: Stage) -> None:
-        for _roll_call in range(3):
+        for _time in range(3):
             stage.outbox.ask([strange, order("O-2")])
             stage.outbox.answered(OrderTaken("O-2"))
         await asyncio.sleep(0.1)

@@ -21,10 +21,10 @@ from gateway_kit import (
     draft,
     gateway,
     problem,
+    vehicle,
 )
 from login_kit import BROWSER, COOKIE
 from sqlalchemy.exc import OperationalError
-from test_commands import vehicle
 
 from dray.errors import UnavailableError
 from dray.gateway.access.access import STRANGERS_TRIES

@@ -48,7 +48,7 @@ async def two_gateways(url: str) -> AsyncIterator[tuple[House, House]]:
         yield first, second
 
 
-def lookout_of(house: House) -> DatabaseSync:
+def sync_of(house: House) -> DatabaseSync:
     """Another one, called by the test, that has seen nothing yet."""
     return DatabaseSync(house.store, house.projection, house.outbox.follow)
 
@@ -65,7 +65,7 @@ async def test_an_order_placed_at_one_gateway_is_followed_at_the_other_from_plac
     url: str,
 ) -> None:
     async with two_gateways(url) as (first, second):
-        looks = lookout_of(second)
+        looks = sync_of(second)
         stored = (await first.place(release=False))["id"]
         assert shown(second) == {}
         await looks.look()
@@ -89,7 +89,7 @@ async def test_an_order_placed_at_one_gateway_is_followed_at_the_other_from_plac
 
 async def test_an_order_that_the_strategist_has_given_back_is_stored_at_both(url: str) -> None:
     async with two_gateways(url) as (first, second):
-        looks = lookout_of(second)
+        looks = sync_of(second)
         order = (await first.place())["id"]
         await looks.look()
         await first.client.post(f"/api/orders/{order}/revoke")
@@ -109,7 +109,7 @@ def facts(order: str, arrived: int) -> list[Event]:
 
 async def test_an_order_that_ended_in_sql_ends_at_a_gateway_that_missed_the_same_facts(url: str) -> None:
     async with two_gateways(url) as (first, second):
-        looks = lookout_of(second)
+        looks = sync_of(second)
         order = (await first.place())["id"]
         await looks.look()
         await first.say(facts(order, 2))
@@ -125,7 +125,7 @@ async def test_an_order_that_ended_in_sql_ends_at_a_gateway_that_missed_the_same
 
 async def test_facts_that_a_gateway_heard_before_it_knew_of_their_order_are_read(url: str) -> None:
     async with two_gateways(url) as (first, second):
-        looks = lookout_of(second)
+        looks = sync_of(second)
         order = (await first.place())["id"]
         await first.say(facts(order, 2))
         await second.historian.written()
@@ -140,7 +140,7 @@ async def test_facts_that_a_gateway_heard_before_it_knew_of_their_order_are_read
 
 async def test_what_is_repeated_about_an_order_changes_with_what_was_decided_elsewhere(url: str) -> None:
     async with two_gateways(url) as (first, second):
-        looks, order = lookout_of(second), (await first.place())["id"]
+        looks, order = sync_of(second), (await first.place())["id"]
         await looks.look()
 
         async def repeated() -> Message | None:
@@ -171,7 +171,7 @@ async def test_what_is_heard_while_the_database_answers_is_not_taken_back(
     url: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with two_gateways(url) as (first, second):
-        looks, order = lookout_of(second), (await second.place(release=False))["id"]
+        looks, order = sync_of(second), (await second.place(release=False))["id"]
         many = Orders.many
 
         async def slow(orders: Orders, ids: Any) -> Any:
@@ -185,7 +185,7 @@ async def test_what_is_heard_while_the_database_answers_is_not_taken_back(
             await looks.look()
         assert shown(second)[order].status == "released"
         assert isinstance(second.outbox._reminders.get(order), OrderReleased)
-        await lookout_of(first).look()
+        await sync_of(first).look()
         await looks.look()
         assert shown(first)[order] == shown(second)[order]
 
@@ -196,7 +196,7 @@ async def test_who_takes_an_alert_on_at_one_gateway_is_named_at_the_other(url: s
         for house in (first, second):
             await house.alerts.look()
         await first.alerts.acknowledge("machine_error-M8", "Day shift")
-        await lookout_of(second).look()
+        await sync_of(second).look()
         [alert] = second.projection.alerts.views()
         assert (alert.acknowledged_by, alert.acknowledged_at_s) == ("Day shift", NOW_S)
 
@@ -225,7 +225,7 @@ async def test_an_alert_that_came_again_keeps_the_name_that_another_gateway_was_
         for house in (first, second):
             await house.alerts.look()
         await first.alerts.acknowledge("machine_error-M8", "Day shift")
-        await lookout_of(second).look()
+        await sync_of(second).look()
         first.wall.now_s += 60.0
         break_down(2, MachineStatus.IDLE)
         await first.alerts.look()
@@ -296,7 +296,7 @@ async def test_a_look_reads_what_has_changed_lately_and_not_all_that_is_open(
             await first.place()
             first.wall.now_s += 60
         look = DatabaseSync(second.store, second.projection, second.outbox.follow)
-        await look.begin()
+        await look.recall()
         marks, read = Orders.marks, []
 
         async def noted(orders: Orders, since_s: float | None = None) -> dict[str, Mark]:
