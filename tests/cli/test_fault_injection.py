@@ -1,4 +1,4 @@
-"""The fault desk of `dray up`: faults that are begun in one thread happen in another."""
+"""The fault injector of `dray up`: faults that are begun in one thread happen in another."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def faults(thread: SimThread[Faults]) -> Faults:
 
 
 @pytest.fixture
-def desk(thread: SimThread[Faults], faults: Faults) -> SimFaultInjector:
+def injector(thread: SimThread[Faults], faults: Faults) -> SimFaultInjector:
     return SimFaultInjector(faults, thread.loop, lambda: NOW_S)
 
 
@@ -48,31 +48,31 @@ def run(call: Coroutine[Any, Any, Any]) -> Any:
     return asyncio.run(call)
 
 
-def test_every_kind_of_fault_is_offered_with_its_fields(desk: SimFaultInjector) -> None:
-    kinds = {kind.kind: kind for kind in desk.kinds}
+def test_every_kind_of_fault_is_offered_with_its_fields(injector: SimFaultInjector) -> None:
+    kinds = {kind.kind: kind for kind in injector.kinds}
     assert tuple(kinds) == KIND_NAMES
     assert (kinds["vehicle_broken"].fields, kinds["vehicle_broken"].optional) == (("atv",), ("reason",))
-    assert all(kind.what for kind in desk.kinds)
+    assert all(kind.what for kind in injector.kinds)
 
 
 def test_a_fault_has_happened_when_it_is_answered_and_is_over_when_it_is_ended(
-    desk: SimFaultInjector, faults: Faults
+    injector: SimFaultInjector, faults: Faults
 ) -> None:
-    begun = run(desk.begin({"kind": "powered_off", "agent": "ATV3"}))
+    begun = run(injector.begin({"kind": "powered_off", "agent": "ATV3"}))
     assert (begun.kind, begun.agents, begun.began_at_s) == ("powered_off", ("ATV3",), NOW_S)
     assert begun.fault == {"kind": "powered_off", "agent": "ATV3"}
     assert list(faults.active) == [begun.id]
     assert not faults.world.running("ATV3")
     for _ in range(2):
-        run(desk.end(begun.id))
+        run(injector.end(begun.id))
     assert not faults.active
     assert faults.world.running("ATV3")
 
 
-def test_a_fault_of_the_network_is_about_those_that_it_names(desk: SimFaultInjector) -> None:
-    one = run(desk.begin({"kind": "link_trouble", "sender": "ATV3", "loss_frac": 0.2}))
+def test_a_fault_of_the_network_is_about_those_that_it_names(injector: SimFaultInjector) -> None:
+    one = run(injector.begin({"kind": "link_trouble", "sender": "ATV3", "loss_frac": 0.2}))
     assert one.agents == ("ATV3",)
-    assert run(desk.begin({"kind": "partition", "groups": [["ATV*"]]})).agents == ()
+    assert run(injector.begin({"kind": "partition", "groups": [["ATV*"]]})).agents == ()
 
 
 @pytest.mark.parametrize(
@@ -88,16 +88,18 @@ def test_a_fault_of_the_network_is_about_those_that_it_names(desk: SimFaultInjec
     ],
 )
 def test_a_fault_that_makes_no_sense_is_refused_at_its_field(
-    desk: SimFaultInjector, faults: Faults, fault: dict[str, Any], field: str
+    injector: SimFaultInjector, faults: Faults, fault: dict[str, Any], field: str
 ) -> None:
     with pytest.raises(FaultRefused) as refused:
-        run(desk.begin(fault))
+        run(injector.begin(fault))
     assert refused.value.field == field
     assert refused.value.reason
     assert not faults.active
 
 
-def test_a_factory_that_has_ended_does_not_answer(thread: SimThread[Faults], desk: SimFaultInjector) -> None:
+def test_a_factory_that_has_ended_does_not_answer(
+    thread: SimThread[Faults], injector: SimFaultInjector
+) -> None:
     thread.stop()
     with pytest.raises(UnavailableError, match="has ended"):
-        run(desk.begin({"kind": "powered_off", "agent": "ATV3"}))
+        run(injector.begin({"kind": "powered_off", "agent": "ATV3"}))

@@ -1,4 +1,4 @@
-"""Faults by hand in the simulated factory of `dray up`: the gateway's fault desk, across the threads."""
+"""Faults by hand in the simulated factory of `dray up`: the gateway's fault injector, across the threads."""
 
 from __future__ import annotations
 
