@@ -38,20 +38,20 @@ async def taken(house: House) -> str:
 
 
 def test_a_gateway_reconciles_every_ten_minutes() -> None:
-    called_s: list[float] = []
+    times_s: list[float] = []
 
     class Watched(Reconciliation):
-        async def call(self) -> None:
-            called_s.append(asyncio.get_running_loop().time())
+        async def reconcile(self) -> None:
+            times_s.append(asyncio.get_running_loop().time())
 
     async def main() -> None:
         nobody: Any = None
-        calling = asyncio.create_task(Watched(nobody, nobody, Wall()).run())
+        running = asyncio.create_task(Watched(nobody, nobody, Wall()).run())
         await asyncio.sleep(3.5 * RECONCILE_EVERY_S)
-        calling.cancel()
+        running.cancel()
 
     run(main())
-    assert called_s == pytest.approx([600.0, 1200.0, 1800.0])
+    assert times_s == pytest.approx([600.0, 1200.0, 1800.0])
 
 
 async def test_orders_that_are_still_open_are_asked_for_again(
