@@ -6,10 +6,10 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import Any
 
-from dray.gateway.live.projection.alerting.silence import Silence
 from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.projection.figures.fleet import Fleet
 from dray.gateway.live.projection.outsiders import Outsiders
+from dray.gateway.live.projection.silence import Silence
 from dray.gateway.live.views import AtvView, BriefView, ClockView, HelpView, ProbationView
 from dray.messages import AtvHeartbeat, Brief, Heartbeat, HelpWanted
 from dray.plant.model import Charging, VehicleSpec, VehicleType

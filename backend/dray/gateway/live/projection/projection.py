@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Iterator
 from dray.gateway.live.frames import Delta, Snapshot
 from dray.gateway.live.projection.alerting import alert_rules
 from dray.gateway.live.projection.alerting.alerts import Alerts
-from dray.gateway.live.projection.alerting.silence import Silence, heard_until_s, plant_bound_s
 from dray.gateway.live.projection.atvs import Atvs
 from dray.gateway.live.projection.auctions.tasks import Tasks
 from dray.gateway.live.projection.disputes import Disputes
@@ -22,6 +21,7 @@ from dray.gateway.live.projection.news import News
 from dray.gateway.live.projection.orders import Orders
 from dray.gateway.live.projection.outsiders import Outsiders
 from dray.gateway.live.projection.recent_commands import RecentCommands
+from dray.gateway.live.projection.silence import Silence, heard_until_s, plant_bound_s
 from dray.gateway.live.projection.site import Site
 from dray.gateway.live.projection.stations import Stations
 from dray.gateway.live.timescale import TimeScale

@@ -9,10 +9,10 @@ from collections.abc import Container, Iterable, Iterator
 
 import msgspec
 
-from dray.gateway.live.projection.alerting.silence import Silence, plant_bound_s
 from dray.gateway.live.projection.auctions.tasks import Tasks
 from dray.gateway.live.projection.disputes import Dispute, Disputes
 from dray.gateway.live.projection.materials import Materials
+from dray.gateway.live.projection.silence import Silence, plant_bound_s
 from dray.gateway.live.views import AlertKind, OrderView, TaskView
 from dray.messages import AtvHeartbeat, AtvStatus, MachineHeartbeat, MachineStatus, StationHeartbeat
 from dray.overload import Overload
