@@ -15,8 +15,9 @@ from kit import Credulous, accepted, bid, declined, facts, transport
 
 from dray.messages import Award, Release, Role
 from dray.messages.fact import AwardGiven
-from dray.protocol.contract_net.auction import Auction, Place, Stage, Terms
+from dray.protocol.contract_net.auction import Auction, Stage
 from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.terms import Place, Terms
 from dray.protocol.runtime.events import NEVER_S, Effect, Send
 
 BIDDERS = ("ATV1", "ATV2", "ATV3", "ATV4")

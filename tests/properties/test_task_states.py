@@ -49,7 +49,7 @@ class Walk(Office):
                 self.seen.add((before, state))
 
         monkey.setattr(States, "enter", note)
-        self.desk._failover._is_missing = lambda _task: True
+        self.desk.failover._is_missing = lambda _task: True
         self.open_work()
         if restored:
             memory = msgspec.structs.replace(
@@ -163,7 +163,7 @@ class Walk(Office):
     def goods_leave_unheard(self) -> None:
         """The machine's own senses tell, while the carrier is silent."""
         if self.task.primary and self.goods:
-            self.desk.note_loaded(self.task)
+            self.desk.failover.note_loaded(self.task)
 
     def goods_come_back(self) -> None:
         if self.task.is_loaded:

@@ -15,8 +15,9 @@ from kit import Credulous, accepted, bid, declined, facts, rhb, transport
 from dray.messages import AtvHeartbeat, AtvStatus, Bid, HelpWanted, Role
 from dray.messages.command import PROMISE_MAX_S
 from dray.messages.fact import AwardGiven
-from dray.protocol.contract_net.auction import Auction, Place, Terms
+from dray.protocol.contract_net.auction import Auction
 from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.terms import Place, Terms
 from dray.protocol.liveness.failure_detector import IN_ERROR, SILENT, FailureDetector
 from dray.protocol.liveness.suspicion import (
     DEVIATIONS,

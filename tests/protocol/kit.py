@@ -115,8 +115,10 @@ class Credulous(Assessor):
 
 def believing(machine: Machine) -> Machine:
     """Let a machine believe its bidders and its carriers: a load is down when its carrier says so."""
-    tasks, hear = machine._tasks, machine._message_handlers[Handover]
-    tasks._auctions._assessor = tasks._failover._assessor = Credulous()
+    tasks, hear = machine._flow.tasks, machine._message_handlers[Handover]
+    credulous = Credulous()
+    tasks._auctions._assessor = tasks.failover._assessor = credulous
+    credulous.reliability = tasks.reliability
 
     def on_handover(sender: str, message: Handover, now_s: float) -> None:
         task = tasks.get(message.task)

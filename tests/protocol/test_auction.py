@@ -10,8 +10,10 @@ from kit import Credulous, accepted, award_number, bid, declined, deeds, facts, 
 
 from dray.messages import Award, Bid, Refusal, Release, Role, TaskAnnounced
 from dray.messages.fact import AwardAnswered, AwardGiven, BidReceived, RoundFailed, TaskOpened
-from dray.protocol.contract_net.auction import BIDS_KEPT, Auction, Place, Stage, Terms
+from dray.protocol.contract_net.auction import Auction, Stage
 from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.bids import BIDS_KEPT
+from dray.protocol.contract_net.terms import Place, Terms
 from dray.protocol.runtime.events import NEVER_S, Effect, Publish
 
 RULES = AuctionRules()

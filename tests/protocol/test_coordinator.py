@@ -7,9 +7,9 @@ from kit import Credulous, accepted, bid, declined, deeds, listening, published,
 from office import Office, contracted, watched
 
 from dray.messages import Award, Role, TaskAnnounced, Withdrawn
-from dray.protocol.contract_net.auction import Place
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.coordinator import CLOSED_KEPT, Coordinator
+from dray.protocol.contract_net.terms import Place
 from dray.protocol.runtime.events import NEVER_S, Effect
 from dray.protocol.runtime.timers import Timers
 

@@ -78,7 +78,7 @@ def test_a_promise_by_a_clock_that_is_a_little_wrong_is_understood_by_ours() -> 
     rig.hear(
         "ATV1", Accepted("M7-1", 1, Role.PRIMARY, rig.now_s + ahead_s + 70.0, 1, at_s=rig.now_s + ahead_s)
     )
-    [task] = [task for task in rig.agent._tasks if task.id == "M7-1"]
+    [task] = [task for task in rig.agent._flow.tasks if task.id == "M7-1"]
     assert task.primary == "ATV1"
     assert task.contract.promised_s == pytest.approx(rig.now_s + 70.0)
 
@@ -86,7 +86,7 @@ def test_a_promise_by_a_clock_that_is_a_little_wrong_is_understood_by_ours() -> 
 def test_a_takeover_by_a_wrong_clock_is_refused() -> None:
     rig = m7(NO_HOUSINGS, goal=24)
     rig.hire("M7-1", "ATV1")
-    [task] = [task for task in rig.agent._tasks if task.id == "M7-1"]
+    [task] = [task for task in rig.agent._flow.tasks if task.id == "M7-1"]
     task.standby = StandbyContract("ATV2")
     rig.now_s += 60.0
     said = TakenOver("M7-1", 2, "ATV1", "silent", rig.now_s - 3600.0 + 80.0, at_s=rig.now_s - 3600.0)

@@ -33,7 +33,7 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import ContractEnded, PieceMade, TaskClosed
-from dray.protocol.machine.machine import HELD_MAX_S
+from dray.protocol.machine.material_flow import HELD_MAX_S
 from dray.protocol.runtime.events import Effect
 
 # --- making -----------------------------------------------------------------------------------------

@@ -270,7 +270,7 @@ def test_a_machine_that_has_lost_its_notes_takes_a_carrier_at_its_word_once_and_
     assert [fact.outcome for fact in facts(lost.all, TaskClosed)] == ["withdrawn"]
     older = msgspec.structs.replace(named, atv="ATV3", task=msgspec.structs.replace(carried, epoch=2))
     lost.hear("ATV3", older)
-    assert lost.agent._tasks.get("M7-1") is None  # type: ignore[attr-defined]
+    assert lost.agent._flow.tasks.get("M7-1") is None  # type: ignore[attr-defined]
 
 
 def test_a_goal_that_was_taken_and_not_confirmed_is_asked_for_in_the_next_life_and_not_begun() -> None:

@@ -31,7 +31,10 @@ LOT = 24
 def doubting(rig: MachineRig) -> MachineRig:
     """Let it look at handovers as it does in service; prices are plain numbers all the same."""
     machine = rig.agent
-    machine._message_handlers = {**machine._message_handlers, Handover: machine._on_handover}
+    machine._message_handlers = {
+        **machine._message_handlers,
+        Handover: machine._flow.message_handlers[Handover],
+    }
     return rig
 
 
@@ -43,7 +46,7 @@ def supplied(atv: str = "ATV2") -> MachineRig:
 
 
 def quantity(rig: MachineRig, task: str = "M7-1") -> int:
-    [opened] = [each for each in rig.agent._tasks if each.id == task]
+    [opened] = [each for each in rig.agent._flow.tasks if each.id == task]
     return opened.work.quantity
 
 
@@ -97,7 +100,7 @@ def test_material_that_nobody_has_counted_is_disputed_and_brought_by_somebody_el
     assert sent(answered, HandoverAccepted) == []
     assert [each.epoch for each in sent(answered, Superseded, to="ATV2")] == [2]
     assert facts(rig.all, TaskClosed) == []
-    assert rig.agent._tasks._failover._assessor.reliability.is_restricted("ATV2", rig.now_s)
+    assert rig.agent._flow.tasks.reliability.is_restricted("ATV2", rig.now_s)
     rig.hear("ATV3", bid(50.0, task="M7-1", epoch=2))
     effects: list[Effect] = []
     while not sent(effects, Award, to="ATV3") and rig.now_s < 60.0:
@@ -120,7 +123,7 @@ def test_what_is_missing_of_a_load_is_ordered_again_and_no_more() -> None:
     assert [each.reason for each in facts(effects, ContractorRated)][-1] == NOT_COUNTED
     [level] = [each for each in rig.agent._supply.levels() if each.item == "housing"]
     assert level.on_order == sum(
-        each.work.quantity for each in rig.agent._tasks if each.work.item == "housing"
+        each.work.quantity for each in rig.agent._flow.tasks if each.work.item == "housing"
     )
 
 
@@ -138,7 +141,7 @@ def sending() -> tuple[MachineRig, str]:
     """M7 with a lot of pumps on board of ATV2; the machine, and the transport's name."""
     rig = doubting(m7(FULL, goal=2 * LOT))
     rig.cycles(LOT)
-    [task] = [each.id for each in rig.agent._tasks if each.work.goal == "G1"]
+    [task] = [each.id for each in rig.agent._flow.tasks if each.work.goal == "G1"]
     rig.hire(task, "ATV2")
     rig.stocked("pump-p3", -LOT, "ATV2")
     return rig, task
@@ -202,7 +205,7 @@ def test_while_the_strategist_is_away_a_carrier_is_let_go_on_its_word() -> None:
 def test_goods_that_have_not_left_are_not_delivered_by_anybodys_word() -> None:
     rig = doubting(m7(FULL, goal=2 * LOT))
     rig.cycles(LOT)
-    [task] = [each.id for each in rig.agent._tasks if each.work.goal == "G1"]
+    [task] = [each.id for each in rig.agent._flow.tasks if each.work.goal == "G1"]
     rig.hire(task, "ATV2")
     says(rig, LOT, task)
     beats(rig, rig.now_s + COUNT_S, task=task)

@@ -74,7 +74,7 @@ def hired(source: str = "S1") -> MachineRig:
 def surcharge_s(rig: MachineRig) -> float:
     """What is added to the next bid of ATV2."""
     assert isinstance(rig.agent, Machine)
-    return rig.agent._tasks._failover._assessor.reliability.surcharge_s("ATV2", rig.now_s)
+    return rig.agent._flow.tasks.reliability.surcharge_s("ATV2", rig.now_s)
 
 
 def waits(rig: MachineRig) -> tuple[MaterialWait, ...]:
@@ -215,7 +215,7 @@ def test_asked_to_leave_it_waits_for_nothing() -> None:
 
 def loading(rig: MachineRig, seconds: int, *, answers: bool) -> None:
     """ATV2 stands at the dock of S2 for so long, and beats once a second; the station lives, or does not."""
-    task = cast(Machine, rig.agent)._tasks.get(TASK)
+    task = cast(Machine, rig.agent)._flow.tasks.get(TASK)
     assert task is not None
     task.contract.progress = Progress(rig.now_s + 1e6, STALL_S + 20.0, rig.now_s)
     for _ in range(seconds):

@@ -35,7 +35,6 @@ from dray.messages import (
     Bid,
     Declined,
     Release,
-    Role,
     TaskAnnounced,
     Transport,
     Wait,
@@ -43,46 +42,17 @@ from dray.messages import (
 )
 from dray.messages.fact import AwardAnswered, AwardGiven, BidReceived, RoundFailed, TaskOpened
 from dray.protocol.contract_net.assessment import Assessor
-from dray.protocol.contract_net.auction_rules import AuctionRules, rank
+from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.bids import Bids, Offer
 from dray.protocol.contract_net.plausibility import by_our_clock
-from dray.protocol.runtime.bounded_map import BoundedMap
+from dray.protocol.contract_net.terms import Place, Terms
 from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Publish, Record, Send
-
-SPAN_MIN_S = 60.0
-"""What is late already is given as much time as a quick transport takes, round after round more."""
 
 PATIENCE_S = 300.0
 """What has waited so long is as urgent as what was needed by now."""
 
-SPAN_MAX_S = 7 * 86_400.0
-"""What has weeks is not refused for its deadline. One that is years away must not move beyond what can be said."""
-
-BIDS_KEPT = 1024
-"""In one round: more than any fleet has vehicles. Beyond that somebody bids under names that nobody has."""
-
 SPANS_MAX = 10
 """After so many rounds it is not the deadline that keeps bidders away."""
-
-
-class Terms(msgspec.Struct, frozen=True):
-    """What is put up for auction."""
-
-    task: str
-    epoch: int
-    role: Role
-    work: Work
-    deadline_s: float
-    primary: str = ""
-    """Whom to watch, when the role is SECONDARY."""
-
-
-class Place(msgspec.Struct, frozen=True):
-    """Where the coordinator stands, and how far its plant reaches."""
-
-    x_m: float
-    y_m: float
-    reach_m: float
-    """The radius beyond which there is nobody."""
 
 
 class Stage(Enum):
@@ -119,7 +89,7 @@ class Auction:
         rules: AuctionRules,
         out: list[Effect],
         assessor: Assessor,
-        candidates: tuple[tuple[str, Bid], ...] = (),
+        candidates: tuple[Offer, ...] = (),
         numbers: Iterator[int] | None = None,
         waits: Callable[[Work, float], tuple[Wait, ...]] = lambda _work, _now_s: (),
     ) -> None:
@@ -133,7 +103,7 @@ class Auction:
         self.number = 0
         """Of the newest award; 0 before the first."""
         self.winning_bid: Bid | None = None
-        self.left_over: tuple[tuple[str, Bid], ...] = ()
+        self.left_over: tuple[Offer, ...] = ()
         """Those who bid and were never asked, cheapest first, once it is DECIDED."""
         self._place = place
         self._audience = audience
@@ -141,10 +111,7 @@ class Auction:
         self._rules = rules
         self._out = out
         self._assessor = assessor
-        self._bids: BoundedMap[str, Bid] = BoundedMap(BIDS_KEPT)
-        self._noted: BoundedMap[str, tuple[int, float]] = BoundedMap(BIDS_KEPT)
-        """By bidder, the last round in which a bid of it was noted, and what was added to it (s)."""
-        self._queue: list[tuple[str, Bid]] = list(candidates)
+        self._bids = Bids(candidates)
         self._span_s = self._opened_s = 0.0
         self.needed_s = terms.deadline_s
         """By when it is wanted, as it counts against what else waits (plant clock)."""
@@ -174,7 +141,7 @@ class Auction:
     def open(self, now_s: float) -> None:
         """Begin: ask the candidates if there are any, else announce."""
         self._begin(now_s)
-        if self._queue:
+        if self._bids.is_queued:
             self.stage = Stage.ASKING
             self._ask_next(now_s)
         else:
@@ -188,7 +155,7 @@ class Auction:
     @property
     def has_candidates(self) -> bool:
         """Whether somebody is to be asked before anything is announced."""
-        return bool(self._queue)
+        return self._bids.is_queued
 
     def is_due(self, now_s: float) -> bool:
         """Whether its next round is to begin now."""
@@ -217,7 +184,7 @@ class Auction:
         """Announce what waits to one who asks for it; it may bid once more in this round."""
         if self._rules.moves_deadline:
             self._move_deadline(now_s)
-        self._noted.pop(bidder, None)
+        self._bids.let_bid_again(bidder)
         self._out.append(Send(bidder, self._announcement(self.wake_at_s, now_s)))
 
     def on_bid(self, bidder: str, bid: Bid, now_s: float) -> None:
@@ -230,7 +197,7 @@ class Auction:
             return
         terms = self.terms
         surcharge_s = self._assessor.surcharge_s(bidder, now_s)
-        self._bids[bidder], self._noted[bidder] = bid, (bid.round, surcharge_s)
+        self._bids.note(bidder, bid, surcharge_s)
         self._out.append(
             Record(
                 BidReceived(
@@ -265,7 +232,7 @@ class Auction:
         self._note_answer("accepted")
         self.winner, self._asked = bidder, ""
         self.stage, self.wake_at_s = Stage.DECIDED, NEVER_S
-        self.left_over = tuple(sorted((*self._queue, *self._bids.items()), key=self._rank_of))
+        self.left_over = self._bids.left_over()
 
     def on_declined(self, bidder: str, answer: Declined, now_s: float) -> None:
         """Ask the next one, if this bidder is the one that was asked."""
@@ -301,11 +268,7 @@ class Auction:
         """Why a bid counts for nothing, whatever it says; empty when it is to be looked at."""
         if self.stage is Stage.DECIDED or bidder == self._asked:
             return "a bid after the award"
-        if bid.round > self.round:
-            return "a bid in a round that has not begun"
-        if bid.round <= self._noted.get(bidder, (-1, 0.0))[0]:
-            return "a second bid in one round"  # Nobody fills the history with bids.
-        return ""
+        return self._bids.objection(bidder, bid, self.round)
 
     def _announce(self, now_s: float) -> None:
         self.round += 1
@@ -320,7 +283,7 @@ class Auction:
 
     def _begin(self, now_s: float) -> None:
         self._opened_s = now_s
-        self._span_s = self._span_from(now_s)
+        self._span_s = self.terms.span_s(now_s)
         # What nothing presses must not stand back for ever behind what always presses.
         self.needed_s = min(self.terms.deadline_s, now_s + PATIENCE_S)
 
@@ -360,27 +323,23 @@ class Auction:
             waits=self._waits(terms.work, now_s),
         )
 
-    def _span_from(self, at_s: float) -> float:
-        return min(max(self.terms.deadline_s - at_s, SPAN_MIN_S), SPAN_MAX_S)
-
     def _move_deadline(self, now_s: float) -> None:
         # A deadline that nobody could keep would be refused for ever: late is better than never.
         deadline_s = now_s + self._span_s * min(1 + self._vain, SPANS_MAX)
-        if deadline_s > self.terms.deadline_s:
-            self.terms = msgspec.structs.replace(self.terms, deadline_s=deadline_s)
+        self.terms = self.terms.until(deadline_s)
 
     def _close_window(self, now_s: float) -> None:
-        self._queue = sorted(self._bids.items(), key=self._rank_of)
-        self._bids = BoundedMap(BIDS_KEPT)
+        self._bids.close_window()
         self._rank = 0
         self.stage = Stage.ASKING
         self._ask_next(now_s)
 
     def _ask_next(self, now_s: float) -> None:
-        if not self._queue:
+        offer = self._bids.next()
+        if offer is None:
             self._rest(now_s)
             return
-        bidder, bid = self._queue.pop(0)
+        bidder, bid = offer
         terms = self.terms
         if isinstance(terms.work, Transport) and bid.source and bid.source not in terms.work.sources:
             # It has bid when there was more to choose from.
@@ -438,7 +397,3 @@ class Auction:
         terms = self.terms
         release = Release(task=terms.task, epoch=terms.epoch, role=terms.role, reason=reason, number=number)
         self._out.append(Send(bidder, release))
-
-    def _rank_of(self, bid: tuple[str, Bid]) -> tuple[float, float, str]:
-        _, surcharge_s = self._noted.get(bid[0], (0, 0.0))
-        return rank(bid[1].cost.total_s + surcharge_s, bid[1].finish_s, bid[0])

@@ -87,3 +87,8 @@ def rank(total_s: float, finish_s: float, bidder: str) -> tuple[float, float, st
         bidder: its id; it makes the order total.
     """
     return (total_s, finish_s, bidder)
+
+
+def prolonged_s(due_s: float, opened_s: float, now_s: float) -> float:
+    """A deadline for who begins now: as much time as the task was given at first, and no earlier than then."""
+    return max(due_s, now_s + due_s - opened_s)

@@ -173,7 +173,7 @@ class FinishedGoods:
     def _left(self, report: StockChanged, now_s: float) -> None:
         for task in self._tasks:
             if task.primary == report.vehicle and task.work_item == report.item:
-                self._tasks.note_loaded(task)
+                self._tasks.failover.note_loaded(task)
                 return
         self.recount(now_s)
 

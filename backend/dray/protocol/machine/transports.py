@@ -23,7 +23,6 @@ from dray.messages import (
     Brief,
     Confirmed,
     Declined,
-    Phase,
     Resigned,
     Role,
     Superseded,
@@ -32,18 +31,18 @@ from dray.messages import (
     Wait,
     Work,
 )
-from dray.messages.fact import CarrierChanged
 from dray.protocol.contract_net.assessment import Assessor
-from dray.protocol.contract_net.auction import Place
-from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.auction_rules import AuctionRules, prolonged_s
 from dray.protocol.contract_net.coordinator import PRIMARY_AUCTION, Coordinator
 from dray.protocol.contract_net.plausibility import CLOCK, by_our_clock
 from dray.protocol.contract_net.task import CarrierContract, OpenTask, Outcome
 from dray.protocol.contract_net.task_state import TaskState
-from dray.protocol.contract_net.waits import Waits
+from dray.protocol.contract_net.terms import Place
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
-from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Record, Send
+from dray.protocol.machine.backlog import most_urgent, stands_back
+from dray.protocol.machine.carrier_waits import CarrierWaits
+from dray.protocol.runtime.events import Effect, Ignore, Send
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.takeover.failover import Failover
 from dray.protocol.takeover.secondaries import Secondaries
@@ -73,6 +72,10 @@ class Transports(Coordinator):
         commit: called when the next life must know of something else.
         ended: called with a task that has ended, before that is forgotten, and how.
         incarnation: how often the machine was started.
+
+    Attributes:
+        failover: the watch over its carriers.
+        reliability: what it has learned of them.
     """
 
     def __init__(
@@ -96,28 +99,20 @@ class Transports(Coordinator):
         ended: Callable[[OpenTask, Outcome], None],
         incarnation: int = 1,
     ) -> None:
+        heard = subscriptions.arrivals
         super().__init__(
-            machine,
-            place,
-            audience,
-            rules,
-            timers,
-            out,
-            contracted,
-            assessor,
-            subscriptions.arrivals,
-            incarnation=incarnation,
+            machine, place, audience, rules, timers, out, contracted, assessor, heard, incarnation=incarnation
         )
-        self.agent = machine
+        self.reliability = assessor.reliability
         self._commit = commit
         self._ended = ended
         self._lost = lost
         self._left = left
         self._unloaded = unloaded
-        self._waits = Waits()
+        self._waits = CarrierWaits(machine, assessor.handling_max_s)
         self._auctions.waits = self.told_waits
         self._secondaries = Secondaries(self._open, self._auctions, subscriptions, timers, out)
-        self._failover = Failover(
+        self.failover = Failover(
             self._open,
             self._secondaries,
             subscriptions,
@@ -128,7 +123,7 @@ class Transports(Coordinator):
             is_missing,
             source_answers,
         )
-        self.alarms |= self._secondaries.alarms | self._failover.alarms
+        self.alarms |= self._secondaries.alarms | self.failover.alarms
 
     def superseded(self, task_id: str, epoch: int) -> Superseded:
         """What to tell somebody who believes to carry a task in this epoch, and does not."""
@@ -173,25 +168,9 @@ class Transports(Coordinator):
         """End a task; who has delivered it has kept its word, or was late."""
         if outcome == "delivered" and task.contract.progress is not None:
             now_s, late_s = task.contract.progress.heard_s, task.contract.progress.late_s
-            self._assessor.reliability.note_kept(task.primary, task.id, late_s, now_s)
+            self.reliability.note_kept(task.primary, task.id, late_s, now_s)
         self._ended(task, outcome)
         super().close(task, outcome)
-
-    def drop_uncounted(self, task: OpenTask, reason: str, now_s: float) -> None:
-        """The load of a task is not where its carrier says: somebody else brings another one."""
-        self._failover.replace(task, reason, now_s)
-
-    def reproach(self, carrier: str, task: OpenTask, reason: str, now_s: float) -> None:
-        """A carrier has delivered less than it says."""
-        self._assessor.reliability.note_dropped(carrier, task.id, reason, now_s)
-
-    def note_loaded(self, task: OpenTask) -> None:
-        """FinishedGoods have left with their carrier."""
-        self._failover.note_loaded(task)
-
-    def note_given_back(self, task: OpenTask, reason: str, now_s: float) -> None:
-        """A carrier has given its task back, and need not have."""
-        self._failover.note_given_back(task, reason, now_s)
 
     # --- after a restart ---
 
@@ -203,7 +182,7 @@ class Transports(Coordinator):
         it is announced after ADOPT_S, with a higher epoch, unless a vehicle has named it by then.
         """
         epoch = memory.epoch + 1 if memory.offered and not memory.primary else memory.epoch
-        deadline_s = _prolonged_s(memory.deadline_s, memory.opened_s, now_s)
+        deadline_s = prolonged_s(memory.deadline_s, memory.opened_s, now_s)
         auction = self._auction(memory.task, epoch, memory.work, deadline_s)
         task = self._open[memory.task] = OpenTask(memory.task, memory.work, auction, memory.opened_s)
         task.due_s, task.witnessed = memory.deadline_s, False
@@ -276,7 +255,7 @@ class Transports(Coordinator):
         elif message.role is Role.SECONDARY and sender == task.secondary:
             self._secondaries.lose(task, message.reason, now_s)
         elif message.role is Role.PRIMARY and sender == task.primary:
-            self._failover.give_back(task, message.reason, now_s)
+            self.failover.give_back(task, message.reason, now_s)
         else:
             self._out.append(Ignore("resigned from a contract that it does not have"))
 
@@ -287,7 +266,7 @@ class Transports(Coordinator):
             self._confirm(task)
         elif task is None or message.epoch <= task.epoch:
             self._out.append(Send(sender, self.superseded(message.task, message.epoch)))
-        elif veto := self._failover.objection(task, sender, message, now_s):
+        elif veto := self.failover.objection(task, sender, message, now_s):
             self._release(sender, message, veto)
         elif self._assessor.refuses_clock(sender, message, now_s):
             self._release(sender, message, CLOCK)
@@ -298,8 +277,8 @@ class Transports(Coordinator):
         """Note that a contracted vehicle lives, and whether it knows of its contract."""
         for task in list(self._open.values()):
             if task.primary == heartbeat.atv:
-                self._note_phase(task, heartbeat, now_s)
-                self._failover.on_heartbeat(task, heartbeat, now_s)
+                self._waits.note_phase(task, heartbeat, now_s)
+                self.failover.on_heartbeat(task, heartbeat, now_s)
             elif task.secondary == heartbeat.atv:
                 self._secondaries.on_heartbeat(task, heartbeat, now_s)
 
@@ -307,40 +286,22 @@ class Transports(Coordinator):
         """Offer the most urgent transport that waits to a vehicle that asks for work; False when none does."""
         if any(task.primary == atv for task in self):
             return False
-        waiting = [
-            task for task in self if task.auction.waits and cast(Transport, task.work).ability in abilities
-        ]
-        if not waiting:
+        task = most_urgent(self, abilities)
+        if task is None:
             return False
-        min(waiting, key=_urgency).auction.offer(atv, now_s)
+        task.auction.offer(atv, now_s)
         return True
 
-    # --- how it is done ---
-
-    def _note_phase(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        """See how far a carrier has come, and learn how long it had to wait."""
-        brief, contract = heartbeat.task, task.contract
-        if brief is None or brief.task != task.id or brief.phase is contract.phase:
-            return
-        waited_s = now_s - contract.phase_s - self._assessor.handling_max_s
-        if contract.phase is Phase.LOADING and brief.phase is Phase.CARRYING:
-            self._waits.note(contract.source, task.primary, waited_s, now_s)
-        elif contract.phase is Phase.UNLOADING and brief.phase is Phase.HANDING_OVER:
-            self._waits.note(cast(Transport, task.work).destination, task.primary, waited_s, now_s)
-        contract.phase, contract.phase_s = brief.phase, now_s
-
     def told_waits(self, work: Work, now_s: float) -> tuple[Wait, ...]:
-        """What is known of waits at the places of a transport: lately, and of who stands there now."""
-        transport = cast(Transport, work)
-        for task in self:
-            if task.contract.held_s < NEVER_S:
-                self._waits.note(self.agent, task.primary, now_s - task.contract.held_s, now_s)
-        return self._waits.told((*transport.sources, transport.destination), now_s)
+        """What is known of waits at the places of a transport."""
+        return self._waits.told(cast(Transport, work), self, now_s)
+
+    # --- how it is done ---
 
     def _wake_auction(self, task_id: str, now_s: float) -> None:
         task = self._open.get(task_id)
         was_offered = task is not None and task.is_offered
-        if task is not None and task.auction.is_due(now_s) and self._is_behind(task):
+        if task is not None and task.auction.is_due(now_s) and stands_back(task, self):
             task.auction.stand_behind(now_s)
             self._auctions.arm(PRIMARY_AUCTION, task.auction)
         else:
@@ -349,21 +310,11 @@ class Transports(Coordinator):
             self._commit()  # Somebody may accept from now on: another life must use a higher epoch.
 
     def _announce(self, task: OpenTask, now_s: float) -> None:
-        if task.auction.has_candidates or not self._is_behind(task):
+        if task.auction.has_candidates or not stands_back(task, self):
             super()._announce(task, now_s)
             return
         task.auction.stand_behind(now_s)
         self._auctions.arm(PRIMARY_AUCTION, task.auction)
-
-    def _is_behind(self, task: OpenTask) -> bool:
-        """Whether the same vehicles were sought in vain for something more urgent, which waits for them."""
-        ability, urgency = cast(Transport, task.work).ability, _urgency(task)
-        return any(
-            other.auction.was_in_vain
-            and cast(Transport, other.work).ability == ability
-            and _urgency(other) < urgency
-            for other in self
-        )
 
     def _may_be_carried(self, task: OpenTask, epoch: int) -> bool:
         """Whether somebody may have accepted a task of an earlier life in this epoch, and nobody since.
@@ -383,36 +334,24 @@ class Transports(Coordinator):
         task.assign(CarrierContract(memory.primary, memory.source, memory.promised_s))
         if memory.loaded:
             task.states.enter(TaskState.IN_TRANSIT)
-        self._failover.follow(task, IDLE_INTERVAL_S, now_s)
+        self.failover.follow(task, IDLE_INTERVAL_S, now_s)
         if memory.secondary:
             self._secondaries.restore(task, memory.secondary, memory.watch_number, now_s)
         else:
             self._secondaries.seek(task, (), now_s)
 
-    def _bound(
-        self,
-        task: OpenTask,
-        runners_up: tuple[tuple[str, Bid], ...],
-        now_s: float,
-    ) -> None:
-        self._failover.follow(task, WORKING_INTERVAL_S, now_s)
+    def _bound(self, task: OpenTask, runners_up: tuple[tuple[str, Bid], ...], now_s: float) -> None:
+        self.failover.follow(task, WORKING_INTERVAL_S, now_s)
         self._secondaries.seek(task, runners_up, now_s)
 
     def _let_go(self, task: OpenTask, reason: str) -> None:
         self._secondaries.drop(task, reason)
-        self._failover.leave(task)
+        self.failover.leave(task)
         if task.primary:
             self._left(task.primary)
         task.contract = CarrierContract()
 
-    def _bind(
-        self,
-        task: OpenTask,
-        atv: str,
-        source: str,
-        promised_s: float,
-        now_s: float,
-    ) -> None:
+    def _bind(self, task: OpenTask, atv: str, source: str, promised_s: float, now_s: float) -> None:
         """A vehicle carries a task, though no auction of this life has found it."""
         believed_s = (
             self._assessor.believed_s(task.work, None, promised_s, now_s) if task.witnessed else promised_s
@@ -423,13 +362,13 @@ class Transports(Coordinator):
     def _change_carrier(self, task: OpenTask, atv: str, message: TakenOver, now_s: float) -> None:
         detector = task.contract.detector
         failure = detector.failure(now_s) if detector is not None else ""
-        self._failover.blame(task, failure or message.reason, now_s)
+        self.failover.blame(task, failure or message.reason, now_s)
         if task.secondary == atv:
             self._secondaries.end(task)
         replaced, silent_s = self._supersede(task, message.epoch, "another one has taken over", now_s)
         self._bind(task, atv, message.source, message.finish_s, now_s)
         self._confirm(task)
-        self._note_change(task, replaced, failure or message.reason, silent_s)
+        self.failover.note_change(task, replaced, failure or message.reason, silent_s)
         self._contracted(task, now_s)
 
     def _replace(
@@ -437,16 +376,16 @@ class Transports(Coordinator):
     ) -> None:
         replaced, silent_s = self._supersede(task, task.epoch + 1, reason, now_s)
         task.states.enter(TaskState.UNASSIGNED)
-        deadline_s = _prolonged_s(task.due_s, task.opened_s, now_s)
+        deadline_s = prolonged_s(task.due_s, task.opened_s, now_s)
         task.auction = self._auction(task.id, task.epoch, task.work, deadline_s, candidates)
-        self._note_change(task, replaced, reason, silent_s)
+        self.failover.note_change(task, replaced, reason, silent_s)
         self._announce(task, now_s)
         self._contracted(task, now_s)
 
     def _supersede(self, task: OpenTask, epoch: int, reason: str, now_s: float) -> tuple[str, float]:
         """Fence the carrier off; who it was, and how long nothing had been heard of it (s)."""
         replaced = task.primary
-        silent_s = self._failover.silent_s(task, now_s)
+        silent_s = self.failover.silent_s(task, now_s)
         self._let_go(task, reason)
         task.epoch = epoch
         self._out.append(Send(replaced, Superseded(task=task.id, epoch=epoch)))
@@ -454,23 +393,3 @@ class Transports(Coordinator):
 
     def _confirm(self, task: OpenTask) -> None:
         self._out.append(Send(task.primary, Confirmed(task=task.id, epoch=task.epoch)))
-
-    def _note_change(self, task: OpenTask, replaced: str, reason: str, silent_s: float) -> None:
-        changed = CarrierChanged(
-            task=task.id,
-            epoch=task.epoch,
-            replaced=replaced,
-            carrier=task.primary,
-            reason=reason,
-            silent_s=silent_s,
-        )
-        self._out.append(Record(changed))
-
-
-def _urgency(task: OpenTask) -> tuple[float, str]:
-    return task.auction.needed_s, task.id
-
-
-def _prolonged_s(due_s: float, opened_s: float, now_s: float) -> float:
-    """A deadline for who begins now: as much time as the task was given at first, and no earlier than then."""
-    return max(due_s, now_s + due_s - opened_s)

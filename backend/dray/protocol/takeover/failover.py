@@ -24,7 +24,7 @@ from collections.abc import Callable, Mapping
 from typing import Protocol, cast
 
 from dray.messages import AtvHeartbeat, Phase, TakenOver
-from dray.messages.fact import PrimarySuspected
+from dray.messages.fact import CarrierChanged, PrimarySuspected
 from dray.messages.heartbeat import GOODS_ABOARD
 from dray.protocol.contract_net.assessment import Assessor
 from dray.protocol.contract_net.task import OpenTask
@@ -200,6 +200,18 @@ class Failover:
         if task.contract.progress is not None and not task.contract.progress.blamed:
             task.contract.progress.blamed = True
             self._assessor.reliability.note_dropped(task.primary, task.id, reason, now_s)
+
+    def note_change(self, task: OpenTask, replaced: str, reason: str, silent_s: float) -> None:
+        """Write down that a task has another carrier, or none for now."""
+        changed = CarrierChanged(
+            task=task.id,
+            epoch=task.epoch,
+            replaced=replaced,
+            carrier=task.primary,
+            reason=reason,
+            silent_s=silent_s,
+        )
+        self._out.append(Record(changed))
 
     def silent_s(self, task: OpenTask, now_s: float) -> float:
         """How long nothing has been heard of the primary."""

@@ -10,10 +10,11 @@ from collections.abc import Mapping
 
 from dray.messages import Accepted, AtvHeartbeat, Bid, Declined, Release, Role
 from dray.messages.fact import WatchLost
-from dray.protocol.contract_net.auction import Auction, Terms
+from dray.protocol.contract_net.auction import Auction
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.auctions import Auctions
 from dray.protocol.contract_net.task import OpenTask, StandbyContract
+from dray.protocol.contract_net.terms import Terms
 from dray.protocol.liveness.failure_detector import UNNAMED_S, FailureDetector, HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S
 from dray.protocol.runtime.events import NEVER_S, Effect, Record, Send

@@ -1,0 +1,137 @@
+"""The handovers of one machine's transports: carriers' words, the counts that come beside them, and what they differ by."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import cast
+
+from dray.body import Book, StockChanged
+from dray.messages import Handover, Transport
+from dray.messages.fact import HandoverDisputed
+from dray.protocol.contract_net.task import OpenTask
+from dray.protocol.contract_net.task_state import TaskState
+from dray.protocol.liveness.progress import NOT_COUNTED
+from dray.protocol.machine.dock import Dock
+from dray.protocol.machine.production import Goal, GoalBook
+from dray.protocol.machine.receiving import Verdict, verdict_on
+from dray.protocol.machine.transports import Transports
+from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Instruct, Record
+
+
+class Handovers:
+    """Compares what carriers say with what is counted (`receiving`), and ends their transports.
+
+    Args:
+        machine: whose.
+        tasks: its open transports.
+        goals: what it makes.
+        dock: where loads come and go.
+        out: where effects go.
+        ask: called with a goal of which the gate may have counted more than is known, and now_s.
+        settled: called when a transport has ended well, with its task, its carrier, the pieces that were counted, and now_s.
+
+    Attributes:
+        counts: whether the machine's body counts what vehicles bring and take; else it is told what they say.
+    """
+
+    def __init__(
+        self,
+        machine: str,
+        tasks: Transports,
+        goals: GoalBook,
+        dock: Dock,
+        out: list[Effect],
+        *,
+        ask: Callable[[Goal, float], None],
+        settled: Callable[[OpenTask, str, int, float], None],
+    ) -> None:
+        self._machine = machine
+        self._tasks = tasks
+        self._goals = goals
+        self._dock = dock
+        self._out = out
+        self._ask = ask
+        self._settled = settled
+        self.counts = True
+
+    def on_handover(self, sender: str, message: Handover, now_s: float) -> None:
+        """A carrier says that its load is down."""
+        task = self._dock.on_handover(sender, message)
+        if task is None:
+            return
+        if task.contract.receipt.said_s == NEVER_S:
+            task.contract.receipt.said_s = now_s
+        task.contract.receipt.said = message.quantity
+        if not self.counts:
+            self._book(task)
+        self._judge(task, now_s)
+
+    def on_stock_changed(self, report: StockChanged, now_s: float) -> None:
+        """The body has counted material that a vehicle has brought."""
+        for task in list(self._tasks):
+            if report.vehicle and task.primary == report.vehicle and task.work_item == report.item:
+                task.contract.receipt.counted += max(report.change, 0)
+                if task.contract.receipt.counted and not task.is_counted:
+                    task.states.enter(TaskState.COUNTED)
+                self._judge(task, now_s)
+
+    def on_carrier_heard(self, atv: str) -> None:
+        """A vehicle may have left with goods: a body that does not count is told."""
+        if self.counts:
+            return
+        for task in self._tasks:
+            if task.is_loaded and task.primary == atv:
+                self._book(task)
+
+    def on_goal_counted(self, goal: str, now_s: float) -> None:
+        """The gate's count of a goal is known anew: carriers may wait for it."""
+        for task in list(self._tasks):
+            if cast(Transport, task.work).goal == goal:
+                self._judge(task, now_s)
+
+    # --- how it is done ---
+
+    def _judge(self, task: OpenTask, now_s: float) -> None:
+        """See what was counted of a load that its carrier says to be down."""
+        receipt = task.contract.receipt
+        if receipt.said_s == NEVER_S:
+            return
+        goal = self._goals.get(cast(Transport, task.work).goal)
+        verdict, counted = verdict_on(task, goal, self._machine, now_s)
+        if verdict is Verdict.WAITS:
+            self._out.append(Ignore("a handover of a load that was not counted yet"))
+            if goal is not None and goal.heard_s < receipt.said_s:
+                self._ask(goal, now_s)
+            return
+        carrier, work = task.primary, cast(Transport, task.work)
+        if verdict is Verdict.SHORT or counted != receipt.said:
+            self._dispute(task, counted)
+        if not counted:
+            self._tasks.failover.replace(task, NOT_COUNTED, now_s)
+            return
+        self._dock.accept(task)
+        if counted < work.quantity:
+            self._tasks.reliability.note_dropped(carrier, task.id, NOT_COUNTED, now_s)
+        self._settled(task, carrier, counted, now_s)
+
+    def _dispute(self, task: OpenTask, counted: int) -> None:
+        work = cast(Transport, task.work)
+        disputed = HandoverDisputed(
+            task=task.id,
+            epoch=task.epoch,
+            contractor=task.primary,
+            item=work.item,
+            said=task.contract.receipt.said,
+            counted=counted,
+            where=work.destination,
+        )
+        self._out.append(Record(disputed))
+
+    def _book(self, task: OpenTask) -> None:
+        """The body does not count: it is told what the carrier says."""
+        work = cast(Transport, task.work)
+        comes = work.destination == self._machine
+        if not task.contract.receipt.booked and (comes or task.is_loaded):
+            task.contract.receipt.booked = True
+            change = task.contract.receipt.said if comes else -work.quantity
+            self._out.append(Instruct(Book(vehicle=task.primary, item=work.item, change=change)))
