@@ -389,11 +389,11 @@ class Listener:
     def __init__(self, stage: Stage, *keys: str, name: str = "H") -> None:
         self.events: list[messages.Event] = []
         self.others: list[messages.Message] = []
-        self.session = stage.network.join(name, self._hear)
+        self.session = stage.network.join(name, self._on_message)
         for key in keys:
             self.session.subscribe(key)
 
-    def _hear(self, _sender: str, message: messages.Message) -> None:
+    def _on_message(self, _sender: str, message: messages.Message) -> None:
         if isinstance(message, messages.Event):
             self.events.append(message)
         else:
@@ -559,7 +559,7 @@ class FullStage(Stage):
         # Straight into the inbox, as a bus does that delivers more than the worker gets turns for.
         for each in flood:
             sender, message = each if isinstance(each, tuple) else ("S", each)
-            worker._hear(sender, message)
+            worker._on_message(sender, message)
         await asyncio.sleep(0.01)
 
 

@@ -155,7 +155,7 @@ class Worker:
         if self._killed:
             return
         loop = asyncio.get_running_loop()
-        session = self._session = self._bus.join(self.agent.id, self._hear, self.agent.incarnation)
+        session = self._session = self._bus.join(self.agent.id, self._on_message, self.agent.incarnation)
         try:
             if self._body is not None:
                 self._body.attach(self._report)
@@ -213,7 +213,7 @@ class Worker:
 
     # --- what comes in ---------------------------------------------------------------------------
 
-    def _hear(self, sender: str, message: messages.Message) -> None:
+    def _on_message(self, sender: str, message: messages.Message) -> None:
         event: Heard | _Newest | None = Heard(sender, message)
         if len(self._inbox) >= CROWDED:
             event = self._queue_up(cast(Heard, event))

@@ -106,7 +106,7 @@ class Listener:
     def __init__(self) -> None:
         self.heard: list[tuple[str, Message]] = []
 
-    def hear(self, sender: str, message: Message) -> None:
+    def on_message(self, sender: str, message: Message) -> None:
         self.heard.append((sender, message))
 
 
@@ -118,11 +118,11 @@ def beat(seq: int) -> AtvHeartbeat:
 def test_of_the_heartbeats_that_crowd_the_queue_the_newest_is_kept(other_side: OtherSide) -> None:
     crossing, listener, other_ear = Crossing(other_side), Listener(), Listener()
     for seq in range(9):
-        crossing.say(beat(seq), listener.hear, "A1", beat(seq))
-    crossing.say(SAY, listener.hear, "A1", SAY)
+        crossing.say(beat(seq), listener.on_message, "A1", beat(seq))
+    crossing.say(SAY, listener.on_message, "A1", SAY)
     for to, sender in ((listener, "A2"), (other_ear, "A1")):
-        crossing.say(beat(9), to.hear, sender, beat(9))
-    crossing.say(beat(10), listener.hear, "A1", beat(10))
+        crossing.say(beat(9), to.on_message, sender, beat(9))
+    crossing.say(beat(10), listener.on_message, "A1", beat(10))
     other_side.take_turn()
     first = [("A1", beat(seq)) for seq in range(5)]
     assert listener.heard == [*first, ("A1", beat(10)), ("A1", SAY), ("A2", beat(9))]
@@ -134,10 +134,10 @@ def test_of_the_heartbeats_that_crowd_the_queue_the_newest_is_kept(other_side: O
 def test_a_heartbeat_takes_no_place_of_one_that_has_crossed(other_side: OtherSide) -> None:
     crossing, listener = Crossing(other_side), Listener()
     for seq in range(7):
-        crossing.say(beat(seq), listener.hear, "A1", beat(seq))
+        crossing.say(beat(seq), listener.on_message, "A1", beat(seq))
     other_side.take_turn()
     for seq in range(7, 14):
-        crossing.say(beat(seq), listener.hear, "A1", beat(seq))
+        crossing.say(beat(seq), listener.on_message, "A1", beat(seq))
     other_side.take_turn()
     assert [message.seq for _, message in listener.heard] == [0, 1, 2, 3, 4, 6, 7, 8, 9, 10, 11, 13]
     assert crossing.dropped_heartbeats == 2
@@ -148,8 +148,8 @@ def test_a_full_queue_drops_and_counts_all_messages_but_no_subscription(other_si
     crossing, listener = Crossing(other_side), Listener()
     for number in range(13):
         message = OrderTaken(order=str(number))
-        crossing.say(message, listener.hear, "S", message)
-    crossing.say(HEARTBEAT, listener.hear, "A1", HEARTBEAT)
+        crossing.say(message, listener.on_message, "S", message)
+    crossing.say(HEARTBEAT, listener.on_message, "A1", HEARTBEAT)
     seen: list[str] = []
     crossing.order(seen.append, "subscription")
     other_side.take_turn()

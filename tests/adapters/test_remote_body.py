@@ -96,9 +96,9 @@ class Listener:
     def __init__(self, body: RemoteBody) -> None:
         self.reports: list[Report] = []
         self._came = asyncio.Event()
-        body.attach(self._hear)
+        body.attach(self._on_report)
 
-    def _hear(self, report: Report) -> None:
+    def _on_report(self, report: Report) -> None:
         self.reports.append(report)
         self._came.set()
 

@@ -60,7 +60,7 @@ class Facts:
         self._told: list[tuple[str, AnyFact]] = []
         self._more = asyncio.Event()
 
-    def hear(self, _at_s: float, sender: str, address: str, message: Message) -> None:
+    def on_message(self, _at_s: float, sender: str, address: str, message: Message) -> None:
         if isinstance(message, Event) and address.startswith(PLANT.id):
             self._told.append((sender, message.fact))
             self._more.set()
@@ -183,7 +183,7 @@ def test_one_trace_holds_strategist_machine_primary_and_secondary_with_its_takeo
 
 def test_who_refuses_says_why_in_the_trace(provider: TracerProvider, exporter: InMemorySpanExporter) -> None:
     spans = Spans("ATV1", provider.get_tracer("test"), lambda plant_s: plant_s)
-    spans.hear(announcement("M1-1"), CONTEXT)
+    spans.on_message(announcement("M1-1"), CONTEXT)
     refused = BidRefused(task="M1-1", epoch=1, role=Role.PRIMARY, reason=Refusal.BATTERY)
     spans.tell(event(refused))
     (span,) = exporter.get_finished_spans()
@@ -208,7 +208,7 @@ def event(fact: AnyFact) -> Event:
 )
 def test_a_context_that_nobody_can_read_is_none(provider: TracerProvider, context: str) -> None:
     spans = Spans("ATV1", provider.get_tracer("test"), lambda plant_s: plant_s)
-    spans.hear(announcement("M1-1"), context)
+    spans.on_message(announcement("M1-1"), context)
     assert spans.context_of(announcement("M1-1")) == ""
 
 
@@ -219,9 +219,9 @@ def test_tasks_are_forgotten_when_there_are_too_many_and_an_agent_that_goes_ends
     taken = ContractTaken(task="M1-0", epoch=1, role=Role.PRIMARY, coordinator="M1")
     spans.tell(event(taken))
     for number in range(1, TASKS):
-        spans.hear(announcement(f"M1-{number}"), CONTEXT)
+        spans.on_message(announcement(f"M1-{number}"), CONTEXT)
     assert exporter.get_finished_spans() == ()
-    spans.hear(announcement("one more"), CONTEXT)
+    spans.on_message(announcement("one more"), CONTEXT)
     assert [span.name for span in exporter.get_finished_spans()] == ["carry"]
     spans.tell(event(ContractTaken(task="M1-1", epoch=1, role=Role.SECONDARY, coordinator="M1")))
     spans.close()

@@ -53,11 +53,11 @@ class Overheard:
         self.subscribe, self.unsubscribe, self.leave = inner.subscribe, inner.unsubscribe, inner.leave
 
     def publish(self, key: str, message: Message) -> None:
-        self._listener.hear(clock().now_s(), self._agent, key, message)
+        self._listener.on_message(clock().now_s(), self._agent, key, message)
         self._inner.publish(key, message)
 
     def send(self, to: str, message: Message) -> None:
-        self._listener.hear(clock().now_s(), self._agent, f">{to}", message)
+        self._listener.on_message(clock().now_s(), self._agent, f">{to}", message)
         self._inner.send(to, message)
 
 
@@ -79,7 +79,7 @@ class Stage:
         self.facts: list[tuple[str, AnyFact]] = []
         self._told = asyncio.Event()
 
-    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
         if isinstance(message, Event) and address.startswith(PLANT.id):
             self.facts.append((sender, message.fact))
             self._told.set()

@@ -90,11 +90,11 @@ class Row:
             bus.close()
 
     def _marker(self, place: int, bus: ZenohBus) -> Any:
-        def hear(sample: zenoh.Sample) -> None:
+        def on_message(sample: zenoh.Sample) -> None:
             sender = int(str(sample.key_expr).rpartition("/")[2])
             bus.arrivals.order(self._mark, place, sender, int(sample.payload.to_string()))
 
-        return hear
+        return on_message
 
     def _mark(self, place: int, sender: int, round_number: int) -> None:
         if round_number == self._round:

@@ -48,7 +48,7 @@ class Puppet:
     async def join(cls, house: House, atv: str, x_m: float, y_m: float, **state: Any) -> Puppet:
         """A new one, which has been heard once."""
         puppet = cls(house, atv, x_m, y_m, state=state)
-        house.bus.join(atv, puppet.hear)
+        house.bus.join(atv, puppet.on_message)
         puppet.beat()
         return puppet
 
@@ -59,7 +59,7 @@ class Puppet:
         fields = {"at_s": LATER_S + self.seq, "pose": Pose(self.x_m, self.y_m, 0.0)} | self.state
         self.house.bus.say(atv_heartbeat(self.atv, self.seq, **fields))
 
-    def hear(self, sender: str, message: Message) -> None:
+    def on_message(self, sender: str, message: Message) -> None:
         if not isinstance(message, VehicleCommand):
             return
         self.heard.append(message)

@@ -147,7 +147,7 @@ class Gateway:
     def __init__(self, bus: ZenohBus) -> None:
         self.heard: list[Message] = []
         self._changed = asyncio.Event()
-        self._session = bus.join("gateway", self._hear)
+        self._session = bus.join("gateway", self._on_message)
         self._session.subscribe(KEYS.all_heartbeats)
         self._session.subscribe(KEYS.all_events)
 
@@ -165,7 +165,7 @@ class Gateway:
             self._changed.clear()
             await self._changed.wait()
 
-    def _hear(self, _sender: str, message: Message) -> None:
+    def _on_message(self, _sender: str, message: Message) -> None:
         self.heard.append(message)
         self._changed.set()
 

@@ -94,7 +94,7 @@ class Played(Actor):
         return message if isinstance(message, kind) else None
 
     def told(self, sender: str, message: Message) -> Played:
-        self.hear(sender, message, self.now_s)
+        self.on_message(sender, message, self.now_s)
         return self
 
     def until(self, condition: Callable[[Played], object]) -> Played:

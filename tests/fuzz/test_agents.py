@@ -40,7 +40,7 @@ def listen(actor: Played, talk: Talk) -> None:
     actor.effects.clear()
     for sender, message, wait_s in talk:
         sender_read, read = decode(encode(sender, message))
-        actor.hear(sender_read, read, actor.now_s)
+        actor.on_message(sender_read, read, actor.now_s)
         check(actor)
         if wait_s:
             actor.run(actor.now_s + wait_s)

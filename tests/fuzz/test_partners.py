@@ -92,7 +92,7 @@ def told(actor: Played, stranger: str, message: Message) -> None:
     """Let a stranger say something: it is counted, or he is told that he is wrong."""
     actor.effects.clear()
     actor._steps = 0  # There is no limit to what strangers may say at one moment.
-    actor.hear(stranger, message, actor.now_s)
+    actor.on_message(stranger, message, actor.now_s)
     for effect in actor.effects:
         assert isinstance(effect, Ignore) or (isinstance(effect, Send) and effect.to == stranger), (
             stranger,

@@ -86,7 +86,7 @@ class Actor:
         self.leaving = True
         self._handle(Leaving())
 
-    def hear(self, sender: str, message: Message, now_s: float) -> None:
+    def on_message(self, sender: str, message: Message, now_s: float) -> None:
         """A message arrives."""
         self._move(now_s)
         self._handle(Heard(sender, message))

@@ -172,7 +172,7 @@ class Coordinating(RuleBasedStateMachine):
             assert present == atv, f"the dock is open to {atv}, and {present or 'nobody'} carries {task}"
 
     def told(self, sender: str, message: Message) -> None:
-        self.actor.hear(sender, message, self.now_s)
+        self.actor.on_message(sender, message, self.now_s)
 
     def see(self, effect: Effect) -> None:
         if isinstance(effect, Send):
@@ -287,7 +287,7 @@ class Watching(RuleBasedStateMachine):
             assert took.silent_s >= SILENCE_S - 1e-9, "a primary that was heard is replaced"
 
     def told(self, sender: str, message: Message) -> None:
-        self.actor.hear(sender, message, self.now_s)
+        self.actor.on_message(sender, message, self.now_s)
 
     def see(self, effect: Effect) -> None:
         if isinstance(effect, Record) and isinstance(effect.fact, TookOver):

@@ -41,7 +41,7 @@ def test_a_goal_is_made_carried_away_and_supplied_to_the_piece(quantity: int, st
                 brought[work.item] += work.quantity
                 rig.stocked(work.item, work.quantity, "ATV2")
                 assert rig.stock[work.item] <= PLANT.materials[work.item].buffer
-            rig.hear("ATV2", Handover(task=announced.task, epoch=1, quantity=work.quantity))
+            rig.on_message("ATV2", Handover(task=announced.task, epoch=1, quantity=work.quantity))
         if rig.is_cycling:
             rig.cycle()
         elif not waiting:
@@ -57,7 +57,7 @@ def test_an_order_is_split_into_no_more_goals_than_there_are_machines(quantity: 
     rig = StrategistRig()
     rig.start()
     item = OrderItem(product=product, quantity=quantity)
-    rig.hear("gateway", OrderReleased(order="O1", items=(item,), due_s=7200.0))
+    rig.on_message("gateway", OrderReleased(order="O1", items=(item,), due_s=7200.0))
     [taken] = facts(rig.all, OrderAccepted)
     assert 1 <= len(taken.goals) <= len(PLANT.machines_for(product))
     assert len(set(taken.goals)) == len(taken.goals)

@@ -89,11 +89,11 @@ class GoalsOutlive(RuleBasedStateMachine):
             GoalBrief(goal=goal, product=PRODUCT, quantity=self.work[goal][1], made=0, delivered=0)
             for goal in goals
         ]
-        self.note(self.rig.hear(machine, mhb(machine, *briefs, seq=self.beats)))
+        self.note(self.rig.on_message(machine, mhb(machine, *briefs, seq=self.beats)))
 
     def bid_for_all(self, machine: str) -> None:
         for goal, (epoch, _) in list(self.work.items()):
-            self.note(self.rig.hear(machine, goal_bid(goal, 100.0, epoch=epoch)))
+            self.note(self.rig.on_message(machine, goal_bid(goal, 100.0, epoch=epoch)))
 
     # --- what may happen ---
 
@@ -106,7 +106,7 @@ class GoalsOutlive(RuleBasedStateMachine):
     def ask(self) -> None:
         """The gateway sends the order, for the first time or once more."""
         items = (OrderItem(product=PRODUCT, quantity=ORDERED),)
-        effects = self.rig.hear("gateway", OrderReleased(order="O1", items=items, due_s=7200.0))
+        effects = self.rig.on_message("gateway", OrderReleased(order="O1", items=items, due_s=7200.0))
         [taken] = sent(effects, OrderTaken)
         self.note(effects)
         assert taken.fulfilled == bool(self.fulfilled)
@@ -122,7 +122,7 @@ class GoalsOutlive(RuleBasedStateMachine):
     def accept_all(self, machine: str) -> None:
         for goal, award in self.awards[machine].items():
             answer = accepted(goal, epoch=award.epoch, number=award.number)
-            self.note(self.rig.hear(machine, answer))
+            self.note(self.rig.on_message(machine, answer))
             if goal not in self.taken[machine]:
                 self.taken[machine].append(goal)
 

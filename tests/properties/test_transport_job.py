@@ -202,7 +202,7 @@ class Carrying(RuleBasedStateMachine):
     # --- how it is played ---
 
     def told(self, sender: str, message: Message) -> None:
-        self.actor.hear(sender, message, self.now_s)
+        self.actor.on_message(sender, message, self.now_s)
 
     def keeper(self, station: str) -> str:
         """Who opens a dock: a storage's own station, and the coordinator everywhere else."""

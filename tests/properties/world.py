@@ -239,7 +239,7 @@ class World:
             return
         if isinstance(message, VehicleCommand):
             self._checks.see_command(to, message)
-        actor.hear(sender, message, self.now_s)
+        actor.on_message(sender, message, self.now_s)
 
     def _carry_out(self, agent: str, effect: Effect) -> None:
         self._checks.see(agent, effect)

@@ -23,7 +23,7 @@ def parked(**options: object) -> VehicleRig:
 def contracted(**options: object) -> VehicleRig:
     """ATV1 as the primary of M8-1, on its way to S3."""
     rig = parked(**options)
-    rig.hear("M8", award())
+    rig.on_message("M8", award())
     return rig
 
 
@@ -38,14 +38,14 @@ def unloading() -> VehicleRig:
 
 def handing_over() -> VehicleRig:
     rig = unloading()
-    rig.hear("M8", DockOpened(task="M8-1", epoch=1, station="M8"))
+    rig.on_message("M8", DockOpened(task="M8-1", epoch=1, station="M8"))
     rig.dropped()
     return rig
 
 
 def secondary(rig: VehicleRig, task: str = "M8-2", primary: str = "ATV2") -> list[Effect]:
     """ATV1 is asked to watch a task of M8."""
-    return rig.hear("M8", award(task=task, role=Role.SECONDARY, primary=primary))
+    return rig.on_message("M8", award(task=task, role=Role.SECONDARY, primary=primary))
 
 
 def command(
@@ -54,7 +54,7 @@ def command(
     """Give a command; a new one unless it is given the name of one before."""
     name = name or f"C{len(facts(rig.all, CommandObeyed)) + 1}"
     message = VehicleCommand(command=name, kind=kind, speed_frac=speed_frac, issued_by="shift lead")
-    [answer] = sent(rig.hear("gateway", granted("ATV1", message)), CommandAnswered, to="gateway")
+    [answer] = sent(rig.on_message("gateway", granted("ATV1", message)), CommandAnswered, to="gateway")
     return answer
 
 

@@ -36,7 +36,7 @@ def released(message: OrderReleased, **options: object) -> StrategistRig:
     """A strategist that has just been given an order."""
     rig = StrategistRig(**options)
     rig.start()
-    rig.hear("gateway", message)
+    rig.on_message("gateway", message)
     return rig
 
 
@@ -52,11 +52,11 @@ def announced(effects: list[Effect]) -> list[tuple[str, str, int]]:
 def contract(rig: StrategistRig, goal: str, machine: str, cost_s: float = 100.0) -> list[Effect]:
     """One machine bids alone for a goal that is announced now, and takes it."""
     [epoch] = [message.epoch for message in published(rig.all, TaskAnnounced) if message.task == goal][-1:]
-    effects = rig.hear(machine, goal_bid(goal, cost_s, epoch=epoch))
+    effects = rig.on_message(machine, goal_bid(goal, cost_s, epoch=epoch))
     while not sent(effects, Award, to=machine):
         effects += rig.run(rig.agent.wake_at_s)
     number = award_number(effects, machine, goal)
-    return effects + rig.hear(machine, accepted(goal, epoch=epoch, number=number))
+    return effects + rig.on_message(machine, accepted(goal, epoch=epoch, number=number))
 
 
 def contract_all(rig: StrategistRig) -> dict[str, tuple[str, int]]:
@@ -87,7 +87,7 @@ def beats(
         effects += rig.run(min(until_s, rig.now_s + 1.0))
         for machine in machines:
             named = goals if machine == machines[0] else ()
-            effects += rig.hear(machine, mhb(machine, *named, seq=round(rig.now_s * 10)))
+            effects += rig.on_message(machine, mhb(machine, *named, seq=round(rig.now_s * 10)))
     return effects
 
 

@@ -115,7 +115,7 @@ class Credulous(Assessor):
 
 def believing(machine: Machine) -> Machine:
     """Let a machine believe its bidders and its carriers: a load is down when its carrier says so."""
-    tasks, hear = machine._flow.tasks, machine._message_handlers[Handover]
+    tasks, handle = machine._flow.tasks, machine._message_handlers[Handover]
     credulous = Credulous()
     tasks._auctions._assessor = tasks.failover._assessor = credulous
     credulous.reliability = tasks.reliability
@@ -127,7 +127,7 @@ def believing(machine: Machine) -> Machine:
             goal = machine._goals.get(task.work.goal) if isinstance(task.work, Transport) else None
             if goal is not None:
                 goal.arrived = goal.delivered + message.quantity
-        hear(sender, message, now_s)
+        handle(sender, message, now_s)
 
     machine._message_handlers = {**machine._message_handlers, Handover: on_handover}
     return machine
@@ -336,13 +336,13 @@ class Rig:
         for effect in list(effects) if self.stations_answer else ():
             said = plentiful.answer(effect.to, effect.message) if isinstance(effect, Send) else None
             if isinstance(effect, Send) and said is not None:
-                effects += self.hear(effect.to, said)
+                effects += self.on_message(effect.to, said)
         return effects
 
     def start(self) -> list[Effect]:
         return self.handle(Started(self.sense(), self.memory))
 
-    def hear(self, sender: str, message: Message) -> list[Effect]:
+    def on_message(self, sender: str, message: Message) -> list[Effect]:
         return self.handle(Heard(sender, message))
 
     def report(self, report: Report) -> list[Effect]:
@@ -485,11 +485,11 @@ class MachineRig(Rig):
     def award_goal(self, goal: str, work: Production, deadline_s: float = 3600.0) -> list[Effect]:
         """The strategist awards a goal."""
         message = Award(task=goal, epoch=1, role=Role.PRIMARY, work=work, deadline_s=deadline_s)
-        return self.hear("STRATEGIST", message)
+        return self.on_message("STRATEGIST", message)
 
     def confirm_goal(self, goal: str) -> list[Effect]:
         """The strategist has heard that a goal was accepted."""
-        return self.hear("STRATEGIST", Confirmed(task=goal, epoch=1))
+        return self.on_message("STRATEGIST", Confirmed(task=goal, epoch=1))
 
     def take_goal(self, goal: str, work: Production, deadline_s: float = 3600.0) -> list[Effect]:
         """The strategist awards a goal, and confirms it when the machine accepts."""
@@ -527,10 +527,10 @@ class MachineRig(Rig):
 
     def hire(self, task: str, atv: str, *, cost_s: float = 50.0) -> list[Effect]:
         """A vehicle bids alone for a task that is announced now, is asked, and accepts."""
-        effects = self.hear(atv, bid(cost_s, task=task))
+        effects = self.on_message(atv, bid(cost_s, task=task))
         while not sent(effects, Award, to=atv):
             effects += self.run(self.agent.wake_at_s)
-        return effects + self.hear(atv, accepted(task, number=award_number(effects, atv, task)))
+        return effects + self.on_message(atv, accepted(task, number=award_number(effects, atv, task)))
 
 
 class StrategistRig(Rig):

@@ -73,7 +73,7 @@ def delivered(rig: MachineRig, task: str) -> list[Effect]:
     rig.hire(task, "ATV2")
     [work] = [each.work for each in published(rig.all, TaskAnnounced) if each.task == task][:1]
     rig.stocked("pump-p3", -work.quantity, "ATV2")  # type: ignore[union-attr]
-    return rig.hear("ATV2", handover(task, quantity=work.quantity))  # type: ignore[union-attr]
+    return rig.on_message("ATV2", handover(task, quantity=work.quantity))  # type: ignore[union-attr]
 
 
 def counted(rig: MachineRig) -> list[tuple[str, int, int]]:

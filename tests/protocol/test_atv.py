@@ -65,7 +65,7 @@ def test_a_change_of_status_is_told_at_once() -> None:
     rig = parked()
     rig.run(12.0)
     rig.now_s = 12.1
-    rig.hear("M8", award())
+    rig.on_message("M8", award())
     beat = last_beat(rig)
     assert (beat.at_s, beat.status) == (12.1, AtvStatus.WORKING)
 
@@ -94,14 +94,14 @@ def test_what_is_not_meant_for_a_vehicle_is_ignored() -> None:
         Handover(task="M8-1", epoch=1, quantity=1),
         DwellPointClaimed(dwell_point="CH1", atv="ATV9", battery_frac=0.1, standing=False),
     ):
-        assert deeds(rig.hear("X", message)) == [], message
+        assert deeds(rig.on_message("X", message)) == [], message
 
 
 def test_a_goal_is_not_for_vehicles() -> None:
     rig = parked()
-    [refused] = facts(rig.hear("S", announcement(work=production())), BidRefused)
+    [refused] = facts(rig.on_message("S", announcement(work=production())), BidRefused)
     assert refused.reason is Refusal.ABILITY
-    [declined] = sent(rig.hear("S", award(work=production())), Declined)
+    [declined] = sent(rig.on_message("S", award(work=production())), Declined)
     assert declined.reason is Refusal.ABILITY
 
 

@@ -47,30 +47,30 @@ def test_a_vehicle_takes_its_ears_along() -> None:
 
 def test_an_idle_vehicle_bids() -> None:
     rig = parked()
-    assert sent(rig.hear("M8", announcement()), Bid, to="M8")
+    assert sent(rig.on_message("M8", announcement()), Bid, to="M8")
 
 
 def test_a_vehicle_that_charges_bids_as_far_as_its_battery_keeps_the_promise() -> None:
     rig = parked(node="ch2", battery_frac=0.5)
     rig.run(SETTLED_S)
     assert last_beat(rig).status is AtvStatus.CHARGING
-    assert sent(rig.hear("M8", announcement()), Bid)
+    assert sent(rig.on_message("M8", announcement()), Bid)
     rig.battery_frac = 0.1
     rig.run(rig.now_s + 6.0)
-    [refused] = facts(rig.hear("M8", announcement()), BidRefused)
+    [refused] = facts(rig.on_message("M8", announcement()), BidRefused)
     assert refused.reason is Refusal.BATTERY
 
 
 def test_a_working_vehicle_refuses_because_it_is_busy() -> None:
     rig = contracted()
-    [refused] = facts(rig.hear("M7", announcement(task="M7-1")), BidRefused)
+    [refused] = facts(rig.on_message("M7", announcement(task="M7-1")), BidRefused)
     assert (refused.reason, refused.detail) == (Refusal.BUSY, "M8-1")
 
 
 def test_a_bid_reserves_nothing() -> None:
     rig = parked()
     for task in ("M8-1", "M8-2", "M8-3"):
-        assert sent(rig.hear("M8", announcement(task=task)), Bid)
+        assert sent(rig.on_message("M8", announcement(task=task)), Bid)
     assert last_beat(rig).status is AtvStatus.IDLE
 
 
@@ -79,7 +79,7 @@ def test_a_bid_reserves_nothing() -> None:
 
 def test_an_award_is_accepted_and_the_vehicle_sets_off() -> None:
     rig = parked()
-    effects = rig.hear("M8", award())
+    effects = rig.on_message("M8", award())
     [answer] = sent(effects, Accepted, to="M8")
     assert (answer.task, answer.epoch, answer.role) == ("M8-1", 1, Role.PRIMARY)
     assert answer.finish_s > 0.0
@@ -98,13 +98,13 @@ def test_an_award_is_accepted_and_the_vehicle_sets_off() -> None:
 
 def test_the_source_that_was_bid_is_the_one_that_is_driven_to() -> None:
     work = transport(sources=("S3", "S8"))
-    effects = parked().hear("M8", award(work=work, source="S8"))
+    effects = parked().on_message("M8", award(work=work, source="S8"))
     assert instructed(effects, Drive)[-1].nodes[-1] == "s8"
 
 
 def test_a_vehicle_is_primary_of_one_task_and_declines_the_second() -> None:
     rig = contracted()
-    [declined] = sent(rig.hear("M7", award(task="M7-1")), Declined, to="M7")
+    [declined] = sent(rig.on_message("M7", award(task="M7-1")), Declined, to="M7")
     assert declined.reason is Refusal.BUSY
     beat = last_beat(rig)
     assert beat.task is not None
@@ -113,7 +113,7 @@ def test_a_vehicle_is_primary_of_one_task_and_declines_the_second() -> None:
 
 def test_an_award_that_comes_twice_is_accepted_twice_and_driven_once() -> None:
     rig = contracted()
-    effects = rig.hear("M8", award())
+    effects = rig.on_message("M8", award())
     first, second = sent(rig.all, Accepted)
     assert first == second
     assert instructed(effects, Drive) == []
@@ -123,12 +123,12 @@ def test_an_award_that_comes_twice_is_accepted_twice_and_driven_once() -> None:
 def test_a_whole_transport_ends_with_a_free_vehicle() -> None:
     rig = handing_over()
     assert [handover.task for handover in sent(rig.all, Handover, to="M8")] == ["M8-1"]
-    effects = rig.hear("M8", HandoverAccepted(task="M8-1", epoch=1))
+    effects = rig.on_message("M8", HandoverAccepted(task="M8-1", epoch=1))
     [ended] = facts(effects, ContractEnded)
     assert ended.reason == "handed_over"
     beat = last_beat(rig)
     assert (beat.status, beat.task, beat.load) == (AtvStatus.IDLE, None, "")
-    assert sent(rig.hear("M7", announcement(task="M7-1")), Bid)
+    assert sent(rig.on_message("M7", announcement(task="M7-1")), Bid)
 
 
 def test_the_heartbeat_tells_of_the_load() -> None:
@@ -143,11 +143,11 @@ def test_the_heartbeat_tells_of_the_load() -> None:
 def test_every_answer_may_come_twice() -> None:
     rig = unloading()
     opened = DockOpened(task="M8-1", epoch=1, station="M8")
-    rig.hear("M8", opened)
-    rig.hear("M8", opened)
+    rig.on_message("M8", opened)
+    rig.on_message("M8", opened)
     assert len(instructed(rig.all, Drop)) == 1
     rig.dropped()
-    rig.hear("M8", HandoverAccepted(task="M8-1", epoch=1))
+    rig.on_message("M8", HandoverAccepted(task="M8-1", epoch=1))
     said = len(deeds(rig.all))
     for message in (
         opened,
@@ -156,7 +156,7 @@ def test_every_answer_may_come_twice() -> None:
         Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1),
         Withdrawn(task="M8-1", epoch=1, reason="not needed any more"),
     ):
-        rig.hear("M8", message)
+        rig.on_message("M8", message)
     assert len(deeds(rig.all)) == said
 
 
@@ -170,7 +170,7 @@ def test_answers_of_another_epoch_or_task_do_not_count() -> None:
         Withdrawn(task="M8-9", epoch=1, reason="not needed any more"),
         Superseded(task="M8-9", epoch=2),
     ):
-        rig.hear("M8", message)
+        rig.on_message("M8", message)
     assert instructed(rig.all, Drop) == []
     assert facts(rig.all, ContractEnded) == []
 
@@ -179,7 +179,7 @@ def test_a_question_is_repeated_until_the_machine_answers() -> None:
     rig = unloading()
     rig.run(rig.now_s + 10.0)
     assert len(sent(rig.all, Docked, to="M8")) == 4
-    rig.hear("M8", DockHeld(task="M8-1", epoch=1, station="M8", reason="the buffer is full"))
+    rig.on_message("M8", DockHeld(task="M8-1", epoch=1, station="M8", reason="the buffer is full"))
     assert sent(rig.run(rig.now_s + 4.9), Docked) == []
     assert len(sent(rig.run(rig.now_s + 0.2), Docked)) == 1
 
@@ -187,30 +187,30 @@ def test_a_question_is_repeated_until_the_machine_answers() -> None:
 def test_a_released_vehicle_without_a_load_is_free_at_once() -> None:
     rig = contracted()
     release = Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1)
-    [ended] = facts(rig.hear("M8", release), ContractEnded)
+    [ended] = facts(rig.on_message("M8", release), ContractEnded)
     assert ended.reason == "released"
-    assert deeds(rig.hear("M8", release)) == []
+    assert deeds(rig.on_message("M8", release)) == []
     assert last_beat(rig).status is AtvStatus.IDLE
-    assert sent(rig.hear("M7", announcement(task="M7-1")), Bid)
+    assert sent(rig.on_message("M7", announcement(task="M7-1")), Bid)
 
 
 def test_a_release_of_an_earlier_award_does_not_end_the_contract_of_a_later_one() -> None:
     rig = contracted()
     [again] = sent(
-        rig.hear("M8", award(number=2)), Accepted
+        rig.on_message("M8", award(number=2)), Accepted
     )  # Its first answer was lost, and it was asked once more.
     assert again.number == 2
     late = Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1)
-    assert deeds(rig.hear("M8", late)) == []
+    assert deeds(rig.on_message("M8", late)) == []
     assert last_beat(rig).task is not None
     release = Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer", number=2)
-    assert facts(rig.hear("M8", release), ContractEnded)
+    assert facts(rig.on_message("M8", release), ContractEnded)
 
 
 def test_a_release_of_another_epoch_is_ignored() -> None:
     rig = contracted()
     release = Release(task="M8-1", epoch=2, role=Role.PRIMARY, reason="no", number=1)
-    assert deeds(rig.hear("M8", release)) == []
+    assert deeds(rig.on_message("M8", release)) == []
 
 
 @pytest.mark.parametrize(
@@ -225,7 +225,7 @@ def test_a_release_of_another_epoch_is_ignored() -> None:
 )
 def test_a_contract_is_changed_by_its_coordinator_alone(message: Message) -> None:
     rig = unloading()
-    effects = rig.hear("M3", message)
+    effects = rig.on_message("M3", message)
     assert deeds(effects) == []
     assert len(effects) == 1
     assert last_beat(rig).status is AtvStatus.WORKING
@@ -234,17 +234,17 @@ def test_a_contract_is_changed_by_its_coordinator_alone(message: Message) -> Non
 @pytest.mark.parametrize("change", [{"sources": ("nowhere",)}, {"destination": "nowhere"}])
 def test_a_transport_from_or_to_an_unknown_place_is_refused_and_declined(change: dict[str, object]) -> None:
     rig, work = parked(), transport(**change)
-    [refused] = facts(rig.hear("M8", announcement(work=work)), BidRefused)
+    [refused] = facts(rig.on_message("M8", announcement(work=work)), BidRefused)
     assert refused.reason is Refusal.NO_WAY
-    [declined] = sent(rig.hear("M8", award(work=work)), Declined, to="M8")
+    [declined] = sent(rig.on_message("M8", award(work=work)), Declined, to="M8")
     assert declined.reason is Refusal.NO_WAY
 
 
 def test_an_answer_carries_the_number_of_its_award() -> None:
     rig = parked()
-    [taken] = sent(rig.hear("M8", award(number=3)), Accepted)
-    [again] = sent(rig.hear("M8", award(number=4)), Accepted)
-    [declined] = sent(rig.hear("M7", award(task="M7-1", number=5)), Declined)
+    [taken] = sent(rig.on_message("M8", award(number=3)), Accepted)
+    [again] = sent(rig.on_message("M8", award(number=4)), Accepted)
+    [declined] = sent(rig.on_message("M7", award(task="M7-1", number=5)), Declined)
     assert (taken.number, again.number, declined.number) == (3, 4, 5)
 
 
@@ -261,9 +261,9 @@ def test_a_carrier_without_a_contract_brings_its_load_to_a_storage_before_it_is_
     message: Superseded | Withdrawn | Release,
 ) -> None:
     rig = unloading()
-    rig.hear("M8", message)
+    rig.on_message("M8", message)
     assert facts(rig.all, ContractEnded) == []
-    assert [declined.reason for declined in sent(rig.hear("M7", award(task="M7-1")), Declined)] == [
+    assert [declined.reason for declined in sent(rig.on_message("M7", award(task="M7-1")), Declined)] == [
         Refusal.BUSY
     ]
     beat = last_beat(rig)
@@ -293,8 +293,8 @@ def test_reports_of_older_ways_are_ignored() -> None:
     rig = contracted()
     old = rig.last(Drive)
     rig.report(NodePassed(order=old.order, node=old.nodes[1], index=1, battery_frac=0.9))
-    rig.hear("M8", Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1))
-    rig.hear("M8", award(task="M8-2", work=transport(sources=("S8",))))
+    rig.on_message("M8", Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1))
+    rig.on_message("M8", award(task="M8-2", work=transport(sources=("S8",))))
     assert rig.last(Drive).order > old.order
     rig.report(WayDone(order=old.order, node="s3"))
     assert instructed(rig.all, Pick) == []

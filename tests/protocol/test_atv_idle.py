@@ -57,7 +57,7 @@ def test_a_full_vehicle_leaves_the_charger_and_parks_out_of_the_way() -> None:
 
 def test_a_vehicle_that_has_done_its_work_waits_a_moment_and_then_parks() -> None:
     rig = handing_over()
-    rig.hear("M8", HandoverAccepted(task="M8-1", epoch=1))
+    rig.on_message("M8", HandoverAccepted(task="M8-1", epoch=1))
     drives = len(instructed(rig.all, Drive))
     rig.run(rig.now_s + 3.9)
     assert len(instructed(rig.all, Drive)) == drives
@@ -68,7 +68,7 @@ def test_a_vehicle_that_has_done_its_work_waits_a_moment_and_then_parks() -> Non
 def test_work_ends_the_charge_and_the_dwell_point_is_free() -> None:
     rig = parked(node="ch2", battery_frac=0.5)
     rig.run(SETTLED_S)
-    rig.hear("M8", award())
+    rig.on_message("M8", award())
     assert KEYS.dwell_point("CH2") not in listening(rig.all)
     beat = last_beat(rig)
     assert (beat.status, beat.dwell_point) == (AtvStatus.WORKING, "")
@@ -82,7 +82,7 @@ def test_a_claim_that_is_lost_is_followed_by_another() -> None:
     rig.run(SETTLED_S)
     first = published(rig.all, DwellPointClaimed)[-1].dwell_point
     rival = DwellPointClaimed(dwell_point=first, atv="ATV7", battery_frac=0.3, standing=False)
-    rig.hear("ATV7", rival)
+    rig.on_message("ATV7", rival)
     rig.run(SETTLED_S + 0.1)
     second = published(rig.all, DwellPointClaimed)[-1].dwell_point
     assert second in PLANT.chargers
@@ -95,7 +95,7 @@ def test_a_claim_that_is_lost_on_the_way_is_followed_by_another() -> None:
     rig = parked(node="p8", battery_frac=0.5)
     rig.run(SETTLED_S + CONTEST_S)
     first = last_beat(rig).dwell_point
-    rig.hear("ATV7", DwellPointClaimed(dwell_point=first, atv="ATV7", battery_frac=0.5, standing=True))
+    rig.on_message("ATV7", DwellPointClaimed(dwell_point=first, atv="ATV7", battery_frac=0.5, standing=True))
     rig.run(SETTLED_S + 2 * CONTEST_S)
     second = last_beat(rig).dwell_point
     assert second != first
@@ -109,7 +109,7 @@ def asked_for(
     claim = DwellPointClaimed(
         dwell_point=dwell_point, atv="ATV0", battery_frac=battery_frac, standing=standing
     )
-    return rig.hear("ATV0", claim)
+    return rig.on_message("ATV0", claim)
 
 
 def test_who_charges_keeps_its_charger_until_it_has_enough() -> None:
@@ -180,7 +180,7 @@ def test_who_finds_neither_a_charger_nor_a_parking_place_waits_at_nobodys_dock()
     for _ in PLANT.dwell_points:
         rig.run(rig.now_s + 0.1)
         dwell_point = published(rig.all, DwellPointClaimed)[-1].dwell_point
-        rig.hear(
+        rig.on_message(
             "ATV7", DwellPointClaimed(dwell_point=dwell_point, atv="ATV7", battery_frac=0.1, standing=True)
         )
     rig.run(rig.now_s + 0.1)
@@ -197,7 +197,7 @@ def test_who_must_charge_and_finds_no_charger_waits_at_a_parking_place_and_asks_
     for _ in PLANT.chargers:
         rig.run(rig.now_s + 0.1)
         dwell_point = published(rig.all, DwellPointClaimed)[-1].dwell_point
-        rig.hear(
+        rig.on_message(
             "ATV7", DwellPointClaimed(dwell_point=dwell_point, atv="ATV7", battery_frac=0.1, standing=True)
         )
     rig.run(rig.now_s + CONTEST_S + 0.1)
@@ -213,7 +213,7 @@ def test_when_every_charger_is_taken_the_vehicle_asks_again_later_and_does_not_s
     for _ in PLANT.chargers:
         rig.run(rig.now_s + 0.1)
         dwell_point = published(rig.all, DwellPointClaimed)[-1].dwell_point
-        rig.hear(
+        rig.on_message(
             "ATV7", DwellPointClaimed(dwell_point=dwell_point, atv="ATV7", battery_frac=0.1, standing=True)
         )
     rig.run(rig.now_s + 0.1)
@@ -229,14 +229,16 @@ def test_a_vehicle_that_finds_no_charger_keeps_the_parking_place_it_stands_in() 
     rig.run(SETTLED_S)
     for _ in PLANT.chargers:
         for dwell_point in PLANT.chargers:
-            rig.hear(
+            rig.on_message(
                 "ATV7",
                 DwellPointClaimed(dwell_point=dwell_point, atv="ATV7", battery_frac=0.1, standing=True),
             )
         rig.run(rig.now_s + 0.1)
     assert KEYS.dwell_point("P3") in listening(rig.all)
     [objection] = published(
-        rig.hear("ATV8", DwellPointClaimed(dwell_point="P3", atv="ATV8", battery_frac=0.1, standing=False)),
+        rig.on_message(
+            "ATV8", DwellPointClaimed(dwell_point="P3", atv="ATV8", battery_frac=0.1, standing=False)
+        ),
         DwellPointClaimed,
     )
     assert objection.standing
@@ -251,7 +253,7 @@ def test_two_that_believe_to_stand_in_one_dwell_point_do_not_argue_for_ever() ->
         heard += 1
         for rig in rigs:
             if rig is not speaker:
-                effects = rig.hear(speaker.agent.id, claim) + rig.run(rig.now_s)
+                effects = rig.on_message(speaker.agent.id, claim) + rig.run(rig.now_s)
                 claims += [(rig, answer) for answer in published(effects, DwellPointClaimed)]
     assert heard < 10
     rigs[0].run(SETTLED_S)
@@ -260,12 +262,12 @@ def test_two_that_believe_to_stand_in_one_dwell_point_do_not_argue_for_ever() ->
 
 def test_a_vehicle_that_arrives_elsewhere_does_not_stand_in_the_dwell_point_that_it_has_claimed() -> None:
     rig = contracted()
-    rig.hear("M8", Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1))
+    rig.on_message("M8", Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1))
     claim = published(rig.run(rig.now_s + SETTLE_S), DwellPointClaimed)[-1]
     rig.arrive()
     assert rig.node == "s3"
     rival = DwellPointClaimed(dwell_point=claim.dwell_point, atv="ATV9", battery_frac=0.1, standing=False)
-    assert not any(claim.standing for claim in published(rig.hear("ATV9", rival), DwellPointClaimed))
+    assert not any(claim.standing for claim in published(rig.on_message("ATV9", rival), DwellPointClaimed))
 
 
 def test_a_nearly_full_vehicle_leaves_the_charger_to_others() -> None:
@@ -305,7 +307,7 @@ def test_a_vehicle_that_starts_in_a_dwell_point_with_a_contract_holds_no_dwell_p
     None
 ):
     before = parked(node="p3")
-    before.hear("M8", award())
+    before.on_message("M8", award())
     rig = VehicleRig("ATV1", node="p3", incarnation=2)
     rig.memory, rig.now_s = committed(before.all), before.now_s
     rig.start()
@@ -313,11 +315,11 @@ def test_a_vehicle_that_starts_in_a_dwell_point_with_a_contract_holds_no_dwell_p
     for step in (rig.arrive, rig.picked, rig.arrive):
         step()
     claim = DwellPointClaimed(dwell_point="P3", atv="ATV5", battery_frac=0.2, standing=False)
-    assert published(rig.hear("ATV5", claim), DwellPointClaimed) == []
+    assert published(rig.on_message("ATV5", claim), DwellPointClaimed) == []
     assert last_beat(rig).dwell_point == ""
-    rig.hear("M8", DockOpened(task="M8-1", epoch=1, station="M8"))
+    rig.on_message("M8", DockOpened(task="M8-1", epoch=1, station="M8"))
     rig.dropped()
-    rig.hear("M8", HandoverAccepted(task="M8-1", epoch=1))
+    rig.on_message("M8", HandoverAccepted(task="M8-1", epoch=1))
     effects = rig.run(rig.now_s + SETTLE_S + CONTEST_S)
     assert instructed(effects, Drive)[-1].nodes[-1] in {
         PLANT.node_of(dwell_point) for dwell_point in PLANT.dwell_points

@@ -28,13 +28,13 @@ def test_a_vehicle_that_is_held_when_it_starts_is_stopped() -> None:
     rig = VehicleRig(battery_frac=0.5)
     rig.held = True
     rig.start()
-    [declined] = sent(rig.hear("M8", award()), Declined)
+    [declined] = sent(rig.on_message("M8", award()), Declined)
     assert declined.reason is Refusal.NOT_FIT
     rig.run(60.0)
     assert instructed(rig.all, Drive) == []
     command(rig, CommandKind.ACKNOWLEDGE)
     assert command(rig, CommandKind.RESUME).done
-    assert sent(rig.hear("M8", award()), Accepted)
+    assert sent(rig.on_message("M8", award()), Accepted)
 
 
 def test_a_stop_holds_until_an_acknowledge_and_then_a_resume() -> None:
@@ -71,7 +71,7 @@ def test_commands_of_two_people_are_told_apart_by_who_gave_them() -> None:
     rig = contracted()
     command(rig, CommandKind.STOP)
     acknowledge = VehicleCommand(command="C1", kind=CommandKind.ACKNOWLEDGE)
-    rig.hear("gateway", granted("ATV1", acknowledge, person="operator-north"))
+    rig.on_message("gateway", granted("ATV1", acknowledge, person="operator-north"))
     assert command(rig, CommandKind.RESUME).done
 
 
@@ -134,9 +134,9 @@ def test_no_message_but_a_resume_moves_a_stopped_vehicle() -> None:
     rig = parked()
     command(rig, CommandKind.STOP)
     rig.held = True
-    [declined] = sent(rig.hear("M8", award()), Declined)
+    [declined] = sent(rig.on_message("M8", award()), Declined)
     assert declined.reason is Refusal.NOT_FIT
-    [refused] = facts(rig.hear("M8", announcement()), BidRefused)
+    [refused] = facts(rig.on_message("M8", announcement()), BidRefused)
     assert refused.reason is Refusal.NOT_FIT
     rig.battery_frac = 0.2
     effects = rig.run(300.0)
@@ -149,7 +149,7 @@ def test_a_stop_ends_no_contract() -> None:
     beat = last_beat(rig)
     assert beat.task is not None
     assert beat.task.task == "M8-1"
-    assert sent(rig.hear("M8", award()), Accepted)
+    assert sent(rig.on_message("M8", award()), Accepted)
     command(rig, CommandKind.ACKNOWLEDGE)
     command(rig, CommandKind.RESUME)
     rig.arrive()
@@ -189,7 +189,7 @@ def test_a_vehicle_with_a_problem_is_in_error_says_why_and_takes_nothing() -> No
     rig.report(ProblemRaised(reason="a wheel is stuck"))
     beat = last_beat(rig)
     assert (beat.status, beat.problem) == (AtvStatus.ERROR, "a wheel is stuck")
-    [refused] = facts(rig.hear("M8", announcement()), BidRefused)
+    [refused] = facts(rig.on_message("M8", announcement()), BidRefused)
     assert (refused.reason, refused.detail) == (Refusal.NOT_FIT, "a wheel is stuck")
 
 

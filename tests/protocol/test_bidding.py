@@ -39,7 +39,7 @@ def bidder(kind: str, out: list[Effect]) -> Bidder:
     return Bidder("ATV1", PLANT, kind, Probation(0), Charging(PLANT, kind), Waits(), out)
 
 
-def hear(circumstances: Standing = FREE, *, kind: str = "light", **changes: Any) -> list[Effect]:
+def on_announcement(circumstances: Standing = FREE, *, kind: str = "light", **changes: Any) -> list[Effect]:
     """What a vehicle does about an announcement."""
     out: list[Effect] = []
     bidder(kind, out).on_announced(announcement(**changes), circumstances, 0.0)
@@ -51,7 +51,7 @@ def review(circumstances: Standing = FREE, **changes: Any) -> Quote | Unable:
 
 
 def test_a_free_vehicle_bids_straight_to_the_coordinator_with_its_breakdown() -> None:
-    out = hear()
+    out = on_announcement()
     [bid] = sent(out, Bid, to="M8")
     assert (bid.task, bid.epoch, bid.role, bid.round) == ("M8-1", 1, Role.PRIMARY, 1)
     assert bid.source == "S3"
@@ -60,7 +60,7 @@ def test_a_free_vehicle_bids_straight_to_the_coordinator_with_its_breakdown() ->
 
 
 def test_a_bid_leaves_before_it_is_recorded_as_sent() -> None:
-    said, recorded = hear()
+    said, recorded = on_announcement()
     assert isinstance(said, Send)
     assert isinstance(recorded, Record)
     assert isinstance(recorded.fact, BidSent)
@@ -68,16 +68,16 @@ def test_a_bid_leaves_before_it_is_recorded_as_sent() -> None:
 
 
 def test_a_bid_names_the_round_and_epoch_that_it_answers() -> None:
-    [bid] = sent(hear(round=7, epoch=3), Bid)
+    [bid] = sent(on_announcement(round=7, epoch=3), Bid)
     assert (bid.round, bid.epoch) == (7, 3)
 
 
 def test_a_vehicle_outside_of_the_circle_says_nothing() -> None:
-    assert hear(x_m=SPOT.x_m + 25.1, y_m=SPOT.y_m, radius_m=25.0) == []
+    assert on_announcement(x_m=SPOT.x_m + 25.1, y_m=SPOT.y_m, radius_m=25.0) == []
 
 
 def test_a_vehicle_on_the_edge_of_the_circle_bids() -> None:
-    assert sent(hear(x_m=SPOT.x_m + 25.0, y_m=SPOT.y_m, radius_m=25.0), Bid)
+    assert sent(on_announcement(x_m=SPOT.x_m + 25.0, y_m=SPOT.y_m, radius_m=25.0), Bid)
 
 
 def test_a_refusal_is_said_once_for_a_task_however_often_it_is_announced() -> None:
@@ -131,7 +131,7 @@ def test_one_that_must_charge_takes_work_again_when_it_has_charged() -> None:
 def test_a_refusal_is_an_event_with_its_reason_and_no_message(
     circumstances: dict[str, Any], changes: dict[str, Any], reason: Refusal, detail: str
 ) -> None:
-    out = hear(standing(**circumstances), **changes)
+    out = on_announcement(standing(**circumstances), **changes)
     [refused] = facts(out, BidRefused)
     assert refused.reason is reason
     assert detail in refused.detail
@@ -139,11 +139,11 @@ def test_a_refusal_is_an_event_with_its_reason_and_no_message(
 
 
 def test_watches_do_not_keep_a_vehicle_from_work_of_its_own() -> None:
-    assert sent(hear(standing(watches=MAX_WATCHES)), Bid)
+    assert sent(on_announcement(standing(watches=MAX_WATCHES)), Bid)
 
 
 def test_a_watch_is_bid_for_even_when_its_deadline_is_past() -> None:
-    assert sent(hear(role=Role.SECONDARY, primary="ATV2", deadline_s=-1.0), Bid)
+    assert sent(on_announcement(role=Role.SECONDARY, primary="ATV2", deadline_s=-1.0), Bid)
 
 
 def test_an_award_is_reviewed_from_where_the_vehicle_is_by_then() -> None:
@@ -181,8 +181,8 @@ def test_an_award_is_declined_when_things_have_changed_since_the_bid(
 
 
 def test_a_promise_and_a_price_count_what_the_coordinator_tells_of_waits() -> None:
-    [plain] = sent(hear(), Bid)
-    [waits] = sent(hear(waits=(Wait(place="M8", wait_s=40.0),)), Bid)
+    [plain] = sent(on_announcement(), Bid)
+    [waits] = sent(on_announcement(waits=(Wait(place="M8", wait_s=40.0),)), Bid)
     assert isinstance(waits.cost, TransportCost)
     assert waits.cost.waiting_s == 40.0
     # Who stands uses energy, too, though little.
@@ -192,8 +192,8 @@ def test_a_promise_and_a_price_count_what_the_coordinator_tells_of_waits() -> No
 
 def test_a_source_at_which_nobody_waits_is_chosen_before_a_nearer_one_at_which_all_do() -> None:
     work = transport(sources=("S3", "S6"))
-    [near] = sent(hear(work=work), Bid)
-    [far] = sent(hear(work=work, waits=(Wait(place=near.source, wait_s=500.0),)), Bid)
+    [near] = sent(on_announcement(work=work), Bid)
+    [far] = sent(on_announcement(work=work, waits=(Wait(place=near.source, wait_s=500.0),)), Bid)
     assert {near.source, far.source} == {"S3", "S6"}
     assert isinstance(far.cost, TransportCost)
     assert far.cost.waiting_s == 0.0
@@ -201,6 +201,6 @@ def test_a_source_at_which_nobody_waits_is_chosen_before_a_nearer_one_at_which_a
 
 def test_no_coordinator_tells_of_more_places_than_a_transport_has() -> None:
     told = tuple(Wait(place=f"X{number}", wait_s=1.0) for number in range(PLACES_TOLD))
-    [bid] = sent(hear(waits=(*told, Wait(place="M8", wait_s=40.0))), Bid)
+    [bid] = sent(on_announcement(waits=(*told, Wait(place="M8", wait_s=40.0))), Bid)
     assert isinstance(bid.cost, TransportCost)
     assert bid.cost.waiting_s == 0.0

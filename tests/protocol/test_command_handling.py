@@ -45,7 +45,7 @@ def area_of(rig: VehicleRig) -> str:
 
 
 def told(rig: VehicleRig, command: VehicleCommand, sender: str = "gateway") -> CommandAnswered:
-    [answer] = sent(rig.hear(sender, command), CommandAnswered, to=sender)
+    [answer] = sent(rig.on_message(sender, command), CommandAnswered, to=sender)
     return answer
 
 

@@ -54,14 +54,14 @@ def test_an_acceptance_by_a_wrong_clock_makes_no_contract_and_the_next_one_is_as
     rig = m7(NO_HOUSINGS, goal=24)
     [announced] = [each for each in sent_to_all(rig.all) if each.task == "M7-1"]
     for atv, cost_s in (("ATV1", 60.0), ("ATV2", 90.0)):
-        rig.hear(atv, bid(cost_s, task="M7-1", source=announced.work.sources[0]))
+        rig.on_message(atv, bid(cost_s, task="M7-1", source=announced.work.sources[0]))
     effects = rig.run(announced.bids_until_s)
     [asked] = [effect for effect in effects if getattr(getattr(effect, "message", None), "number", 0)]
     assert asked.to == "ATV1"
     wrong = Accepted(
         "M7-1", 1, Role.PRIMARY, rig.now_s + 3660.0, asked.message.number, at_s=rig.now_s + 3600.0
     )
-    effects = rig.hear("ATV1", wrong)
+    effects = rig.on_message("ATV1", wrong)
     assert [each.reason for each in sent(effects, Release, to="ATV1")] == [CLOCK]
     assert len(sent(effects, Disbelieved, to="ATV1")) == 1
     assert [effect.to for effect in effects if getattr(getattr(effect, "message", None), "work", None)] == [
@@ -72,10 +72,10 @@ def test_an_acceptance_by_a_wrong_clock_makes_no_contract_and_the_next_one_is_as
 def test_a_promise_by_a_clock_that_is_a_little_wrong_is_understood_by_ours() -> None:
     rig = m7(NO_HOUSINGS, goal=24)
     [announced] = [each for each in sent_to_all(rig.all) if each.task == "M7-1"]
-    rig.hear("ATV1", bid(60.0, task="M7-1", source=announced.work.sources[0]))
+    rig.on_message("ATV1", bid(60.0, task="M7-1", source=announced.work.sources[0]))
     rig.run(announced.bids_until_s)
     ahead_s = 120.0
-    rig.hear(
+    rig.on_message(
         "ATV1", Accepted("M7-1", 1, Role.PRIMARY, rig.now_s + ahead_s + 70.0, 1, at_s=rig.now_s + ahead_s)
     )
     [task] = [task for task in rig.agent._flow.tasks if task.id == "M7-1"]
@@ -90,7 +90,7 @@ def test_a_takeover_by_a_wrong_clock_is_refused() -> None:
     task.standby = StandbyContract("ATV2")
     rig.now_s += 60.0
     said = TakenOver("M7-1", 2, "ATV1", "silent", rig.now_s - 3600.0 + 80.0, at_s=rig.now_s - 3600.0)
-    effects = rig.hear("ATV2", said)
+    effects = rig.on_message("ATV2", said)
     assert [each.reason for each in sent(effects, Release, to="ATV2")] == [CLOCK]
     assert facts(effects, CarrierChanged) == []
     assert task.primary == "ATV1"
@@ -99,10 +99,10 @@ def test_a_takeover_by_a_wrong_clock_is_refused() -> None:
 def test_a_vehicle_that_is_not_believed_writes_it_down_once_a_minute_and_goes_on() -> None:
     rig = parked()
     said = Disbelieved(task="M8-1", epoch=1, reason="clock wrong by +3600 s", clock_ahead_s=3600.0)
-    effects = [each for _ in range(5) for each in rig.hear("M8", said)]
+    effects = [each for _ in range(5) for each in rig.on_message("M8", said)]
     assert facts(effects, NotBelieved) == [NotBelieved(by="M8", task="M8-1", reason=said.reason)]
-    assert len(facts(rig.hear("M7", said), NotBelieved)) == 1
-    rig.hear("M8", award())
+    assert len(facts(rig.on_message("M7", said), NotBelieved)) == 1
+    rig.on_message("M8", award())
     assert rig.agent._job is not None
 
 

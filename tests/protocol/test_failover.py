@@ -53,14 +53,14 @@ def beat(rig: VehicleRig, seq: int, *, phase: Phase = Phase.APPROACHING, **chang
     """ATV2, the primary of M8-1, is heard now."""
     brief = Brief(task="M8-1", epoch=1, role=Role.PRIMARY, coordinator="M8", phase=phase)
     heartbeat = msgspec.structs.replace(rhb("ATV2", seq, rig.now_s, task="M8-1"), task=brief)
-    rig.hear("ATV2", msgspec.structs.replace(heartbeat, **changes))
+    rig.on_message("ATV2", msgspec.structs.replace(heartbeat, **changes))
 
 
 def guard(**changes: object) -> VehicleRig:
     """ATV1, which watches ATV2 carrying M8-1, and has just heard of it."""
     rig = VehicleRig()
     rig.start()
-    rig.hear("M8", award(role=Role.SECONDARY, primary="ATV2", **changes))
+    rig.on_message("M8", award(role=Role.SECONDARY, primary="ATV2", **changes))
     beat(rig, 1)
     return rig
 
@@ -101,7 +101,7 @@ def test_it_says_so_until_the_machine_has_confirmed() -> None:
     rig = guard()
     rig.run(BOUND_S + 2.5 * ASK_AGAIN_S)
     assert len(claims(rig)) == 3
-    rig.hear("M8", Confirmed(task="M8-1", epoch=2))
+    rig.on_message("M8", Confirmed(task="M8-1", epoch=2))
     rig.run(rig.now_s + 5 * ASK_AGAIN_S)
     assert len(claims(rig)) == 3
 
@@ -109,8 +109,8 @@ def test_it_says_so_until_the_machine_has_confirmed() -> None:
 def test_a_confirmation_of_an_earlier_epoch_confirms_nothing() -> None:
     rig = guard()
     rig.run(BOUND_S)
-    rig.hear("M8", Confirmed(task="M8-1", epoch=1))
-    rig.hear("M3", Confirmed(task="M8-1", epoch=2))
+    rig.on_message("M8", Confirmed(task="M8-1", epoch=1))
+    rig.on_message("M3", Confirmed(task="M8-1", epoch=2))
     rig.run(BOUND_S + ASK_AGAIN_S)
     assert len(claims(rig)) == 2
 
@@ -120,7 +120,7 @@ def test_its_next_life_says_so_too_until_the_machine_has_confirmed() -> None:
     rig.run(BOUND_S)
     again = reborn(rig)
     assert claims(again) == claims(rig)
-    again.hear("M8", Confirmed(task="M8-1", epoch=2))
+    again.on_message("M8", Confirmed(task="M8-1", epoch=2))
     again.run(again.now_s + 5 * ASK_AGAIN_S)
     assert len(claims(again)) == 1
 
@@ -128,7 +128,7 @@ def test_its_next_life_says_so_too_until_the_machine_has_confirmed() -> None:
 def test_a_takeover_that_the_machine_refuses_ends() -> None:
     rig = guard()
     rig.run(BOUND_S)
-    rig.hear("M8", Release(task="M8-1", epoch=2, role=Role.PRIMARY, reason="ATV2 is heard"))
+    rig.on_message("M8", Release(task="M8-1", epoch=2, role=Role.PRIMARY, reason="ATV2 is heard"))
     assert facts(rig.all, ContractEnded)[-1].reason == "released"
     said = len(claims(rig))
     rig.run(rig.now_s + 10 * ASK_AGAIN_S)
@@ -172,7 +172,7 @@ def test_one_that_cannot_carry_it_any_more_resigns_from_its_watch() -> None:
 
 def test_of_two_tasks_it_takes_one_and_gives_the_other_back() -> None:
     rig = guard()
-    rig.hear("M9", award(task="M9-1", role=Role.SECONDARY, primary="ATV2"))
+    rig.on_message("M9", award(task="M9-1", role=Role.SECONDARY, primary="ATV2"))
     rig.run(2 * BOUND_S)
     assert {claim.task for claim in sent(rig.all, TakenOver)} == {"M8-1"}
     assert len(sent(rig.all, Resigned)) == 1
@@ -195,7 +195,7 @@ def carrying() -> VehicleRig:
     """ATV1 as the primary of M8-1, due well before its deadline."""
     rig = VehicleRig()
     rig.start()
-    rig.hear("M8", award(deadline_s=3600.0))
+    rig.on_message("M8", award(deadline_s=3600.0))
     return rig
 
 
@@ -219,7 +219,7 @@ def test_a_vehicle_with_a_problem_says_how_long_its_task_can_wait() -> None:
 
 def test_a_vehicle_that_a_person_has_stopped_lets_its_task_wait_and_asks_for_nobody_by_that() -> None:
     rig = carrying()
-    rig.hear("operator", granted("ATV1", VehicleCommand(command="C1", kind=CommandKind.STOP)))
+    rig.on_message("operator", granted("ATV1", VehicleCommand(command="C1", kind=CommandKind.STOP)))
     heartbeat = newest(rig)
     assert (heartbeat.status, heartbeat.help) == (AtvStatus.STOPPED, HelpWanted(until_s=PATIENCE_MAX_S))
     assert facts(rig.all, HelpAsked) == []
@@ -232,7 +232,7 @@ def test_a_task_that_is_late_already_waits_a_little_all_the_same() -> None:
     rig = VehicleRig()
     rig.start()
     # A deadline that it can just keep.
-    rig.hear("M8", award(deadline_s=90.0))
+    rig.on_message("M8", award(deadline_s=90.0))
     rig.run(80.0)
     rig.report(ProblemRaised(reason="way blocked"))
     help_wanted = newest(rig).help
@@ -251,7 +251,7 @@ def promise(rig: VehicleRig, wait_s: float | None) -> CommandAnswered:
     command = VehicleCommand(
         command="C1", kind=CommandKind.PROMISE, wait_s=wait_s, issued_by="operator north"
     )
-    [answer] = sent(rig.hear("operator-north", granted("ATV1", command)), CommandAnswered)
+    [answer] = sent(rig.on_message("operator-north", granted("ATV1", command)), CommandAnswered)
     return answer
 
 
@@ -284,7 +284,7 @@ def test_a_stop_lets_the_task_wait_too_and_a_resume_ends_that() -> None:
         (CommandKind.ACKNOWLEDGE, True),
         (CommandKind.RESUME, False),
     ):
-        rig.hear("operator", granted("ATV1", VehicleCommand(command=kind.value, kind=kind)))
+        rig.on_message("operator", granted("ATV1", VehicleCommand(command=kind.value, kind=kind)))
         assert (newest(rig).help is not None) is wanted
 
 
@@ -472,11 +472,11 @@ def _announced(effects: list[object]) -> list[TaskAnnounced]:
 
 def test_a_vehicle_on_the_mesh_keeps_its_task_and_takes_nothing_else() -> None:
     rig = carrying()
-    rig.hear("M9", award(task="M9-1", role=Role.SECONDARY, primary="ATV2"))
+    rig.on_message("M9", award(task="M9-1", role=Role.SECONDARY, primary="ATV2"))
     rig.report(LinkNoticed(link=Link.MESH))
     assert newest(rig).link is Link.MESH
     assert newest(rig).task is not None
-    declined = sent(rig.hear("M9", award(task="M9-2", role=Role.SECONDARY, primary="ATV2")), Declined)
+    declined = sent(rig.on_message("M9", award(task="M9-2", role=Role.SECONDARY, primary="ATV2")), Declined)
     assert len(declined) == 1
 
 
@@ -485,7 +485,7 @@ def test_a_watch_is_given_back_on_the_mesh_and_taken_again_after_the_repair() ->
     rig.report(LinkNoticed(link=Link.MESH))
     assert len(sent(rig.all, Resigned, to="M8")) == 1
     rig.report(LinkNoticed(link=Link.WLAN))
-    answers = sent(rig.hear("M8", award(task="M8-7", role=Role.SECONDARY, primary="ATV2")), Accepted)
+    answers = sent(rig.on_message("M8", award(task="M8-7", role=Role.SECONDARY, primary="ATV2")), Accepted)
     assert len(answers) == 1
 
 
@@ -511,7 +511,7 @@ def test_a_handover_that_nobody_answers_ends() -> None:
     rig.arrive()
     rig.picked()
     rig.arrive()
-    rig.hear("M8", DockOpened(task="M8-1", epoch=1, station="M8"))
+    rig.on_message("M8", DockOpened(task="M8-1", epoch=1, station="M8"))
     rig.dropped()
     rig.run(rig.now_s + GIVE_UP_AFTER * ASK_AGAIN_S + 1.0)
     assert len(sent(rig.all, Handover)) == GIVE_UP_AFTER
@@ -521,9 +521,9 @@ def test_a_handover_that_nobody_answers_ends() -> None:
 def test_goods_that_the_gate_refuses_are_set_aside() -> None:
     rig = VehicleRig()
     rig.start()
-    rig.hear("M8", award(work=GOODS, deadline_s=3600.0))
+    rig.on_message("M8", award(work=GOODS, deadline_s=3600.0))
     rig.arrive()
-    rig.hear("M8", DockOpened(task="M8-1", epoch=1, station="M8"))
+    rig.on_message("M8", DockOpened(task="M8-1", epoch=1, station="M8"))
     rig.picked()
     rig.arrive()
     for _ in range(3):
@@ -567,7 +567,7 @@ def test_a_vehicle_that_is_restarted_after_unloading_hands_over() -> None:
     rig.arrive()
     rig.picked()
     rig.arrive()
-    rig.hear("M8", DockOpened(task="M8-1", epoch=1, station="M8"))
+    rig.on_message("M8", DockOpened(task="M8-1", epoch=1, station="M8"))
     rig.dropped()
     again = reborn(rig)
     assert len(sent(again.all, Handover, to="M8")) == 1
@@ -584,13 +584,13 @@ def test_a_vehicle_whose_load_was_taken_off_meanwhile_fetches_another_one() -> N
 
 def test_a_stopped_vehicle_is_stopped_after_a_restart() -> None:
     rig = carrying()
-    rig.hear("operator", granted("ATV1", VehicleCommand(command="C1", kind=CommandKind.STOP)))
-    rig.hear("operator", granted("ATV1", VehicleCommand(command="C2", kind=CommandKind.ACKNOWLEDGE)))
+    rig.on_message("operator", granted("ATV1", VehicleCommand(command="C1", kind=CommandKind.STOP)))
+    rig.on_message("operator", granted("ATV1", VehicleCommand(command="C2", kind=CommandKind.ACKNOWLEDGE)))
     rig.held = True
     again = reborn(rig)
     assert newest(again).status is AtvStatus.STOPPED
     resume = VehicleCommand(command="C3", kind=CommandKind.RESUME)
-    [answer] = sent(again.hear("operator", granted("ATV1", resume)), CommandAnswered)
+    [answer] = sent(again.on_message("operator", granted("ATV1", resume)), CommandAnswered)
     assert answer.done, "it was acknowledged before"
 
 
@@ -607,7 +607,7 @@ def test_a_load_that_nobody_remembers_is_brought_back() -> None:
 def test_the_bound_of_a_vehicle_that_was_never_heard_allows_for_the_slowest_link() -> None:
     rig = VehicleRig()
     rig.start()
-    rig.hear("M8", award(role=Role.SECONDARY, primary="ATV2"))
+    rig.on_message("M8", award(role=Role.SECONDARY, primary="ATV2"))
     rig.run(LATENESS_MAX_S + BOUND_S - 0.1)
     assert claims(rig) == []
     rig.run(LATENESS_MAX_S + BOUND_S)

@@ -55,7 +55,7 @@ def test_goals_of_different_products_are_auctioned_at_the_same_time() -> None:
 
 def test_a_second_order_waits_for_the_first_ones_goals_of_that_product() -> None:
     rig = released(order("O1", pump=24))
-    assert announced(rig.hear("gateway", order("O2", pump=24))) == []
+    assert announced(rig.on_message("gateway", order("O2", pump=24))) == []
     [(goal, _, _)] = announced(rig.all)
     [(second, _, _)] = announced(contract(rig, goal, "M7"))
     assert second.startswith("O2")
@@ -78,12 +78,12 @@ def test_of_several_machines_the_cheapest_takes_the_goal() -> None:
     rig = released(order(pump=24))
     [(goal, _, _)] = announced(rig.all)
     for machine, cost_s in (("M7", 1500.0), ("M8", 1200.0), ("M9", 1300.0)):
-        rig.hear(machine, goal_bid(goal, cost_s))
+        rig.on_message(machine, goal_bid(goal, cost_s))
     rig.run(0.5)
     assert [fact.bidder for fact in facts(rig.all, AwardGiven)] == ["M8"]
-    rig.hear("M8", declined(goal))
+    rig.on_message("M8", declined(goal))
     assert [fact.bidder for fact in facts(rig.all, AwardGiven)] == ["M8", "M9"]
-    effects = rig.hear("M9", accepted(goal, number=2))
+    effects = rig.on_message("M9", accepted(goal, number=2))
     assert sent(effects, Confirmed, to="M9") == [Confirmed(task=goal, epoch=1)]
     [contracted] = facts(rig.all, GoalContracted)
     assert (contracted.goal, contracted.machine, contracted.quantity) == (goal, "M9", 24)
@@ -93,10 +93,10 @@ def test_every_acceptance_of_the_bound_machine_is_confirmed_and_no_other() -> No
     rig = released(order(pump=24))
     [(goal, _, _)] = announced(rig.all)
     contract(rig, goal, "M7")
-    again = rig.hear("M7", accepted(goal))
+    again = rig.on_message("M7", accepted(goal))
     assert sent(again, Confirmed, to="M7") == [Confirmed(task=goal, epoch=1)]
     assert facts(again, GoalContracted) == []
-    stranger = rig.hear("M8", accepted(goal))
+    stranger = rig.on_message("M8", accepted(goal))
     assert sent(stranger, Confirmed) == []
     assert sent(stranger, Release, to="M8")
 
@@ -105,8 +105,8 @@ def test_an_acceptance_of_a_goal_that_has_ended_is_released_and_not_confirmed() 
     rig = released(order(pump=24))
     [(goal, _, _)] = announced(rig.all)
     contract(rig, goal, "M7")
-    rig.hear("gateway", OrderCancelled(order="O1"))
-    effects = rig.hear("M7", accepted(goal))
+    rig.on_message("gateway", OrderCancelled(order="O1"))
+    effects = rig.on_message("M7", accepted(goal))
     assert sent(effects, Confirmed) == []
     assert sent(effects, Release, to="M7")
 
@@ -118,19 +118,19 @@ def test_a_machine_whose_acceptance_was_lost_makes_nothing_of_the_goal_that_anot
     [asked] = published(rig.all, TaskAnnounced)
     for name, machine in machines.items():
         machine.start()
-        [offer] = sent(machine.hear("STRATEGIST", asked), Bid)
-        rig.hear(name, offer)
+        [offer] = sent(machine.on_message("STRATEGIST", asked), Bid)
+        rig.on_message(name, offer)
     rig.run(0.5)
     [first] = [name for name in machines if sent(rig.all, Award, to=name)]
     [second] = [name for name in machines if name != first]
-    assert sent(machines[first].hear("STRATEGIST", sent(rig.all, Award)[0]), Accepted)  # It is lost.
+    assert sent(machines[first].on_message("STRATEGIST", sent(rig.all, Award)[0]), Accepted)  # It is lost.
     effects = rig.run(2.0)  # The release of the first is lost, too.
-    [answer] = sent(machines[second].hear("STRATEGIST", sent(effects, Award, to=second)[0]), Accepted)
-    [confirmed] = sent(rig.hear(second, answer), Confirmed, to=second)
-    machines[second].hear("STRATEGIST", confirmed)
+    [answer] = sent(machines[second].on_message("STRATEGIST", sent(effects, Award, to=second)[0]), Accepted)
+    [confirmed] = sent(rig.on_message(second, answer), Confirmed, to=second)
+    machines[second].on_message("STRATEGIST", confirmed)
     [repeated] = sent(machines[first].run(4.0), Accepted)
-    for message in sent(rig.hear(first, repeated), Release, to=first):
-        machines[first].hear("STRATEGIST", message)
+    for message in sent(rig.on_message(first, repeated), Release, to=first):
+        machines[first].on_message("STRATEGIST", message)
     machines[first].run(60.0)
     assert machines[second].is_cycling
     assert not machines[first].is_cycling
@@ -140,8 +140,8 @@ def test_a_machine_whose_acceptance_was_lost_makes_nothing_of_the_goal_that_anot
 def test_a_silent_machine_is_released_and_the_next_one_asked() -> None:
     rig = released(order(pump=24))
     [(goal, _, _)] = announced(rig.all)
-    rig.hear("M7", goal_bid(goal, 100.0))
-    rig.hear("M8", goal_bid(goal, 200.0))
+    rig.on_message("M7", goal_bid(goal, 100.0))
+    rig.on_message("M8", goal_bid(goal, 200.0))
     rig.run(2.0)
     assert sent(rig.all, Release, to="M7")
     assert sent(rig.all, Award, to="M8")
@@ -160,7 +160,7 @@ def test_a_goal_for_which_no_machine_bids_stays_announced() -> None:
 def test_no_secondary_is_sought_for_a_goal() -> None:
     rig = released(order(pump=24))
     [(goal, _, _)] = announced(rig.all)
-    rig.hear("M8", goal_bid(goal, 200.0))
+    rig.on_message("M8", goal_bid(goal, 200.0))
     contract(rig, goal, "M7")
     assert sent(rig.run(600.0), Award) == []
 
@@ -172,7 +172,7 @@ def test_a_goal_that_nobody_alive_can_take_waits_and_says_so_once() -> None:
     rig = StrategistRig()
     rig.start()
     rig.run(60.0)
-    rig.hear("gateway", order(pump=24 * 5))
+    rig.on_message("gateway", order(pump=24 * 5))
     rig.run(600.0)
     waiting = [fact.goal for fact in facts(rig.all, GoalWaits)]
     assert len(waiting) == len(set(waiting)) == len(facts(rig.all, OrderAccepted)[0].goals)
@@ -182,8 +182,8 @@ def test_an_order_that_can_be_made_does_not_wait_for_one_that_cannot() -> None:
     rig = StrategistRig()
     rig.start()
     beats(rig, 60.0, "M10")  # Which makes motors and nothing else.
-    rig.hear("gateway", order("O1", pump=24))
-    rig.hear("gateway", order("O2", motor=20))
+    rig.on_message("gateway", order("O1", pump=24))
+    rig.on_message("gateway", order("O2", motor=20))
     assert [fact.order for fact in facts(rig.all, GoalWaits)] == ["O1"]
     [motor] = [goal for goal, product, _ in announced(rig.all) if product == "motor-e4"]
     contract(rig, motor, "M10")

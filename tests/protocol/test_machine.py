@@ -177,14 +177,16 @@ def test_what_is_not_meant_for_a_machine_is_ignored() -> None:
         goal_bid("G9", 1.0),
     ):
         said = [
-            effect for effect in deeds(rig.hear("X", message)) if not published([effect], MachineHeartbeat)
+            effect
+            for effect in deeds(rig.on_message("X", message))
+            if not published([effect], MachineHeartbeat)
         ]
         assert said == [], message
 
 
 def test_an_acceptance_of_an_unknown_task_is_released() -> None:
     rig = m7()
-    assert sent(rig.hear("ATV2", accepted("M7-99")), Release, to="ATV2")
+    assert sent(rig.on_message("ATV2", accepted("M7-99")), Release, to="ATV2")
 
 
 def test_a_machine_without_a_workcell_is_our_own_bug() -> None:

@@ -26,13 +26,13 @@ from dray.messages.fact import TaskClosed
 
 def test_the_primary_is_let_in_for_its_load_alone() -> None:
     rig = supplied_by("ATV2")
-    effects = rig.hear("ATV2", docked())
+    effects = rig.on_message("ATV2", docked())
     assert sent(effects, DockOpened, to="ATV2") == [DockOpened(task="M7-1", epoch=1, station="M7")]
     assert instructed(effects, OpenDock) == [OpenDock(vehicle="ATV2", item="housing", quantity=24)]
 
 
 def test_the_dock_is_open_before_the_vehicle_hears_of_it() -> None:
-    effects = supplied_by("ATV2").hear("ATV2", docked())
+    effects = supplied_by("ATV2").on_message("ATV2", docked())
     kinds = [bool(instructed([effect], OpenDock)) for effect in effects]
     assert kinds == [True, False]
 
@@ -57,7 +57,7 @@ def test_an_old_epoch_a_stranger_or_an_unknown_task_is_superseded_and_gets_no_do
     sender: str, message: Docked | Handover
 ) -> None:
     rig = supplied_by("ATV2")
-    effects = rig.hear(sender, message)
+    effects = rig.on_message(sender, message)
     [superseded] = sent(effects, Superseded, to=sender)
     assert superseded.task == message.task
     assert superseded.epoch == (1 if message.task == "M7-1" else 0)
@@ -67,7 +67,7 @@ def test_an_old_epoch_a_stranger_or_an_unknown_task_is_superseded_and_gets_no_do
 
 def test_nobody_is_let_in_while_a_carrier_is_still_sought() -> None:
     rig = m7(NO_HOUSINGS, goal=24)
-    effects = rig.hear("ATV2", docked())
+    effects = rig.on_message("ATV2", docked())
     assert sent(effects, Superseded, to="ATV2")
     assert instructed(effects, OpenDock) == []
 
@@ -75,17 +75,17 @@ def test_nobody_is_let_in_while_a_carrier_is_still_sought() -> None:
 def test_the_dock_is_held_while_the_buffer_has_no_room() -> None:
     rig = supplied_by("ATV2")
     rig.stocked("housing", 72)
-    effects = rig.hear("ATV2", docked())
+    effects = rig.on_message("ATV2", docked())
     [held] = sent(effects, DockHeld, to="ATV2")
     assert held.reason == "the buffer is full"
     assert instructed(effects, OpenDock) == []
     rig.stocked("housing", -24)
-    assert sent(rig.hear("ATV2", docked()), DockOpened)
+    assert sent(rig.on_message("ATV2", docked()), DockOpened)
 
 
 def test_a_dock_that_is_asked_for_twice_is_opened_twice_for_the_same_load() -> None:
     rig = supplied_by("ATV2")
-    first, second = rig.hear("ATV2", docked()), rig.hear("ATV2", docked())
+    first, second = rig.on_message("ATV2", docked()), rig.on_message("ATV2", docked())
     assert first == second
 
 
@@ -94,7 +94,7 @@ def test_a_carrier_may_put_goods_down_at_the_warehouse_without_the_machines_dock
     rig.cycles(24)
     [announced] = [each for each in published(rig.all, TaskAnnounced) if each.work.goal]  # type: ignore[union-attr]
     rig.hire(announced.task, "ATV2")
-    effects = rig.hear("ATV2", docked(announced.task, station="DELIVERY"))
+    effects = rig.on_message("ATV2", docked(announced.task, station="DELIVERY"))
     assert sent(effects, DockOpened, to="ATV2")
     assert instructed(effects, OpenDock) == []
 
@@ -105,7 +105,7 @@ def test_a_lot_that_is_not_whole_any_more_is_made_whole_before_it_is_given_out()
     [announced] = [each for each in published(rig.all, TaskAnnounced) if each.work.goal]  # type: ignore[union-attr]
     rig.hire(announced.task, "ATV2")
     rig.stocked("pump-p3", -1)
-    effects = rig.hear("ATV2", docked(announced.task))
+    effects = rig.on_message("ATV2", docked(announced.task))
     assert sent(effects, DockOpened) == []
     assert sent(rig.all, Withdrawn, to="ATV2")
     rig.stock |= FULL
@@ -120,13 +120,13 @@ def test_material_that_finds_no_room_is_not_waited_with_for_ever() -> None:
     rig.stocked("housing", 72)
     rig.run(rig.now_s + 5.0)
     for _ in range(12):
-        effects = rig.hear("ATV2", docked())
+        effects = rig.on_message("ATV2", docked())
         assert sent(effects, Withdrawn) == []
         [held] = sent(effects, DockHeld)
         assert held.reason == "the buffer is full"
         rig.now_s += 5.0
     rig.now_s += 1.0
-    assert sent(rig.hear("ATV2", docked()), Withdrawn, to="ATV2")
+    assert sent(rig.on_message("ATV2", docked()), Withdrawn, to="ATV2")
 
 
 # --- the handover -----------------------------------------------------------------------------------
@@ -135,7 +135,7 @@ def test_material_that_finds_no_room_is_not_waited_with_for_ever() -> None:
 def test_a_handover_ends_the_task_and_is_accepted() -> None:
     rig = supplied_by("ATV2")
     rig.stocked("housing", 24, "ATV2")
-    effects = rig.hear("ATV2", handover())
+    effects = rig.on_message("ATV2", handover())
     assert sent(effects, HandoverAccepted, to="ATV2") == [HandoverAccepted(task="M7-1", epoch=1)]
     [closed] = facts(effects, TaskClosed)
     assert (closed.task, closed.outcome, closed.carrier) == ("M7-1", "delivered", "ATV2")
@@ -144,8 +144,8 @@ def test_a_handover_ends_the_task_and_is_accepted() -> None:
 def test_handing_over_twice_is_harmless() -> None:
     rig = supplied_by("ATV2")
     rig.stocked("housing", 24, "ATV2")
-    rig.hear("ATV2", handover())
-    effects = rig.hear("ATV2", handover())
+    rig.on_message("ATV2", handover())
+    effects = rig.on_message("ATV2", handover())
     assert effects == [effect for effect in effects if sent([effect], HandoverAccepted, to="ATV2")]
     assert len(effects) == 1
 
@@ -153,8 +153,8 @@ def test_handing_over_twice_is_harmless() -> None:
 def test_a_handover_of_somebody_elses_delivered_task_is_superseded() -> None:
     rig = supplied_by("ATV2")
     rig.stocked("housing", 24, "ATV2")
-    rig.hear("ATV2", handover())
-    assert sent(rig.hear("ATV7", handover()), Superseded, to="ATV7")
+    rig.on_message("ATV2", handover())
+    assert sent(rig.on_message("ATV7", handover()), Superseded, to="ATV7")
 
 
 def test_what_is_handed_over_is_on_order_no_longer() -> None:
@@ -162,7 +162,7 @@ def test_what_is_handed_over_is_on_order_no_longer() -> None:
     rig.run(rig.now_s + 1.0)
     assert rig.heartbeats(MachineHeartbeat)[-1].buffers[0].on_order == 24
     rig.stocked("housing", 24, "ATV2")
-    rig.hear("ATV2", handover())
+    rig.on_message("ATV2", handover())
     rig.run(rig.now_s)
     last = rig.heartbeats(MachineHeartbeat)[-1]
     assert last.buffers[0].on_order == 0

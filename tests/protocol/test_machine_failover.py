@@ -64,7 +64,7 @@ def with_goods() -> tuple[MachineRig, str]:
     rig.cycles(24)
     [task] = [each.task for each in published(rig.all, TaskAnnounced) if goods(each)]
     rig.hire(task, "ATV2")
-    rig.hear("ATV2", Docked(task=task, epoch=1, station="M7"))
+    rig.on_message("ATV2", Docked(task=task, epoch=1, station="M7"))
     return rig, task
 
 
@@ -73,15 +73,15 @@ def goods(announced: TaskAnnounced) -> bool:
 
 
 def take_over(rig: MachineRig, task: str = "M7-1", atv: str = "ATV1") -> None:
-    rig.hear(atv, accepted(task, role=Role.SECONDARY, number=watch(rig, atv, task)))
+    rig.on_message(atv, accepted(task, role=Role.SECONDARY, number=watch(rig, atv, task)))
     # Nothing was ever heard of ATV2, and the machine is about to find that out itself.
     rig.run(rig.now_s + LATENESS_MAX_S + 3.0)
-    rig.hear(atv, TakenOver(task=task, epoch=2, primary="ATV2", finish_s=rig.now_s + 90.0, source="S6"))
+    rig.on_message(atv, TakenOver(task=task, epoch=2, primary="ATV2", finish_s=rig.now_s + 90.0, source="S6"))
 
 
 def watch(rig: MachineRig, atv: str, task: str) -> int:
     """Let a vehicle bid for a watch, and be asked; the number of that award."""
-    effects = rig.hear(atv, bid(50.0, task=task, role=Role.SECONDARY))
+    effects = rig.on_message(atv, bid(50.0, task=task, role=Role.SECONDARY))
     while not sent(effects, Award, to=atv):
         effects += rig.run(rig.agent.wake_at_s)
     return award_number(effects, atv, task, Role.SECONDARY)
@@ -98,7 +98,7 @@ def carrier(rig: MachineRig, task: str = "M7-1") -> tuple[str, int]:
 
 def test_a_machine_that_was_held_up_itself_gives_its_carrier_the_time_that_it_could_not_hear() -> None:
     rig = supplied()
-    rig.hear("ATV2", rhb("ATV2", 1, rig.now_s, task="M7-1", coordinator="M7"))
+    rig.on_message("ATV2", rhb("ATV2", 1, rig.now_s, task="M7-1", coordinator="M7"))
     rig.now_s += 30.0
     rig.handle(Woke(rig.sense(), late_s=29.0))
     rig.run(rig.now_s + 2.0)
@@ -114,10 +114,10 @@ def test_the_dock_opens_for_the_new_carrier_alone() -> None:
     rig = supplied()
     take_over(rig)
     assert carrier(rig) == ("ATV1", 2)
-    effects = rig.hear("ATV2", Docked(task="M7-1", epoch=1, station="M7"))
+    effects = rig.on_message("ATV2", Docked(task="M7-1", epoch=1, station="M7"))
     assert sent(effects, Superseded, to="ATV2") == [Superseded(task="M7-1", epoch=2)]
     assert instructed(effects, OpenDock) == []
-    effects = rig.hear("ATV1", Docked(task="M7-1", epoch=2, station="M7"))
+    effects = rig.on_message("ATV1", Docked(task="M7-1", epoch=2, station="M7"))
     assert len(sent(effects, DockOpened, to="ATV1")) == 1
     assert [opening.vehicle for opening in instructed(effects, OpenDock)] == ["ATV1"]
 
@@ -125,22 +125,24 @@ def test_the_dock_opens_for_the_new_carrier_alone() -> None:
 def test_a_handover_of_an_earlier_epoch_counts_for_nothing() -> None:
     rig = supplied()
     take_over(rig)
-    effects = rig.hear("ATV2", Handover(task="M7-1", epoch=1, quantity=24))
+    effects = rig.on_message("ATV2", Handover(task="M7-1", epoch=1, quantity=24))
     assert sent(effects, HandoverAccepted) == []
     assert facts(rig.all, TaskClosed) == []
-    assert len(sent(rig.hear("ATV1", Handover(task="M7-1", epoch=2, quantity=24)), HandoverAccepted)) == 1
+    assert (
+        len(sent(rig.on_message("ATV1", Handover(task="M7-1", epoch=2, quantity=24)), HandoverAccepted)) == 1
+    )
 
 
 def test_the_dock_is_shut_behind_a_carrier_that_was_replaced() -> None:
     rig = supplied()
-    rig.hear("ATV2", Docked(task="M7-1", epoch=1, station="M7"))
+    rig.on_message("ATV2", Docked(task="M7-1", epoch=1, station="M7"))
     take_over(rig)
     assert [closing.vehicle for closing in instructed(rig.all, CloseDock)] == ["ATV2"]
 
 
 def test_a_carrier_that_dies_after_it_has_unloaded_has_delivered() -> None:
     rig = supplied()
-    rig.hear("ATV2", Docked(task="M7-1", epoch=1, station="M7"))
+    rig.on_message("ATV2", Docked(task="M7-1", epoch=1, station="M7"))
     rig.stocked("housing", 24, "ATV2")
     take_over(rig)
     assert sent(rig.all, Superseded, to="ATV1") == [Superseded(task="M7-1", epoch=2)]
@@ -148,7 +150,9 @@ def test_a_carrier_that_dies_after_it_has_unloaded_has_delivered() -> None:
     assert (closed.outcome, closed.carrier) == ("delivered", "ATV2")
     assert facts(rig.all, CarrierChanged) == []
     # It lives after all, and says so.
-    assert len(sent(rig.hear("ATV2", Handover(task="M7-1", epoch=1, quantity=24)), HandoverAccepted)) == 1
+    assert (
+        len(sent(rig.on_message("ATV2", Handover(task="M7-1", epoch=1, quantity=24)), HandoverAccepted)) == 1
+    )
 
 
 # --- goods ---------------------------------------------------------------------------------------
@@ -201,7 +205,7 @@ def names(rig: MachineRig, atv: str, task: str, *, epoch: int = 1, item: str = "
         due_s=rig.now_s + 60.0,
     )
     heartbeat = rhb(atv, int(rig.now_s * 10) + 1, rig.now_s, task=task, coordinator="M7")
-    rig.hear(atv, msgspec.structs.replace(heartbeat, task=brief))
+    rig.on_message(atv, msgspec.structs.replace(heartbeat, task=brief))
 
 
 def test_a_machine_that_was_started_again_listens_to_all_vehicles_for_a_while() -> None:
@@ -216,7 +220,7 @@ def test_a_carrier_that_its_notes_name_goes_on() -> None:
     again = reborn(rig, notes(rig))
     names(again, "ATV2", "M7-1")
     assert carrier(again) == ("ATV2", 1)
-    assert len(sent(again.hear("ATV2", Docked(task="M7-1", epoch=1, station="M7")), DockOpened)) == 1
+    assert len(sent(again.on_message("ATV2", Docked(task="M7-1", epoch=1, station="M7")), DockOpened)) == 1
 
 
 def test_an_award_that_was_accepted_while_it_was_away_stands() -> None:
@@ -245,7 +249,7 @@ def test_a_machine_that_has_lost_its_notes_adopts_who_carries_material_for_it() 
     again = reborn(supplied(), {})
     names(again, "ATV2", "M7-1")
     assert carrier(again) == ("ATV2", 1)
-    assert len(sent(again.hear("ATV2", Docked(task="M7-1", epoch=1, station="M7")), DockOpened)) == 1
+    assert len(sent(again.on_message("ATV2", Docked(task="M7-1", epoch=1, station="M7")), DockOpened)) == 1
 
 
 def test_what_is_no_material_of_this_machine_is_not_adopted() -> None:
@@ -257,10 +261,10 @@ def test_what_is_no_material_of_this_machine_is_not_adopted() -> None:
 
 def test_a_machine_with_its_notes_adopts_nothing_that_it_has_closed() -> None:
     rig = supplied()
-    rig.hear("ATV2", Handover(task="M7-1", epoch=1, quantity=24))
+    rig.on_message("ATV2", Handover(task="M7-1", epoch=1, quantity=24))
     again = reborn(rig, notes(rig), housing=24)
     names(again, "ATV2", "M7-1")
-    effects = again.hear("ATV2", Docked(task="M7-1", epoch=1, station="M7"))
+    effects = again.on_message("ATV2", Docked(task="M7-1", epoch=1, station="M7"))
     assert sent(effects, Superseded, to="ATV2") == [Superseded(task="M7-1", epoch=0)]
 
 

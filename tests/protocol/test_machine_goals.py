@@ -54,7 +54,7 @@ def test_a_machine_listens_for_the_goals_it_can_make() -> None:
 
 def test_a_machine_bids_for_a_goal_with_the_parts_of_its_price() -> None:
     rig = m7()
-    effects = rig.hear("S", announcement(task="G1", coordinator="STRATEGIST", work=production()))
+    effects = rig.on_message("S", announcement(task="G1", coordinator="STRATEGIST", work=production()))
     [bid_] = sent(effects, Bid, to="STRATEGIST")
     assert bid_.cost.total_s == 24 * 50.0
     assert bid_.finish_s == rig.now_s + 24 * 50.0
@@ -62,15 +62,15 @@ def test_a_machine_bids_for_a_goal_with_the_parts_of_its_price() -> None:
 
 def test_a_machine_with_a_queue_is_dearer() -> None:
     ask = announcement(task="G9", coordinator="STRATEGIST", work=production())
-    idle_s, busy_s = (sent(rig.hear("S", ask), Bid)[0].cost.total_s for rig in (m7(), m7(goal=24)))
+    idle_s, busy_s = (sent(rig.on_message("S", ask), Bid)[0].cost.total_s for rig in (m7(), m7(goal=24)))
     assert busy_s == idle_s + 24 * 50.0
 
 
 def test_transports_and_other_products_are_not_bid_for() -> None:
     rig = m7()
-    assert rig.hear("M8", announcement()) == []
+    assert rig.on_message("M8", announcement()) == []
     other = production(product="gear-unit-g1")
-    assert rig.hear("S", announcement(coordinator="STRATEGIST", work=other)) == []
+    assert rig.on_message("S", announcement(coordinator="STRATEGIST", work=other)) == []
 
 
 @pytest.mark.parametrize("product", ["gear-unit-g1", "nonsense"])
@@ -84,7 +84,7 @@ def test_an_award_of_what_the_machine_does_not_make_is_declined(product: str) ->
 def test_a_transport_is_not_for_machines() -> None:
     rig = m7()
     carrying = Award(task="T", epoch=1, role=Role.PRIMARY, work=transport(), deadline_s=1.0, number=3)
-    [declined] = sent(rig.hear("M8", carrying), Declined, to="M8")
+    [declined] = sent(rig.on_message("M8", carrying), Declined, to="M8")
     assert (declined.reason, declined.number) == (Refusal.ABILITY, 3)
 
 
@@ -92,7 +92,7 @@ def test_a_broken_machine_refuses_with_its_reason() -> None:
     rig = m7()
     rig.report(Broken(reason="oil"))
     ask = announcement(task="G1", coordinator="STRATEGIST", work=production())
-    [refused] = facts(rig.hear("S", ask), BidRefused)
+    [refused] = facts(rig.on_message("S", ask), BidRefused)
     assert (refused.reason, refused.detail) == (Refusal.NOT_FIT, "oil")
     [declined] = sent(rig.take_goal("G1", production()), Declined)
     assert declined.reason is Refusal.NOT_FIT
@@ -100,7 +100,7 @@ def test_a_broken_machine_refuses_with_its_reason() -> None:
 
 def test_a_goal_that_is_awarded_is_accepted_with_what_was_promised() -> None:
     rig = m7()
-    rig.hear("S", announcement(task="G1", coordinator="STRATEGIST", work=production()))
+    rig.on_message("S", announcement(task="G1", coordinator="STRATEGIST", work=production()))
     rig.now_s = 2.0
     effects = rig.take_goal("G1", production())
     [answer] = sent(effects, Accepted, to="STRATEGIST")
@@ -146,7 +146,7 @@ def test_an_acceptance_is_repeated_until_it_is_confirmed() -> None:
 def test_an_acceptance_is_repeated_no_more_after_a_release() -> None:
     rig = m7()
     rig.award_goal("G1", production())
-    rig.hear("STRATEGIST", Release(task="G1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1))
+    rig.on_message("STRATEGIST", Release(task="G1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1))
     assert sent(rig.run(60.0), Accepted) == []
     assert rig.heartbeats(MachineHeartbeat)[-1].goals == ()
     assert deeds(rig.confirm_goal("G1")) == []
@@ -170,15 +170,15 @@ def test_a_doubled_award_is_answered_until_it_is_confirmed_again_and_no_longer()
 def test_the_answer_carries_the_number_of_the_award_that_it_answers() -> None:
     rig = m7()
     given = Award(task="G1", epoch=1, role=Role.PRIMARY, work=production(), deadline_s=3600.0, number=2)
-    [first] = sent(rig.hear("STRATEGIST", given), Accepted)
-    [second] = sent(rig.hear("STRATEGIST", msgspec.structs.replace(given, number=5)), Accepted)
+    [first] = sent(rig.on_message("STRATEGIST", given), Accepted)
+    [second] = sent(rig.on_message("STRATEGIST", msgspec.structs.replace(given, number=5)), Accepted)
     assert (first.number, second.number) == (2, 5)
     assert {answer.number for answer in sent(rig.run(10.0), Accepted)} == {5}
 
 
 def test_a_goal_whose_promise_has_become_empty_is_declined() -> None:
     rig = m7()
-    rig.hear("S", announcement(task="G1", coordinator="STRATEGIST", work=production()))
+    rig.on_message("S", announcement(task="G1", coordinator="STRATEGIST", work=production()))
     rig.take_goal("G2", production(order="O2"))
     [declined] = sent(rig.take_goal("G1", production()), Declined, to="STRATEGIST")
     assert declined.reason is Refusal.BUSY
@@ -192,9 +192,9 @@ WITHDRAWN = Withdrawn(task="G1", epoch=1, reason="not needed any more")
 def test_a_goal_that_is_not_confirmed_is_given_back(message: Message) -> None:
     rig = m7()
     rig.award_goal("G1", production())
-    [ended] = facts(rig.hear("STRATEGIST", message), ContractEnded)
+    [ended] = facts(rig.on_message("STRATEGIST", message), ContractEnded)
     assert ended.task == "G1"
-    rig.hear("STRATEGIST", message)
+    rig.on_message("STRATEGIST", message)
     rig.confirm_goal("G1")
     assert facts(rig.all, ContractEnded) == [ended]
     rig.run(10.0)
@@ -204,14 +204,14 @@ def test_a_goal_that_is_not_confirmed_is_given_back(message: Message) -> None:
 
 def test_a_release_that_comes_after_the_confirmation_changes_nothing() -> None:
     rig = m7(goal=24)
-    assert deeds(rig.hear("STRATEGIST", RELEASE)) == []
+    assert deeds(rig.on_message("STRATEGIST", RELEASE)) == []
     assert rig.is_cycling
 
 
 def test_a_withdrawn_goal_is_made_no_further_and_its_pieces_serve_the_next_one() -> None:
     rig = m7(goal=24)
     rig.cycles(3)
-    [ended] = facts(rig.hear("STRATEGIST", WITHDRAWN), ContractEnded)
+    [ended] = facts(rig.on_message("STRATEGIST", WITHDRAWN), ContractEnded)
     assert (ended.task, ended.reason) == ("G1", "not needed any more")
     rig.cycle()  # The piece that was begun.
     assert not rig.is_cycling
@@ -230,7 +230,7 @@ def test_a_machine_tells_how_many_pieces_no_goal_wants_until_the_next_one_takes_
     rig = m7(goal=24)
     rig.cycles(3)
     assert spare() == 0
-    rig.hear("STRATEGIST", WITHDRAWN)
+    rig.on_message("STRATEGIST", WITHDRAWN)
     rig.cycle()  # The piece that was begun.
     assert spare() == 4
     rig.take_goal("G2", production(quantity=5))
@@ -243,7 +243,7 @@ def test_goods_of_a_withdrawn_goal_that_nobody_has_come_for_stay_for_the_next_on
     rig = m7(goal=2)
     rig.cycles(2)
     assert outgoing(rig.all) == [("G1", 2)]
-    effects = rig.hear("STRATEGIST", WITHDRAWN)
+    effects = rig.on_message("STRATEGIST", WITHDRAWN)
     assert [closed.outcome for closed in facts(effects, TaskClosed)] == ["withdrawn"]
     rig.take_goal("G2", production(quantity=2))
     assert not rig.is_cycling
@@ -255,7 +255,7 @@ def test_goods_of_a_withdrawn_goal_that_are_not_fetched_yet_stay_for_the_next_on
     rig.cycles(2)
     [task] = [each.task for each in published(rig.all, TaskAnnounced) if each.work.goal]  # type: ignore[union-attr]
     rig.hire(task, "ATV2")
-    effects = rig.hear("STRATEGIST", WITHDRAWN)
+    effects = rig.on_message("STRATEGIST", WITHDRAWN)
     assert sent(effects, Withdrawn, to="ATV2")
     rig.take_goal("G2", production(quantity=2))
     assert not rig.is_cycling
@@ -268,7 +268,7 @@ def test_goods_of_a_withdrawn_goal_that_are_on_their_way_are_left_to_the_gate() 
     [task] = [each.task for each in published(rig.all, TaskAnnounced) if each.work.goal]  # type: ignore[union-attr]
     rig.hire(task, "ATV2")
     rig.stocked("pump-p3", -2, "ATV2")
-    assert facts(rig.hear("STRATEGIST", WITHDRAWN), TaskClosed) == []
+    assert facts(rig.on_message("STRATEGIST", WITHDRAWN), TaskClosed) == []
     rig.take_goal("G2", production(quantity=2))
     assert rig.is_cycling
 
@@ -281,10 +281,10 @@ def test_spare_pieces_that_fill_the_machine_are_set_aside() -> None:
     assert [(work.item, work.goal) for work in works if isinstance(work, Transport)][:1] == [("pump-p3", "")]
     tasks = [each.task for each in published(rig.all, TaskAnnounced)]
     rig.hire(tasks[0], "ATV2")
-    docked = rig.hear("ATV2", Docked(task=tasks[0], epoch=1, station="M7"))
+    docked = rig.on_message("ATV2", Docked(task=tasks[0], epoch=1, station="M7"))
     assert instructed(docked, OpenDock) == [OpenDock(vehicle="ATV2", item="pump-p3", quantity=24)]
     rig.stocked("pump-p3", -24, "ATV2")
-    rig.hear("ATV2", handover(tasks[0]))
+    rig.on_message("ATV2", handover(tasks[0]))
     rig.take_goal("G1", production(quantity=40))
     assert outgoing(rig.all)[-1] == ("G1", 24)  # Of those that are still there.
     assert rig.is_cycling
@@ -294,8 +294,8 @@ def test_a_release_of_an_earlier_award_does_not_end_the_goal_of_a_later_one() ->
     rig = m7()
     rig.award_goal("G1", production(quantity=24))
     again = Award(task="G1", epoch=1, role=Role.PRIMARY, work=production(), deadline_s=3600.0, number=2)
-    rig.hear("STRATEGIST", again)
-    rig.hear("STRATEGIST", Release(task="G1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1))
+    rig.on_message("STRATEGIST", again)
+    rig.on_message("STRATEGIST", Release(task="G1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1))
     rig.confirm_goal("G1")
     assert rig.is_cycling
 
@@ -310,4 +310,4 @@ def test_what_its_strategist_alone_may_say_of_a_goal_is_taken_from_nobody_else()
         Award(task="G1", epoch=2, role=Role.PRIMARY, work=production(), deadline_s=3600.0),
     )
     for word in words:
-        assert rig.hear("M8", word) == [Ignore(NO_PARTY)]
+        assert rig.on_message("M8", word) == [Ignore(NO_PARTY)]

@@ -129,7 +129,7 @@ def test_delivered_goods_count_for_their_goal_once() -> None:
     first, second = [each.task for each in published(rig.all, TaskAnnounced) if each.work.goal]  # type: ignore[union-attr]
     delivered(rig, first)
     assert counted(rig) == [("G1", 30, 24)]
-    rig.hear("ATV2", handover(first))
+    rig.on_message("ATV2", handover(first))
     assert counted(rig) == [("G1", 30, 24)]
     delivered(rig, second)
     assert counted(rig) == [("G1", 30, 30)]
@@ -182,7 +182,7 @@ def lost_lot() -> MachineRig:
     rig.hire(task, "ATV2")
     rig.stocked("pump-p3", -24, "ATV2")
     rig.stock |= FULL
-    rig.hear("ATV2", Resigned(task=task, epoch=1, role=Role.PRIMARY, reason="refused: not admitted"))
+    rig.on_message("ATV2", Resigned(task=task, epoch=1, role=Role.PRIMARY, reason="refused: not admitted"))
     return rig
 
 
@@ -190,7 +190,7 @@ def test_a_lot_that_was_lost_is_made_anew_and_the_gate_asked() -> None:
     rig = lost_lot()
     [asked] = sent(rig.all, Accepted, to="STRATEGIST")[1:]
     assert (asked.task, asked.epoch) == ("G1", 1)
-    rig.hear("STRATEGIST", Confirmed(task="G1", epoch=1, arrived=0))
+    rig.on_message("STRATEGIST", Confirmed(task="G1", epoch=1, arrived=0))
     rig.run(rig.now_s + 60.0)
     assert len(sent(rig.all, Accepted, to="STRATEGIST")) == 2
     rig.cycles(6 + 24)
@@ -200,7 +200,7 @@ def test_a_lot_that_was_lost_is_made_anew_and_the_gate_asked() -> None:
 
 def test_a_lot_that_was_lost_and_arrived_all_the_same_is_not_made_anew() -> None:
     rig = lost_lot()
-    rig.hear("STRATEGIST", Confirmed(task="G1", epoch=1, arrived=24))
+    rig.on_message("STRATEGIST", Confirmed(task="G1", epoch=1, arrived=24))
     assert counted(rig) == [("G1", 24, 24)]
     rig.cycles(6)
     assert not rig.is_cycling
@@ -215,9 +215,9 @@ def test_a_goal_stays_in_the_heartbeat_until_the_strategist_has_closed_it() -> N
     rig.run(rig.now_s + 20.0)
     [brief] = rig.heartbeats(MachineHeartbeat)[-1].goals
     assert (brief.made, brief.delivered, brief.quantity) == (24, 24, 24)
-    [ended] = facts(rig.hear("STRATEGIST", GoalClosed(goal="G1")), ContractEnded)
+    [ended] = facts(rig.on_message("STRATEGIST", GoalClosed(goal="G1")), ContractEnded)
     assert ended.reason == "delivered"
-    rig.hear("STRATEGIST", GoalClosed(goal="G1"))
+    rig.on_message("STRATEGIST", GoalClosed(goal="G1"))
     rig.run(rig.now_s + 20.0)
     assert rig.heartbeats(MachineHeartbeat)[-1].goals == ()
     assert len(facts(rig.all, ContractEnded)) == 1
@@ -228,9 +228,9 @@ def test_an_award_of_a_goal_that_is_delivered_already_begins_nothing() -> None:
     rig.cycle()
     [task] = [each.task for each in published(rig.all, TaskAnnounced) if each.work.goal]  # type: ignore[union-attr]
     delivered(rig, task)
-    rig.hear("STRATEGIST", GoalClosed(goal="G1"))
+    rig.on_message("STRATEGIST", GoalClosed(goal="G1"))
     rig.award_goal("G1", production(quantity=1))
-    rig.hear(
+    rig.on_message(
         "STRATEGIST", Release(task="G1", epoch=1, role=Role.PRIMARY, reason="the task has ended", number=1)
     )
     rig.run(rig.now_s + 60.0)
@@ -261,7 +261,7 @@ def test_a_report_that_is_heard_after_the_state_that_it_explains_is_not_counted_
     rig.seq += 1
     rig.wake()
     rig.report(StockChanged(item="pump-p3", change=-24, seq=rig.seq, vehicle="ATV2"))
-    effects = rig.hear("ATV3", docked(second))
+    effects = rig.on_message("ATV3", docked(second))
     assert len(sent(effects, DockOpened, to="ATV3")) == 1
     assert facts(effects, TaskClosed) == []
     rig.run(rig.now_s + 5.0)
@@ -323,6 +323,6 @@ def test_spare_pieces_that_a_person_has_taken_off_their_carrier_are_written_off(
     effects: list[Effect] = []
     while not sent(effects, Withdrawn, to="ATV2"):
         assert rig.now_s < 3 * HELD_MAX_S
-        effects = rig.hear("ATV2", docked(task))
+        effects = rig.on_message("ATV2", docked(task))
         rig.now_s += 5.0
     assert [fact.task for fact in facts(effects, TaskClosed)] == [task]

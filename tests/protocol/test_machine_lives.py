@@ -85,7 +85,7 @@ def test_a_goal_that_others_have_got_meanwhile_ends_with_the_answer() -> None:
     rig = m7(goal=24)
     rig.cycles(5)
     again = reborn(rig)
-    again.hear("STRATEGIST", RELEASE)
+    again.on_message("STRATEGIST", RELEASE)
     again.cycle()
     assert counted(again) == []
     again.take_goal("G2", production(quantity=6))
@@ -99,9 +99,11 @@ def test_goods_on_the_way_are_neither_made_again_nor_counted_twice() -> None:
     rig.hire(first, "ATV2")
     rig.stocked("pump-p3", -24, "ATV2")
     again = reborn(rig)
-    again.hear("STRATEGIST", Confirmed(task="G1", epoch=1, arrived=24))  # It is in, and not handed over yet.
+    again.on_message(
+        "STRATEGIST", Confirmed(task="G1", epoch=1, arrived=24)
+    )  # It is in, and not handed over yet.
     assert counted(again) == [("G1", 25, 0)]
-    again.hear("ATV2", handover(first))
+    again.on_message("ATV2", handover(first))
     assert counted(again) == [("G1", 25, 24)]
     again.stock |= FULL
     again.run(again.now_s + 5.0)
@@ -188,15 +190,15 @@ def carrier(rig: MachineRig) -> tuple[str, int]:
 @pytest.mark.parametrize("number", [0, 1, 7])
 def test_a_carrier_that_starts_after_its_machine_keeps_its_contract(number: int) -> None:
     again = reborn(supplied_by("ATV2"))
-    effects = again.hear("ATV2", accepted("M7-1", number=number))
+    effects = again.on_message("ATV2", accepted("M7-1", number=number))
     assert sent(effects, Release) == []
     assert carrier(again) == ("ATV2", 1)
-    assert len(sent(again.hear("ATV2", docked()), DockOpened)) == 1
+    assert len(sent(again.on_message("ATV2", docked()), DockOpened)) == 1
 
 
 def test_somebody_else_s_acceptance_is_released_by_the_award_that_it_names() -> None:
     again = reborn(supplied_by("ATV2"))
-    [release] = sent(again.hear("ATV3", accepted("M7-1", number=3)), Release, to="ATV3")
+    [release] = sent(again.on_message("ATV3", accepted("M7-1", number=3)), Release, to="ATV3")
     assert release.number == 3
     assert carrier(again) == ("ATV2", 1)
 
@@ -208,7 +210,7 @@ def asking() -> MachineRig:
 
 def test_an_acceptance_that_is_in_nobody_s_notes_but_the_vehicle_s_counts() -> None:
     again = reborn(asking())
-    effects = again.hear("ATV2", accepted("M7-1"))
+    effects = again.on_message("ATV2", accepted("M7-1"))
     assert sent(effects, Release) == []
     assert carrier(again) == ("ATV2", 1)
 
@@ -217,7 +219,7 @@ def test_however_often_a_machine_starts_before_it_asks_anybody_the_carrier_of_it
     again = asking()
     for _ in range(3):
         again = reborn(again)
-    again.hear("ATV2", rhb("ATV2", 1, again.now_s, task="M7-1", coordinator="M7"))
+    again.on_message("ATV2", rhb("ATV2", 1, again.now_s, task="M7-1", coordinator="M7"))
     assert carrier(again) == ("ATV2", 1)
 
 
@@ -226,7 +228,7 @@ def test_once_others_were_asked_an_earlier_acceptance_is_over() -> None:
     again.run(again.now_s + ADOPT_S)
     assert published(again.all, TaskAnnounced)[-1].epoch == 2
     later = reborn(again)
-    assert sent(later.hear("ATV2", accepted("M7-1")), Release, to="ATV2")
+    assert sent(later.on_message("ATV2", accepted("M7-1")), Release, to="ATV2")
     assert carrier(later) == ("", 3)
 
 
@@ -234,22 +236,22 @@ def test_whoever_is_asked_by_the_next_life_is_not_taken_at_its_word_for_the_load
     again = reborn(asking(), doubts=True)
     again.run(again.now_s + ADOPT_S)
     finish_s = again.now_s + 120.0
-    effects = again.hear("ATV2", bid(90.0, task="M7-1", epoch=2, finish_s=finish_s, source="S1"))
+    effects = again.on_message("ATV2", bid(90.0, task="M7-1", epoch=2, finish_s=finish_s, source="S1"))
     effects += again.run(published(again.all, TaskAnnounced)[-1].bids_until_s)
-    again.hear("ATV2", accepted("M7-1", epoch=2, number=award_number(effects, "ATV2", "M7-1")))
+    again.on_message("ATV2", accepted("M7-1", epoch=2, number=award_number(effects, "ATV2", "M7-1")))
     assert carrier(again) == ("ATV2", 2)
-    assert sent(again.hear("ATV2", handover(epoch=2)), HandoverAccepted) == []
+    assert sent(again.on_message("ATV2", handover(epoch=2)), HandoverAccepted) == []
     again.stocked("housing", 24, "ATV2")
-    assert sent(again.hear("ATV2", handover(epoch=2)), HandoverAccepted, to="ATV2")
+    assert sent(again.on_message("ATV2", handover(epoch=2)), HandoverAccepted, to="ATV2")
 
 
 def test_a_machine_that_has_lost_its_notes_waits_for_the_word_of_those_who_ask_it() -> None:
     lost = MachineRig("M7", NO_HOUSINGS, incarnation=2)
     lost.start()
-    assert sent(lost.hear("ATV2", accepted("M7-1")), Release) == []
-    assert sent(lost.hear("ATV2", docked()), Superseded) == []
+    assert sent(lost.on_message("ATV2", accepted("M7-1")), Release) == []
+    assert sent(lost.on_message("ATV2", docked()), Superseded) == []
     lost.run(lost.now_s + ADOPT_S)
-    assert sent(lost.hear("ATV2", docked()), Superseded, to="ATV2")
+    assert sent(lost.on_message("ATV2", docked()), Superseded, to="ATV2")
 
 
 def test_a_machine_that_has_lost_its_notes_takes_a_carrier_at_its_word_once_and_gives_its_task_no_other_epoch() -> (
@@ -258,18 +260,18 @@ def test_a_machine_that_has_lost_its_notes_takes_a_carrier_at_its_word_once_and_
     lost = MachineRig("M7", NO_HOUSINGS, incarnation=2)
     lost.start()
     claim = TakenOver(task="M7-1", epoch=3, primary="ATV3")
-    assert sent(lost.hear("ATV2", claim), Superseded) == [], "its heartbeat tells more"
+    assert sent(lost.on_message("ATV2", claim), Superseded) == [], "its heartbeat tells more"
     named = rhb("ATV2", 1, lost.now_s, task="M7-1", coordinator="M7")
     carried = msgspec.structs.replace(
         cast(Brief, named.task), epoch=3, phase=Phase.CARRYING, item="housing", quantity=24
     )
-    lost.hear("ATV2", msgspec.structs.replace(named, task=carried))
+    lost.on_message("ATV2", msgspec.structs.replace(named, task=carried))
     assert carrier(lost) == ("ATV2", 3)
-    assert sent(lost.hear("ATV2", claim), Confirmed, to="ATV2") == [Confirmed(task="M7-1", epoch=3)]
-    lost.hear("ATV2", Resigned(task="M7-1", epoch=3, role=Role.PRIMARY, reason="leaves"))
+    assert sent(lost.on_message("ATV2", claim), Confirmed, to="ATV2") == [Confirmed(task="M7-1", epoch=3)]
+    lost.on_message("ATV2", Resigned(task="M7-1", epoch=3, role=Role.PRIMARY, reason="leaves"))
     assert [fact.outcome for fact in facts(lost.all, TaskClosed)] == ["withdrawn"]
     older = msgspec.structs.replace(named, atv="ATV3", task=msgspec.structs.replace(carried, epoch=2))
-    lost.hear("ATV3", older)
+    lost.on_message("ATV3", older)
     assert lost.agent._flow.tasks.get("M7-1") is None  # type: ignore[attr-defined]
 
 

@@ -59,7 +59,7 @@ def test_no_more_is_ordered_than_all_goals_need() -> None:
     rig = m7(NO_HOUSINGS, goal=20)
     rig.hire("M7-1", "ATV2")
     rig.stocked("housing", 24, "ATV2")
-    rig.hear("ATV2", handover())
+    rig.on_message("ATV2", handover())
     rig.cycles(20)
     rig.run(rig.now_s + 60.0)
     assert incoming(rig.all) == [("housing", 24)]
@@ -70,7 +70,7 @@ def test_a_need_that_grows_is_ordered_for() -> None:
     rig.hire("M7-1", "ATV2")
     rig.take_goal("G2", production(quantity=24, order="O2"))
     rig.stocked("housing", 24, "ATV2")
-    effects = rig.hear("ATV2", handover())
+    effects = rig.on_message("ATV2", handover())
     effects += rig.cycles(24)
     assert ("housing", 24) in incoming(effects)
 

@@ -49,13 +49,13 @@ def vehicle(probation: int = 2, node: str = "p3") -> VehicleRig:
 def carry(rig: VehicleRig, number: int) -> None:
     """ATV1 does a transport well."""
     task = f"M8-{number}"
-    rig.hear("M8", award(task=task))
+    rig.on_message("M8", award(task=task))
     rig.arrive()
     rig.picked()
     rig.arrive()
-    rig.hear("M8", DockOpened(task=task, epoch=1, station="M8"))
+    rig.on_message("M8", DockOpened(task=task, epoch=1, station="M8"))
     rig.dropped()
-    rig.hear("M8", HandoverAccepted(task=task, epoch=1))
+    rig.on_message("M8", HandoverAccepted(task=task, epoch=1))
     rig.run(rig.now_s)
 
 
@@ -69,15 +69,15 @@ def test_the_transports_of_these_tests_are_short_and_long() -> None:
     finish_s = [
         bid.finish_s
         for work in (SHORT, LONG)
-        for bid in sent(vehicle(0).hear("M8", announcement(work=work)), Bid)
+        for bid in sent(vehicle(0).on_message("M8", announcement(work=work)), Bid)
     ]
     assert finish_s[0] <= SHORT_S < finish_s[1]
 
 
 def test_on_probation_a_vehicle_bids_for_short_transports_only() -> None:
     rig = vehicle()
-    assert len(sent(rig.hear("M8", announcement(work=SHORT)), Bid)) == 1
-    effects = rig.hear("M1", announcement(task="M1-1", coordinator="M1", work=LONG))
+    assert len(sent(rig.on_message("M8", announcement(work=SHORT)), Bid)) == 1
+    effects = rig.on_message("M1", announcement(task="M1-1", coordinator="M1", work=LONG))
     assert not sent(effects, Bid)
     [refused] = facts(effects, BidRefused)
     assert refused.reason is Refusal.NOT_FIT
@@ -87,16 +87,16 @@ def test_on_probation_a_vehicle_bids_for_short_transports_only() -> None:
 def test_what_nobody_has_taken_is_taken_on_probation_too() -> None:
     rig = vehicle()
     again = announcement(task="M1-1", coordinator="M1", work=LONG, round=PASSED_OVER_ROUNDS + 1)
-    assert len(sent(rig.hear("M1", again), Bid)) == 1
-    assert len(sent(rig.hear("M1", award(task="M1-1", work=LONG)), Accepted)) == 1
+    assert len(sent(rig.on_message("M1", again), Bid)) == 1
+    assert len(sent(rig.on_message("M1", award(task="M1-1", work=LONG)), Accepted)) == 1
 
 
 def test_on_probation_a_vehicle_watches_nobody() -> None:
     rig = vehicle()
     watch = announcement(role=Role.SECONDARY, primary="ATV2", round=PASSED_OVER_ROUNDS + 1)
-    assert not sent(rig.hear("M8", watch), Bid)
+    assert not sent(rig.on_message("M8", watch), Bid)
     # Whoever has bid to carry it may be asked to watch it.
-    [declined] = sent(rig.hear("M8", award(role=Role.SECONDARY, primary="ATV2")), Declined)
+    [declined] = sent(rig.on_message("M8", award(role=Role.SECONDARY, primary="ATV2")), Declined)
     assert declined.reason is Refusal.NOT_FIT
 
 
@@ -109,13 +109,13 @@ def test_after_so_many_handovers_its_probation_is_over() -> None:
     assert told(rig) is None
     rig.arrive()
     far = announcement(task="M1-1", coordinator="M1", work=LONG)
-    assert len(sent(rig.hear("M1", far), Bid)) == 1
+    assert len(sent(rig.on_message("M1", far), Bid)) == 1
 
 
 def test_a_transport_that_others_finish_does_not_count() -> None:
     rig = vehicle(1)
-    rig.hear("M8", award())
-    rig.hear("M8", Superseded(task="M8-1", epoch=2))
+    rig.on_message("M8", award())
+    rig.on_message("M8", Superseded(task="M8-1", epoch=2))
     assert told(rig) == ProbationBrief(of=1, done=0)
 
 
@@ -140,7 +140,7 @@ def put_up(rig: MachineRig, pieces: int, number: int = 1, rounds: int = 1) -> li
     goal = announcement(
         task=f"G{number}", coordinator="STRATEGIST", work=production(quantity=pieces), round=rounds
     )
-    return sent(rig.hear("STRATEGIST", goal), Bid)
+    return sent(rig.on_message("STRATEGIST", goal), Bid)
 
 
 def test_on_probation_a_machine_takes_goals_of_one_container() -> None:
@@ -156,9 +156,9 @@ def test_a_transport_that_is_handed_over_to_it_counts() -> None:
     rig.run(1.0)
     rig.take_goal("G1", production())
     rig.hire("M7-1", "ATV1")
-    rig.hear("ATV1", rhb("ATV1", 1, rig.now_s, task="M7-1", coordinator="M7"))
+    rig.on_message("ATV1", rhb("ATV1", 1, rig.now_s, task="M7-1", coordinator="M7"))
     assert told(rig) == ProbationBrief(of=1, done=0)
-    rig.hear("ATV1", Handover(task="M7-1", epoch=1, quantity=24))
+    rig.on_message("ATV1", Handover(task="M7-1", epoch=1, quantity=24))
     assert told(rig) is None
     assert len(put_up(rig, 10 * LOT, 3)) == 1
 

@@ -58,11 +58,11 @@ def beats(rig: MachineRig, until_s: float, *, task: str = "M7-1", phase: Phase =
         seq += 1
         beat = rhb("ATV2", seq, rig.now_s, task=task, coordinator="M7")
         assert beat.task is not None
-        rig.hear("ATV2", replace(beat, task=replace(beat.task, phase=phase)))
+        rig.on_message("ATV2", replace(beat, task=replace(beat.task, phase=phase)))
 
 
 def says(rig: MachineRig, pieces: int, task: str = "M7-1", epoch: int = 1) -> list[Effect]:
-    return rig.hear("ATV2", handover(task, epoch, pieces))
+    return rig.on_message("ATV2", handover(task, epoch, pieces))
 
 
 def disputed(rig: MachineRig) -> list[tuple[str, int, int]]:
@@ -101,13 +101,13 @@ def test_material_that_nobody_has_counted_is_disputed_and_brought_by_somebody_el
     assert [each.epoch for each in sent(answered, Superseded, to="ATV2")] == [2]
     assert facts(rig.all, TaskClosed) == []
     assert rig.agent._flow.tasks.reliability.is_restricted("ATV2", rig.now_s)
-    rig.hear("ATV3", bid(50.0, task="M7-1", epoch=2))
+    rig.on_message("ATV3", bid(50.0, task="M7-1", epoch=2))
     effects: list[Effect] = []
     while not sent(effects, Award, to="ATV3") and rig.now_s < 60.0:
         effects = rig.run(rig.now_s + 0.1)
-    rig.hear("ATV3", accepted("M7-1", epoch=2, number=award_number(effects, "ATV3", "M7-1")))
+    rig.on_message("ATV3", accepted("M7-1", epoch=2, number=award_number(effects, "ATV3", "M7-1")))
     rig.stocked("housing", pieces, "ATV3")
-    effects = rig.hear("ATV3", handover("M7-1", 2, pieces))
+    effects = rig.on_message("ATV3", handover("M7-1", 2, pieces))
     assert sent(effects, HandoverAccepted, to="ATV3")
 
 
@@ -150,7 +150,7 @@ def sending() -> tuple[MachineRig, str]:
 def gate(rig: MachineRig, arrived: int, **brought: int) -> list[Effect]:
     """The strategist tells what the gate has counted."""
     by = tuple(Brought(vehicle, pieces) for vehicle, pieces in brought.items())
-    return rig.hear("STRATEGIST", Confirmed("G1", 1, arrived, by))
+    return rig.on_message("STRATEGIST", Confirmed("G1", 1, arrived, by))
 
 
 def test_goods_are_accepted_when_the_gate_has_counted_them() -> None:
@@ -164,7 +164,7 @@ def test_goods_are_accepted_when_the_gate_has_counted_them() -> None:
 def test_the_last_goods_of_a_goal_are_accepted_when_it_is_closed() -> None:
     rig, task = sending()
     says(rig, LOT, task)
-    effects = rig.hear("STRATEGIST", GoalClosed(goal="G1"))
+    effects = rig.on_message("STRATEGIST", GoalClosed(goal="G1"))
     assert sent(effects, HandoverAccepted, to="ATV2")
 
 

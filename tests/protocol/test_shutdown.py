@@ -80,7 +80,7 @@ def idle() -> VehicleRig:
 def approaching(**changes: object) -> VehicleRig:
     """ATV1 on its way to fetch M8-1."""
     rig = idle()
-    rig.hear("M8", award(**changes))
+    rig.on_message("M8", award(**changes))
     return rig
 
 
@@ -94,7 +94,7 @@ def carrying() -> VehicleRig:
 
 def relieve(rig: VehicleRig) -> None:
     """M8 has heard that ATV1 gives its task back."""
-    rig.hear("M8", Superseded(task="M8-1", epoch=2))
+    rig.on_message("M8", Superseded(task="M8-1", epoch=2))
 
 
 def newest(rig: Rig) -> AtvHeartbeat:
@@ -138,7 +138,7 @@ def test_it_looks_for_no_place_to_stand_any_more() -> None:
 
 def test_its_watches_are_given_back() -> None:
     rig = idle()
-    rig.hear("M8", award(role=Role.SECONDARY, primary="ATV2"))
+    rig.on_message("M8", award(role=Role.SECONDARY, primary="ATV2"))
     [resigned] = sent(rig.leave(), Resigned, to="M8")
     assert (resigned.role, resigned.reason) == (Role.SECONDARY, GRACEFUL_SHUTDOWN)
 
@@ -148,10 +148,10 @@ def test_it_bids_for_nothing_and_declines_what_it_is_asked(role: Role) -> None:
     rig = carrying()
     rig.leave()
     primary = "ATV2" if role is Role.SECONDARY else ""
-    effects = rig.hear("M9", announcement(task="M9-1", coordinator="M9", role=role, primary=primary))
+    effects = rig.on_message("M9", announcement(task="M9-1", coordinator="M9", role=role, primary=primary))
     assert not sent(effects, Bid)
     assert [refused.reason for refused in facts(effects, BidRefused)] == [Refusal.NOT_FIT]
-    [declined] = sent(rig.hear("M9", award(task="M9-1", role=role, primary=primary)), Declined)
+    [declined] = sent(rig.on_message("M9", award(task="M9-1", role=role, primary=primary)), Declined)
     assert declined.reason is Refusal.NOT_FIT
 
 
@@ -204,7 +204,7 @@ def test_an_open_dock_does_not_make_it_take_what_it_has_given_back() -> None:
     rig = approaching(work=GOODS)
     rig.arrive()
     rig.leave()
-    rig.hear("M8", DockOpened(task="M8-1", epoch=1, station="M8"))
+    rig.on_message("M8", DockOpened(task="M8-1", epoch=1, station="M8"))
     assert not instructed(rig.all, Pick)
     relieve(rig)
     assert rig.has_left
@@ -212,13 +212,13 @@ def test_an_open_dock_does_not_make_it_take_what_it_has_given_back() -> None:
 
 def test_a_takeover_that_is_not_confirmed_yet_is_given_back_too() -> None:
     rig = idle()
-    rig.hear("M8", award(role=Role.SECONDARY, primary="ATV2"))
+    rig.on_message("M8", award(role=Role.SECONDARY, primary="ATV2"))
     rig.run(60.0)
     [resigned] = sent(rig.leave(), Resigned, to="M8")
     assert (resigned.role, resigned.epoch) == (Role.PRIMARY, 2)
-    rig.hear("M8", Superseded(task="M8-1", epoch=1))
+    rig.on_message("M8", Superseded(task="M8-1", epoch=1))
     assert not rig.has_left, "M8 does not know of the takeover yet"
-    rig.hear("M8", Superseded(task="M8-1", epoch=3))
+    rig.on_message("M8", Superseded(task="M8-1", epoch=3))
     rig.arrive()
     assert rig.has_left
 
@@ -228,10 +228,10 @@ def test_with_a_load_it_leaves_after_the_handover() -> None:
     rig.leave()
     assert not sent(rig.all, Resigned)
     rig.arrive()
-    rig.hear("M8", DockOpened(task="M8-1", epoch=1, station="M8"))
+    rig.on_message("M8", DockOpened(task="M8-1", epoch=1, station="M8"))
     rig.dropped()
     assert not rig.has_left
-    rig.hear("M8", HandoverAccepted(task="M8-1", epoch=1))
+    rig.on_message("M8", HandoverAccepted(task="M8-1", epoch=1))
     assert rig.has_left
     assert [ended.reason for ended in facts(rig.all, ContractEnded)] == ["handed_over"]
 
@@ -267,7 +267,7 @@ def test_a_load_that_nobody_wants_any_more_is_brought_back_first() -> None:
 
 
 def stop(rig: VehicleRig) -> None:
-    rig.hear("operator", granted("ATV1", VehicleCommand(command="c1", kind=CommandKind.STOP)))
+    rig.on_message("operator", granted("ATV1", VehicleCommand(command="c1", kind=CommandKind.STOP)))
 
 
 @pytest.mark.parametrize("holds", [stop, lambda rig: rig.report(ProblemRaised(reason="way blocked"))])
@@ -406,9 +406,9 @@ def test_who_gives_back_what_has_ended_is_told_so() -> None:
 
 def test_a_watch_becomes_a_contract_when_its_vehicle_is_asked() -> None:
     rig = idle()
-    rig.hear("M8", award(role=Role.SECONDARY, primary="ATV2"))
-    rig.hear("M8", Release(task="M8-1", epoch=1, role=Role.SECONDARY, reason=GRACEFUL_SHUTDOWN))
-    [answer] = sent(rig.hear("M8", award(epoch=2, source="S3")), Accepted, to="M8")
+    rig.on_message("M8", award(role=Role.SECONDARY, primary="ATV2"))
+    rig.on_message("M8", Release(task="M8-1", epoch=1, role=Role.SECONDARY, reason=GRACEFUL_SHUTDOWN))
+    [answer] = sent(rig.on_message("M8", award(epoch=2, source="S3")), Accepted, to="M8")
     assert (answer.role, answer.epoch) == (Role.PRIMARY, 2)
     rig.run(rig.now_s)
     assert newest(rig).watches == ()
@@ -438,7 +438,7 @@ def test_it_takes_no_goals_any_more() -> None:
     rig.leave()
     assert not rig.has_left, "somebody may be about to bid for the housings"
     goal = announcement(task="G2", coordinator="STRATEGIST", work=production())
-    effects = rig.hear("STRATEGIST", goal)
+    effects = rig.on_message("STRATEGIST", goal)
     assert not sent(effects, Bid)
     assert [refused.detail for refused in facts(effects, BidRefused)] == [GRACEFUL_SHUTDOWN]
     [declined] = sent(rig.award_goal("G2", production()), Declined)
@@ -473,7 +473,7 @@ def test_an_auction_in_which_nobody_bids_holds_nobody() -> None:
 def at_the_dock(rig: MachineRig, task: str, seq: int, phase: Phase) -> None:
     brief = Brief(task=task, epoch=1, role=Role.PRIMARY, coordinator="M7", phase=phase)
     heartbeat = rhb("ATV1", seq, rig.now_s, task=task, coordinator="M7")
-    rig.hear("ATV1", msgspec.structs.replace(heartbeat, task=brief))
+    rig.on_message("ATV1", msgspec.structs.replace(heartbeat, task=brief))
 
 
 def with_a_carrier() -> tuple[MachineRig, str]:
@@ -522,10 +522,10 @@ def test_a_strategist_that_waits_for_nobody_leaves_at_once() -> None:
 def test_it_leaves_orders_unanswered_so_that_they_come_again() -> None:
     rig = StrategistRig()
     rig.start()
-    rig.hear("gateway", ORDER)
+    rig.on_message("gateway", ORDER)
     rig.leave()
     assert not rig.has_left
-    effects = rig.hear("gateway", OrderReleased(order="O2", items=ORDER.items, due_s=7200.0))
+    effects = rig.on_message("gateway", OrderReleased(order="O2", items=ORDER.items, due_s=7200.0))
     assert not sent(effects, OrderTaken)
 
 
@@ -533,12 +533,12 @@ def test_it_hears_the_answer_that_it_waits_for_and_puts_nothing_more_up() -> Non
     rig = StrategistRig()
     rig.start()
     items = (OrderItem(product="pump-p3", quantity=48),)
-    rig.hear("gateway", OrderReleased(order="O1", items=items, due_s=7200.0))
+    rig.on_message("gateway", OrderReleased(order="O1", items=items, due_s=7200.0))
     [goal] = {said.task for said in published(rig.all, TaskAnnounced)}
     rig.leave()
-    rig.hear("M7", goal_bid(goal, 100.0))
+    rig.on_message("M7", goal_bid(goal, 100.0))
     rig.run(1.0)
-    rig.hear("M7", accepted(goal))
+    rig.on_message("M7", accepted(goal))
     assert rig.has_left
     assert {said.task for said in published(rig.all, TaskAnnounced)} == {goal}
 

@@ -47,11 +47,11 @@ def asked(effects: list[Effect], station: str) -> list[StockAsked]:
 
 
 def reserved(rig: MachineRig, station: str, *, task: str = TASK, epoch: int = 1) -> list[Effect]:
-    return rig.hear(station, StockReserved(task=task, epoch=epoch, item="housing", quantity=24))
+    return rig.on_message(station, StockReserved(task=task, epoch=epoch, item="housing", quantity=24))
 
 
 def short(rig: MachineRig, station: str, *, task: str = TASK) -> list[Effect]:
-    return rig.hear(station, StockShort(task=task, epoch=1, item="housing", free=0))
+    return rig.on_message(station, StockShort(task=task, epoch=1, item="housing", free=0))
 
 
 def freed(effects: list[Effect]) -> list[str]:
@@ -64,10 +64,10 @@ def hired(source: str = "S1") -> MachineRig:
     rig = needing()
     for station in KEEPING:
         reserved(rig, station)
-    effects = rig.hear("ATV2", bid(50.0, task=TASK, source=source))
+    effects = rig.on_message("ATV2", bid(50.0, task=TASK, source=source))
     while not sent(effects, Award, to="ATV2"):
         effects += rig.run(rig.agent.wake_at_s)
-    rig.hear("ATV2", accepted(TASK, number=award_number(effects, "ATV2", TASK)))
+    rig.on_message("ATV2", accepted(TASK, number=award_number(effects, "ATV2", TASK)))
     return rig
 
 
@@ -161,7 +161,7 @@ def test_what_comes_too_late_is_given_back() -> None:
 def test_a_task_that_is_withdrawn_gives_its_material_back() -> None:
     rig = hired("S2")
     short_of = Resigned(task=TASK, epoch=1, role=Role.PRIMARY, reason="S2 has no housing", short="S2")
-    effects = rig.hear("ATV2", short_of)
+    effects = rig.on_message("ATV2", short_of)
     assert len(sent(effects, Withdrawn, to="ATV2")) == 1
     assert [fact.outcome for fact in facts(effects, TaskClosed)] == ["withdrawn"]
     assert freed(effects) == ["S2"]
@@ -172,11 +172,11 @@ def test_a_task_that_is_withdrawn_gives_its_material_back() -> None:
 def test_who_gives_back_what_its_station_has_promised_is_doubted_and_who_found_nothing_is_not() -> None:
     short_of = Resigned(task=TASK, epoch=1, role=Role.PRIMARY, reason="S2 has no housing", short="S2")
     rig = hired("S2")
-    rig.hear("ATV2", short_of)
+    rig.on_message("ATV2", short_of)
     assert surcharge_s(rig) > 0.0
     rig = hired("S2")
     short(rig, "S2")
-    rig.hear("ATV2", short_of)
+    rig.on_message("ATV2", short_of)
     assert surcharge_s(rig) == 0.0
 
 
@@ -201,7 +201,7 @@ def test_what_is_not_needed_any_more_is_not_waited_for() -> None:
     rig = needing()
     for station in KEEPING:
         short(rig, station)
-    effects = rig.hear("STRATEGIST", Withdrawn(task="G1", epoch=1, reason="cancelled"))
+    effects = rig.on_message("STRATEGIST", Withdrawn(task="G1", epoch=1, reason="cancelled"))
     assert freed(effects) == list(KEEPING)
     assert waits(rig) == ()
 
@@ -223,7 +223,7 @@ def loading(rig: MachineRig, seconds: int, *, answers: bool) -> None:
         rig.run(at_s)
         beat = rhb("ATV2", int(at_s), at_s, task=TASK, coordinator="M7")
         brief = replace(cast(Brief, beat.task), phase=Phase.LOADING)
-        effects = rig.hear("ATV2", replace(beat, task=brief))
+        effects = rig.on_message("ATV2", replace(beat, task=brief))
         if answers and asked(effects, "S2"):
             reserved(rig, "S2")
 

@@ -40,10 +40,12 @@ class StationRig(Rig):
         return StorageState(stock=dict(self.stock), seq=self.seq, opened=tuple(self.opened))
 
     def asks(self, task: str, quantity: int = 40, *, machine: str = "M8", epoch: int = 1) -> list[Effect]:
-        return self.hear(machine, StockAsked(task=task, epoch=epoch, item=ITEM, quantity=quantity))
+        return self.on_message(machine, StockAsked(task=task, epoch=epoch, item=ITEM, quantity=quantity))
 
     def docks(self, atv: str, task: str, *, epoch: int = 1, quantity: int = 40) -> list[Effect]:
-        effects = self.hear(atv, Docked(task=task, epoch=epoch, station="S1", item=ITEM, quantity=quantity))
+        effects = self.on_message(
+            atv, Docked(task=task, epoch=epoch, station="S1", item=ITEM, quantity=quantity)
+        )
         self.opened |= {opening.vehicle: None for opening in instructed(effects, OpenDock)}
         return effects
 
@@ -134,10 +136,10 @@ def test_what_is_given_back_goes_to_the_next() -> None:
     rig = started(40)
     rig.asks("M8-1")
     rig.asks("M9-1", machine="M9")
-    assert rig.hear("M9", StockFreed(task="M8-1"))[-1] == Ignore("gave back what it does not have")
-    assert [message.task for message in sent(rig.hear("M8", StockFreed(task="M8-1")), StockReserved)] == [
-        "M9-1"
-    ]
+    assert rig.on_message("M9", StockFreed(task="M8-1"))[-1] == Ignore("gave back what it does not have")
+    assert [
+        message.task for message in sent(rig.on_message("M8", StockFreed(task="M8-1")), StockReserved)
+    ] == ["M9-1"]
 
 
 def test_the_dock_opens_for_what_was_promised_and_the_reservation_ends_with_the_fetching() -> None:
@@ -211,7 +213,7 @@ def test_promises_that_cannot_be_kept_are_taken_back_the_latest_first() -> None:
 def test_what_can_never_be_is_not_answered(changes: dict[str, object], reason: str) -> None:
     rig = started()
     asked = msgspec.structs.replace(StockAsked("M8-1", 1, ITEM, 40), **changes)
-    assert rig.hear("M8", asked) == [Ignore(reason)]
+    assert rig.on_message("M8", asked) == [Ignore(reason)]
 
 
 def test_nobody_takes_over_another_ones_reservation() -> None:

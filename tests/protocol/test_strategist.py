@@ -82,7 +82,7 @@ def test_every_goal_has_a_name_of_its_own_in_every_life() -> None:
 
 def test_the_same_order_twice_is_one_order() -> None:
     rig = released(order(pump=24))
-    effects = rig.hear("gateway", order(pump=24))
+    effects = rig.on_message("gateway", order(pump=24))
     assert sent(effects, OrderTaken) == [OrderTaken(order="O1")]
     assert announced(effects) == []
     assert len(facts(rig.all, OrderAccepted)) == 1
@@ -106,7 +106,7 @@ def test_an_order_with_an_unknown_product_is_ignored_and_not_taken() -> None:
     rig = StrategistRig()
     rig.start()
     items = (OrderItem(product="pump-p3", quantity=24), OrderItem(product="nonsense", quantity=1))
-    effects = rig.hear("gateway", OrderReleased(order="O1", items=items, due_s=3600.0))
+    effects = rig.on_message("gateway", OrderReleased(order="O1", items=items, due_s=3600.0))
     assert len(effects) == 1
     assert deeds(effects) == []
 
@@ -137,7 +137,7 @@ def test_the_word_of_a_machine_closes_no_goal() -> None:
     rig = released(order(pump=24))
     [(goal, _, _)] = announced(rig.all)
     contract(rig, goal, "M7")
-    effects = rig.hear("M7", mhb("M7", done(goal, 24)))
+    effects = rig.on_message("M7", mhb("M7", done(goal, 24)))
     assert facts(effects, TaskClosed) == []
     assert sent(effects, Confirmed, to="M7") == [Confirmed(task=goal, epoch=1, arrived=0)]
 
@@ -145,9 +145,9 @@ def test_the_word_of_a_machine_closes_no_goal() -> None:
 def test_a_machine_that_is_not_bound_is_told_so_once_the_goal_is_anothers() -> None:
     rig = released(order(pump=120))
     [(goal, _, quantity), *_] = announced(rig.all)
-    assert deeds(rig.hear("M8", mhb("M8", done(goal, quantity)))) == []
+    assert deeds(rig.on_message("M8", mhb("M8", done(goal, quantity)))) == []
     contract(rig, goal, "M7")
-    effects = rig.hear("M8", mhb("M8", done(goal, quantity), seq=2))
+    effects = rig.on_message("M8", mhb("M8", done(goal, quantity), seq=2))
     assert [message.task for message in sent(effects, Withdrawn, to="M8")] == [goal]
     assert facts(effects, TaskClosed) == []
 
@@ -176,14 +176,14 @@ def test_the_closing_of_a_goal_is_said_again_while_the_machine_still_names_it() 
     taken = contract_all(rig)
     goal, (machine, quantity) = next(iter(taken.items()))
     rig.arrive(goal, quantity)
-    effects = rig.hear(machine, mhb(machine, done(goal, quantity), seq=2))
+    effects = rig.on_message(machine, mhb(machine, done(goal, quantity), seq=2))
     assert sent(effects, GoalClosed, to=machine) == [GoalClosed(goal=goal)]
     assert facts(effects, TaskClosed) == []
 
 
 def test_a_goal_that_nobody_knows_is_over() -> None:
     rig = released(order(pump=24))
-    effects = rig.hear("M7", mhb("M7", done("X1", 24), done("X2", 24, delivered=23)))
+    effects = rig.on_message("M7", mhb("M7", done("X1", 24), done("X2", 24, delivered=23)))
     assert sent(effects, GoalClosed, to="M7") == [GoalClosed(goal="X1")]
     assert [message.task for message in sent(effects, Withdrawn, to="M7")] == ["X2"]
 
@@ -193,9 +193,9 @@ def test_a_fulfilled_order_that_is_released_again_is_said_to_be_so_and_not_made_
     [(goal, _, _)] = announced(rig.all)
     contract(rig, goal, "M7")
     rig.arrive(goal, 23)
-    assert sent(rig.hear("gateway", order(pump=24)), OrderTaken) == [OrderTaken(order="O1")]
+    assert sent(rig.on_message("gateway", order(pump=24)), OrderTaken) == [OrderTaken(order="O1")]
     rig.arrive(goal, 1)
-    effects = rig.hear("gateway", order(pump=24))
+    effects = rig.on_message("gateway", order(pump=24))
     assert sent(effects, OrderTaken) == [OrderTaken(order="O1", fulfilled=True)]
     assert announced(effects) == []
 
@@ -223,7 +223,7 @@ def test_what_is_not_meant_for_a_strategist_is_ignored() -> None:
         goal_bid("G9", 1.0),
         declined("G9"),
     ):
-        assert deeds(rig.hear("X", message)) == [], message
+        assert deeds(rig.on_message("X", message)) == [], message
 
 
 def test_a_strategist_has_a_gate_and_no_other_body() -> None:

@@ -24,7 +24,7 @@ def test_a_machine_that_names_its_goal_keeps_it_for_as_long_as_it_takes() -> Non
 
 def test_a_strategist_that_was_held_up_itself_takes_no_goal_away_for_that() -> None:
     rig, goal = making()
-    rig.hear("M7", mhb("M7", brief(goal), seq=1000))
+    rig.on_message("M7", mhb("M7", brief(goal), seq=1000))
     rig.now_s += GOAL_SILENCE_S + 30.0
     rig.handle(Woke(rig.sense(), late_s=GOAL_SILENCE_S + 29.0))
     rig.run(rig.now_s + 5.0)
@@ -78,7 +78,7 @@ def test_a_machine_that_comes_back_is_told_that_its_goal_is_anothers() -> None:
     rig, goal = making()
     beats(rig, rig.now_s + GOAL_SILENCE_S + 1.0, "M8")
     rig.gate_answers(goal)
-    effects = rig.hear("M7", mhb("M7", brief(goal), seq=1000))
+    effects = rig.on_message("M7", mhb("M7", brief(goal), seq=1000))
     assert [message.task for message in sent(effects, Withdrawn, to="M7")] == [goal]
 
 
@@ -120,8 +120,8 @@ def test_a_broken_machine_keeps_its_goals_for_as_long_as_a_repair_takes(broken_s
         rig.run(rig.now_s + 1.0)
         seq = round(rig.now_s * 10)
         ill = msgspec.structs.replace(mhb("M7", brief(goal), seq=seq), status=MachineStatus.ERROR)
-        rig.hear("M7", ill)
-        rig.hear("M8", mhb("M8", seq=seq))
+        rig.on_message("M7", ill)
+        rig.on_message("M8", mhb("M8", seq=seq))
     if rig.admitted(goal) == 0:
         rig.gate_answers(goal)
     assert bool(facts(rig.all, GoalLost)) is loses
@@ -145,9 +145,9 @@ def test_a_gate_that_does_not_answer_is_shut_again_until_it_does() -> None:
 
 def test_an_old_heartbeat_keeps_no_goal() -> None:
     rig, goal = making()
-    rig.hear("M7", mhb("M7", brief(goal), seq=50))
+    rig.on_message("M7", mhb("M7", brief(goal), seq=50))
     for _ in range(20):
         rig.run(rig.now_s + 1.0)
-        rig.hear("M7", mhb("M7", brief(goal), seq=49))
-        rig.hear("M8", mhb("M8", seq=round(rig.now_s * 10)))
+        rig.on_message("M7", mhb("M7", brief(goal), seq=49))
+        rig.on_message("M8", mhb("M8", seq=round(rig.now_s * 10)))
     assert rig.admitted(goal) == 0

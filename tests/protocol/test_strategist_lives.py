@@ -25,11 +25,11 @@ from dray.protocol.runtime.events import Commit, Effect
 def test_what_binds_the_strategist_is_written_down_before_it_is_said() -> None:
     rig = StrategistRig()
     rig.start()
-    steps = [rig.hear("gateway", order(pump=24))]
+    steps = [rig.on_message("gateway", order(pump=24))]
     [(goal, _, _)] = announced(rig.all)
-    rig.hear("M7", goal_bid(goal, 100.0))
+    rig.on_message("M7", goal_bid(goal, 100.0))
     rig.run(1.0)
-    steps += [rig.hear("M7", accepted(goal)), rig.arrive(goal, 10), rig.arrive(goal, 14)]
+    steps += [rig.on_message("M7", accepted(goal)), rig.arrive(goal, 10), rig.arrive(goal, 14)]
     for effects in steps:
         commits = [isinstance(effect, Commit) for effect in effects]
         assert any(commits)
@@ -49,12 +49,12 @@ def test_an_order_survives_the_strategist() -> None:
 def test_an_answer_to_an_award_of_an_earlier_life_binds_nobody() -> None:
     rig = released(order(pump=24))
     [(goal, _, _)] = announced(rig.all)
-    rig.hear("M7", goal_bid(goal, 100.0))
+    rig.on_message("M7", goal_bid(goal, 100.0))
     rig.run(1.0)
     again = reborn(rig)
     [message] = published(again.all, TaskAnnounced)
     assert (message.task, message.epoch) == (goal, 2)
-    effects = again.hear("M7", accepted(goal))
+    effects = again.on_message("M7", accepted(goal))
     assert sent(effects, Confirmed) == []
     assert sent(effects, Release, to="M7")
 
@@ -64,7 +64,7 @@ def test_a_contract_survives_the_strategist_and_is_confirmed_when_it_is_asked_fo
     again = reborn(rig)
     assert announced(again.all) == []
     assert again.admitted(goal) == 24
-    effects = again.hear("M7", accepted(goal, number=7))
+    effects = again.on_message("M7", accepted(goal, number=7))
     assert sent(effects, Confirmed, to="M7") == [Confirmed(task=goal, epoch=1)]
     beats(again, 60.0, "M7", "M8", goals=(brief(goal),))
     effects = again.arrive(goal, 24)
@@ -80,7 +80,7 @@ def test_what_arrived_while_the_strategist_was_away_is_counted_once() -> None:
     assert [fact.quantity for fact in facts(again.all, GoodsDelivered)] == [7]
     once_more = reborn(again, 3)
     assert facts(once_more.all, GoodsDelivered) == []
-    effects = once_more.hear("M7", accepted(goal))
+    effects = once_more.on_message("M7", accepted(goal))
     assert sent(effects, Confirmed, to="M7") == [Confirmed(task=goal, epoch=1, arrived=12)]
 
 
@@ -111,7 +111,7 @@ def test_no_two_goals_ever_have_one_name() -> None:
         [lost] = facts(rig.gate_answers(goal), GoalLost)
         goal = lost.successor
         contract(rig, goal, "M7")
-        rig.hear("gateway", order(f"O{incarnation}", g1=40))
+        rig.on_message("gateway", order(f"O{incarnation}", g1=40))
         fresh = {goal, *facts(rig.all, OrderAccepted)[-1].goals}
         assert not names & fresh
         names |= fresh
@@ -120,9 +120,9 @@ def test_no_two_goals_ever_have_one_name() -> None:
 def test_the_next_life_knows_which_ended_orders_were_fulfilled() -> None:
     rig, goal = making()
     rig.arrive(goal, 24)
-    rig.hear("gateway", OrderCancelled(order="O2"))
+    rig.on_message("gateway", OrderCancelled(order="O2"))
     later = reborn(reborn(rig), 3)
-    effects = later.hear("gateway", order(pump=24)) + later.hear("gateway", order("O2", pump=24))
+    effects = later.on_message("gateway", order(pump=24)) + later.on_message("gateway", order("O2", pump=24))
     assert sent(effects, OrderTaken) == [OrderTaken(order="O1", fulfilled=True), OrderTaken(order="O2")]
     assert announced(effects) == []
 
@@ -130,14 +130,14 @@ def test_the_next_life_knows_which_ended_orders_were_fulfilled() -> None:
 def test_an_order_that_was_fulfilled_is_not_begun_again_however_many_have_ended_since() -> None:
     rig = StrategistRig()
     rig.start()
-    rig.hear("gateway", order("O0", pump=24))
+    rig.on_message("gateway", order("O0", pump=24))
     [(goal, _, _)] = announced(rig.all)
     contract(rig, goal, "M7")
     rig.arrive(goal, 24)
     for number in range(3000):
-        rig.hear("gateway", OrderCancelled(order=f"O{number + 1}"))
+        rig.on_message("gateway", OrderCancelled(order=f"O{number + 1}"))
     for each in (rig, reborn(rig)):
-        effects = each.hear("gateway", order("O0", pump=24))
+        effects = each.on_message("gateway", order("O0", pump=24))
         assert sent(effects, OrderTaken) == [OrderTaken(order="O0", fulfilled=True)]
         assert announced(effects) == []
 
@@ -147,8 +147,8 @@ def test_what_is_forgotten_is_forgotten_on_the_disk_too(monkeypatch: pytest.Monk
     rig = StrategistRig()
     rig.start()
     for number in range(30):
-        rig.hear("gateway", OrderCancelled(order=f"O{number}"))
-        rig.hear("gateway", OrderRevoked(order=f"R{number}", release=1))
+        rig.on_message("gateway", OrderCancelled(order=f"O{number}"))
+        rig.on_message("gateway", OrderRevoked(order=f"R{number}", release=1))
     kept = {f"{kind}{number}" for kind in "OR" for number in range(20, 30)}
     assert committed(rig.all).keys() == kept
     assert set(reborn(rig).memory) == kept
@@ -161,24 +161,24 @@ def test_what_is_written_in_a_step_does_not_grow_with_the_orders_in_work() -> No
 
     rig = StrategistRig()
     rig.start()
-    first = written(rig.hear("gateway", order("O0000", pump=24, g1=40)))
+    first = written(rig.on_message("gateway", order("O0000", pump=24, g1=40)))
     [(goal, *_), _] = announced(rig.all)
     for number in range(1, 1000):
-        assert written(rig.hear("gateway", order(f"O{number:04}", pump=24, g1=40))) <= 1.1 * first
+        assert written(rig.on_message("gateway", order(f"O{number:04}", pump=24, g1=40))) <= 1.1 * first
     assert written(contract(rig, goal, "M7")) <= 1.1 * first
     assert written(rig.arrive(goal, 12)) <= 1.1 * first
-    assert written(rig.hear("gateway", order("O0999", pump=24, g1=40))) == 0, "nothing has changed"
+    assert written(rig.on_message("gateway", order("O0999", pump=24, g1=40))) == 0, "nothing has changed"
 
 
 def test_a_strategist_takes_no_more_orders_than_it_can_remember(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("dray.protocol.strategist.order_book.ORDERS_MAX", 2)
     rig = released(order("O1", pump=24))
-    rig.hear("gateway", order("O2", pump=24))
-    effects = rig.hear("gateway", order("O3", pump=24))
+    rig.on_message("gateway", order("O2", pump=24))
+    effects = rig.on_message("gateway", order("O3", pump=24))
     assert sent(effects, OrderTaken) == []
-    assert sent(rig.hear("gateway", order("O1", pump=24)), OrderTaken) == [OrderTaken(order="O1")]
-    rig.hear("gateway", OrderCancelled(order="O1"))
-    assert sent(rig.hear("gateway", order("O3", pump=24)), OrderTaken) == [OrderTaken(order="O3")]
+    assert sent(rig.on_message("gateway", order("O1", pump=24)), OrderTaken) == [OrderTaken(order="O1")]
+    rig.on_message("gateway", OrderCancelled(order="O1"))
+    assert sent(rig.on_message("gateway", order("O3", pump=24)), OrderTaken) == [OrderTaken(order="O3")]
 
 
 def test_a_strategist_that_has_lost_its_memory_shuts_the_gate_for_what_it_does_not_know() -> None:
@@ -188,6 +188,6 @@ def test_a_strategist_that_has_lost_its_memory_shuts_the_gate_for_what_it_does_n
     again.arrived = rig.arrived
     again.start()
     assert again.admitted(goal) == 0
-    effects = again.hear("gateway", order(pump=19))
+    effects = again.on_message("gateway", order(pump=19))
     [fact] = facts(effects, OrderAccepted)
     assert goal not in fact.goals

@@ -35,9 +35,9 @@ def test_a_cancelled_order_withdraws_goals_that_are_taken_asked_for_and_waiting(
     rig = released(order(pump=24 * 5))
     [(first, _, _)] = announced(rig.all)
     [(second, _, _)] = announced(contract(rig, first, "M7"))
-    rig.hear("M8", goal_bid(second, 100.0))
+    rig.on_message("M8", goal_bid(second, 100.0))
     rig.run(rig.now_s + 0.6)
-    effects = rig.hear("gateway", OrderCancelled(order="O1"))
+    effects = rig.on_message("gateway", OrderCancelled(order="O1"))
     assert [message.task for message in sent(effects, Withdrawn, to="M7")] == [first]
     assert [message.task for message in sent(effects, Release, to="M8")] == [second]
     assert [fact.order for fact in facts(effects, OrderDropped)] == ["O1"]
@@ -47,8 +47,8 @@ def test_a_cancelled_order_withdraws_goals_that_are_taken_asked_for_and_waiting(
 
 def test_cancelling_makes_room_for_the_next_order() -> None:
     rig = released(order("O1", pump=240))
-    rig.hear("gateway", order("O2", pump=24))
-    effects = rig.hear("gateway", OrderCancelled(order="O1"))
+    rig.on_message("gateway", order("O2", pump=24))
+    effects = rig.on_message("gateway", OrderCancelled(order="O1"))
     [(goal, _, quantity)] = announced(effects)
     assert goal.startswith("O2")
     assert quantity == 24
@@ -57,24 +57,24 @@ def test_cancelling_makes_room_for_the_next_order() -> None:
 def test_a_cancellation_is_answered_as_often_as_it_is_asked_for() -> None:
     rig = released(order(pump=24))
     for _ in range(2):
-        effects = rig.hear("gateway", OrderCancelled(order="O1"))
+        effects = rig.on_message("gateway", OrderCancelled(order="O1"))
         assert sent(effects, CancellationTaken, to="gateway") == [CancellationTaken(order="O1")]
     assert len(facts(rig.all, OrderDropped)) == 1
 
 
 def test_an_order_that_is_cancelled_before_it_comes_is_never_begun() -> None:
     rig = released(order("O1", pump=24))
-    effects = rig.hear("gateway", OrderCancelled(order="O2"))
+    effects = rig.on_message("gateway", OrderCancelled(order="O2"))
     assert sent(effects, CancellationTaken) == [CancellationTaken(order="O2")]
-    effects = rig.hear("gateway", order("O2", pump=24))
+    effects = rig.on_message("gateway", order("O2", pump=24))
     assert facts(effects, OrderAccepted) == announced(effects) == []
     assert sent(effects, OrderTaken) == [OrderTaken(order="O2")]
 
 
 def test_a_cancelled_order_that_is_released_again_is_not_made() -> None:
     rig = released(order(pump=24))
-    rig.hear("gateway", OrderCancelled(order="O1"))
-    effects = rig.hear("gateway", order(pump=24))
+    rig.on_message("gateway", OrderCancelled(order="O1"))
+    effects = rig.on_message("gateway", order(pump=24))
     assert announced(effects) == []
     assert sent(effects, OrderTaken) == [OrderTaken(order="O1")]
 
@@ -82,8 +82,8 @@ def test_a_cancelled_order_that_is_released_again_is_not_made() -> None:
 def test_an_order_that_is_cancelled_when_all_of_it_has_arrived_stays_fulfilled() -> None:
     rig, goal = making()
     rig.arrive(goal, 24)
-    assert sent(rig.hear("gateway", OrderCancelled(order="O1")), CancellationTaken)
-    effects = rig.hear("gateway", order(pump=24))
+    assert sent(rig.on_message("gateway", OrderCancelled(order="O1")), CancellationTaken)
+    effects = rig.on_message("gateway", order(pump=24))
     assert sent(effects, OrderTaken) == [OrderTaken(order="O1", fulfilled=True)]
 
 
@@ -91,10 +91,10 @@ def test_the_gate_is_shut_for_the_goals_of_a_cancelled_order() -> None:
     rig = released(order(pump=24))
     [(goal, _, _)] = announced(rig.all)
     contract(rig, goal, "M7")
-    rig.hear("gateway", OrderCancelled(order="O1"))
+    rig.on_message("gateway", OrderCancelled(order="O1"))
     assert rig.admitted(goal) == 0
     assert deeds(rig.gate_answers(goal)) == []
-    effects = rig.hear("M7", mhb("M7", done(goal, 24, delivered=0)))
+    effects = rig.on_message("M7", mhb("M7", done(goal, 24, delivered=0)))
     assert [message.task for message in sent(effects, Withdrawn, to="M7")] == [goal]
     assert facts(rig.all, OrderFulfilled) == []
 
@@ -114,9 +114,9 @@ def again(*quantities: int, release: int = 2) -> OrderReleased:
 def test_an_order_that_is_taken_back_withdraws_what_nobody_makes_yet_and_says_so_at_once() -> None:
     rig = released(order(pump=24))
     [(goal, _, _)] = announced(rig.all)
-    rig.hear("M8", goal_bid(goal, 100.0))
+    rig.on_message("M8", goal_bid(goal, 100.0))
     rig.run(rig.now_s + 0.6)
-    effects = rig.hear("gateway", REVOKED)
+    effects = rig.on_message("gateway", REVOKED)
     assert [message.task for message in sent(effects, Release, to="M8")] == [goal]
     assert sent(effects, RevocationTaken, to="gateway") == [RevocationTaken("O1", 1, (24,))]
     assert facts(effects, OrderReturned) == [OrderReturned("O1", 1, (24,))]
@@ -128,7 +128,7 @@ def test_the_answer_to_taking_back_waits_for_the_gates_last_count() -> None:
     rig, goal = making()
     rig.arrive(goal, 5)
     rig.arrived[goal] = 7  # It has not told yet when the strategist shuts it.
-    effects = rig.hear("gateway", REVOKED)
+    effects = rig.on_message("gateway", REVOKED)
     assert rig.admitted(goal) == 0
     assert sent(effects, RevocationTaken) == []
     assert sent(rig.report(GoodsArrived(goal=goal, arrived=6, admitted=24)), RevocationTaken) == []
@@ -142,11 +142,11 @@ def test_the_answer_to_taking_back_waits_for_the_gates_last_count() -> None:
 def test_an_order_whose_last_pieces_come_before_the_gate_is_shut_is_fulfilled_and_not_given_back() -> None:
     rig, goal = making()
     rig.arrived[goal] = 24
-    rig.hear("gateway", REVOKED)
+    rig.on_message("gateway", REVOKED)
     effects = rig.gate_answers(goal)
     assert facts(effects, OrderFulfilled) == [OrderFulfilled(order="O1")]
     assert sent(effects, RevocationTaken, to="gateway") == [RevocationTaken("O1", 1, (0,))]
-    effects = rig.hear("gateway", again(24))
+    effects = rig.on_message("gateway", again(24))
     assert sent(effects, OrderTaken) == [OrderTaken(order="O1", release=2, fulfilled=True)]
     assert announced(effects) == []
 
@@ -154,11 +154,11 @@ def test_an_order_whose_last_pieces_come_before_the_gate_is_shut_is_fulfilled_an
 def test_taking_back_is_answered_as_often_as_it_is_asked_for_and_with_the_same_count() -> None:
     rig, goal = making()
     rig.arrive(goal, 4)
-    rig.hear("gateway", REVOKED)
-    assert sent(rig.hear("gateway", REVOKED), RevocationTaken) == []
+    rig.on_message("gateway", REVOKED)
+    assert sent(rig.on_message("gateway", REVOKED), RevocationTaken) == []
     rig.gate_answers(goal)
     for _ in range(2):
-        assert sent(rig.hear("gateway", REVOKED), RevocationTaken) == [RevocationTaken("O1", 1, (20,))]
+        assert sent(rig.on_message("gateway", REVOKED), RevocationTaken) == [RevocationTaken("O1", 1, (20,))]
     assert len(facts(rig.all, OrderReturned)) == 1
 
 
@@ -167,70 +167,70 @@ def test_an_order_that_was_taken_back_is_made_again_when_it_is_released_again_an
 ):
     rig, goal = making()
     rig.arrive(goal, 4)
-    rig.hear("gateway", REVOKED)
+    rig.on_message("gateway", REVOKED)
     rig.gate_answers(goal)
-    late = rig.hear("gateway", order(pump=24))
+    late = rig.on_message("gateway", order(pump=24))
     assert announced(late) == []
     assert sent(late, OrderTaken) == [OrderTaken(order="O1", release=1)]
-    effects = rig.hear("gateway", again(20))
+    effects = rig.on_message("gateway", again(20))
     assert sent(effects, OrderTaken) == [OrderTaken(order="O1", release=2)]
     [(successor, _, quantity)] = announced(effects)
     assert quantity == 20
     assert successor != goal
-    assert rig.hear("gateway", REVOKED)  # It comes late, and changes nothing.
+    assert rig.on_message("gateway", REVOKED)  # It comes late, and changes nothing.
     contract(rig, successor, "M8")
     assert rig.admitted(successor) == 20
     rig.arrive(successor, 20)
     assert facts(rig.all, OrderFulfilled) == [OrderFulfilled(order="O1")]
-    asked_again = rig.hear("gateway", again(20))
+    asked_again = rig.on_message("gateway", again(20))
     assert sent(asked_again, OrderTaken) == [OrderTaken(order="O1", release=2, fulfilled=True)]
 
 
 def test_a_release_that_overtakes_the_taking_back_of_the_one_before_is_not_taken_yet() -> None:
     rig, goal = making()
-    effects = rig.hear("gateway", again(24))
+    effects = rig.on_message("gateway", again(24))
     assert sent(effects, OrderTaken) == announced(effects) == []
-    rig.hear("gateway", REVOKED)
+    rig.on_message("gateway", REVOKED)
     rig.gate_answers(goal)
-    assert len(announced(rig.hear("gateway", again(24)))) == 1
+    assert len(announced(rig.on_message("gateway", again(24)))) == 1
 
 
 def test_an_order_that_is_taken_back_before_it_comes_is_begun_by_its_next_release_only() -> None:
     rig = StrategistRig()
     rig.start()
-    assert sent(rig.hear("gateway", REVOKED), RevocationTaken) == [RevocationTaken("O1", 1, ())]
-    assert announced(rig.hear("gateway", order(pump=24))) == []
-    assert len(announced(rig.hear("gateway", again(24)))) == 1
+    assert sent(rig.on_message("gateway", REVOKED), RevocationTaken) == [RevocationTaken("O1", 1, ())]
+    assert announced(rig.on_message("gateway", order(pump=24))) == []
+    assert len(announced(rig.on_message("gateway", again(24)))) == 1
 
 
 def test_taking_back_an_order_that_has_ended_says_that_nothing_is_known_of_it() -> None:
     rig, goal = making()
     rig.arrive(goal, 24)
-    assert sent(rig.hear("gateway", REVOKED), RevocationTaken) == [RevocationTaken("O1", 1, ())]
-    rig.hear("gateway", OrderCancelled(order="O2"))
+    assert sent(rig.on_message("gateway", REVOKED), RevocationTaken) == [RevocationTaken("O1", 1, ())]
+    rig.on_message("gateway", OrderCancelled(order="O2"))
     asked = OrderRevoked(order="O2", release=1)
-    assert sent(rig.hear("gateway", asked), RevocationTaken) == [RevocationTaken("O2", 1, ())]
+    assert sent(rig.on_message("gateway", asked), RevocationTaken) == [RevocationTaken("O2", 1, ())]
 
 
 def test_taking_back_one_order_leaves_the_others_to_go_on() -> None:
     rig = released(order("O1", pump=24))
-    rig.hear("gateway", order("O2", pump=24))
-    [(goal, _, _)] = announced(rig.hear("gateway", REVOKED))
+    rig.on_message("gateway", order("O2", pump=24))
+    [(goal, _, _)] = announced(rig.on_message("gateway", REVOKED))
     assert goal.startswith("O2")
 
 
 def test_an_order_that_is_being_taken_back_may_be_cancelled() -> None:
     rig, goal = making()
-    rig.hear("gateway", REVOKED)
-    effects = rig.hear("gateway", OrderCancelled(order="O1"))
+    rig.on_message("gateway", REVOKED)
+    effects = rig.on_message("gateway", OrderCancelled(order="O1"))
     assert facts(effects, OrderDropped) == [OrderDropped(order="O1")]
     assert deeds(rig.gate_answers(goal)) == []
-    assert announced(rig.hear("gateway", again(24))) == []
+    assert announced(rig.on_message("gateway", again(24))) == []
 
 
 def test_a_gate_that_does_not_answer_is_shut_again_for_an_order_that_is_taken_back() -> None:
     rig, goal = making()
-    rig.hear("gateway", REVOKED)
+    rig.on_message("gateway", REVOKED)
     effects = beats(rig, rig.now_s + GOAL_SILENCE_S + 1.0, "M7", goals=(brief(goal),))
     assert [deed.quantity for deed in instructed(effects, Admit) if deed.goal == goal] == [0]
 
@@ -238,13 +238,13 @@ def test_a_gate_that_does_not_answer_is_shut_again_for_an_order_that_is_taken_ba
 def test_the_next_life_goes_on_taking_back_and_never_opens_the_gate_again() -> None:
     rig, goal = making()
     rig.arrive(goal, 3)
-    rig.hear("gateway", REVOKED)
+    rig.on_message("gateway", REVOKED)
     rig.arrived[goal] = 9
     later = reborn(rig)
     assert [deed.quantity for deed in instructed(later.all, Admit)] == [0]
     effects = later.gate_answers(goal)
     assert sent(effects, RevocationTaken, to="gateway") == [RevocationTaken("O1", 1, (15,))]
     last = reborn(later, 3)
-    assert sent(last.hear("gateway", REVOKED), RevocationTaken) == [RevocationTaken("O1", 1, (15,))]
-    assert announced(last.hear("gateway", order(pump=24))) == []
-    assert len(announced(last.hear("gateway", again(15)))) == 1
+    assert sent(last.on_message("gateway", REVOKED), RevocationTaken) == [RevocationTaken("O1", 1, (15,))]
+    assert announced(last.on_message("gateway", order(pump=24))) == []
+    assert len(announced(last.on_message("gateway", again(15)))) == 1

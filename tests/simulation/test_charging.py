@@ -263,7 +263,7 @@ def let_lie(stage: Stage, *, standing: bool) -> None:
     """Somebody claims every charger whenever anybody does, with an empty battery, and is nowhere near."""
     factory = stage.factory
 
-    def hear(sender: str, message: Message) -> None:
+    def on_message(sender: str, message: Message) -> None:
         if isinstance(message, DwellPointClaimed) and sender != LIAR:
             claim = DwellPointClaimed(
                 dwell_point=message.dwell_point, atv=LIAR, battery_frac=0.0, standing=standing
@@ -271,7 +271,7 @@ def let_lie(stage: Stage, *, standing: bool) -> None:
             session.publish(factory.keys.dwell_point(message.dwell_point), claim)
 
     factory.bus.kinds[LIAR] = Kind.ATV
-    session = factory.bus.join(LIAR, hear)
+    session = factory.bus.join(LIAR, on_message)
     for charger in stage.plant.chargers:
         session.subscribe(factory.keys.dwell_point(charger))
 

@@ -27,7 +27,7 @@ class Tablet:
 
     def __init__(self, factory: SimFactory) -> None:
         self._factory = factory
-        self._session = factory.bus.join("tablet", self._hear)
+        self._session = factory.bus.join("tablet", self._on_message)
         self._answers: dict[str, asyncio.Future[CommandAnswered]] = {}
 
     async def order(self, atv: str, kind: CommandKind, speed_frac: float | None = None) -> CommandAnswered:
@@ -41,7 +41,7 @@ class Tablet:
         self._session.send(atv, granted)
         return await asyncio.wait_for(self._answers[name], ANSWER_S)
 
-    def _hear(self, _sender: str, message: Message) -> None:
+    def _on_message(self, _sender: str, message: Message) -> None:
         if isinstance(message, CommandAnswered):
             self._answers[message.command].set_result(message)
 

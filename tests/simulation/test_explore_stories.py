@@ -10,11 +10,11 @@ from dray_sim.explore.story import Story
 
 def test_a_story_goes_back_to_what_the_violation_names() -> None:
     story = Story()
-    story.hear(1.0, "M8", ">ATV2", Release(task=TASK, epoch=1, role=Role.PRIMARY, reason="no answer"))
+    story.on_message(1.0, "M8", ">ATV2", Release(task=TASK, epoch=1, role=Role.PRIMARY, reason="no answer"))
     story.note(2.0, "--- F1 begins: crashed (agent='ATV2')")
     for second in range(100):
-        story.hear(10.0 + second, "M2", "*", event("M2", closed(f"M2-{second}")))
-        story.hear(10.0 + second, "M2", "*", heartbeat("ATV2"))
+        story.on_message(10.0 + second, "M2", "*", event("M2", closed(f"M2-{second}")))
+        story.on_message(10.0 + second, "M2", "*", heartbeat("ATV2"))
     lines = story.tell("invariant 1 is broken at 200.000 s: M8-1 did not end")
     assert lines[0] == "    1.000 s  M8 to ATV2: Release task=M8-1 epoch=1 role=primary reason=no answer"
     assert lines[1] == "    2.000 s  --- F1 begins: crashed (agent='ATV2')"
@@ -29,6 +29,6 @@ def test_a_story_tells_an_announcement_once() -> None:
         task=TASK, epoch=1, role=Role.PRIMARY, coordinator="M8", work=WORK, deadline_s=100.0
     )
     for cell in ("1-1", "1-2", "2-1"):
-        story.hear(1.0, "M8", f"plant/task/{cell}", announced)
+        story.on_message(1.0, "M8", f"plant/task/{cell}", announced)
     (line,) = story.tell("nothing")
     assert "40 x shaft to M8" in line

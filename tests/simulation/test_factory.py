@@ -29,7 +29,7 @@ class Heard:
     def __init__(self) -> None:
         self.beats: list[tuple[float, str, Heartbeat | StationHeartbeat]] = []
 
-    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
         if isinstance(message, Heartbeat | StationHeartbeat):
             self.beats.append((at_s, sender, message))
 

@@ -79,7 +79,7 @@ class Watched:
         if isinstance(said, Fact):
             message = Event(agent=sender, incarnation=1, number=1, at_s=self._at_s, fact=said)
         assert isinstance(message, Message)
-        self.checks.hear(self._at_s, sender, address, message)
+        self.checks.on_message(self._at_s, sender, address, message)
 
     def put_up(self, goal: str, quantity: int) -> None:
         """The strategist asks who makes pumps for order O1."""

@@ -48,7 +48,7 @@ class Watched:
             message = Event(agent=sender, incarnation=1, number=1, at_s=self.now_s, fact=said)
         assert isinstance(message, Message)
         for check in self._checks:
-            check.hear(self.now_s, sender, "*", message)
+            check.on_message(self.now_s, sender, "*", message)
 
     def wait(self, seconds: int) -> None:
         """Let time pass; M1 is heard all the while."""

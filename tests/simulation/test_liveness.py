@@ -26,7 +26,7 @@ class Watched:
     def say(self, sender: str, said: Fact | Message) -> None:
         message = event(sender, said) if isinstance(said, Fact) else said
         assert isinstance(message, Message)
-        self.liveness.hear(self.now_s, sender, "*", message)
+        self.liveness.on_message(self.now_s, sender, "*", message)
 
     def wait(self, seconds: float) -> None:
         """Let time pass; M1 makes pieces of something else all the while."""

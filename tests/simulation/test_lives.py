@@ -104,11 +104,11 @@ class Deafened:
         self._bus, self._chance = bus, chance
 
     def join(self, agent: str, receive: Receive, life: int = 0) -> Session:
-        def hear(sender: str, message: Message) -> None:
+        def on_message(sender: str, message: Message) -> None:
             if self._chance.random() >= 0.2:
                 receive(sender, message)
 
-        return self._bus.join(agent, hear, life)
+        return self._bus.join(agent, on_message, life)
 
 
 class Beats:
@@ -123,7 +123,7 @@ class Beats:
         self.longest_s: tuple[float, str] = (0.0, "")
         self._heard: dict[str, tuple[float, int]] = {}
 
-    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         if not isinstance(message, Heartbeat):
             return
         agent = message.atv if isinstance(message, AtvHeartbeat) else message.machine
@@ -144,9 +144,9 @@ class FirstTime:
     def __init__(self, listener: Listener) -> None:
         self._listener = listener
 
-    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
         if not (isinstance(message, Event) and address.startswith(">")):
-            self._listener.hear(at_s, sender, address, message)
+            self._listener.on_message(at_s, sender, address, message)
 
 
 async def trouble(factory: SimFactory, chance: Random) -> None:

@@ -443,9 +443,9 @@ def test_a_kind_that_nobody_is_of_waits_for_its_turn() -> None:
 def around(killed: dict[Victim, float], back: set[str]) -> list[Victim]:
     """Who may be killed next, of a vehicle and a machine with work, the offices and the database."""
     watch = Deaf(back)
-    watch.heard.hear(0.0, "", "", beat(task=brief(Role.PRIMARY, Phase.CARRYING), load="shaft"))
+    watch.heard.on_message(0.0, "", "", beat(task=brief(Role.PRIMARY, Phase.CARRYING), load="shaft"))
     goal = GoalBrief(goal="G1", product="pump-p3", quantity=24, made=0, delivered=0)
-    watch.heard.hear(0.0, "", "", heartbeat(goals=(goal,)))
+    watch.heard.on_message(0.0, "", "", heartbeat(goals=(goal,)))
     paper: Any = Ailing(ended=False), watch, None, object()
     field = campaign._Field(SMALL, *paper)
     field._killed = list(killed.items())
@@ -536,7 +536,7 @@ class Bus:
     def inner(self) -> Any:
         return self
 
-    def join(self, name: str, hear: object) -> Any:
+    def join(self, name: str, on_message: object) -> Any:
         return self
 
     def subscribe(self, key: str) -> None:
@@ -545,7 +545,7 @@ class Bus:
     def liveliness(self) -> Any:
         return self
 
-    def declare_subscriber(self, key: str, hear: object, *, history: bool) -> None:
+    def declare_subscriber(self, key: str, on_sample: object, *, history: bool) -> None:
         pass
 
 

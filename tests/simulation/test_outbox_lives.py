@@ -42,7 +42,7 @@ class Ended:
         self.fulfilled: Counter[str] = Counter()
         self.dropped: Counter[str] = Counter()
 
-    def hear(self, _at_s: float, _sender: str, _address: str, message: Message) -> None:
+    def on_message(self, _at_s: float, _sender: str, _address: str, message: Message) -> None:
         if isinstance(message, Event) and isinstance(message.fact, OrderFulfilled):
             self.fulfilled[message.fact.order] += 1
         elif isinstance(message, Event) and isinstance(message.fact, OrderDropped):
@@ -85,7 +85,7 @@ class Office:
     async def live(self, for_s: float) -> None:
         """One life of the gateway."""
         plant_clock: VirtualClock = self._factory.clock
-        session = self._factory.bus.join("gateway", self._hear)
+        session = self._factory.bus.join("gateway", self._on_message)
 
         def send(to: str, message: Message) -> None:
             if self._chance.random() >= LOSS_FRAC:
@@ -106,7 +106,7 @@ class Office:
         session.leave()
         self._outbox = None
 
-    def _hear(self, sender: str, message: Message) -> None:
+    def _on_message(self, sender: str, message: Message) -> None:
         assert self._outbox is not None
         assert sender == STRATEGIST
         if self._chance.random() < LOSS_FRAC:

@@ -38,5 +38,5 @@ def test_no_heartbeat_counts_as_negotiation() -> None:
     machine = MachineHeartbeat(machine="M1", incarnation=1, seq=1, at_s=0.0, status=MachineStatus.IDLE)
     station = StationHeartbeat(station="S1", incarnation=1, seq=1, at_s=0.0)
     for heartbeat in (machine, station):
-        observer.hear(0.0, "x", "k", heartbeat)
+        observer.on_message(0.0, "x", "k", heartbeat)
     assert (observer.messages, observer.negotiation) == (2, 0)

@@ -79,7 +79,7 @@ class Puppet:
         self.refuses: set[CommandKind] = set()
         self.heard: list[tuple[float, VehicleCommand]] = []
         self.obeyed: list[tuple[str, CommandKind]] = []
-        self._session = bus.join(atv, self._hear)
+        self._session = bus.join(atv, self._on_message)
 
     @property
     def kinds(self) -> list[CommandKind]:
@@ -110,7 +110,7 @@ class Puppet:
             help=self.help,
         )
 
-    def _hear(self, sender: str, message: Message) -> None:
+    def _on_message(self, sender: str, message: Message) -> None:
         if not isinstance(message, VehicleCommand) or self.silent:
             return
         self.heard.append((clock().now_s(), message))

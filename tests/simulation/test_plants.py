@@ -78,9 +78,9 @@ def watched(*beats: AtvHeartbeat) -> Watch:
     watch = Watch(default_plant())
     cost = TransportCost(empty_way_s=1.0, loaded_way_s=1.0, energy_s=0.0, suitability_s=0.0)
     bid = BidReceived("M1-1", 1, Role.PRIMARY, 1, "ATV1", cost, 2.0, 100.0, "S1")
-    watch.hear(0.0, "M1", "event", Event(agent="M1", incarnation=1, number=1, at_s=0.0, fact=bid))
+    watch.on_message(0.0, "M1", "event", Event(agent="M1", incarnation=1, number=1, at_s=0.0, fact=bid))
     for each in beats:
-        watch.hear(each.at_s, "ATV1", "hb", each)
+        watch.on_message(each.at_s, "ATV1", "hb", each)
     return watch
 
 

@@ -36,7 +36,7 @@ class Listener:
     def __init__(self) -> None:
         self.last: dict[str, tuple[float, AtvHeartbeat | MachineHeartbeat]] = {}
 
-    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
         if isinstance(message, AtvHeartbeat | MachineHeartbeat):
             self.last[sender] = at_s, message
 

@@ -26,7 +26,7 @@ class Listener:
         self.said: set[type[Message]] = set()
         self.told: set[type[Fact]] = set()
 
-    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
         self.said.add(type(message))
         if isinstance(message, Event):
             self.told.add(type(message.fact))

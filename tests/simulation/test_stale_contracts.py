@@ -38,7 +38,7 @@ class Bound:
             self.say(0.0, agent, fact)
 
     def say(self, at_s: float, agent: str, fact: Fact) -> None:
-        self.stale.hear(at_s, agent, "*", event(agent, fact))
+        self.stale.on_message(at_s, agent, "*", event(agent, fact))
 
     def wait(self) -> None:
         for second in range(1, int(HEED_S) + 10):

@@ -38,10 +38,10 @@ class Watched:
     def __init__(self) -> None:
         self.attribution = FaultAttribution(fleet=("ATV3",))
         self.standing = Standing(self.attribution)
-        self.standing.hear(0.0, "M8", "*", heartbeat())
+        self.standing.on_message(0.0, "M8", "*", heartbeat())
 
     def ends(self, ended: ContractEnded = RELEASED) -> None:
-        self.standing.hear(10.0, "ATV3", "*", event("ATV3", ended))
+        self.standing.on_message(10.0, "ATV3", "*", event("ATV3", ended))
 
 
 @pytest.mark.parametrize("reason", ["released", "superseded"])
@@ -73,14 +73,14 @@ def test_what_its_coordinator_has_ended_or_forgotten_it_does_not_count_on(
     fact: TaskClosed | CarrierChanged | MemoryLost,
 ) -> None:
     watched = Watched()
-    watched.standing.hear(1.0, "M8", "*", event("M8", fact))
+    watched.standing.on_message(1.0, "M8", "*", event("M8", fact))
     watched.ends()
 
 
 @pytest.mark.parametrize(("primary", "epoch"), [("ATV1", 1), ("", 1), ("ATV3", 2)])
 def test_another_carrier_or_another_epoch_is_another_contract(primary: str, epoch: int) -> None:
     watched = Watched()
-    watched.standing.hear(1.0, "M8", "*", heartbeat(primary, epoch))
+    watched.standing.on_message(1.0, "M8", "*", heartbeat(primary, epoch))
     watched.ends()
 
 

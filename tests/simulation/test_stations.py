@@ -73,7 +73,7 @@ class _Ear:
         """What machines have said they wait for."""
         self.given_back: list[str] = []
 
-    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         if type(message) is AtvHeartbeat:
             if message.task is not None and message.task.phase is Phase.LOADING:
                 since_s = self.standing_s.setdefault(sender, at_s)
@@ -167,12 +167,12 @@ def test_a_promise_of_what_is_not_there_is_found() -> None:
     level = StockLevel(item=SCARCE, level=4, capacity=5, promised=5)
     beat = StationHeartbeat(station="S1", incarnation=1, seq=1, at_s=0.0, stocks=(level,))
     with pytest.raises(InvariantBroken, match="S1 has promised 5 of the 4 bearing"):
-        PromisedLiesThere().hear(1.0, "S1", "", beat)
+        PromisedLiesThere().on_message(1.0, "S1", "", beat)
 
 
 def test_a_vehicle_that_waits_in_vain_is_found() -> None:
     listener = NobodyWaitsInVain(FaultAttribution(), ("S1",))
-    listener.hear(0.0, "ATV1", ">M1", accepted(finish_s=100.0))
-    listener.hear(100.0 + BEYOND_S, "ATV1", "", waiting())
+    listener.on_message(0.0, "ATV1", ">M1", accepted(finish_s=100.0))
+    listener.on_message(100.0 + BEYOND_S, "ATV1", "", waiting())
     with pytest.raises(InvariantBroken, match="ATV1 is loading for M1-1 121 s after its promise"):
-        listener.hear(101.0 + BEYOND_S, "ATV1", "", waiting())
+        listener.on_message(101.0 + BEYOND_S, "ATV1", "", waiting())

@@ -34,12 +34,12 @@ class Talk:
     def __init__(self, *faults: NetworkFault, latency: Latency = NO_DELAY, seed: int = 1) -> None:
         self.network = SimNetwork(clock(), Random(seed), latency, chance=Random(seed))
         self.arrivals: list[tuple[float, int]] = []
-        self.network.join("B", self._hear).subscribe("p/k")
+        self.network.join("B", self._on_message).subscribe("p/k")
         self.session = self.network.join("A", lambda *_: None)
         for fault in faults:
             self.network.begin(fault)
 
-    def _hear(self, _sender: str, message: Message) -> None:
+    def _on_message(self, _sender: str, message: Message) -> None:
         assert isinstance(message, OrderTaken)
         self.arrivals.append((clock().now_s(), int(message.order)))
 

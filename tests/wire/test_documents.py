@@ -102,7 +102,7 @@ def test_everything_is_said_on_the_channel_that_is_published_for_it() -> None:
     said: defaultdict[str, set[type[Message]]] = defaultdict(set)
 
     class Listener:
-        def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
+        def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
             key = f"{plant.id}/agent/@{address[1:]}" if address.startswith(">") else address
             (channel,) = (channel for pattern, channel in addresses.items() if pattern.fullmatch(key))
             said[channel.name].add(type(message))

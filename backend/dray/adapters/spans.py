@@ -96,7 +96,7 @@ class Spans:
         self._last_ns = 0
         """When the last fact was told."""
 
-    def hear(self, message: Message, context: str) -> None:
+    def on_message(self, message: Message, context: str) -> None:
         """Take in what somebody says, and the context that came with it; empty for none."""
         name = _task_of(message)
         if not name or not (parent := _read(context)):

@@ -74,12 +74,12 @@ class TracedBus:
         """See `dray.ports.Bus.join`."""
         spans = Spans(agent, self._tracer, self._to_wall_s)
 
-        def hear(sender: str, message: Message) -> None:
+        def on_message(sender: str, message: Message) -> None:
             if inner.context:
-                spans.hear(message, inner.context)
+                spans.on_message(message, inner.context)
             receive(sender, message)
 
-        inner = self._bus.join(agent, hear, life)
+        inner = self._bus.join(agent, on_message, life)
         return TracedSession(inner, spans)
 
 

@@ -94,7 +94,7 @@ class ZenohSession:
         self._token = bus.tokens.of(agent, life)
         keys, inner = bus.keys, bus.inner
         own = keys.addressed(agent)
-        self._own = inner.declare_subscriber(own, _on_zenohs_thread(partial(self._hear, own)))
+        self._own = inner.declare_subscriber(own, _on_zenohs_thread(partial(self._on_sample, own)))
         self._others = inner.liveliness().declare_subscriber(
             bus.tokens.all_of(agent), _on_zenohs_thread(self._see_other), history=True
         )
@@ -115,7 +115,7 @@ class ZenohSession:
         if not self._left and key not in self._patterns:
             self._patterns[key] = zenoh.KeyExpr(key)
             self._owners = {}
-            heard = _on_zenohs_thread(partial(self._hear_on, key))
+            heard = _on_zenohs_thread(partial(self._on_sample_of, key))
             self._subscribers[key] = self._bus.inner.declare_subscriber(key, heard)
 
     def unsubscribe(self, key: str) -> None:
@@ -174,7 +174,7 @@ class ZenohSession:
 
     # --- on Zenoh's threads ----------------------------------------------------------------------
 
-    def _hear_on(self, pattern: str, sample: zenoh.Sample) -> None:
+    def _on_sample_of(self, pattern: str, sample: zenoh.Sample) -> None:
         key = str(sample.key_expr)
         owners = self._owners
         owner = owners.get(key)
@@ -183,14 +183,14 @@ class ZenohSession:
                 owners.clear()
             owner = owners[key] = self._owner(key)
         if owner == pattern:
-            self._hear(key, sample)
+            self._on_sample(key, sample)
 
     def _owner(self, key: str) -> str:
         """The first of all patterns that match; none any more for what was under way."""
         patterns = tuple(self._patterns.items())
         return next((name for name, pattern in patterns if pattern.includes(key)), "")
 
-    def _hear(self, key: str, sample: zenoh.Sample) -> None:
+    def _on_sample(self, key: str, sample: zenoh.Sample) -> None:
         bus = self._bus
         heard = bus.read(key, sample)
         if heard is not None:
@@ -387,6 +387,6 @@ class Beside:
         return self._bus.join(agent, receive, life, self._arrivals)
 
 
-def _on_zenohs_thread(hear: Callable[[zenoh.Sample], None]) -> Callback[zenoh.Sample]:
+def _on_zenohs_thread(on_sample: Callable[[zenoh.Sample], None]) -> Callback[zenoh.Sample]:
     """Called where a message comes in: with no thread and no queue between that nobody bounds."""
-    return Callback(hear, indirect=False)
+    return Callback(on_sample, indirect=False)

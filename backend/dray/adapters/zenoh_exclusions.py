@@ -38,13 +38,13 @@ class Exclusions:
         self._lock = threading.Lock()
         self._list = self._recall()
         bus.shut_out = frozenset(self._list.agents)
-        self._ear = bus.inner.declare_subscriber(bus.keys.shut_out, Callback(self._hear, indirect=False))
+        self._ear = bus.inner.declare_subscriber(bus.keys.shut_out, Callback(self._on_sample, indirect=False))
 
     def end(self) -> None:
         """Hear of no more decisions; what was decided holds as long as the bus is used."""
         self._ear.undeclare()
 
-    def _hear(self, sample: zenoh.Sample) -> None:
+    def _on_sample(self, sample: zenoh.Sample) -> None:
         """On Zenoh's threads."""
         heard = self._bus.read(self._bus.keys.shut_out, sample)
         if heard is not None and isinstance(heard.message, ShutOut):

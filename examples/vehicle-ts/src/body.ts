@@ -82,7 +82,7 @@ export class Body {
     this.#life = life;
     this.state = (taken[0] as unknown as [string, State])[1];
     this.isNew = !taken[2];
-    session.subscribe(`${key}/told`, (_, payload) => this.#hear(payload));
+    session.subscribe(`${key}/told`, (_, payload) => this.#onMessage(payload));
   }
 
   /** Put a vehicle on the floor that the plant file does not know; harmless when it stands there already. */
@@ -119,7 +119,7 @@ export class Body {
     this.#session.put(`${this.#key}/do`, pack([this.#life, letter]));
   }
 
-  #hear(payload: Buffer): void {
+  #onMessage(payload: Buffer): void {
     const [life, letter, state] = unpack(payload) as unknown as [number, [number, number, Part[]], [string, State]];
     if (life !== this.#life) return;
     this.#heardAt = Date.now();

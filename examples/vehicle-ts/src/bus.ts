@@ -60,8 +60,8 @@ export class Bus {
     const words = `${who.plant}/alive/${who.agent}/${who.life}`;
     this.#token = seals.vouch(words);
     session.watchTokens(`${who.plant}/alive/*/*/*`, (key, there) => there && this.#guard(() => this.#see(key)));
-    session.subscribe(`${who.plant}/agent/@${who.agent}`, this.#hear);
-    session.subscribe(`${who.plant}/shut-out`, this.#hear);
+    session.subscribe(`${who.plant}/agent/@${who.agent}`, this.#onSample);
+    session.subscribe(`${who.plant}/shut-out`, this.#onSample);
     session.declareToken(`${words}/${this.#token}`);
   }
 
@@ -80,7 +80,7 @@ export class Bus {
   }
 
   subscribe(key: string): void {
-    this.#session.subscribe(key, this.#hear);
+    this.#session.subscribe(key, this.#onSample);
   }
 
   unsubscribe(key: string): void {
@@ -101,7 +101,7 @@ export class Bus {
     this.#session.put(key, data, pack([life, number, seal]));
   }
 
-  #hear = (key: string, payload: Buffer, attachment: Buffer): void =>
+  #onSample = (key: string, payload: Buffer, attachment: Buffer): void =>
     this.#guard(() => {
       const [life, number, seal] = unpack(attachment) as [number, number, Buffer];
       const place = { key, life, number };
@@ -140,9 +140,9 @@ export class Bus {
     if (other > this.#life || (other === this.#life && chunk > this.#token)) this.#replaced();
   }
 
-  #guard(hear: () => void): void {
+  #guard(act: () => void): void {
     try {
-      hear();
+      act();
     } catch (error) {
       // Whatever comes in can be anything: it is counted, and ends nothing.
       this.#count(error instanceof SealError ? error.message : 'no message of ours');

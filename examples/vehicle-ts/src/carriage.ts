@@ -135,7 +135,7 @@ export class Carriage {
     else this.#wakeIn(RETRY_S);
   }
 
-  hear(answer: Answer): void {
+  onAnswer(answer: Answer): void {
     const { epoch, phase } = this.contract;
     // Superseded tells the epoch that is right now; all others speak of this one.
     if (answer.type === 'Superseded') {

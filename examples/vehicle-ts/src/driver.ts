@@ -82,7 +82,7 @@ export class Driver {
   }
 
   /** Take a report about ways; whether the vehicle has just come to the end of the present one, or has lost it. */
-  hear(report: Report): 'arrived' | 'refused' | undefined {
+  onReport(report: Report): 'arrived' | 'refused' | undefined {
     if (report.kind === 'NodePassed') {
       this.node = report.node;
       if (report.order === this.#order && this.isDriving) this.#passed = report.index + 1;

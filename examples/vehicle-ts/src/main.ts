@@ -9,7 +9,7 @@ import { Bus } from './bus.ts';
 import { Driver } from './driver.ts';
 import type { Message } from './messages.ts';
 import { Notes } from './notes.ts';
-import { Obedience } from './obedience.ts';
+import { CommandHandling } from './command-handling.ts';
 import { Plant } from './plant.ts';
 import { Seals } from './seals.ts';
 import { Vehicle } from './vehicle.ts';
@@ -75,13 +75,13 @@ async function run(): Promise<void> {
 
   const driver = new Driver(plant, plant.typeOf(name, type), body, life, now_s());
   const trusted = values['trusted-keys'].split(',').filter(Boolean);
-  const obedience = new Obedience(name, plant, body, notes, trusted);
+  const commands = new CommandHandling(name, plant, body, notes, trusted);
   let vehicle: Vehicle | undefined;
   let end: (why: string) => void = () => undefined;
   const ended = new Promise<string>((settle) => (end = settle));
-  const receive = (sender: string, message: Message) => vehicle?.hear(sender, message);
+  const receive = (sender: string, message: Message) => vehicle?.onMessage(sender, message);
   const bus = new Bus(session, seals, { plant: plant.id, agent: name, life }, receive, () => end('has been started elsewhere'));
-  vehicle = new Vehicle(name, { plant, driver, body, bus, notes, obedience, now_s, tell });
+  vehicle = new Vehicle(name, { plant, driver, body, bus, notes, commands, now_s, tell });
   const present = vehicle;
   tell('is ready');
 

@@ -84,7 +84,7 @@ export class Rest {
   }
 
   /** Somebody wants a dwell point. Who stands there keeps it, else the emptier battery, else the smaller id. */
-  hear(claim: DwellPointClaimed): void {
+  onClaim(claim: DwellPointClaimed): void {
     if (claim.dwell_point !== this.dwellPoint || claim.atv === this.#bed.atv) return;
     if (this.#winsOver(claim)) {
       this.#say();

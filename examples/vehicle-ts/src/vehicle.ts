@@ -6,7 +6,7 @@ import { Carriage } from './carriage.ts';
 import type { Driver } from './driver.ts';
 import type { Answer, Award, DwellPointClaimed, Message, Status, TaskAnnounced } from './messages.ts';
 import type { Contract, Notes } from './notes.ts';
-import type { Obedience } from './obedience.ts';
+import type { CommandHandling } from './command-handling.ts';
 import type { Plant } from './plant.ts';
 import { quote } from './pricing.ts';
 import { Rest, type Bed } from './rest.ts';
@@ -23,7 +23,7 @@ export class Vehicle implements Bed {
   readonly now_s: () => number;
   #bus: Bus;
   #notes: Notes;
-  #obedience: Obedience;
+  #commands: CommandHandling;
   #life: number;
   #seq = 0;
   #beats_s = 0;
@@ -43,7 +43,7 @@ export class Vehicle implements Bed {
       body: Body;
       bus: Bus;
       notes: Notes;
-      obedience: Obedience;
+      commands: CommandHandling;
       now_s: () => number;
       tell: (line: string) => void;
     },
@@ -55,7 +55,7 @@ export class Vehicle implements Bed {
     this.now_s = parts.now_s;
     this.#bus = parts.bus;
     this.#notes = parts.notes;
-    this.#obedience = parts.obedience;
+    this.#commands = parts.commands;
     this.#tell = parts.tell;
     this.#life = parts.notes.kept.life;
     this.#problem = parts.body.state.problem;
@@ -116,7 +116,7 @@ export class Vehicle implements Bed {
 
   // --- others speak ---
 
-  hear(sender: string, message: Message): void {
+  onMessage(sender: string, message: Message): void {
     switch (message.type) {
       case 'TaskAnnounced':
         this.#hearAnnounced(message);
@@ -135,19 +135,19 @@ export class Vehicle implements Bed {
       case 'DockHeld':
         // Of a dock only its owner speaks: a machine, or the station of a storage, which both have the place's name.
         if (sender === message.station && this.#carriage?.contract.task === message.task)
-          this.#step((carriage) => carriage.hear(message as Answer));
+          this.#step((carriage) => carriage.onAnswer(message as Answer));
         break;
       case 'HandoverAccepted':
       case 'Confirmed':
       case 'Superseded':
       case 'Withdrawn':
-        if (this.#contractWith(sender, message.task)) this.#step((carriage) => carriage.hear(message as Answer));
+        if (this.#contractWith(sender, message.task)) this.#step((carriage) => carriage.onAnswer(message as Answer));
         break;
       case 'DwellPointClaimed':
-        this.#rest.hear(message);
+        this.#rest.onClaim(message);
         break;
       case 'VehicleCommand': {
-        const refused = this.#obedience.hear(message, this.now_s());
+        const refused = this.#commands.onCommand(message, this.now_s());
         const { command } = message;
         this.send(sender, { type: 'CommandAnswered', command, done: !refused, reason: refused });
         this.#tell(`${message.kind} ${command}: ${refused || 'done'}`);
@@ -217,7 +217,7 @@ export class Vehicle implements Bed {
   // --- its body reports ---
 
   #hearReport(report: Report): void {
-    const way = this.driver.hear(report);
+    const way = this.driver.onReport(report);
     this.#move();
     if (way === 'arrived') {
       if (this.#carriage) this.#step((carriage) => carriage.arrived());
@@ -232,7 +232,7 @@ export class Vehicle implements Bed {
         this.#step((carriage) => carriage.actionFailed(report.order, report.reason));
     } else if (report.kind === 'ProblemRaised' || report.kind === 'ProblemCleared') {
       this.#problem = report.kind === 'ProblemRaised' ? report.reason : '';
-      if (this.#problem) this.#obedience.takeBack();
+      if (this.#problem) this.#commands.takeBack();
       this.#beat();
     }
   }
@@ -249,7 +249,7 @@ export class Vehicle implements Bed {
   // --- its contract ---
 
   get #isStuck(): boolean {
-    return this.#obedience.stopped || this.#problem !== '';
+    return this.#commands.stopped || this.#problem !== '';
   }
 
   get #isFree(): boolean {
@@ -292,7 +292,7 @@ export class Vehicle implements Bed {
   // --- what others see ---
 
   get #status(): Status {
-    if (this.#obedience.stopped) return 'stopped';
+    if (this.#commands.stopped) return 'stopped';
     if (this.#problem) return 'error';
     if (this.#carriage) return 'working';
     return this.#rest.charging ? 'charging' : 'idle';
@@ -319,7 +319,7 @@ export class Vehicle implements Bed {
       way: this.driver.ahead,
       dwell_point: this.#rest.dwellPoint,
       speed_limit_frac: this.#notes.kept.speed_frac,
-      acknowledged: this.#obedience.acknowledged,
+      acknowledged: this.#commands.acknowledged,
       problem: this.#problem,
       software: SOFTWARE,
       draining: this.#draining,

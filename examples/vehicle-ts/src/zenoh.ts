@@ -39,7 +39,7 @@ export interface Files {
 }
 
 /** Hears what is said on a key. */
-export type Hear = (key: string, payload: Buffer, attachment: Buffer) => void;
+export type OnSample = (key: string, payload: Buffer, attachment: Buffer) => void;
 /** Hears of a token's key that it is there, or is no more. */
 export type Watch = (key: string, there: boolean) => void;
 
@@ -63,7 +63,7 @@ export class Session {
   #nextId = 1;
   #keys = new Map<number, string>();
   #tokens = new Map<number, string>();
-  #subscribers = new Map<string, { id: number; hear: Hear }>();
+  #subscribers = new Map<string, { id: number; onSample: OnSample }>();
   #watches: Watch[] = [];
   #questions = new Map<number, Question>();
   #fragments: Buffer[] = [];
@@ -119,9 +119,9 @@ export class Session {
     this.#say(message.slice(payload));
   }
 
-  subscribe(key: string, hear: Hear): void {
+  subscribe(key: string, onSample: OnSample): void {
     const id = this.#nextId++;
-    this.#subscribers.set(key, { id, hear });
+    this.#subscribers.set(key, { id, onSample });
     this.#declare(D.SUBSCRIBER, id, key);
   }
 
@@ -253,11 +253,11 @@ export class Session {
       if (this.#unread.length < 2 + length) return;
       const batch = new Reader(this.#unread.subarray(2, 2 + length));
       this.#unread = this.#unread.subarray(2 + length);
-      while (batch.left) this.#hear(batch);
+      while (batch.left) this.#readMessage(batch);
     }
   }
 
-  #hear(batch: Reader): void {
+  #readMessage(batch: Reader): void {
     const header = batch.byte();
     const kind = header & 0x1f;
     if (kind === T.INIT) {
@@ -300,7 +300,7 @@ export class Session {
       const key = this.#key(reader, header);
       if (header & MORE) skipExtensions(reader);
       const put = this.#body(reader);
-      if (put) for (const [pattern, { hear }] of this.#subscribers) if (matches(pattern, key)) hear(key, ...put);
+      if (put) for (const [pattern, { onSample }] of this.#subscribers) if (matches(pattern, key)) onSample(key, ...put);
     } else if (kind === N.DECLARE) {
       if (header & 0x20) reader.zint(); // which of our interests this answers
       if (header & MORE) skipExtensions(reader);

@@ -119,7 +119,7 @@ function follow(
 ): () => void {
   const known = newestWorld();
   if (known) renderer.begin(known);
-  const unhear = onFrame((frame, world) => {
+  const unlisten = onFrame((frame, world) => {
     renderer.take(frame, world);
   });
   const resizing = new ResizeObserver(([entry]) => {
@@ -158,7 +158,7 @@ function follow(
   element.addEventListener("pointermove", onMove);
   renderer.onZoom = onZoom;
   return () => {
-    unhear();
+    unlisten();
     resizing.disconnect();
     calm.removeEventListener("change", setMotion);
     element.removeEventListener("click", onClick);

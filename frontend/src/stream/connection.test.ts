@@ -172,16 +172,16 @@ test.each([
 describe("the server's clock", () => {
   test("is known by the frame that came quickest", () => {
     const clock = new ServerClock();
-    clock.hear(1000, 10.3);
-    clock.hear(1001, 11.05);
-    clock.hear(1002, 12.4);
+    clock.note(1000, 10.3);
+    clock.note(1001, 11.05);
+    clock.note(1002, 12.4);
     expect(clock.at(12.4)).toBeCloseTo(1002.35, 2);
   });
 
   test("follows a drift, slowly", () => {
     const clock = new ServerClock();
-    clock.hear(1000, 0);
-    for (let t = 1; t <= 2000; t += 1) clock.hear(1000 + t * 0.9999, t);
+    clock.note(1000, 0);
+    for (let t = 1; t <= 2000; t += 1) clock.note(1000 + t * 0.9999, t);
     expect(clock.at(2000)).toBeCloseTo(1000 + 2000 * 0.9999, 1);
   });
 

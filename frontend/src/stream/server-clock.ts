@@ -11,7 +11,7 @@ export class ServerClock {
    * A frame said that the server's clock was `serverS` when ours was `localS`. Frames arrive late,
    * never early, so the largest difference seen is nearest to the truth.
    */
-  hear(serverS: number, localS: number): void {
+  note(serverS: number, localS: number): void {
     const offset = serverS - localS;
     const kept = (this.#offsetS ?? -Infinity) - FORGET_S_PER_S * (localS - this.#heardS);
     this.#offsetS = Math.max(offset, kept);

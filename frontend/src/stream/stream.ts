@@ -103,7 +103,7 @@ export function start(): void {
 function take(frame: Frame, after: World): void {
   const localMs = performance.now();
   if (frame.type === "snapshot") clock.reset();
-  clock.hear(frame.at_s, localMs / 1000);
+  clock.note(frame.at_s, localMs / 1000);
   newest = after;
   for (const listener of listeners) listener(frame, after);
   if (frame.type === "snapshot") show();

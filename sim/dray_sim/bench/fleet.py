@@ -111,9 +111,9 @@ class Listener:
         self._bus = bus
         # What is said to one agent is matched by no wildcard.
         for key in (f"{bus.keys.plant}/**", *map(bus.keys.addressed, agents)):
-            bus.inner.declare_subscriber(key, Callback(self._hear, indirect=False))
+            bus.inner.declare_subscriber(key, Callback(self._on_sample, indirect=False))
 
-    def _hear(self, sample: zenoh.Sample) -> None:
+    def _on_sample(self, sample: zenoh.Sample) -> None:
         """On a thread of Zenoh's."""
         kind = str(sample.key_expr).split("/")[1]
         with self._bus.lock:

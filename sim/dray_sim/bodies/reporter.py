@@ -17,19 +17,19 @@ from dray.ports import Clock
 class Reporter:
     """Holds what a body says until it may be heard. What nobody is attached for is lost, as on a wire."""
 
-    __slots__ = ("_asked", "_clock", "_hear", "_mute", "_waiting")
+    __slots__ = ("_asked", "_clock", "_mute", "_on_report", "_waiting")
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self._waiting: deque[Report] = deque()
         """Bounded by what one instruction or one instant can cause: a handful."""
-        self._hear: Callable[[Report], None] | None = None
+        self._on_report: Callable[[Report], None] | None = None
         self._asked = False
         self._mute = False
 
-    def attach(self, hear: Callable[[Report], None]) -> None:
-        """Report to `hear` from now on, and to no other."""
-        self._hear = hear
+    def attach(self, on_report: Callable[[Report], None]) -> None:
+        """Report to `on_report` from now on, and to no other."""
+        self._on_report = on_report
 
     def say(self, report: Report) -> None:
         """Report this with the next `flush`; a mute body says nothing, and does not make up for it."""
@@ -55,8 +55,8 @@ class Reporter:
         """Let everything said be heard now; for the end of a clock's callback."""
         while self._waiting:
             report = self._waiting.popleft()
-            if self._hear is not None:
-                self._hear(report)
+            if self._on_report is not None:
+                self._on_report(report)
 
     def _called(self) -> None:
         self._asked = False

@@ -40,7 +40,7 @@ class DeliveredExactly:
         self._fulfilled: dict[str, None] = {}
         """Orders of which all has arrived, oldest first: as many as the strategist can still speak of."""
 
-    def hear(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
+    def on_message(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
         if type(message) is Event:
             fact = message.fact
             if type(fact) is GoodsDelivered:

@@ -150,7 +150,7 @@ class FaultAttribution:
             if isinstance(fault, LinkTrouble)
         )
 
-    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Look for what lost contracts are due to.
 
         Raises:

@@ -23,7 +23,7 @@ class GrantedOnly:
         self._given: dict[tuple[str, str], list[VehicleCommand]] = {}
         """By the vehicle and the name of the command: everything that was said under it."""
 
-    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
         if type(message) is VehicleCommand:
             self._note(address.removeprefix(">"), message)
         elif type(message) is Event and type(message.fact) is CommandObeyed and message.fact.done:

@@ -59,7 +59,7 @@ class TasksEnd:
         self._ended: dict[str, dict[str, None]] = {}
         """By coordinator, the newest of its tasks that have ended, which is forgotten with its notes, too."""
 
-    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         if type(message) is Event:
             fact = message.fact
             if type(fact) is TaskOpened:
@@ -101,7 +101,7 @@ class HandedOverOnce:
         self._carrier: dict[str, str] = {}
         self._delivered: dict[str, None] = {}
 
-    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
         if type(message) is HandoverAccepted:
             self._coordinator[message.task] = sender
             _forget_oldest(self._coordinator)
@@ -138,7 +138,7 @@ class EpochsRise:
         self._epochs: dict[str, int] = {}
         """By open task, that of the last carrier."""
 
-    def hear(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
+    def on_message(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
         if type(message) is not Event:
             return
         fact = message.fact
@@ -161,7 +161,7 @@ class OnePrimaryEach:
     def __init__(self) -> None:
         self._primary_of: dict[str, str] = {}
 
-    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         if type(message) is not Event:
             return
         fact = message.fact
@@ -189,7 +189,7 @@ class StoppedStands:
         """What a stopped vehicle had driven when it came to its stand."""
         self._acknowledged: dict[str, None] = {}
 
-    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         if type(message) is AtvHeartbeat and sender in self._stopped_s:
             self._check_stand(sender, at_s)
         elif type(message) is Event:
@@ -237,7 +237,7 @@ class MaterialConserved:
         self._next_s = 0.0
         self._first = balance()
 
-    def hear(self, at_s: float, _sender: str, _address: str, _message: Message) -> None:
+    def on_message(self, at_s: float, _sender: str, _address: str, _message: Message) -> None:
         if at_s >= self._next_s:
             self._next_s = at_s + self.INTERVAL_S
             self.check(at_s)
@@ -253,7 +253,7 @@ class MaterialConserved:
 class PromisedLiesThere:
     """Invariant 10: what the station of a storage promises lies there."""
 
-    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Look at what is promised.
 
         Raises:
@@ -304,13 +304,13 @@ class Invariants:
         """Ask one more, which raises `InvariantBroken` as these do."""
         self._checks += (check,)
 
-    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
         """Check one utterance."""
         if self.broken is not None:
             return
         try:
             for check in self._checks:
-                check.hear(at_s, sender, address, message)
+                check.on_message(at_s, sender, address, message)
         except InvariantBroken as broken:
             self.broken = broken
             self._broke.set()

@@ -56,7 +56,7 @@ class SpeaksOn:
         """Whoever was away for less than it takes to look again has begun another life."""
         self._look_s = 0.0
 
-    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         if isinstance(message, AtvHeartbeat | MachineHeartbeat | StationHeartbeat):
             self._heard_s[sender] = at_s
         if at_s >= self._look_s:
@@ -130,7 +130,7 @@ class ReplacedInTime:
         self._unfit: dict[str, None] = {}
         self._look_s = 0.0
 
-    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         if type(message) is Event:
             self._note(message.fact, sender, at_s)
         if at_s >= self._look_s:

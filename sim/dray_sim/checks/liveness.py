@@ -77,7 +77,7 @@ class LivenessCheck:
         self._since_s = self._moved_s = self._look_s = at_s
         self._done_before = self._done
 
-    def hear(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
+    def on_message(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
         """Note what begins and ends.
 
         Raises:

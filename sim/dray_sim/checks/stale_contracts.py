@@ -58,7 +58,7 @@ class StaleContracts:
         """Those of them whose pick has begun."""
         self._look_s = 0.0
 
-    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note awards and contracts.
 
         Raises:

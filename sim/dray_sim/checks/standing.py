@@ -28,7 +28,7 @@ class Standing:
         self._carriers: dict[str, tuple[str, int, str]] = {}
         """By open task, as its coordinator has said last: the carrier, its epoch, and the coordinator."""
 
-    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note who carries what.
 
         Raises:

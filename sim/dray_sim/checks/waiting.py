@@ -32,7 +32,7 @@ class NobodyWaitsInVain:
         self._docked_s: dict[str, float] = {}
         """By vehicle: since when it is at a dock."""
 
-    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note promises, and look at who stands.
 
         Raises:

@@ -72,7 +72,7 @@ class _Tally:
     def __init__(self) -> None:
         self.messages = self.transports = self.takeovers = 0
 
-    def hear(self, _at_s: float, _sender: str, _address: str, message: Message) -> None:
+    def on_message(self, _at_s: float, _sender: str, _address: str, message: Message) -> None:
         self.messages += 1
         if type(message) is Event:
             fact = message.fact
@@ -112,7 +112,7 @@ class _Diary(Faults):
 class _Powered:
     """Invariant 12: in a run without faults no vehicle runs flat. Chargers suffice there; see `small_plant`."""
 
-    def hear(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
+    def on_message(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
         """See `dray_sim.network.listeners.Listener`.
 
         Raises:

@@ -76,7 +76,7 @@ class Story:
     def __init__(self) -> None:
         self._lines: deque[Line] = deque(maxlen=KEPT)
 
-    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
         """Keep one utterance."""
         if not isinstance(message, Heartbeat):
             to = address[1:] if address.startswith(">") else "all"

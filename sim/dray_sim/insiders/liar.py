@@ -113,7 +113,7 @@ class Liar:
         elif isinstance(event, Woke):
             self._beat(now_s)
         elif isinstance(event, Heard) and now_s >= self._silent_until_s:
-            self._hear(event.sender, event.message, now_s)
+            self._on_message(event.sender, event.message, now_s)
         effects, self._out = self._out, []
         return effects
 
@@ -128,7 +128,7 @@ class Liar:
             self._out.append(Subscribe(self._keys.all_machine_heartbeats))
         self.wake_at_s = now_s
 
-    def _hear(self, sender: str, message: Message, now_s: float) -> None:
+    def _on_message(self, sender: str, message: Message, now_s: float) -> None:
         if isinstance(message, TaskAnnounced):
             self._bid(message, now_s)
         elif isinstance(message, Award):

@@ -85,7 +85,7 @@ class BridgedSession:
     # --- on the simulation's loop ----------------------------------------------------------------
 
     def _join(self, network: Bus, agent: str, life: int) -> None:
-        self._inner = network.join(agent, self._hear, life)
+        self._inner = network.join(agent, self._on_message, life)
 
     def _publish(self, key: str, message: Message) -> None:
         self._inner.publish(key, message)
@@ -102,7 +102,7 @@ class BridgedSession:
     def _leave(self) -> None:
         self._inner.leave()
 
-    def _hear(self, sender: str, message: Message) -> None:
+    def _on_message(self, sender: str, message: Message) -> None:
         self._out.say(message, self._arrive, sender, message)
 
 

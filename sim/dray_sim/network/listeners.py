@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 class Listener(Protocol):
     """Whoever wants to know all that is said on a network."""
 
-    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
         """Note one utterance; must not say anything itself. What it raises ends the run: a broken invariant.
 
         Args:
@@ -33,7 +33,7 @@ class Listeners:
         """Let these hear everything, too, from now on."""
         self._listeners += listeners
 
-    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
         """See `Listener`."""
         for listener in self._listeners:
-            listener.hear(at_s, sender, address, message)
+            listener.on_message(at_s, sender, address, message)

@@ -248,7 +248,7 @@ class SimNetwork:
 
     def _utter(self, sender: str, address: str, message: Message) -> Message:
         if self._trace is not None:
-            self._trace.hear(self._clock.time_s, sender, address, message)
+            self._trace.on_message(self._clock.time_s, sender, address, message)
         return decode(encode(sender, message))[1] if self._codec else message
 
     # --- the way of a message while something is wrong -------------------------------------------

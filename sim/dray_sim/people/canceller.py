@@ -26,7 +26,7 @@ class Canceller:
     """
 
     def __init__(self, bus: Bus, clock: VirtualClock) -> None:
-        self._session = bus.join(NAME, self._hear)
+        self._session = bus.join(NAME, self._on_message)
         self._clock = clock
         self._waiting: dict[str, asyncio.Event] = {}
 
@@ -47,6 +47,6 @@ class Canceller:
                 continue
         del self._waiting[order]
 
-    def _hear(self, _sender: str, message: Message) -> None:
+    def _on_message(self, _sender: str, message: Message) -> None:
         if isinstance(message, CancellationTaken) and message.order in self._waiting:
             self._waiting[message.order].set()

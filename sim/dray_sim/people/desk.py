@@ -25,7 +25,7 @@ class Desk:
     """
 
     def __init__(self, bus: Bus, clock: Clock) -> None:
-        self._session = bus.join(DESK, self._hear)
+        self._session = bus.join(DESK, self._on_message)
         self._clock = clock
         self._waiting: dict[str, asyncio.Event] = {}
 
@@ -48,6 +48,6 @@ class Desk:
                 continue
         del self._waiting[order.id]
 
-    def _hear(self, _sender: str, message: Message) -> None:
+    def _on_message(self, _sender: str, message: Message) -> None:
         if isinstance(message, OrderTaken) and message.order in self._waiting:
             self._waiting[message.order].set()

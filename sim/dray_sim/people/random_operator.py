@@ -66,7 +66,7 @@ class RandomOperator:
         random: Random,
         grants: Random,
     ) -> None:
-        self._session = bus.join(NAME, self._hear)
+        self._session = bus.join(NAME, self._on_message)
         self._clock = clock
         self._authority = authority
         self._fleet = fleet
@@ -136,6 +136,6 @@ class RandomOperator:
         until_s = self._clock.now_s() + GRANT_S
         return key.grant(atv, command, person=NAME, areas=areas, valid_until_s=until_s)
 
-    def _hear(self, _sender: str, message: Message) -> None:
+    def _on_message(self, _sender: str, message: Message) -> None:
         if isinstance(message, CommandAnswered):
             self._answers.take(message)

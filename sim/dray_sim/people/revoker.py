@@ -50,7 +50,7 @@ class Revoker:
     """
 
     def __init__(self, bus: Bus, clock: VirtualClock) -> None:
-        self._session = bus.join(NAME, self._hear)
+        self._session = bus.join(NAME, self._on_message)
         self._clock = clock
         self._waiting: dict[tuple[type[Message], str, int], asyncio.Future[Message]] = {}
 
@@ -90,7 +90,7 @@ class Revoker:
         del self._waiting[key]
         return heard.result()
 
-    def _hear(self, _sender: str, message: Message) -> None:
+    def _on_message(self, _sender: str, message: Message) -> None:
         if isinstance(message, OrderTaken | RevocationTaken):
             heard = self._waiting.get((type(message), message.order, message.release))
             if heard is not None and not heard.done():

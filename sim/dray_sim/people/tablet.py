@@ -72,7 +72,7 @@ class Tablet:
     @contextmanager
     def on(self) -> Iterator[None]:
         """While this lasts, vehicles are heard and commands can be said."""
-        self._session = self._bus.join(self._person, self._hear)
+        self._session = self._bus.join(self._person, self._on_message)
         self._session.subscribe(self._keys.atv_heartbeat("*"))
         try:
             yield
@@ -111,7 +111,7 @@ class Tablet:
                     return answer.result()
         return None
 
-    def _hear(self, _sender: str, message: Message) -> None:
+    def _on_message(self, _sender: str, message: Message) -> None:
         if isinstance(message, AtvHeartbeat):
             self.sights[message.atv] = Sight(message, self._clock.now_s())
         elif isinstance(message, CommandAnswered):

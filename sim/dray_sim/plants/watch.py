@@ -60,7 +60,7 @@ class Watch:
         """What each has bid for each task; forgotten when a heartbeat names another task."""
         self._carries: dict[str, str] = {}
 
-    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """See `Listener`."""
         if type(message) is AtvHeartbeat:
             self._note(message)

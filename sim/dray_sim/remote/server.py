@@ -145,7 +145,7 @@ class _Served:
         """What was counted in earlier lives: sums must never fall."""
         self.refused = 0
         session.declare_queryable(key, _answering(crossing, self._answer))
-        session.declare_subscriber(f"{key}/do", Callback(self._hear, indirect=False))
+        session.declare_subscriber(f"{key}/do", Callback(self._on_sample, indirect=False))
         body.attach(self._report)
 
     @property
@@ -183,7 +183,7 @@ class _Served:
             self._exchange.say(to_part(report))
             self.tell()
 
-    def _hear(self, sample: zenoh.Sample) -> None:
+    def _on_sample(self, sample: zenoh.Sample) -> None:
         """On Zenoh's threads."""
         self._crossing.offer(self._obey, sample.payload.to_bytes())
 

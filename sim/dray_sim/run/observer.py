@@ -75,7 +75,7 @@ class Observer:
         self.machines: dict[str, MachineTimes] = {}
         self._transport_tasks: dict[str, None] = {}
 
-    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note one utterance."""
         self.messages += 1
         if type(message) is Event:

@@ -118,7 +118,7 @@ class Shortfall:
         """By open transport, when it was announced first."""
         self._look_s = 0.0
 
-    def hear(self, at_s: float, _sender: str, address: str, message: Message) -> None:
+    def on_message(self, at_s: float, _sender: str, address: str, message: Message) -> None:
         """See `Listener`."""
         if isinstance(message, AtvHeartbeat):
             self._note_atv(message)

@@ -52,7 +52,7 @@ class Trace:
         # 16 bytes: enough that two runs never meet by chance, short enough to read out loud.
         self._hash = hashlib.blake2b(digest_size=16)
 
-    def hear(self, at_s: float, sender: str, address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
         """Note one utterance."""
         data = encode(sender, message)
         name = address.encode()

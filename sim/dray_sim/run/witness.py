@@ -54,7 +54,7 @@ class Witness:
         self._kept: dict[type[Any], deque[Seen[Any]]] = {kind: deque(maxlen=KEPT) for kind in kinds}
         self._waiters: list[_Waiter] = []
 
-    def hear(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note one utterance."""
         if type(message) is AtvHeartbeat:
             self.atvs[message.atv] = message

@@ -133,11 +133,11 @@ class Witness:
         self.bus = ZenohBus(Links(peers=peers, plain=True), registry.plant)
         self._heard: list[Message] = []
         self._came = asyncio.Event()
-        session = self.bus.join("witness", self._hear)
+        session = self.bus.join("witness", self._on_message)
         for key in (Keys(registry.plant).all_events, Keys(registry.plant).all_heartbeats):
             session.subscribe(key)
 
-    def _hear(self, sender: str, message: Message) -> None:
+    def _on_message(self, sender: str, message: Message) -> None:
         self._heard.append(message)
         self._came.set()
 

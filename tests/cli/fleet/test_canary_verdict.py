@@ -55,13 +55,13 @@ def beat(atv: str = "ATV1", life: int = 2, software: str = NEW) -> AtvHeartbeat:
 
 def tell(canary: Canary, agent: str, *facts: AnyFact, at_s: float = 50.0) -> None:
     for number, fact in enumerate(facts, 1):
-        canary.hear(agent, Event(agent=agent, incarnation=1, number=number, at_s=at_s, fact=fact))
+        canary.on_message(agent, Event(agent=agent, incarnation=1, number=number, at_s=at_s, fact=fact))
 
 
 def vehicle(tasks: int = 1) -> AtvCanary:
     """ATV1 as a canary, which was heard in its second life."""
     canary = AtvCanary("ATV1", NEW, tasks, 1, LATE_S)
-    canary.hear("ATV1", beat())
+    canary.on_message("ATV1", beat())
     assert canary.joined
     return canary
 
@@ -114,7 +114,7 @@ def test_what_others_do_and_what_its_last_life_had_begun_counts_for_nothing() ->
 
 def test_what_was_said_before_it_was_there_is_about_its_last_life() -> None:
     canary = AtvCanary("ATV1", NEW, 1, 1, LATE_S)
-    canary.hear("ATV1", beat(life=1, software="1.0"))
+    canary.on_message("ATV1", beat(life=1, software="1.0"))
     tell(canary, "M1", *hired(), changed(SILENT))
     assert (canary.joined, canary.failure) == (False, "")
 
@@ -175,13 +175,13 @@ def test_a_task_that_it_takes_over_is_its_own_from_then_on() -> None:
 
 def test_another_version_than_it_should_have_fails_it() -> None:
     canary = AtvCanary("ATV1", NEW, 1, 1, LATE_S)
-    canary.hear("ATV1", beat(software="1.0"))
+    canary.on_message("ATV1", beat(software="1.0"))
     assert canary.failure == "it says that it runs 1.0, not 2.0"
 
 
 def test_a_second_life_within_its_probation_fails_it() -> None:
     canary = vehicle()
-    canary.hear("ATV1", beat(life=3))
+    canary.on_message("ATV1", beat(life=3))
     assert canary.failure == "it was started again"
 
 
@@ -197,7 +197,7 @@ def machine(tasks: int = 1) -> MachineCanary:
     heard = MachineHeartbeat(
         machine="M1", incarnation=2, seq=1, at_s=0.0, status=MachineStatus.IDLE, software=NEW
     )
-    canary.hear("M1", heard)
+    canary.on_message("M1", heard)
     assert canary.joined
     return canary
 

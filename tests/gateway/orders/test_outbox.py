@@ -45,7 +45,7 @@ class Stage:
     def __init__(self) -> None:
         self.said: list[tuple[float, Message]] = []
         self.outbox = Outbox(
-            send=self._hear,
+            send=self._on_message,
             time=TimeScale(0.0, NOW_S, SPEED),
             wall_s=lambda: NOW_S + self.now_s,
             products={"P1"},
@@ -64,7 +64,7 @@ class Stage:
     def last(self) -> Any:
         return self.said[-1][1]
 
-    def _hear(self, to: str, message: Message) -> None:
+    def _on_message(self, to: str, message: Message) -> None:
         assert to == STRATEGIST
         self.said.append((self.now_s, message))
 

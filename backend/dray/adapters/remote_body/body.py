@@ -45,7 +45,7 @@ class RemoteBody:
         self._given_up = False
         """The floor lacks as many instructions as are kept; it is told no more."""
         self.is_new = False
-        session.declare_subscriber(f"{self._key}/told", Callback(self._hear, indirect=False))
+        session.declare_subscriber(f"{self._key}/told", Callback(self._on_sample, indirect=False))
 
     async def connect(self) -> None:
         """Take over the body, and learn how it is.
@@ -103,7 +103,7 @@ class RemoteBody:
     def _write(self) -> None:
         self._session.put(f"{self._key}/do", encode(Do(self._life, self._exchange.write())))
 
-    def _hear(self, sample: zenoh.Sample) -> None:
+    def _on_sample(self, sample: zenoh.Sample) -> None:
         self._crossing.offer(self._take, sample.payload.to_bytes())
 
     def _take(self, data: bytes) -> None:

@@ -99,7 +99,7 @@ class StopDesk:
         self._waiting: Counter[str] = Counter()
         """How many wait, by who asked."""
         self._count = 0
-        self._session: Session = bus.join(name, self._hear, incarnation)
+        self._session: Session = bus.join(name, self._on_message, incarnation)
 
     async def stop(
         self, atv: str, by: Principal, address: str, command: str | None = None
@@ -157,7 +157,7 @@ class StopDesk:
             if not self._waiting[who]:
                 del self._waiting[who]
 
-    def _hear(self, sender: str, message: Message) -> None:
+    def _on_message(self, sender: str, message: Message) -> None:
         if not isinstance(message, CommandAnswered):
             return
         sent = self._sent.get(message.command)

@@ -130,14 +130,14 @@ class HeartbeatSubscriptions:
         self._out = out
         self._count: dict[str, int] = {}
 
-    def begin(self, agent: str) -> None:
+    def follow(self, agent: str) -> None:
         """Follow this agent for one more reason."""
         count = self._count.get(agent, 0)
         self._count[agent] = count + 1
         if not count:
             self._out.append(Subscribe(self._key_of(agent)))
 
-    def end(self, agent: str) -> None:
+    def unfollow(self, agent: str) -> None:
         """One reason less."""
         count = self._count.pop(agent)
         if count > 1:

@@ -74,7 +74,7 @@ class AgentBase:
             heard = cast(Heard, event)
             if heard.body is not None:
                 self._sense(heard.body, now_s)
-            self._hear(heard, now_s)
+            self._on_message(heard, now_s)
         elif kind is Woke:
             woke = cast(Woke, event)
             if woke.late_s > DEAF_S:
@@ -134,7 +134,7 @@ class AgentBase:
     def _take_leave(self, now_s: float) -> None:
         """Say how things stand, for the last time in this life."""
 
-    def _hear(self, heard: Heard, now_s: float) -> None:
+    def _on_message(self, heard: Heard, now_s: float) -> None:
         handle = self._message_handlers.get(type(heard.message))
         if handle is None:
             self._out.append(Ignore(NOT_FOR_US))

@@ -116,7 +116,7 @@ class Failover:
     def follow(self, task: OpenTask, interval_s: float, now_s: float) -> None:
         """A task has got its primary, which is expected to beat every `interval_s`."""
         task.trouble = ""
-        self._subscriptions.begin(task.primary)
+        self._subscriptions.follow(task.primary)
         task.contract.detector = FailureDetector(
             task.primary, interval_s, now_s, self._subscriptions.arrivals
         )
@@ -128,7 +128,7 @@ class Failover:
     def leave(self, task: OpenTask) -> None:
         """A task has ended, or its primary is one no more."""
         if task.contract.detector is not None:
-            self._subscriptions.end(task.contract.detector.subject)
+            self._subscriptions.unfollow(task.contract.detector.subject)
         self._timers.clear((PRIMARY_SILENCE, task.id))
         task.trouble = ""
 

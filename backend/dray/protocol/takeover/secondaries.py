@@ -104,7 +104,7 @@ class Secondaries:
 
     def end(self, task: OpenTask) -> None:
         """Follow a task's secondary no longer, and say nothing: it knows."""
-        self._subscriptions.end(task.secondary)
+        self._subscriptions.unfollow(task.secondary)
         self._timers.clear((SECONDARY_SILENCE, task.id))
         task.standby = StandbyContract()
 
@@ -177,7 +177,7 @@ class Secondaries:
         self._follow(task, watch.winner, watch.number, watch.winning_bid, now_s)
 
     def _follow(self, task: OpenTask, atv: str, number: int, bid: Bid | None, now_s: float) -> None:
-        self._subscriptions.begin(atv)
+        self._subscriptions.follow(atv)
         detector = FailureDetector(atv, IDLE_INTERVAL_S, now_s, self._subscriptions.arrivals)
         task.standby = StandbyContract(atv, number, bid, detector)
         self._timers.set((SECONDARY_SILENCE, task.id), detector.fails_at_s)

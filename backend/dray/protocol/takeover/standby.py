@@ -99,7 +99,7 @@ class Standby:
             self.end(award.task, "renewed")
         detector = FailureDetector(award.primary, WORKING_INTERVAL_S, now_s, self._subscriptions.arrivals)
         self._watches[award.task] = Watch(award, coordinator, detector, now_s)
-        self._subscriptions.begin(award.primary)
+        self._subscriptions.follow(award.primary)
         self._timers.set((WATCHED_SILENCE, award.task), detector.fails_at_s)
         taken = ContractTaken(
             task=award.task, epoch=award.epoch, role=Role.SECONDARY, coordinator=coordinator
@@ -124,7 +124,7 @@ class Standby:
         watch = self._watches.pop(task, None)
         if watch is None:
             return
-        self._subscriptions.end(watch.award.primary)
+        self._subscriptions.unfollow(watch.award.primary)
         self._timers.clear((WATCHED_SILENCE, task))
         ended = ContractEnded(task=task, epoch=watch.award.epoch, role=Role.SECONDARY, reason=reason)
         self._out.append(Record(ended))

@@ -6,7 +6,7 @@ import { serverNowS, world } from "../../stream/stream";
 import { t } from "../../text/operator";
 import { problemText } from "../problem-text";
 import { me } from "../session/session";
-import { type Command, fromPlant, hear, type Word } from "./life";
+import { afterWord, type Command, fromPlant, type Word } from "./life";
 
 /** A card shows the last one of its vehicle: more than vehicles in an area are of no use. */
 const KEPT = 100;
@@ -68,7 +68,7 @@ function wordOf(error: unknown): [Word, string] {
 
 function tell(id: string, word: Word, reason: string): void {
   const command = given.value.get(id);
-  if (command) keep(hear(command, word, serverNowS(), reason));
+  if (command) keep(afterWord(command, word, serverNowS(), reason));
 }
 
 function keep(command: Command): void {

@@ -1,11 +1,11 @@
 import { describe, expect, test } from "vitest";
 import type { CommandView } from "../../api/types";
-import { type Command, fromPlant, hear, isUnderway, type Stage, stagesOf, type Word } from "./life";
+import { afterWord, type Command, fromPlant, isUnderway, type Stage, stagesOf, type Word } from "./life";
 
 const sent: Command = {
   id: "1", atv: "ATV3", kind: "stop", speedFrac: null, by: "North", stage: "sent", accepted: false, reason: "", atS: 100,
 };
-const after = (...words: Word[]): Command => words.reduce((command, word, i) => hear(command, word, 101 + i, word), sent);
+const after = (...words: Word[]): Command => words.reduce((command, word, i) => afterWord(command, word, 101 + i, word), sent);
 
 describe("a command", () => {
   test("is sent, accepted and confirmed", () => {
@@ -32,7 +32,7 @@ describe("a command", () => {
     "that was %s is over: %s changes nothing",
     (first, second) => {
       const over = after(first);
-      expect(hear(over, second, 200)).toBe(over);
+      expect(afterWord(over, second, 200)).toBe(over);
     },
   );
 

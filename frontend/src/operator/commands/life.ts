@@ -71,7 +71,7 @@ export interface Command {
 export type Kind = "stop" | "acknowledge" | "resume" | "set_speed" | "promise";
 
 /** The command after a word about it; the same one where the word is no news. */
-export function hear(command: Command, word: Word, atS: number, reason = ""): Command {
+export function afterWord(command: Command, word: Word, atS: number, reason = ""): Command {
   const stage = NEXT[command.stage][word];
   const accepted = command.accepted || AFTER_PASSING.has(word);
   if (stage === undefined) return accepted === command.accepted ? command : { ...command, accepted };
@@ -88,7 +88,7 @@ const WORDS = { sent: "passed_on", confirmed: "done", refused: "declined", not_c
 export function fromPlant(view: CommandView, own: Command | undefined): Command {
   const { atv, by, id, kind, reason, speed_frac: speedFrac, at_s: sentS, state } = view;
   const given = own ?? { id, atv, kind, speedFrac, by, stage: "sent", accepted: false, reason: "", atS: sentS };
-  return hear(given, WORDS[state], given.atS, reason);
+  return afterWord(given, WORDS[state], given.atS, reason);
 }
 
 /** Whether somebody still waits for a word on it. */

@@ -135,7 +135,7 @@ def _broken(check: Listener, said: Iterable[_Utterance]) -> tuple[str, ...]:
     found = []
     for utterance in said:
         try:
-            check.hear(utterance.at_s, utterance.sender, "", utterance.message)
+            check.on_message(utterance.at_s, utterance.sender, "", utterance.message)
         except InvariantBroken as broken:
             found.append(str(broken))
     return tuple(found)

@@ -60,7 +60,7 @@ class Watch:
         self.told: dict[str, tuple[int, int]] = {}
         self._bus = bus
         self._joined = asyncio.Event()
-        session = bus.join(OBSERVER, self._hear)
+        session = bus.join(OBSERVER, self._on_message)
         for key in (bus.keys.all_heartbeats, bus.keys.all_events):
             session.subscribe(key)
         see = Callback(self._see, indirect=False)
@@ -77,8 +77,8 @@ class Watch:
             self._joined.clear()
             await self._joined.wait()
 
-    def _hear(self, sender: str, message: Message) -> None:
-        self.heard.hear(0.0, sender, "", message)
+    def _on_message(self, sender: str, message: Message) -> None:
+        self.heard.on_message(0.0, sender, "", message)
         if isinstance(message, Event):
             newest = (message.incarnation, message.number)
             self.told[message.agent] = max(newest, self.told.get(message.agent, newest))

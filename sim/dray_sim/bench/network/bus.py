@@ -89,16 +89,16 @@ def _bare_calls(calls: int) -> int:
     numbers, random = count(), Random(1)
     heard = 0
 
-    def hear(_sender: str, _message: Message) -> None:
+    def on_message(_sender: str, _message: Message) -> None:
         nonlocal heard
         heard += 1
 
     for _ in range(VEHICLES * 4):
-        heapq.heappush(heap, (random.random(), next(numbers), hear, ("ATV-07", HEARTBEAT)))
+        heapq.heappush(heap, (random.random(), next(numbers), on_message, ("ATV-07", HEARTBEAT)))
     for _ in range(calls):
         when_s, _, _, args = heapq.heappop(heap)
-        hear(*args)
-        heapq.heappush(heap, (when_s + random.random(), next(numbers), hear, args))
+        on_message(*args)
+        heapq.heappush(heap, (when_s + random.random(), next(numbers), on_message, args))
     return heard
 
 
@@ -107,17 +107,17 @@ def _deliveries(span_s: float, *, trace: Trace | None = None, codec: bool = Fals
         plant_clock = clock()
         network = SimNetwork(plant_clock, Random(1), codec=codec, trace=trace)
 
-        def hear(_sender: str, _message: Message) -> None:
+        def on_message(_sender: str, _message: Message) -> None:
             """What an agent does with it is not measured here."""
 
         for number in range(MACHINES):
-            network.join(f"M{number}", hear).subscribe(KEYS.all_heartbeats)
+            network.join(f"M{number}", on_message).subscribe(KEYS.all_heartbeats)
 
         def beat(number: int) -> None:
             sessions[number].publish(KEYS.atv_heartbeat(f"ATV-{number}"), heartbeats[number])
             plant_clock.call_at(plant_clock.now_s() + PERIOD_S, beat, number)
 
-        sessions = [network.join(f"ATV-{number}", hear) for number in range(VEHICLES)]
+        sessions = [network.join(f"ATV-{number}", on_message) for number in range(VEHICLES)]
         heartbeats = [replace(HEARTBEAT, atv=session.agent) for session in sessions]
         for number in range(VEHICLES):
             plant_clock.call_at(number * PERIOD_S / VEHICLES, beat, number)

@@ -119,7 +119,7 @@ class Field:
                 if where(seen):
                     return seen
             at_s, sender, message = read(self._processes[PROBE].line())
-            self.witness.hear(at_s, sender, "", message)
+            self.witness.on_message(at_s, sender, "", message)
         raise self._processes[PROBE].complaint(f"has waited for {kind.__name__} in vain")
 
     def contract(self) -> TaskBrief:

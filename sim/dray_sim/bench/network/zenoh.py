@@ -59,15 +59,15 @@ PATIENCE_S = 60.0
 PLANT = "bench"
 HERE, RECEIPT, ECHO, SINK = "here", "receipt", "echo", "sink"
 
-Hear = Callable[[], None]
+OnSample = Callable[[], None]
 
 
 class Line(ABC):
     """A way of talking to the other process, used on a loop."""
 
     @abstractmethod
-    def listen(self, name: str, hear: Hear) -> None:
-        """Call `hear` on the loop for whatever comes for `name`."""
+    def listen(self, name: str, on_sample: OnSample) -> None:
+        """Call `on_sample` on the loop for whatever comes for `name`."""
 
     @abstractmethod
     def say(self, to: str) -> None:
@@ -81,9 +81,9 @@ class Bare(Line):
         self._session, self._loop = session, asyncio.get_running_loop()
         self._data = encode(HERE, HEARTBEAT)
 
-    def listen(self, name: str, hear: Hear) -> None:
+    def listen(self, name: str, on_sample: OnSample) -> None:
         def cross(_: zenoh.Sample) -> None:
-            self._loop.call_soon_threadsafe(hear)
+            self._loop.call_soon_threadsafe(on_sample)
 
         self._session.declare_subscriber(f"bare/{name}", Callback(cross, indirect=False))
 
@@ -94,10 +94,10 @@ class Bare(Line):
 class Read(Bare):
     """The same, and the messages are written and read."""
 
-    def listen(self, name: str, hear: Hear) -> None:
+    def listen(self, name: str, on_sample: OnSample) -> None:
         def cross(sample: zenoh.Sample) -> None:
             decode(sample.payload.to_bytes())
-            self._loop.call_soon_threadsafe(hear)
+            self._loop.call_soon_threadsafe(on_sample)
 
         self._session.declare_subscriber(f"read/{name}", Callback(cross, indirect=False))
 
@@ -113,8 +113,8 @@ class Adapted(Line):
         self._session: Session
         self._said: AtvHeartbeat
 
-    def listen(self, name: str, hear: Hear) -> None:
-        self._session = self._bus.join(name, lambda _sender, _message: hear())
+    def listen(self, name: str, on_sample: OnSample) -> None:
+        self._session = self._bus.join(name, lambda _sender, _message: on_sample())
         self._said = replace(HEARTBEAT, atv=name)
 
     def say(self, to: str) -> None:
@@ -124,8 +124,8 @@ class Adapted(Line):
 class Published(Adapted):
     """The adapter, and everybody may listen."""
 
-    def listen(self, name: str, hear: Hear) -> None:
-        super().listen(f"{name}-all", hear)
+    def listen(self, name: str, on_sample: OnSample) -> None:
+        super().listen(f"{name}-all", on_sample)
         self._session.subscribe(f"{PLANT}/{name}")
 
     def say(self, to: str) -> None:

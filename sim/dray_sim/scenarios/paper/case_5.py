@@ -50,7 +50,7 @@ class Passer:
     def __init__(self, stage: Stage) -> None:
         self.answers: list[CommandAnswered] = []
         self._factory = stage.factory
-        self._session = stage.factory.bus.join("passer", self._hear)
+        self._session = stage.factory.bus.join("passer", self._on_message)
 
     def say_go_on(self, atv: str) -> None:
         until_s = self._factory.clock.now_s() + ANSWER_S
@@ -61,7 +61,7 @@ class Passer:
             )
             self._session.send(atv, granted)
 
-    def _hear(self, _sender: str, message: Message) -> None:
+    def _on_message(self, _sender: str, message: Message) -> None:
         if isinstance(message, CommandAnswered):
             self.answers.append(message)
 

@@ -87,11 +87,11 @@ class Canary:
         """It has failed; the first reason is kept."""
         self.failure = self.failure or reason
 
-    def hear(self, sender: str, message: Message) -> None:
+    def on_message(self, sender: str, message: Message) -> None:
         """Note what somebody has said."""
         if isinstance(message, Heartbeat):
             if sender == self.agent:
-                self._hear_own(message)
+                self._on_own_heartbeat(message)
         elif isinstance(message, Event) and self.joined:
             note = self._on_fact.get(type(message.fact))
             if note is not None:
@@ -100,7 +100,7 @@ class Canary:
     def look(self, now_s: float) -> None:
         """Note that it is so late by now (plant clock)."""
 
-    def _hear_own(self, heartbeat: AtvHeartbeat | MachineHeartbeat) -> None:
+    def _on_own_heartbeat(self, heartbeat: AtvHeartbeat | MachineHeartbeat) -> None:
         if heartbeat.incarnation <= self._life:
             return
         if self.joined:

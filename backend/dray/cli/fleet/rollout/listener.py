@@ -11,7 +11,7 @@ from dray.cli.fleet.process_registry import ProcessRegistry, peer_of
 from dray.messages import Event, Heartbeat, MachineHeartbeat, Message
 from dray.messages.keys import Keys
 
-Hear = Callable[[str, Message], None]
+OnMessage = Callable[[str, Message], None]
 """Called with (sender, message)."""
 
 
@@ -34,15 +34,15 @@ class Listener:
         self.lives: dict[str, int] = {}
         self.machines: dict[str, MachineHeartbeat] = {}
         self.numbers: dict[str, tuple[int, int]] = {}
-        self._told: list[Hear] = []
+        self._told: list[OnMessage] = []
         self._bus = peer_of(registry, folder)
-        session = self._bus.join(OBSERVER, self._hear)
+        session = self._bus.join(OBSERVER, self._on_message)
         keys = Keys(registry.plant)
         for key in (keys.all_heartbeats, keys.all_events):
             session.subscribe(key)
 
     @contextlib.contextmanager
-    def telling(self, tell: Hear) -> Iterator[None]:
+    def telling(self, tell: OnMessage) -> Iterator[None]:
         """Let somebody hear all, as long as the context lasts."""
         self._told.append(tell)
         try:
@@ -58,7 +58,7 @@ class Listener:
         """Leave the bus."""
         self._bus.close()
 
-    def _hear(self, sender: str, message: Message) -> None:
+    def _on_message(self, sender: str, message: Message) -> None:
         if isinstance(message, Heartbeat):
             self.lives[sender] = max(message.incarnation, self.lives.get(sender, 0))
             if isinstance(message, MachineHeartbeat):

@@ -107,7 +107,7 @@ class Scene:
             canary.fail(done.reason)
             done = Replaced(left_s=0.0, killed=False, starts=member.starts)
         else:
-            with self._listener.telling(canary.hear):
+            with self._listener.telling(canary.on_message):
                 await self._until_joined(member, done.starts, canary)
                 joined_s = time.monotonic()
                 await self._until_judged(member, done.starts, canary, terms.patience_s)

@@ -11,7 +11,7 @@ const COMMANDS_KEPT = 32;
 /** Before the 32 bytes of an Ed25519 public key, in DER. */
 const ED25519 = Buffer.from('302a300506032b6570032100', 'hex');
 
-export class Obedience {
+export class CommandHandling {
   stopped: boolean;
   #atv: string;
   #plant: Plant;
@@ -36,7 +36,7 @@ export class Obedience {
   }
 
   /** Carry it out or refuse it; why it was refused, empty when it was not. One that comes again is answered as before. */
-  hear(command: VehicleCommand, now_s: number): string {
+  onCommand(command: VehicleCommand, now_s: number): string {
     const grant = command.grant;
     if (!grant) return 'nobody has granted it: it carries no grant';
     const words = signedWords(this.#atv, command, grant);
