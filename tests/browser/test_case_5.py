@@ -16,7 +16,7 @@ OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
 
 SPEED = 3
-"""Slow enough that a carriage lasts as long as people need to act, some ten seconds."""
+"""Slow enough that a transport lasts as long as people need to act, some ten seconds."""
 
 LOADED_MS = 90_000
 """The first vehicle has a load after a minute of the factory's time."""
@@ -25,7 +25,7 @@ HEARD_MS = 20_000
 """A vehicle says at once that something is wrong; a slow machine may take longer to paint."""
 
 DELIVERED_MS = 150_000
-"""What is left of a carriage takes less than two minutes of the factory's time, and twice that at half speed."""
+"""What is left of a transport takes less than two minutes of the factory's time, and twice that at half speed."""
 
 TABLET = {"width": 1024, "height": 768}
 

@@ -14,7 +14,7 @@ OpenPage = Callable[..., Page]
 Screenshot = Callable[[Page, str], Path]
 
 SPEED = 4
-"""Slow enough that a carriage lasts as long as a person needs to act, some ten seconds."""
+"""Slow enough that a transport lasts as long as a person needs to act, some ten seconds."""
 
 WATCHED_MS = 90_000
 """The first transports with a watch are contracted within a minute of the factory's time."""
@@ -23,7 +23,7 @@ TAKEN_OVER_MS = 20_000
 """The suspicion bound is some seconds; a slow machine may take longer to paint."""
 
 DELIVERED_MS = 90_000
-"""A whole carriage takes some two minutes of the factory's time."""
+"""A whole transport takes some two minutes of the factory's time."""
 
 
 @pytest.fixture(scope="module")

@@ -122,7 +122,7 @@ def test_the_historian_thinks_of_an_agent_as_back_after_two_beats_of_an_idle_one
 
 IN_TYPESCRIPT: dict[str, dict[str, Any]] = {
     "vehicle.ts": {"WORKING_BEAT_S": WORKING_INTERVAL_S, "IDLE_BEAT_S": IDLE_INTERVAL_S},
-    "carriage.ts": {
+    "transport-job.ts": {
         "ASK_AGAIN_S": ASK_AGAIN_S,
         "HELD_ASK_AGAIN_S": transport_job.HELD_ASK_AGAIN_S,
         "WAITS_AT_LEAST_S": transport_job.WAITS_AT_LEAST_S,

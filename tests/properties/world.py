@@ -56,7 +56,7 @@ from dray.protocol.vehicle.atv import Atv
 LATENCY_S = 0.02
 
 SILENT_MACHINE = "handed over to a silent machine"
-"""How a carriage ends whose machine has answered nothing after the load was down."""
+"""How a transport ends whose machine has answered nothing after the load was down."""
 
 
 class Broken(AssertionError):

@@ -154,7 +154,7 @@ class Trip:
 # --- the straight way ----------------------------------------------------------------------------
 
 
-def test_a_carriage_goes_through_its_phases_and_ends_when_the_handover_is_accepted() -> None:
+def test_a_transport_goes_through_its_phases_and_ends_when_the_handover_is_accepted() -> None:
     trip = Trip().to_handing_over()
     trip.hears(HandoverAccepted(task="M8-1", epoch=1))
     assert trip.phases == [

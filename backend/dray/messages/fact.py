@@ -248,7 +248,7 @@ class HelpPromised(Fact, frozen=True):
 
 
 class PhaseEntered(Fact, frozen=True):
-    """A carriage went one step further."""
+    """A transport went one step further."""
 
     task: Id
     epoch: Count

@@ -63,7 +63,7 @@ class Role(StrEnum):
 
 
 class Phase(StrEnum):
-    """How far a carriage has come."""
+    """How far a transport has come."""
 
     APPROACHING = "approaching"
     """On the empty way to the source."""

@@ -1,7 +1,7 @@
 /** What a vehicle does without work: claim a dwell point with nobody in the middle, stand there, and charge in time. */
 
 import type { DwellPointClaimed } from './messages.ts';
-import type { Hands } from './carriage.ts';
+import type { Hands } from './transport-job.ts';
 
 const SETTLE_S = 4;
 const SEEK_AGAIN_S = 30;
@@ -10,7 +10,7 @@ const TAKEN_S = 60;
 const CHARGE_BELOW_FRAC = 0.6;
 const CHARGED_FRAC = 0.95;
 
-/** What a rest needs of its vehicle, beside what a carriage does. */
+/** What a rest needs of its vehicle, beside what a job does. */
 export interface Bed extends Hands {
   readonly atv: string;
   claim(claim: DwellPointClaimed): void;

@@ -2,7 +2,7 @@
 
 import type { Body, Report } from './body.ts';
 import type { Bus } from './bus.ts';
-import { Carriage } from './carriage.ts';
+import { TransportJob } from './transport-job.ts';
 import type { Driver } from './driver.ts';
 import type { Answer, Award, DwellPointClaimed, Message, Status, TaskAnnounced } from './messages.ts';
 import type { Contract, Notes } from './notes.ts';
@@ -28,7 +28,7 @@ export class Vehicle implements Bed {
   #seq = 0;
   #beats_s = 0;
   #cell = '';
-  #carriage: Carriage | undefined;
+  #job: TransportJob | undefined;
   #rest: Rest;
   #problem: string;
   #draining = false;
@@ -63,7 +63,7 @@ export class Vehicle implements Bed {
     this.body.attach((report) => this.#hearReport(report));
     this.#move();
     const { contract } = parts.notes.kept;
-    if (contract) this.#go(contract, (carriage) => carriage.resume(this.body.state.load));
+    if (contract) this.#go(contract, (job) => job.resume(this.body.state.load));
     else if (this.body.state.load) this.#bringBack();
     else this.#rest.soon();
     this.#beat();
@@ -95,8 +95,8 @@ export class Vehicle implements Bed {
 
   /** Called several times a second. */
   tick(): void {
-    this.#step((carriage) => carriage.tick(this.body.state.load));
-    if (!this.#carriage && !this.#isStuck && !this.#draining) this.#rest.tick();
+    this.#step((job) => job.tick(this.body.state.load));
+    if (!this.#job && !this.#isStuck && !this.#draining) this.#rest.tick();
     if (this.now_s() >= this.#beats_s) this.#beat();
   }
 
@@ -104,14 +104,14 @@ export class Vehicle implements Bed {
   leave(): void {
     this.#draining = true;
     this.#rest.stop();
-    this.#step((carriage) => carriage.giveBack());
-    if (!this.#carriage) this.driver.halt(this.now_s());
+    this.#step((job) => job.giveBack());
+    if (!this.#job) this.driver.halt(this.now_s());
     this.#beat();
   }
 
   /** Whether nothing holds it any more. */
   get mayGo(): boolean {
-    return this.#draining && (this.#isStuck || (!this.#carriage && !this.driver.isDriving));
+    return this.#draining && (this.#isStuck || (!this.#job && !this.driver.isDriving));
   }
 
   // --- others speak ---
@@ -128,20 +128,20 @@ export class Vehicle implements Bed {
         const { role, task, epoch, number } = message;
         const contract = this.#contractWith(sender, task);
         if (role === 'primary' && contract?.epoch === epoch && contract.number === (number ?? 0))
-          this.#step((carriage) => carriage.cancel('released'));
+          this.#step((job) => job.cancel('released'));
         break;
       }
       case 'DockOpened':
       case 'DockHeld':
         // Of a dock only its owner speaks: a machine, or the station of a storage, which both have the place's name.
-        if (sender === message.station && this.#carriage?.contract.task === message.task)
-          this.#step((carriage) => carriage.onAnswer(message as Answer));
+        if (sender === message.station && this.#job?.contract.task === message.task)
+          this.#step((job) => job.onAnswer(message as Answer));
         break;
       case 'HandoverAccepted':
       case 'Confirmed':
       case 'Superseded':
       case 'Withdrawn':
-        if (this.#contractWith(sender, message.task)) this.#step((carriage) => carriage.onAnswer(message as Answer));
+        if (this.#contractWith(sender, message.task)) this.#step((job) => job.onAnswer(message as Answer));
         break;
       case 'DwellPointClaimed':
         this.#rest.onClaim(message);
@@ -151,7 +151,7 @@ export class Vehicle implements Bed {
         const { command } = message;
         this.send(sender, { type: 'CommandAnswered', command, done: !refused, reason: refused });
         this.#tell(`${message.kind} ${command}: ${refused || 'done'}`);
-        if (!this.#isStuck && !this.#carriage) this.#rest.soon();
+        if (!this.#isStuck && !this.#job) this.#rest.soon();
         this.#beat();
         break;
       }
@@ -181,15 +181,15 @@ export class Vehicle implements Bed {
     const held = this.#contractWith(sender, task);
     if (held && held.epoch === epoch && !held.cancelled) {
       // Its answer was lost; this award is the one that binds now.
-      this.#carriage!.contract = { ...held, number };
-      this.keep(this.#carriage!.contract);
-      this.send(sender, this.#carriage!.accepted);
+      this.#job!.contract = { ...held, number };
+      this.keep(this.#job!.contract);
+      this.send(sender, this.#job!.accepted);
       return;
     }
     const decline = (reason: string) => this.send(sender, { type: 'Declined', task, epoch, role, reason, number });
     if (role !== 'primary') return decline('watching_enough');
     if (work.kind !== 'transport') return decline('ability');
-    if (!this.#isFree) return decline(this.#carriage ? 'busy' : 'not_fit');
+    if (!this.#isFree) return decline(this.#job ? 'busy' : 'not_fit');
     const sources = award.source ? [award.source] : work.sources;
     const battery_frac = this.body.state.battery_frac;
     const offer = quote(this.plant, this.driver, battery_frac, { ...work, sources }, this.now_s(), award.deadline_s);
@@ -203,14 +203,14 @@ export class Vehicle implements Bed {
     this.keep(contract);
     this.#tell(`takes ${task}: ${work.quantity} ${work.item} from ${source} to ${work.destination}`);
     this.#rest.stop();
-    this.#go(contract, (carriage) => {
-      this.send(sender, carriage.accepted);
-      carriage.begin();
+    this.#go(contract, (job) => {
+      this.send(sender, job.accepted);
+      job.begin();
     });
   }
 
   #contractWith(sender: string, task: string): Contract | undefined {
-    const contract = this.#carriage?.contract;
+    const contract = this.#job?.contract;
     return contract?.task === task && contract.coordinator === sender ? contract : undefined;
   }
 
@@ -220,16 +220,16 @@ export class Vehicle implements Bed {
     const way = this.driver.onReport(report);
     this.#move();
     if (way === 'arrived') {
-      if (this.#carriage) this.#step((carriage) => carriage.arrived());
+      if (this.#job) this.#step((job) => job.arrived());
       else this.#rest.arrived();
     } else if (way === 'refused') {
-      if (this.#carriage) this.#step((carriage) => carriage.wayRefused());
+      if (this.#job) this.#step((job) => job.wayRefused());
       else this.#rest.soon();
     } else if (report.kind === 'ActionDone') {
-      if (!this.#rest.actionEnded(report.order, true)) this.#step((carriage) => carriage.actionDone(report.order));
+      if (!this.#rest.actionEnded(report.order, true)) this.#step((job) => job.actionDone(report.order));
     } else if (report.kind === 'ActionFailed') {
       if (!this.#rest.actionEnded(report.order, false))
-        this.#step((carriage) => carriage.actionFailed(report.order, report.reason));
+        this.#step((job) => job.actionFailed(report.order, report.reason));
     } else if (report.kind === 'ProblemRaised' || report.kind === 'ProblemCleared') {
       this.#problem = report.kind === 'ProblemRaised' ? report.reason : '';
       if (this.#problem) this.#commands.takeBack();
@@ -253,11 +253,11 @@ export class Vehicle implements Bed {
   }
 
   get #isFree(): boolean {
-    return !this.#carriage && !this.#isStuck && !this.#draining && !this.body.state.load;
+    return !this.#job && !this.#isStuck && !this.#draining && !this.body.state.load;
   }
 
-  #go(contract: Contract, begin: (carriage: Carriage) => void): void {
-    this.#carriage = new Carriage(contract, this);
+  #go(contract: Contract, begin: (job: TransportJob) => void): void {
+    this.#job = new TransportJob(contract, this);
     this.#step(begin);
     // Its coordinator counts the seconds of silence from now on.
     this.#beat();
@@ -271,22 +271,22 @@ export class Vehicle implements Bed {
     const work = { kind: 'transport', item: load, quantity: load_quantity, sources, destination, ability: '' } as const;
     const found = { task: `${this.atv}-found`, epoch: 0, work, coordinator: this.atv, source: destination, promised_s: 0 };
     const contract: Contract = { ...found, number: 0, phase: 'returning', cancelled: 'nobody knows of this load' };
-    this.#go(contract, (carriage) => carriage.resume(load));
+    this.#go(contract, (job) => job.resume(load));
   }
 
-  #step(step: (carriage: Carriage) => void): void {
-    const carriage = this.#carriage;
-    if (!carriage) return;
-    const { phase } = carriage.contract;
-    step(carriage);
-    if (this.#draining && !carriage.ended) carriage.giveBack();
-    if (carriage.ended) {
-      this.#tell(`${carriage.contract.task}: ${carriage.ended}`);
-      this.#carriage = undefined;
+  #step(step: (job: TransportJob) => void): void {
+    const job = this.#job;
+    if (!job) return;
+    const { phase } = job.contract;
+    step(job);
+    if (this.#draining && !job.ended) job.giveBack();
+    if (job.ended) {
+      this.#tell(`${job.contract.task}: ${job.ended}`);
+      this.#job = undefined;
       this.#notes.write({ contract: null });
       this.#rest.soon();
     }
-    if (carriage.ended || carriage.contract.phase !== phase) this.#beat();
+    if (job.ended || job.contract.phase !== phase) this.#beat();
   }
 
   // --- what others see ---
@@ -294,13 +294,13 @@ export class Vehicle implements Bed {
   get #status(): Status {
     if (this.#commands.stopped) return 'stopped';
     if (this.#problem) return 'error';
-    if (this.#carriage) return 'working';
+    if (this.#job) return 'working';
     return this.#rest.charging ? 'charging' : 'idle';
   }
 
   #beat(): void {
     const { state } = this.body;
-    this.#beats_s = this.now_s() + (this.#carriage ? WORKING_BEAT_S : IDLE_BEAT_S);
+    this.#beats_s = this.now_s() + (this.#job ? WORKING_BEAT_S : IDLE_BEAT_S);
     this.#seq += 1;
     this.#bus.publish(`${this.plant.id}/hb/atv/${this.atv}`, {
       type: 'AtvHeartbeat',
@@ -315,7 +315,7 @@ export class Vehicle implements Bed {
       battery_frac: state.battery_frac,
       load: state.load,
       load_quantity: state.load_quantity,
-      task: this.#carriage?.brief ?? null,
+      task: this.#job?.brief ?? null,
       way: this.driver.ahead,
       dwell_point: this.#rest.dwellPoint,
       speed_limit_frac: this.#notes.kept.speed_frac,

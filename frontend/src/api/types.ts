@@ -228,7 +228,7 @@ export interface CarrierView {
   carrier: string;
   confirmed: boolean;
   epoch: number;
-  how: "adopted" | "announced_anew" | "took_over" | "won";
+  how: "announced_anew" | "recovered" | "took_over" | "won";
   reason: string;
   replaced: string;
   silent_s: number;
@@ -519,7 +519,7 @@ export interface WhyView {
   confirmed: boolean;
   coordinator: string;
   kind:
-    "adopted" | "asked" | "cheapest" | "leading" | "only" | "tie" | "took_over" | "unknown" | "waiting" | "withdrawn";
+    "asked" | "cheapest" | "leading" | "only" | "recovered" | "tie" | "took_over" | "unknown" | "waiting" | "withdrawn";
   left: number;
   other: string;
   part: string;

@@ -1,4 +1,4 @@
-/** What is shown before anybody has chosen: a carriage that several have bid for, so that the panel explains itself. */
+/** What is shown before anybody has chosen: a transport that several have bid for, so that the panel explains itself. */
 import { effect } from "@preact/signals";
 import type { TaskView } from "../api/types";
 import { NOTHING, selection } from "../selection/selection";

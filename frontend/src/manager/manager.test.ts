@@ -124,14 +124,14 @@ describe("choosing", () => {
     expect(withChosen(task, { kind: "atv", id: "ATV1" }).task).toBeNull();
   });
 
-  test("begins with the carriage under way for which most have bid, the newest of these", () => {
-    const carriage = (opened_at_s: number, primary: string, ...bidders: string[]) => ({
+  test("begins with the transport under way for which most have bid, the newest of these", () => {
+    const transport = (opened_at_s: number, primary: string, ...bidders: string[]) => ({
       id: `T${opened_at_s}`, opened_at_s, state: "contracted", coordinator: "M1", primary,
       bids: bidders.map((bidder) => ({ bidder, role: "primary", epoch: 1, round: 1, total_s: 1 })),
     }) as unknown as TaskView;
     const tasks = [
-      carriage(1, "ATV1", "ATV1", "ATV2"), carriage(2, "ATV2", "ATV1", "ATV2"),
-      carriage(3, "ATV1", "ATV1"), carriage(4, "gone", "ATV1", "ATV2", "gone"),
+      transport(1, "ATV1", "ATV1", "ATV2"), transport(2, "ATV2", "ATV1", "ATV2"),
+      transport(3, "ATV1", "ATV1"), transport(4, "gone", "ATV1", "ATV2", "gone"),
     ];
     const world = {
       tasks: new Map(tasks.map((task) => [task.id, task])),

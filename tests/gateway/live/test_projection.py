@@ -29,7 +29,7 @@ from dray.messages import (
 
 def test_a_vehicle_is_seen_as_its_last_heartbeat_told(projection: Projection) -> None:
     vehicle = PLANT.fleet[0]
-    carriage = Brief(
+    transport = Brief(
         task="T1",
         epoch=2,
         role=Role.PRIMARY,
@@ -41,7 +41,7 @@ def test_a_vehicle_is_seen_as_its_last_heartbeat_told(projection: Projection) ->
     )
     watch = Brief(task="T2", epoch=1, role=Role.SECONDARY, coordinator="M2")
     projection.fold(
-        atv_heartbeat(vehicle.id, at_s=50.0, status=AtvStatus.WORKING, task=carriage, watches=(watch,))
+        atv_heartbeat(vehicle.id, at_s=50.0, status=AtvStatus.WORKING, task=transport, watches=(watch,))
     )
     view = projection.atvs.view(vehicle.id)
     assert view is not None

@@ -117,7 +117,7 @@ def test_a_round_without_a_contract_leads_to_a_wider_one(projection: Projection)
 
 
 @pytest.mark.parametrize("step", list(Phase))
-def test_a_carriage_is_followed_step_by_step(projection: Projection, step: Phase) -> None:
+def test_a_transport_is_followed_step_by_step(projection: Projection, step: Phase) -> None:
     tell(projection, "M1", opened(), bid("ATV2"), answer("ATV2"))
     tell(projection, "ATV2", phase(step))
     assert (task(projection).phase, task(projection).primary) == (step.value, "ATV2")

@@ -236,12 +236,12 @@ def test_a_second_round_tells_that_it_took_one_and_how_far_it_reached(tell: Tell
     assert tell.why().text.endswith("It took 2 rounds; the last one asked within 50 m.")
 
 
-def test_a_bid_for_the_watch_is_none_for_the_carriage(tell: Teller) -> None:
+def test_a_bid_for_the_watch_is_none_for_the_transport(tell: Teller) -> None:
     tell(bid("ATV2", 54.8), answered("ATV2"), bid("ATV3", 20.0, role=Role.SECONDARY))
     assert (tell.why().kind, tell.why().bidders) == ("only", 1)
 
 
-def test_bids_for_the_watch_push_none_for_the_carriage_off_the_record(tell: Teller) -> None:
+def test_bids_for_the_watch_push_none_for_the_transport_off_the_record(tell: Teller) -> None:
     tell(bid("ATV1", 55.9), bid("ATV2", 54.8), answered("ATV2"))
     tell(*(bid(f"ATV{n}", 20.0, role=Role.SECONDARY) for n in range(3, 3 + 2 * MAX_BIDS)))
     assert (tell.why().kind, tell.why().bidders, tell.why().other) == ("cheapest", 2, "ATV1")
@@ -294,7 +294,7 @@ def test_who_won_a_task_that_was_announced_anew_won_it_from_the_bids_of_that_tim
     assert "announced anew because ATV3 could not go on with it" in why.text
 
 
-def test_a_carrier_that_a_restarted_machine_found_at_work_is_adopted(
+def test_a_carrier_that_a_restarted_machine_found_at_work_is_recovered(
     projection: Projection, tell: Teller
 ) -> None:
     brief = TaskBrief(
@@ -308,11 +308,11 @@ def test_a_carrier_that_a_restarted_machine_found_at_work_is_adopted(
         primary="ATV2",
     )
     tell(bid("ATV2", 54.8), asked("ATV2"))
-    # In its own life the machine tells in an event who has accepted: nothing is adopted.
+    # In its own life the machine tells in an event who has accepted: nothing is recovered.
     projection.fold(machine_heartbeat("M8", 1, tasks=(brief,)))
     assert tell.why().kind == "asked"
     projection.fold(machine_heartbeat("M8", 1, incarnation=2, tasks=(brief,)))
-    assert tell.why().kind == "adopted"
+    assert tell.why().kind == "recovered"
     assert tell.why().text == (
         "ATV2 carries it because it had accepted while M8 was away: M8 found it at work when it was back."
     )

@@ -49,7 +49,7 @@ def reasons(
         released: whether the factory has it.
         waits: whether the strategist has said that nobody can make a part of it.
         lost: whether a machine has failed with a part of it.
-        held_up: whether a carriage of its goods has said that it does not go on.
+        held_up: whether a transport of its goods has said that it does not go on.
         lacks: whether one of the machines that have taken a part of it waits for material for that part.
         doings: what the machines do that have taken a part which is not made yet.
     """

@@ -55,7 +55,7 @@ class Facts(msgspec.Struct, frozen=True, kw_only=True):
     waits: bool = False
     """Whether the strategist has said that nobody can make a part of it."""
     held_up: bool = False
-    """Whether a carriage of its goods has said that it does not go on."""
+    """Whether a transport of its goods has said that it does not go on."""
 
 
 class TrackedItem(msgspec.Struct, frozen=True):

@@ -600,7 +600,7 @@ class Atv(AgentBase):
             job.give_back(GRACEFUL_SHUTDOWN, now_s)
         self._heartbeat_timer.at_once(now_s)
         if job.ended:
-            self._end_carriage(job, now_s)
+            self._end_job(job, now_s)
         elif job.memory() != memory:
             self._commit()
 
@@ -613,7 +613,7 @@ class Atv(AgentBase):
         elif phase is Phase.UNLOADING and job.phase is Phase.HANDING_OVER:
             self._waits.note(job.work.destination, "", took_s - kind.unload_s, now_s)
 
-    def _end_carriage(self, job: TransportJob, now_s: float) -> None:
+    def _end_job(self, job: TransportJob, now_s: float) -> None:
         ended = ContractEnded(task=job.task, epoch=job.epoch, role=Role.PRIMARY, reason=job.ended)
         self._out.append(Record(ended))
         self._job = None

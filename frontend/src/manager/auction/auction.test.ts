@@ -47,7 +47,7 @@ describe("an auction", () => {
     expect(anew.refusals).toEqual([]);
   });
 
-  test("counts a bidder once, with its latest bid for the carriage", () => {
+  test("counts a bidder once, with its latest bid for the transport", () => {
     const bids = [bid("A", 50), bid("A", 30, 40, { round: 2 }), bid("A", 1, 1, { role: "secondary" })];
     expect(auctionOf(task({ bids })).rows.map((row) => row.bid.total_s)).toEqual([70]);
   });

@@ -10,7 +10,7 @@ import { isSilence } from "../news/news-text";
 /** Bidders that were passed over and are named; more would make a list of a sentence. */
 const PASSED_NAMED = 2;
 /** What has gone through no rounds of bidding, or not through those that are told. */
-const WITHOUT_ROUNDS = new Set<WhyView["kind"]>(["took_over", "adopted", "unknown", "withdrawn"]);
+const WITHOUT_ROUNDS = new Set<WhyView["kind"]>(["took_over", "recovered", "unknown", "withdrawn"]);
 
 export function whyText({ why }: Pick<TaskView, "why">): string {
   return [mainText(why), anewText(why), roundsText(why)].filter(Boolean).join(" ");
@@ -24,8 +24,8 @@ function mainText(why: WhyView): string {
       return t("why.withdrawn", { coordinator });
     case "unknown":
       return t("why.unknown", { agent });
-    case "adopted":
-      return t("why.adopted", { agent, coordinator });
+    case "recovered":
+      return t("why.recovered", { agent, coordinator });
     case "took_over":
       return tookOverText(why);
     case "waiting":

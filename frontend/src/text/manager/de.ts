@@ -243,7 +243,7 @@ export const de: Catalogue<typeof en> = {
 
   "why.withdrawn": "{coordinator} hat ihn zurückgezogen.",
   "why.unknown": "{agent} führt ihn aus; das Gebot ist nicht aufgezeichnet.",
-  "why.adopted": "{agent} führt ihn aus, weil es zugesagt hatte, während {coordinator} weg war: {coordinator} fand es bei der Rückkehr an der Arbeit.",
+  "why.recovered": "{agent} führt ihn aus, weil es zugesagt hatte, während {coordinator} weg war: {coordinator} fand es bei der Rückkehr an der Arbeit.",
   "why.cheapest": "{agent} wurde gewählt, weil es das günstigste von {count} Geboten abgab ({total}, {by} weniger als {other}){passed}.",
   "why.cheapestLeft": "{agent} wurde gewählt, weil es das günstigste der {count} übrigen Gebote abgab ({total}, {by} weniger als {other}){passed}.",
   "why.only": "{agent} wurde gewählt, weil sonst niemand bot ({total}).",

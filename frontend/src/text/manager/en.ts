@@ -241,7 +241,7 @@ export const en = {
 
   "why.withdrawn": "{coordinator} has withdrawn it.",
   "why.unknown": "{agent} carries it; its bid is not on record.",
-  "why.adopted": "{agent} carries it because it had accepted while {coordinator} was away: {coordinator} found it at work when it was back.",
+  "why.recovered": "{agent} carries it because it had accepted while {coordinator} was away: {coordinator} found it at work when it was back.",
   "why.cheapest": "{agent} was chosen because it was the cheapest of {count} that bid ({total}, {by} less than {other}){passed}.",
   "why.cheapestLeft": "{agent} was chosen because it was the cheapest of the {count} that were left ({total}, {by} less than {other}){passed}.",
   "why.only": "{agent} was chosen because nobody else bid ({total}).",

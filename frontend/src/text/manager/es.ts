@@ -243,7 +243,7 @@ export const es: Catalogue<typeof en> = {
 
   "why.withdrawn": "{coordinator} lo ha retirado.",
   "why.unknown": "{agent} lo lleva; su oferta no consta.",
-  "why.adopted": "{agent} lo lleva porque había aceptado mientras {coordinator} no estaba: {coordinator} lo encontró trabajando al volver.",
+  "why.recovered": "{agent} lo lleva porque había aceptado mientras {coordinator} no estaba: {coordinator} lo encontró trabajando al volver.",
   "why.cheapest": "Se eligió a {agent} porque hizo la oferta más barata de {count} ({total}, {by} menos que {other}){passed}.",
   "why.cheapestLeft": "Se eligió a {agent} porque hizo la oferta más barata de las {count} que quedaban ({total}, {by} menos que {other}){passed}.",
   "why.only": "Se eligió a {agent} porque nadie más ofertó ({total}).",

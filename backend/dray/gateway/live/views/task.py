@@ -47,7 +47,7 @@ class CarrierView(View, kw_only=True):
     """Empty when it was announced anew."""
     epoch: int
     since_at_s: float
-    how: Literal["won", "took_over", "adopted", "announced_anew"] = "won"
+    how: Literal["won", "took_over", "recovered", "announced_anew"] = "won"
     """Won the auction, took over from the one that it watched, or was found to carry it by a coordinator
     that had been away."""
     replaced: str = ""

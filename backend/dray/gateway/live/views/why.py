@@ -37,7 +37,7 @@ class WhyView(View, kw_only=True):
         "cheapest",
         "tie",
         "took_over",
-        "adopted",
+        "recovered",
         "unknown",
         "withdrawn",
     ]

@@ -61,7 +61,7 @@ async def list_events(
     """Events that were kept.
 
     `since` is the `position` of the last event that you have; `kind` and `agent` may be repeated;
-    `order` finds all that happened for an order: its goals, their auctions and carriages.
+    `order` finds all that happened for an order: its goals, their auctions and transports.
     """
     if since is not None and (newest_first or cursor is not None):
         raise unusable(FieldError("since", "give it alone, or use cursor or newest_first instead"))

@@ -1,7 +1,7 @@
 """Tasks as panels see them: every auction, from the announcement to the end.
 
 The coordinator's facts are the truth about a task; a contractor's facts add who refused and how far
-the carriage has come. Facts of different agents may overtake one another, so what a contractor says
+the transport has come. Facts of different agents may overtake one another, so what a contractor says
 of a task that nobody has opened yet is kept for a while. What tells of an epoch that is over is
 ignored.
 """
@@ -131,7 +131,7 @@ class Tasks:
             task = self._open.get(brief.task)
             if task is None:
                 continue
-            self._adopted(task, brief, heartbeat)
+            self._recovered(task, brief, heartbeat)
             if brief.trouble != task.trouble:
                 task.trouble = brief.trouble
                 self._mark(task.id)
@@ -253,7 +253,7 @@ class Tasks:
         add_carrier(task, won)
         return True
 
-    def _adopted(self, task: TaskView, brief: TaskBrief, heartbeat: MachineHeartbeat) -> None:
+    def _recovered(self, task: TaskView, brief: TaskBrief, heartbeat: MachineHeartbeat) -> None:
         """A coordinator that was away names a carrier that has accepted while it could not hear that."""
         if task.state != "bidding" or not brief.primary or brief.epoch < task.epoch:
             return
@@ -264,7 +264,7 @@ class Tasks:
             carrier=brief.primary,
             epoch=brief.epoch,
             since_at_s=self._to_wall_s(heartbeat.at_s),
-            how="adopted",
+            how="recovered",
         )
         add_carrier(task, carrier)
         self._mark(task.id)

@@ -39,8 +39,8 @@ def _reason(task: TaskView) -> WhyView:
         return WhyView(kind="withdrawn", agent=task.coordinator)
     if not task.primary:
         return _undecided(task, carrier)
-    if carrier is not None and carrier.how == "adopted":
-        return WhyView(kind="adopted", agent=task.primary)
+    if carrier is not None and carrier.how == "recovered":
+        return WhyView(kind="recovered", agent=task.primary)
     why = _taken_over(task, carrier) if carrier is not None and carrier.how == "took_over" else _won(task)
     if carrier is not None:
         why.replaced, why.reason, why.silent_s = carrier.replaced, carrier.reason, carrier.silent_s

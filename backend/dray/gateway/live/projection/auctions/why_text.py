@@ -68,7 +68,7 @@ def _main(why: WhyView) -> str:
             return f"{why.coordinator} has withdrawn it."
         case "unknown":
             return f"{why.agent} carries it; its bid is not on record."
-        case "adopted":
+        case "recovered":
             found = f"{why.coordinator} found it at work when it was back"
             return (
                 f"{why.agent} carries it because it had accepted while {why.coordinator} was away: {found}."
@@ -174,7 +174,7 @@ def _before(why: WhyView) -> str:
 
 
 def _rounds(why: WhyView) -> str:
-    if why.round < 2 or why.kind in {"took_over", "adopted", "unknown", "withdrawn"}:
+    if why.round < 2 or why.kind in {"took_over", "recovered", "unknown", "withdrawn"}:
         return ""
     within = f"; the last one asked within {why.radius_m:.0f} m" if why.radius_m > 0 else ""
     if why.kind not in {"waiting", "leading", "asked"}:

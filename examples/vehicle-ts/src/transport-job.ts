@@ -22,7 +22,7 @@ const RETRY_S = 5;
 const GIVE_UP_AFTER = 10;
 const TRIES = 3;
 
-/** What a carriage needs of its vehicle. */
+/** What a job needs of its vehicle. */
 export interface Hands {
   readonly plant: Plant;
   readonly driver: Driver;
@@ -33,7 +33,7 @@ export interface Hands {
   keep(contract: Contract): void;
 }
 
-export class Carriage {
+export class TransportJob {
   contract: Contract;
   /** Why it has ended; empty while it lasts. */
   ended = '';
