@@ -173,6 +173,7 @@ def test_a_promise_of_what_is_not_there_is_found() -> None:
 def test_a_vehicle_that_waits_in_vain_is_found() -> None:
     listener = NobodyWaitsInVain(FaultAttribution(), ("S1",))
     listener.on_message(0.0, "ATV1", ">M1", accepted(finish_s=100.0))
+    listener.on_message(100.0, "ATV1", "", waiting())
     listener.on_message(100.0 + BEYOND_S, "ATV1", "", waiting())
     with pytest.raises(InvariantBroken, match="ATV1 is loading for M1-1 121 s after its promise"):
         listener.on_message(101.0 + BEYOND_S, "ATV1", "", waiting())
