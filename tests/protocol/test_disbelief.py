@@ -103,7 +103,7 @@ def test_a_vehicle_that_is_not_believed_writes_it_down_once_a_minute_and_goes_on
     assert facts(effects, NotBelieved) == [NotBelieved(by="M8", task="M8-1", reason=said.reason)]
     assert len(facts(rig.on_message("M7", said), NotBelieved)) == 1
     rig.on_message("M8", award())
-    assert rig.agent._job is not None
+    assert rig.agent._contracts.job is not None
 
 
 # --- help, by another clock ----------------------------------------------------------------------

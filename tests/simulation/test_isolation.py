@@ -128,9 +128,17 @@ def test_a_second_primary_that_dies_is_noticed_too(watched: Watched) -> None:
     watched.contract()
     taken = CarrierChanged(task=TASK, epoch=2, replaced="ATV3", carrier="ATV2", reason="silent")
     watched.say("M8", taken)
+    watched.say("ATV1", ContractTaken(task=TASK, epoch=2, role=Role.SECONDARY, coordinator="M8"))
     watched.factory.crash("ATV2")
     with pytest.raises(InvariantBroken, match="ATV2 is dead"):
         watched.wait(30)
+
+
+def test_a_secondary_of_an_earlier_epoch_watches_somebody_else(watched: Watched) -> None:
+    watched.contract()
+    watched.say("ATV2", TookOver(task=TASK, epoch=2, primary="ATV3", silent_s=3.5, reason="silent"))
+    watched.factory.crash("ATV2")
+    watched.wait(60)
 
 
 @pytest.mark.parametrize("status", [AtvStatus.STOPPED, AtvStatus.ERROR])

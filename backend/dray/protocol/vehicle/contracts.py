@@ -1,0 +1,400 @@
+"""The transports of one vehicle: those that it is asked for, the one that it carries, those that it watches (paper, 4.1).
+
+It carries one at most (invariant 3), and watches others as long as it has none. What follows for its status, its rest and its
+heartbeat is told to whoever holds this (`Owner`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol, cast
+
+from msgspec.structs import replace
+
+from dray.memory import Contract
+from dray.messages import (
+    AtvHeartbeat,
+    Award,
+    Confirmed,
+    DockHeld,
+    DockOpened,
+    HandoverAccepted,
+    Message,
+    Phase,
+    Release,
+    Role,
+    Superseded,
+    TakenOver,
+    TaskAnnounced,
+    Transport,
+    Withdrawn,
+)
+from dray.messages.fact import HANDED_OVER, ContractEnded, ContractTaken, TookOver
+from dray.messages.keys import Keys
+from dray.plant import Plant
+from dray.protocol.contract_net.parties import NO_PARTY
+from dray.protocol.contract_net.probation import Probation
+from dray.protocol.contract_net.replies import accept, decline
+from dray.protocol.contract_net.waits import Waits
+from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
+from dray.protocol.runtime.events import Effect, Ignore, Record
+from dray.protocol.runtime.shutdown import GRACEFUL_SHUTDOWN
+from dray.protocol.runtime.timers import Timers
+from dray.protocol.takeover.standby import WATCHED_SILENCE, Standby
+from dray.protocol.vehicle.bidding import Bidder, Standing
+from dray.protocol.vehicle.charging import Charging
+from dray.protocol.vehicle.driving import Driver
+from dray.protocol.vehicle.pricing import Quote, Unable
+from dray.protocol.vehicle.transport_job import ASK, CLAIM_TASK, TransportJob
+from dray.protocol.vehicle.work_search import SEEK, WorkSearch
+
+
+class Owner(Protocol):
+    """A vehicle, as far as its contracts need it."""
+
+    battery_frac: float
+    load: tuple[str, int]
+    """What is on board, and how much of it; empty and 0 for nothing."""
+
+    @property
+    def is_draining(self) -> bool:
+        """Whether it was asked to leave."""
+
+    def unfit(self) -> str:
+        """Why it may take no work at all; empty when it may."""
+
+    def stop_resting(self) -> None:
+        """It has something to do: whatever it did without is over."""
+
+    def update_status(self, now_s: float, reason: str) -> None:
+        """Its status may be another one now, for that reason."""
+
+    def note_ended(self, reason: str, now_s: float) -> None:
+        """It has no work any more."""
+
+    def commit(self) -> None:
+        """The next life must know of something else."""
+
+    def beat_soon(self, now_s: float) -> None:
+        """The heartbeat tells something new."""
+
+
+class Contracts:
+    """The contracts of one vehicle.
+
+    Args:
+        atv: the vehicle.
+        plant: the plant it works in.
+        vehicle_type: id of its type.
+        probation: transports that it has to do well before it takes long ones.
+        driver: the vehicle's place on the lanes.
+        charging: of the vehicle.
+        timers: the vehicle's alarms; see `alarms`.
+        out: where effects go.
+        owner: the vehicle.
+
+    Attributes:
+        job: the transport that it carries; None without one.
+        standby: those that it watches.
+        probation: how far it has got with its first tasks.
+        subscriptions: which heartbeats it hears.
+        message_handlers: by the type of a message, what to call with (sender, message, now_s).
+        alarms: what to call when an alarm of these names has come.
+    """
+
+    def __init__(
+        self,
+        atv: str,
+        plant: Plant,
+        vehicle_type: str,
+        probation: int,
+        driver: Driver,
+        charging: Charging,
+        timers: Timers,
+        out: list[Effect],
+        owner: Owner,
+    ) -> None:
+        self._atv = atv
+        self._plant = plant
+        self._type = vehicle_type
+        self._driver = driver
+        self._charging = charging
+        self.probation = Probation(probation)
+        self._timers = timers
+        self._out = out
+        self._owner = owner
+        keys = Keys(plant.id)
+        self._waits = Waits()
+        self._bidder = Bidder(atv, plant, vehicle_type, self.probation, charging, self._waits, out)
+        self._work_search = WorkSearch(atv, plant, vehicle_type, keys, timers, out)
+        self._phase_s = 0.0
+        """Since when its job has been in its present phase (plant clock)."""
+        self.job: TransportJob | None = None
+        self.subscriptions = HeartbeatSubscriptions(keys.atv_heartbeat, out)
+        self.standby = Standby(self.subscriptions, timers, out)
+        contract = self._on_of_contract
+        self.message_handlers: Mapping[type[Message], Callable[..., None]] = {
+            AtvHeartbeat: lambda _sender, message, now_s: self.standby.on_heartbeat(message, now_s),
+            TaskAnnounced: self._on_announced,
+            Award: self._on_award,
+            Release: self._on_release,
+            DockOpened: self._on_of_dock,
+            DockHeld: self._on_of_dock,
+            HandoverAccepted: contract,
+            Confirmed: contract,
+            Superseded: contract,
+            Withdrawn: contract,
+        }
+        self.alarms: Mapping[str, Callable[[Any, float], None]] = {
+            ASK: self._ask_again,
+            CLAIM_TASK: self._claim_again,
+            WATCHED_SILENCE: self._look_after,
+            SEEK: self._seek_on,
+        }
+
+    def bring_back(self, now_s: float) -> None:
+        """A load without a contract is one of an earlier life: bring it back, for nobody."""
+        load, quantity = self._owner.load
+        if self.job is not None or not load:
+            return
+        plant = self._plant
+        refuges = plant.storages_of(load) if load in plant.materials else tuple(plant.delivery_warehouses)
+        work = Transport(item=load, quantity=quantity, sources=refuges, destination=refuges[0], ability="")
+        nobodys = Contract(
+            f"{self._atv}-found", 0, work, self._atv, refuges[0], promised_s=0.0, deadline_s=0.0
+        )
+        contract = replace(nobodys, cancelled="nobody knows of this load")
+        self.standby.resign("has a load to bring back")
+        self._owner.stop_resting()
+        self.bind(contract)
+        self.go_on(lambda job: job.resume(load, now_s), now_s)
+
+    def _standing(self, task: str, now_s: float) -> Standing:
+        """The circumstances in which `task` is considered."""
+        driver = self._driver
+        x_m, y_m = driver.position_m
+        return Standing(
+            node=driver.next_node,
+            node_at_s=driver.next_node_at_s(now_s),
+            x_m=x_m,
+            y_m=y_m,
+            speed_frac=driver.speed_frac,
+            battery_frac=self._owner.battery_frac,
+            unfit=self._owner.unfit(),
+            busy_with=self.job.task if self.job is not None else "",
+            watches=len(self.standby) - (task in self.standby),
+        )
+
+    def _on_announced(self, _sender: str, message: TaskAnnounced, now_s: float) -> None:
+        if not self._work_search.take(message, now_s):
+            self._answer_announced(message, now_s)
+
+    def _answer_announced(self, message: TaskAnnounced, now_s: float) -> bool:
+        """Bid, or not; False when the task is refused."""
+        # Also for a task that it watches already: its coordinator does not know that any more.
+        reason = self._bidder.on_announced(message, self._standing(message.task, now_s), now_s)
+        if reason is not None:
+            self._work_search.note_refused(message, reason, self._owner.battery_frac)
+        return reason is None
+
+    def seek(self, now_s: float) -> None:
+        """Ask for work that waits, if it can take any."""
+        if self.job is None and not self._owner.unfit() and not self._charging.is_needy:
+            self._work_search.begin(self._owner.battery_frac, now_s)
+
+    def _seek_on(self, _about: None, now_s: float) -> None:
+        if self.job is not None or self._owner.unfit():
+            self._work_search.stop()
+            return
+        while (message := self._work_search.choose(now_s)) is not None:
+            if self._answer_announced(message, now_s):
+                return
+
+    def _on_award(self, sender: str, award: Award, now_s: float) -> None:
+        if self._holds(award):
+            # Its answer was lost. From now on this award is the one that binds.
+            self._renew(award)
+            self._out.append(accept(sender, award, self._promised_s, now_s))
+            return
+        answer = self._bidder.review(award, self._standing(award.task, now_s), now_s)
+        if isinstance(answer, Unable):
+            self._out.append(decline(sender, award, answer.reason))
+        elif award.role is Role.SECONDARY:
+            self.standby.begin(award, sender, now_s)
+            self._out.append(accept(sender, award, self._promised_s, now_s))
+            self._owner.beat_soon(now_s)
+        else:
+            contract = _contract(award, sender, answer)
+            accepted = accept(sender, award, contract.promised_s, now_s)
+            self._take(contract, accepted, lambda job: job.begin(now_s), now_s)
+
+    def _holds(self, award: Award) -> bool:
+        """Whether it took this award already."""
+        if award.role is Role.SECONDARY:
+            return self.standby.holds(award.task, award.epoch)
+        job = self.job
+        return job is not None and not job.is_void and (job.task, job.epoch) == (award.task, award.epoch)
+
+    def _renew(self, award: Award) -> None:
+        if award.role is Role.SECONDARY:
+            self.standby.renew(award)
+        elif self.job is not None:
+            self.job.number = award.number
+            self._owner.commit()
+
+    @property
+    def _promised_s(self) -> float:
+        """When it has promised to be done with its task (plant clock); 0 without one."""
+        return self.job.promised_s if self.job is not None else 0.0
+
+    def _look_after(self, task: str, now_s: float) -> None:
+        """A primary may have failed: take its task over, if this vehicle can."""
+        watch = self.standby.failed(task, now_s)
+        if watch is None:
+            return
+        award = watch.award
+        quote = self._bidder.quote(award.work, self._standing(task, now_s), now_s)
+        if isinstance(quote, Unable):
+            self.standby.resign_from(task, quote.detail or quote.reason.value)
+            return
+        epoch, reason = award.epoch + 1, watch.detector.failure(now_s)
+        silent_s = now_s - watch.detector.heard_s
+        took = TookOver(task=task, epoch=epoch, primary=award.primary, silent_s=silent_s, reason=reason)
+        claim = TakenOver(
+            task=task,
+            epoch=epoch,
+            primary=award.primary,
+            reason=reason,
+            finish_s=quote.finish_s,
+            source=quote.source,
+        )
+        self.standby.end(task, "taken over")
+        contract = _contract(award, watch.coordinator, quote)
+        contract = replace(contract, epoch=epoch, number=0, claim=claim)
+        self._take(contract, Record(took), lambda job: job.take_over(now_s), now_s)
+
+    def _take(
+        self, contract: Contract, how: Effect, begin: Callable[[TransportJob], None], now_s: float
+    ) -> None:
+        """Become the primary of a task, and free of everything else.
+
+        Args:
+            contract: of the task.
+            how: said first: how it came to that.
+            begin: the first step of the job.
+            now_s: the present time.
+        """
+        self.bind(contract)
+        taken = ContractTaken(
+            task=contract.task, epoch=contract.epoch, role=Role.PRIMARY, coordinator=contract.coordinator
+        )
+        self._out += (how, Record(taken))
+        self.standby.resign("has work of its own")
+        self._owner.stop_resting()
+        self._work_search.stop()
+        self._owner.update_status(now_s, contract.task)
+        self.go_on(begin, now_s)
+
+    def bind(self, contract: Contract) -> None:
+        self.job = TransportJob(
+            self._atv,
+            contract,
+            plant=self._plant,
+            vehicle_type=self._type,
+            driver=self._driver,
+            timers=self._timers,
+            out=self._out,
+        )
+        self._owner.commit()
+
+    def _on_release(self, _sender: str, message: Release, now_s: float) -> None:
+        if message.role is Role.SECONDARY:
+            if not self.standby.release(message):
+                self._out.append(Ignore("released from a watch that it does not keep"))
+            return
+        job = self.job
+        if job is None or not self._concerns(job, message) or message.number != job.number:
+            self._out.append(Ignore("released from a contract that it does not have"))
+            return
+        self.go_on(lambda job: job.cancel("released", now_s), now_s)
+
+    def _on_of_contract(self, _sender: str, message: Any, now_s: float) -> None:
+        job = self.job
+        if job is None or not self._concerns(job, message):
+            self._out.append(Ignore("an answer about another contract"))
+            return
+        self.go_on(lambda job: job.on_answer(message, now_s), now_s)
+
+    def _on_of_dock(self, sender: str, message: DockOpened | DockHeld, now_s: float) -> None:
+        if sender == message.station:
+            self._on_of_contract(sender, message, now_s)
+        else:
+            self._out.append(Ignore(NO_PARTY))
+
+    def coordinator_of(self, task: str, role: Role) -> str:
+        """Who has given it a contract that it has; empty when it has none of this task in this role."""
+        if role is Role.SECONDARY:
+            return self.standby.coordinator_of(task)
+        job = self.job
+        return job.coordinator if job is not None and job.task == task else ""
+
+    @staticmethod
+    def _concerns(job: TransportJob, message: Any) -> bool:
+        """Whether its coordinator speaks of this contract; a Superseded speaks of another epoch."""
+        return job.task == message.task and (type(message) is Superseded or message.epoch == job.epoch)
+
+    def _ask_again(self, _about: None, now_s: float) -> None:
+        self.go_on(lambda job: job.wake(self._owner.load[0], now_s), now_s)
+
+    def _claim_again(self, _about: None, now_s: float) -> None:
+        if self.job is not None:
+            self.job.claim_again(now_s)
+
+    def go_on(self, step: Callable[[TransportJob], None], now_s: float) -> None:
+        """Let the job take a step, if there is one, and see to what that has changed."""
+        job = self.job
+        if job is None:
+            return
+        phase, memory = job.phase, job.memory()
+        step(job)
+        if job.phase is not phase:
+            self._note_wait(job, phase, now_s)
+        if self._owner.is_draining:
+            job.give_back(GRACEFUL_SHUTDOWN, now_s)
+        self._owner.beat_soon(now_s)
+        if job.ended:
+            self._end_job(job, now_s)
+        elif job.memory() != memory:
+            self._owner.commit()
+
+    def _note_wait(self, job: TransportJob, phase: Phase, now_s: float) -> None:
+        """A phase of the job is over: remember how long it had to wait in it."""
+        kind, took_s = self._plant.vehicle_types[self._type], now_s - self._phase_s
+        self._phase_s = now_s
+        if phase is Phase.LOADING and job.phase is Phase.CARRYING:
+            self._waits.note(job.source, "", took_s - kind.load_s, now_s)
+        elif phase is Phase.UNLOADING and job.phase is Phase.HANDING_OVER:
+            self._waits.note(job.work.destination, "", took_s - kind.unload_s, now_s)
+
+    def _end_job(self, job: TransportJob, now_s: float) -> None:
+        ended = ContractEnded(task=job.task, epoch=job.epoch, role=Role.PRIMARY, reason=job.ended)
+        self._out.append(Record(ended))
+        self.job = None
+        self._owner.commit()
+        if job.ended == HANDED_OVER:
+            self.probation.note_done()
+        self._owner.note_ended(job.ended, now_s)
+        self.seek(now_s)
+
+
+def _contract(award: Award, coordinator: str, quote: Quote) -> Contract:
+    return Contract(
+        task=award.task,
+        epoch=award.epoch,
+        work=cast(Transport, award.work),
+        coordinator=coordinator,
+        source=quote.source,
+        promised_s=quote.finish_s,
+        deadline_s=award.deadline_s,
+        number=award.number,
+    )
