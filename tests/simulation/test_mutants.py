@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from typing import cast
 
 import pytest
 
@@ -31,7 +32,7 @@ from dray.protocol.contract_net.task import CarrierContract, OpenTask
 from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.liveness.progress import Progress
 from dray.protocol.machine.dock import Dock
-from dray.protocol.machine.machine import Machine
+from dray.protocol.machine.handovers import Handovers
 from dray.protocol.machine.transports import Transports
 from dray.protocol.runtime.events import Instruct, Send
 from dray.protocol.strategist.order_book import OrderInWork
@@ -68,15 +69,15 @@ def without_the_fence(patch: pytest.MonkeyPatch) -> None:
         opened = DockOpened(task=message.task, epoch=message.epoch, station=message.station)
         self._out.append(Send(sender, opened))
 
-    def take_from_all(self: Machine, sender: str, message: Handover, now_s: float) -> None:
+    def take_from_all(self: Handovers, sender: str, message: Handover, now_s: float) -> None:
         self._dock._accept(sender, message.task, message.epoch)
         task = self._tasks.get(message.task)
         if task is not None:
             self._tasks.close(task, "delivered")
-            self._settle(task, now_s)
+            self._settled(task, "", cast(Transport, task.work).quantity, now_s)
 
     patch.setattr(Dock, "on_docked", open_to_all)
-    patch.setattr(Machine, "_on_handover", take_from_all)
+    patch.setattr(Handovers, "on_handover", take_from_all)
 
 
 def with_handovers_that_count_twice(patch: pytest.MonkeyPatch) -> None:
@@ -154,7 +155,8 @@ def that_leaves_with_a_load(patch: pytest.MonkeyPatch) -> None:
     """A vehicle that is asked to leave does so with a load on board."""
 
     def is_held(self: Atv) -> bool:
-        return self._job is not None and self._job.is_given_back
+        job = self._contracts.job
+        return job is not None and job.is_given_back
 
     patch.setattr(Atv, "_is_held", is_held)
 

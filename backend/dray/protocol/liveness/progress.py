@@ -103,9 +103,9 @@ class Progress:
             self.failed_s = now_s
         return failure
 
-    def stands_long(self, now_s: float) -> bool:
-        """Whether it has not come on for longer than any handling takes."""
-        return now_s > self._moved_s + self._stall_s - STALL_S
+    def stands_long(self, phase: Phase, now_s: float) -> bool:
+        """Whether it has been in this phase, and has not come on, for longer than any handling takes."""
+        return _RANK[phase] <= self._rank and now_s > self._moved_s + self._stall_s - STALL_S
 
     @property
     def late_s(self) -> float:

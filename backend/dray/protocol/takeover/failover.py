@@ -255,7 +255,7 @@ class Failover:
         if progress is None or brief is None:
             return
         held = task.contract.held_s < NEVER_S
-        if brief.phase is Phase.LOADING and progress.stands_long(now_s):
+        if brief.phase is Phase.LOADING and progress.stands_long(brief.phase, now_s):
             held = held or not self._source_answers(task, now_s)
         failure = progress.on_heartbeat(heartbeat, brief.phase, held, now_s)
         if not failure:
