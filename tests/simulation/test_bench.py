@@ -47,6 +47,7 @@ def test_a_row_says_its_ratio_and_whether_its_target_was_met() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_the_adapter_is_measured_beside_bare_zenoh_between_two_processes(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -67,6 +68,7 @@ def test_the_adapter_is_measured_beside_bare_zenoh_between_two_processes(
     assert all(row.figure > 0.0 and row.baseline > 0.0 for row in rows)
 
 
+@pytest.mark.slow
 def test_orders_are_measured_on_each_database_and_beside_open_ones(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(orders, "OPEN", (0, 50))
     monkeypatch.setattr(orders, "ORDERS", {1: 3, 16: 16})
