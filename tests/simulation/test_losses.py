@@ -236,6 +236,18 @@ def test_a_carrier_is_released_for_a_reason_when_it_was_silent_or_replaced(answe
     assert found(aftermath(told)) == set()
 
 
+def test_a_carrier_that_was_silent_is_released_for_a_reason_though_it_is_asked_again_and_accepts() -> None:
+    def answered(answer: str) -> AwardAnswered:
+        return AwardAnswered(task="M8-2", epoch=1, role=Role.PRIMARY, bidder="ATV2", answer=answer)
+
+    released = ContractEnded(task="M8-2", epoch=1, role=Role.PRIMARY, reason="released")
+    told = whole()
+    told.by("M8", opened("M8-2"), answered("silent"))
+    told.by("ATV2", taken("M8-2"), released, taken("M8-2"))
+    told.by("M8", answered("accepted"), closed("M8-2"))
+    assert found(aftermath(told)) == set()
+
+
 def test_a_carrier_that_comes_back_when_its_task_was_withdrawn_is_released_for_a_reason() -> None:
     accepted = AwardAnswered(task="M8-2", epoch=1, role=Role.PRIMARY, bidder="ATV2", answer="accepted")
     told = whole()

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from math import inf
 
 from dray.messages import Event, MachineHeartbeat, Message, OrderItem, OrderReleased, Role, Transport
 from dray.messages.fact import (
@@ -144,10 +145,11 @@ def _broken(check: Listener, said: Iterable[_Utterance]) -> tuple[str, ...]:
 def _for_nothing(events: Sequence[Event]) -> Iterable[str]:
     """Transports of which a carrier was released that its coordinator had contracted and not replaced since.
 
-    Whoever was silent when it was asked, or took over from somebody who lives, is released for a reason; and so is who
+    Whoever was silent when it was asked, even if it was asked again later, or took over from somebody who lives, is released for a
+    reason; and so is who
     comes back when its task was withdrawn: its goal was given to another machine, or it was waited for in vain.
     """
-    accepted: set[tuple[str, int, str]] = set()
+    accepted_s: dict[tuple[str, int, str], float] = {}
     let_go: set[tuple[str, str]] = set()
     transports: set[str] = set()
     for event in events:
@@ -155,7 +157,7 @@ def _for_nothing(events: Sequence[Event]) -> Iterable[str]:
             case TaskOpened(task=task, work=Transport()):
                 transports.add(task)
             case AwardAnswered(role=Role.PRIMARY, answer="accepted") as answer:
-                accepted.add((answer.task, answer.epoch, answer.bidder))
+                accepted_s.setdefault((answer.task, answer.epoch, answer.bidder), event.at_s)
             case CarrierChanged(task=task, replaced=carrier):
                 let_go.add((task, carrier))
             case TaskClosed(outcome="withdrawn", task=task, carrier=carrier):
@@ -164,7 +166,7 @@ def _for_nothing(events: Sequence[Event]) -> Iterable[str]:
         match event.fact:
             case ContractEnded(role=Role.PRIMARY, reason="released", task=task, epoch=epoch) if (
                 task in transports
-                and (task, epoch, event.agent) in accepted
+                and accepted_s.get((task, epoch, event.agent), inf) < event.at_s
                 and (task, event.agent) not in let_go
             ):
                 yield f"{event.agent} was released from {task} (epoch {epoch}), which it had"
