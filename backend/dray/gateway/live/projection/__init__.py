@@ -5,8 +5,8 @@ become views when a frame is made, so a vehicle that speaks ten times between tw
 What has changed since the last frame is remembered by id.
 
 `atvs`, `machines`, `stations`, `orders`, `news`, `recent_commands` and `injected_faults` each keep one kind of entity;
-`auctions` keeps tasks, `alerting` what is wrong, and `figures` the sums. `silence` judges who is lost. What of it somebody sees who is limited to
-areas is said in `dray.gateway.live.visibility`.
+`auctions` keeps tasks, `alerting` what is wrong, and `figures` the sums. `silence` judges who is lost. What of it
+somebody sees who is limited to areas is said in `dray.gateway.live.visibility`.
 """
 
 from __future__ import annotations
