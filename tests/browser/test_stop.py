@@ -170,9 +170,10 @@ def test_the_bar_is_one_line_that_hides_nothing_however_many_there_are(
     last = page.locator(".stop").last
     later = page.get_by_role("button", name="Later places")
     for _ in range(count):
-        if not later.count() or later.is_disabled():
+        # At the end of the line the button goes dead a frame later: also between a look and a tap.
+        if not later.count() or not later.is_enabled():
             break
-        later.tap()
+        later.evaluate("button => button.click()")
     expect(last).to_be_in_viewport(ratio=1)
     box = last.bounding_box()
     assert box is not None

@@ -31,6 +31,7 @@ from dray.messages import (
     HandoverAccepted,
     MachineHeartbeat,
     Phase,
+    Resigned,
     Role,
     Superseded,
     TakenOver,
@@ -105,6 +106,28 @@ def test_a_machine_that_was_held_up_itself_gives_its_carrier_the_time_that_it_co
     assert carrier(rig) == ("ATV2", 1)
     rig.run(rig.now_s + LATENESS_MAX_S + 5.0)
     assert carrier(rig)[1] == 2
+
+
+# --- announced again ---------------------------------------------------------------------------------
+
+
+def test_what_was_given_back_is_announced_with_all_the_time_that_its_rounds_had_come_to() -> None:
+    rig = MachineRig("M7", STOCK)
+    rig.start()
+    rig.take_goal("G1", production(quantity=24))
+    while last_announced(rig).round < 8:
+        rig.run(rig.agent.wake_at_s)
+    offered_s = last_announced(rig).deadline_s - rig.now_s
+    rig.hire("M7-1", "ATV2")
+    rig.on_message("ATV2", Resigned(task="M7-1", epoch=1, role=Role.PRIMARY, reason="no"))
+    while last_announced(rig).epoch == 1:
+        rig.run(rig.agent.wake_at_s)
+    assert (last_announced(rig).epoch, last_announced(rig).round) == (2, 1)
+    assert last_announced(rig).deadline_s - rig.now_s > 0.95 * offered_s
+
+
+def last_announced(rig: MachineRig) -> TaskAnnounced:
+    return next(each for each in reversed(published(rig.all, TaskAnnounced)) if each.task == "M7-1")
 
 
 # --- the fence -----------------------------------------------------------------------------------

@@ -59,6 +59,9 @@ FOUND = [
     ("all", 6003),
     ("all", 6312),
     ("all", 9563),
+    # A liar took what the only honest vehicle for it, a slow one, could not carry before the fourth round's deadline;
+    # and each time the liar dropped it, the deadlines grew from the first one anew.
+    ("all", 3183),
     # The search's own: who comes late has not waited; a process that crashes while it leaves stays away; and a
     # secondary of an earlier epoch watches somebody else.
     ("all", 1477),

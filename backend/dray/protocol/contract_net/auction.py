@@ -45,14 +45,11 @@ from dray.protocol.contract_net.assessment import Assessor
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.bids import Bids, Offer
 from dray.protocol.contract_net.plausibility import by_our_clock
-from dray.protocol.contract_net.terms import Place, Terms
+from dray.protocol.contract_net.terms import SPAN_MAX_S, SPANS_MAX, Place, Terms
 from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Publish, Record, Send
 
 PATIENCE_S = 300.0
 """What has waited so long is as urgent as what was needed by now."""
-
-SPANS_MAX = 10
-"""After so many rounds it is not the deadline that keeps bidders away."""
 
 
 class Stage(Enum):
@@ -134,6 +131,11 @@ class Auction:
         return self.stage is Stage.COLLECTING or self.stage is Stage.ASKING
 
     @property
+    def span_s(self) -> float:
+        """How much time is given to who begins now: more after each round in vain."""
+        return min(self._span_s * min(1 + self._vain, SPANS_MAX), SPAN_MAX_S)
+
+    @property
     def radius_m(self) -> float:
         """How far the present round reaches."""
         return min(self._rules.radius_in_m(self.round), self._place.reach_m)
@@ -182,8 +184,7 @@ class Auction:
 
     def offer(self, bidder: str, now_s: float) -> None:
         """Announce what waits to one who asks for it; it may bid once more in this round."""
-        if self._rules.moves_deadline:
-            self._move_deadline(now_s)
+        self._move_deadline(now_s)
         self._bids.let_bid_again(bidder)
         self._out.append(Send(bidder, self._announcement(self.wake_at_s, now_s)))
 
@@ -272,7 +273,7 @@ class Auction:
 
     def _announce(self, now_s: float) -> None:
         self.round += 1
-        if self.round > 1 and self._rules.moves_deadline:
+        if self.round > 1:
             self._move_deadline(now_s)
         self._behind = False
         self.stage = Stage.COLLECTING
@@ -325,8 +326,8 @@ class Auction:
 
     def _move_deadline(self, now_s: float) -> None:
         # A deadline that nobody could keep would be refused for ever: late is better than never.
-        deadline_s = now_s + self._span_s * min(1 + self._vain, SPANS_MAX)
-        self.terms = self.terms.until(deadline_s)
+        if self._rules.moves_deadline:
+            self.terms = self.terms.until(now_s + self.span_s)
 
     def _close_window(self, now_s: float) -> None:
         self._bids.close_window()

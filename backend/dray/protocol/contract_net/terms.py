@@ -12,6 +12,9 @@ SPAN_MIN_S = 60.0
 SPAN_MAX_S = 7 * 86_400.0
 """What has weeks is not refused for its deadline. One that is years away must not move beyond what can be said."""
 
+SPANS_MAX = 10
+"""After so many rounds it is not the deadline that keeps bidders away."""
+
 
 class Terms(msgspec.Struct, frozen=True):
     """What is put up for auction."""

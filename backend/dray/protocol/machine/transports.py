@@ -376,7 +376,8 @@ class Transports(Coordinator):
     ) -> None:
         replaced, silent_s = self._supersede(task, task.epoch + 1, reason, now_s)
         task.states.enter(TaskState.UNASSIGNED)
-        deadline_s = prolonged_s(task.due_s, task.opened_s, now_s)
+        # Who can carry it may need all the time that the rounds before had to come to.
+        deadline_s = max(prolonged_s(task.due_s, task.opened_s, now_s), now_s + task.auction.span_s)
         task.auction = self._auction(task.id, task.epoch, task.work, deadline_s, candidates)
         self.failover.note_change(task, replaced, reason, silent_s)
         self._announce(task, now_s)
