@@ -14,8 +14,8 @@ import yaml
 from msgspec.structs import replace
 from typer.testing import CliRunner
 
-from dray.adapters.seals import Seals
-from dray.adapters.zenoh_links import Identity
+from dray.adapters.security.identity import Identity
+from dray.adapters.security.seals import Seals
 from dray.cli import app
 from dray.cli.compose.document import compose_text, targets_text
 from dray.cli.runtime.roster import agents_of

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from msgspec.structs import replace
 
-from dray.adapters.signing import SigningKey, TrustedKeys
+from dray.adapters.security.signing import SigningKey, TrustedKeys
 from dray.codec import decode, encode
 from dray.messages import CommandKind, VehicleCommand, signed_words
 

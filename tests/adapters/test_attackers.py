@@ -12,12 +12,12 @@ import zenoh
 from zenoh.handlers import Callback
 from zenoh_kit import Row
 
-from dray.adapters.certificates import Authority
-from dray.adapters.letters import Place
-from dray.adapters.zenoh_bus import UNSEALED, ZenohBus
-from dray.adapters.zenoh_links import Identity
-from dray.adapters.zenoh_stamp import Stamp, write_stamp
-from dray.adapters.zenoh_tokens import UNSIGNED
+from dray.adapters.security.certificates import Authority
+from dray.adapters.security.identity import Identity
+from dray.adapters.security.letters import Place
+from dray.adapters.zenoh.bus import UNSEALED, ZenohBus
+from dray.adapters.zenoh.stamp import Stamp, write_stamp
+from dray.adapters.zenoh.tokens import UNSIGNED
 from dray.codec import decode, encode
 from dray.errors import WireError
 from dray.messages import (

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 from zenoh_kit import PATIENCE_S, Row
 
-from dray.adapters.certificates import Authority
-from dray.adapters.signing import SigningKey
-from dray.adapters.zenoh_bus import ZenohBus
-from dray.adapters.zenoh_links import Identity
+from dray.adapters.security.certificates import Authority
+from dray.adapters.security.identity import Identity
+from dray.adapters.security.signing import SigningKey
+from dray.adapters.zenoh.bus import ZenohBus
 from dray.gateway.access.principal import ADMIN
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.stop.desk import StopDesk

@@ -14,12 +14,12 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.hazmat.primitives.ciphers.aead import AESGCM
 from cryptography.hazmat.primitives.kdf.hkdf import HKDF
 
-from dray.adapters import letters as module
-from dray.adapters.certificates import Authority
-from dray.adapters.letters import Letters, Place
-from dray.adapters.register import KNOWN, Register
-from dray.adapters.seals import FRESH_S, Seals
-from dray.adapters.zenoh_links import Identity
+from dray.adapters.security import letters as module
+from dray.adapters.security.certificates import Authority
+from dray.adapters.security.identity import Identity
+from dray.adapters.security.letters import Letters, Place
+from dray.adapters.security.register import KNOWN, Register
+from dray.adapters.security.seals import FRESH_S, Seals
 from dray.errors import SealError
 from dray.messages.speakers import Kind
 

@@ -15,8 +15,8 @@ from prometheus_client import Metric
 from prometheus_client.core import GaugeMetricFamily
 
 from dray import __version__
-from dray.adapters import metrics_port as module
-from dray.adapters.metrics_port import metrics_port, new_registry
+from dray.adapters.telemetry import metrics_port as module
+from dray.adapters.telemetry.metrics_port import metrics_port, new_registry
 from dray.errors import UnavailableError
 
 PATIENCE_S = 30.0

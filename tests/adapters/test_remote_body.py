@@ -17,7 +17,7 @@ from dray.adapters import crossing
 from dray.adapters.crossing import Crossing
 from dray.adapters.remote_body import RemoteBody, exchange, put_down, questions
 from dray.adapters.remote_body.body import LOOK_EVERY_S, SILENT_LOOKS
-from dray.adapters.zenoh_bus import ZenohBus
+from dray.adapters.zenoh.bus import ZenohBus
 from dray.body import (
     Admit,
     Broken,

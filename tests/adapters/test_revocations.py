@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 from cryptography import x509
 
-from dray.adapters.certificates import ISSUED, Authority
-from dray.adapters.revocations import FILE, LOOK_EVERY_S, Revocations, call_back
-from dray.adapters.seals import Seals
-from dray.adapters.zenoh_links import Identity
+from dray.adapters.security.certificates import ISSUED, Authority
+from dray.adapters.security.identity import Identity
+from dray.adapters.security.revocations import FILE, LOOK_EVERY_S, Revocations, call_back
+from dray.adapters.security.seals import Seals
 from dray.errors import SealError, SettingsError
 from dray.messages.speakers import Kind
 

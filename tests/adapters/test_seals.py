@@ -16,10 +16,11 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from prometheus_client import CollectorRegistry
 from zenoh_kit import PATIENCE_S, Row, free_address
 
-from dray.adapters.certificates import DAYS, Authority
-from dray.adapters.seals import FRESH_S, Seals
-from dray.adapters.zenoh_bus import UNSEALED, ZenohBus
-from dray.adapters.zenoh_links import Identity, Links
+from dray.adapters.security.certificates import DAYS, Authority
+from dray.adapters.security.identity import Identity
+from dray.adapters.security.seals import FRESH_S, Seals
+from dray.adapters.zenoh.bus import UNSEALED, ZenohBus
+from dray.adapters.zenoh.links import Links
 from dray.cli.runtime.telemetry.bus_meter import BusMeter
 from dray.errors import SealError, SettingsError
 from dray.messages import AtvHeartbeat, AtvStatus, Handover, HandoverAccepted, Message, Pose

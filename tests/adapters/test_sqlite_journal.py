@@ -13,8 +13,8 @@ from random import Random
 
 import pytest
 
-from dray.adapters.quarantine import KEPT
-from dray.adapters.sqlite_journal import SqliteJournal, read_events
+from dray.adapters.journal.quarantine import KEPT
+from dray.adapters.journal.sqlite_journal import SqliteJournal, read_events
 from dray.errors import UnavailableError
 from dray.memory import WHOLE, AtvMemory
 from dray.messages import Event
@@ -23,7 +23,7 @@ from dray.messages.fact import OrderFulfilled
 KILLED = """
 import sys
 from pathlib import Path
-from dray.adapters.sqlite_journal import SqliteJournal
+from dray.adapters.journal.sqlite_journal import SqliteJournal
 from dray.memory import AtvMemory
 from dray.messages import Event
 from dray.messages.fact import OrderFulfilled

@@ -12,8 +12,8 @@ from opentelemetry.sdk.trace.export import SimpleSpanProcessor
 from opentelemetry.sdk.trace.export.in_memory_span_exporter import InMemorySpanExporter
 from opentelemetry.trace import TraceFlags
 
-from dray.adapters.spans import TASKS, Spans
-from dray.adapters.tracing import TracedBus, open_provider
+from dray.adapters.telemetry.spans import TASKS, Spans
+from dray.adapters.telemetry.tracing import TracedBus, open_provider
 from dray.codec import decode, decode_with_context, encode
 from dray.errors import WireError
 from dray.messages import (

@@ -12,9 +12,10 @@ import zenoh
 from zenoh.handlers import Callback
 from zenoh_kit import PATIENCE_S, free_address
 
-from dray.adapters.certificates import Authority
-from dray.adapters.zenoh_access import Apart
-from dray.adapters.zenoh_links import Identity, Links
+from dray.adapters.security.certificates import Authority
+from dray.adapters.security.identity import Identity
+from dray.adapters.zenoh.access import Apart
+from dray.adapters.zenoh.links import Links
 from dray.cli.runtime.surroundings import links_of
 from dray.messages.speakers import Kind
 from dray.plant import default_plant

@@ -14,10 +14,10 @@ from forbidden import forbidden
 from prometheus_client import CollectorRegistry
 from zenoh_kit import PATIENCE_S, Row, free_address, multicast_works
 
-from dray.adapters.zenoh_bus import NEWER, UNREADABLE, ZenohBus
-from dray.adapters.zenoh_links import Links
-from dray.adapters.zenoh_stamp import KNOWN, Stamp, Tally, read_stamp, write_stamp
-from dray.adapters.zenoh_tokens import UNSIGNED
+from dray.adapters.zenoh.bus import NEWER, UNREADABLE, ZenohBus
+from dray.adapters.zenoh.links import Links
+from dray.adapters.zenoh.stamp import KNOWN, Stamp, Tally, read_stamp, write_stamp
+from dray.adapters.zenoh.tokens import UNSIGNED
 from dray.cli.runtime.telemetry.bus_meter import BusMeter
 from dray.codec import encode
 from dray.errors import ProtocolViolation, SettingsError, UnavailableError, WireError

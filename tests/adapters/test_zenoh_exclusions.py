@@ -11,10 +11,11 @@ from pathlib import Path
 import pytest
 from zenoh_kit import Row
 
-from dray.adapters.certificates import Authority
-from dray.adapters.zenoh_bus import UNSEALED, ZenohBus
-from dray.adapters.zenoh_exclusions import Exclusions
-from dray.adapters.zenoh_links import Identity, Links
+from dray.adapters.security.certificates import Authority
+from dray.adapters.security.identity import Identity
+from dray.adapters.zenoh.bus import UNSEALED, ZenohBus
+from dray.adapters.zenoh.exclusions import Exclusions
+from dray.adapters.zenoh.links import Links
 from dray.messages import HandoverAccepted, Message, ShutOut
 from dray.messages.shutout import MAX_SHUT_OUT
 from dray.messages.speakers import FOREIGN_WORD, SHUT_OUT, Kind

@@ -13,8 +13,8 @@ import zenoh
 from zenoh.handlers import Callback
 from zenoh_kit import PATIENCE_S, free_address
 
-from dray.adapters.zenoh_links import Links
-from dray.adapters.zenoh_modem import Modem, address_of
+from dray.adapters.zenoh.links import Links
+from dray.adapters.zenoh.modem import Modem, address_of
 from dray.body import BodyState, Hold, Instruction, LinkNoticed, Report, VehicleState, WorkcellState
 from dray.messages import Link, Pose
 

@@ -11,8 +11,9 @@ from typing import Any
 import zenoh
 from zenoh.handlers import Callback
 
-from dray.adapters.zenoh_bus import ZenohBus
-from dray.adapters.zenoh_links import Identity, Links
+from dray.adapters.security.identity import Identity
+from dray.adapters.zenoh.bus import ZenohBus
+from dray.adapters.zenoh.links import Links
 from dray.errors import UnavailableError
 
 PATIENCE_S = 30.0

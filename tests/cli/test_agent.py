@@ -13,10 +13,10 @@ from pathlib import Path
 
 import pytest
 
-from dray.adapters.certificates import Authority
-from dray.adapters.sqlite_journal import SqliteJournal
-from dray.adapters.zenoh_bus import ZenohBus
-from dray.adapters.zenoh_links import Links
+from dray.adapters.journal.sqlite_journal import SqliteJournal
+from dray.adapters.security.certificates import Authority
+from dray.adapters.zenoh.bus import ZenohBus
+from dray.adapters.zenoh.links import Links
 from dray.cli.runtime.gateway_process import run_historian
 from dray.cli.runtime.surroundings import Surroundings
 from dray.cli.simulation.floor_process import serve_floor

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 from cryptography.hazmat.primitives import serialization
 
-from dray.adapters.certificates import read_key
-from dray.adapters.seals import Seals
-from dray.adapters.zenoh_links import Identity
+from dray.adapters.security.certificates import read_key
+from dray.adapters.security.identity import Identity
+from dray.adapters.security.seals import Seals
 from dray.messages.speakers import Kind, names_of
 from dray.plant import default_plant, plant_yaml
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from dray.adapters.fact_log import FACTS, LoggedBus
+from dray.adapters.telemetry.fact_log import FACTS, LoggedBus
 from dray.cli.runtime.telemetry.logs import JsonFormatter
 from dray.cli.runtime.telemetry.traces import traced, watched
 from dray.errors import SettingsError

@@ -9,7 +9,7 @@ from random import Random
 
 from prometheus_client import CollectorRegistry
 
-from dray.adapters.sqlite_journal import SqliteJournal
+from dray.adapters.journal.sqlite_journal import SqliteJournal
 from dray.adapters.system_clock import SystemClock
 from dray.cli.runtime.telemetry.agent_meter import AgentMeter
 from dray.cli.runtime.telemetry.clock_meter import ClockMeter

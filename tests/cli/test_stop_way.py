@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from dray.adapters.signing import SigningKey
+from dray.adapters.security.signing import SigningKey
 from dray.cli.runtime.serving import listen
 from dray.cli.runtime.stop_way import StopWay, listen_for_stops
 from dray.gateway.app import create_app

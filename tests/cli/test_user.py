@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 import pytest
 from argon2 import PasswordHasher
 
-from dray.adapters.signing import TrustedKeys
+from dray.adapters.security.signing import TrustedKeys
 from dray.gateway.access.login.hasher import Hasher
 from dray.gateway.access.login.login import BADGE_SALT
 from dray.store import Work, open_store

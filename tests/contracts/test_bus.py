@@ -18,8 +18,8 @@ from typing import Any
 import pytest
 from zenoh_kit import Row
 
-from dray.adapters.certificates import Authority
-from dray.adapters.zenoh_links import Identity
+from dray.adapters.security.certificates import Authority
+from dray.adapters.security.identity import Identity
 from dray.messages import (
     AnyFact,
     AtvHeartbeat,

@@ -12,7 +12,7 @@ from typing import Protocol
 
 import pytest
 
-from dray.adapters.sqlite_journal import SqliteJournal
+from dray.adapters.journal.sqlite_journal import SqliteJournal
 from dray.memory import (
     WHOLE,
     AtvMemory,

@@ -19,10 +19,11 @@ from typing import Any
 import pytest
 from msgspec.structs import replace
 
-from dray.adapters.certificates import Authority
-from dray.adapters.signing import SigningKey
-from dray.adapters.zenoh_bus import ZenohBus
-from dray.adapters.zenoh_links import Identity, Links
+from dray.adapters.security.certificates import Authority
+from dray.adapters.security.identity import Identity
+from dray.adapters.security.signing import SigningKey
+from dray.adapters.zenoh.bus import ZenohBus
+from dray.adapters.zenoh.links import Links
 from dray.cli.runtime.roster import agents_of
 from dray.messages import (
     AtvHeartbeat,

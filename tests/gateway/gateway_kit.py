@@ -17,7 +17,7 @@ from argon2 import PasswordHasher
 from fastapi import FastAPI
 from prometheus_client.registry import Collector
 
-from dray.adapters.signing import SigningKey
+from dray.adapters.security.signing import SigningKey
 from dray.errors import UnavailableError
 from dray.gateway.access.access import Access
 from dray.gateway.access.login.hasher import Hasher

@@ -6,8 +6,8 @@ import asyncio
 import os
 import time
 
-from dray.adapters.zenoh_bus import ZenohBus
-from dray.adapters.zenoh_links import Links
+from dray.adapters.zenoh.bus import ZenohBus
+from dray.adapters.zenoh.links import Links
 from dray.messages import OrderTaken
 from dray.messages.speakers import Kind
 from dray_sim.bench.fleet import FLOOR, Listener, Observed, Size, _rows

@@ -7,7 +7,7 @@ from random import Random
 
 import pytest
 
-from dray.adapters.signing import SigningKey
+from dray.adapters.security.signing import SigningKey
 from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand
 from dray.plant import default_plant
 from dray.protocol.vehicle.command_authorisation import NOT_GRANTED, NOT_HERE, NOT_TRUSTED

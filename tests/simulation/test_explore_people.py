@@ -6,7 +6,7 @@ import asyncio
 from contextlib import suppress
 from random import Random
 
-from dray.adapters.signing import SigningKey, TrustedKeys
+from dray.adapters.security.signing import SigningKey, TrustedKeys
 from dray.messages import (
     CancellationTaken,
     CommandAnswered,

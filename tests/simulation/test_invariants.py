@@ -10,7 +10,7 @@ import msgspec
 import pytest
 from msgspec.structs import replace
 
-from dray.adapters.signing import SigningKey
+from dray.adapters.security.signing import SigningKey
 from dray.body import Admit, Drive
 from dray.messages import (
     AtvHeartbeat,

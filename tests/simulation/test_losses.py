@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "cli/fleet"))
 
 from registries import NOBODY, write_registry
 
-from dray.adapters.zenoh_tokens import Tokens
+from dray.adapters.zenoh.tokens import Tokens
 from dray.cli.fleet.folder import LOGS, REGISTRY, write_settings
 from dray.cli.fleet.processes import Process
 from dray.errors import UnavailableError

@@ -10,7 +10,7 @@ from random import Random
 
 import pytest
 
-from dray.adapters.signing import SigningKey
+from dray.adapters.security.signing import SigningKey
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,

@@ -14,7 +14,7 @@ from random import Random
 import msgspec
 import pytest
 
-from dray.adapters.signing import SigningKey
+from dray.adapters.security.signing import SigningKey
 from dray.codec import encode
 from dray.messages import (
     Accepted,

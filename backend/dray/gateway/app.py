@@ -11,7 +11,7 @@ from prometheus_client.registry import Collector
 from starlette.middleware.errors import ServerErrorMiddleware
 
 from dray import __version__
-from dray.adapters.signing import SigningKey
+from dray.adapters.security.signing import SigningKey
 from dray.gateway.access.caller import admitted, takes_files
 from dray.gateway.access.gate import Gate
 from dray.gateway.access.login.hasher import Hasher

@@ -13,7 +13,7 @@ from typing import Any
 
 from prometheus_client.registry import Collector
 
-from dray.adapters.signing import SigningKey
+from dray.adapters.security.signing import SigningKey
 from dray.errors import UnavailableError
 from dray.gateway.access.access import Access, open_access
 from dray.gateway.access.audit_log import AuditLog

@@ -21,7 +21,7 @@ from pathlib import Path
 import zenoh
 from zenoh.handlers import Callback
 
-from dray.adapters.zenoh_bus import ZenohBus
+from dray.adapters.zenoh.bus import ZenohBus
 from dray.cli.fleet.folder import GATEWAY
 from dray.cli.fleet.process_registry import Member
 from dray.cli.runtime.roster import FLOOR

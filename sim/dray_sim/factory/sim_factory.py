@@ -14,7 +14,7 @@ from hashlib import sha256
 from random import Random
 
 from dray import __version__
-from dray.adapters.signing import SigningKey, TrustedKeys
+from dray.adapters.security.signing import SigningKey, TrustedKeys
 from dray.messages.keys import STRATEGIST, Keys
 from dray.messages.speakers import Kind
 from dray.plant import Plant, with_machine

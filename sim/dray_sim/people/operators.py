@@ -22,7 +22,7 @@ from enum import IntEnum
 from random import Random
 from typing import TYPE_CHECKING
 
-from dray.adapters.signing import SigningKey
+from dray.adapters.security.signing import SigningKey
 from dray.messages import AtvStatus, CommandKind
 from dray.messages.keys import Keys
 from dray.plant import Plant

@@ -11,7 +11,7 @@ import asyncio
 from hashlib import sha256
 from random import Random
 
-from dray.adapters.signing import SigningKey
+from dray.adapters.security.signing import SigningKey
 from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand
 from dray.ports import Bus, Clock
 from dray.protocol.vehicle.command_handling import NOT_STOPPED

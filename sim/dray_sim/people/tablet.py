@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from dray.adapters.signing import SigningKey
+from dray.adapters.security.signing import SigningKey
 from dray.messages import AtvHeartbeat, CommandAnswered, CommandKind, Message, VehicleCommand
 from dray.messages.keys import Keys
 from dray.ports import Bus, Clock, Session

@@ -17,8 +17,8 @@ import msgspec
 import pytest
 from msgspec.structs import replace
 
-from dray.adapters.zenoh_bus import ZenohBus
-from dray.adapters.zenoh_links import Links
+from dray.adapters.zenoh.bus import ZenohBus
+from dray.adapters.zenoh.links import Links
 from dray.cli.fleet.process_registry import ProcessRegistry, read_registry
 from dray.cli.fleet.rollout.report import Report
 from dray.messages import Message

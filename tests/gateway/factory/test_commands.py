@@ -9,7 +9,7 @@ import httpx
 import pytest
 from gateway_kit import AUTHORITY, NOW_S, House, atv_heartbeat, gateway, problem, vehicle
 
-from dray.adapters.signing import TrustedKeys
+from dray.adapters.security.signing import TrustedKeys
 from dray.gateway.factory.commands import STOP_VALID_S
 from dray.gateway.live.projection.recent_commands import RecentCommands
 from dray.gateway.live.views import CommandView

@@ -16,11 +16,12 @@ from gateway_kit import gateway
 from prometheus_client import CollectorRegistry, generate_latest
 from prometheus_client.parser import text_string_to_metric_families
 
-from dray.adapters.certificates import Authority
-from dray.adapters.sqlite_journal import SqliteJournal
+from dray.adapters.journal.sqlite_journal import SqliteJournal
+from dray.adapters.security.certificates import Authority
+from dray.adapters.security.identity import Identity
 from dray.adapters.system_clock import SystemClock
-from dray.adapters.zenoh_bus import ZenohBus
-from dray.adapters.zenoh_links import Identity, Links
+from dray.adapters.zenoh.bus import ZenohBus
+from dray.adapters.zenoh.links import Links
 from dray.cli.runtime.telemetry.agent_meter import AgentMeter
 from dray.cli.runtime.telemetry.bus_meter import BusMeter
 from dray.cli.runtime.telemetry.clock_meter import ClockMeter

@@ -12,7 +12,7 @@ import httpx
 import pytest
 from gateway_kit import ADMIN_TOKEN, AUTHORITY, BEARER, NOW_S, House, atv_heartbeat, gateway, problem
 
-from dray.adapters.signing import TrustedKeys
+from dray.adapters.security.signing import TrustedKeys
 from dray.errors import UnavailableError
 from dray.gateway.access.gate import COOKIE
 from dray.gateway.access.principal import ADMIN, Role, Scope

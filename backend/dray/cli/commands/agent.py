@@ -14,7 +14,7 @@ import typer
 from dray.cli.runtime.options import SettingsFile
 
 if TYPE_CHECKING:
-    from dray.adapters.signing import TrustedKeys
+    from dray.adapters.security.signing import TrustedKeys
     from dray.cli.runtime.surroundings import Surroundings
     from dray.plant import Plant, VehicleSpec
 
@@ -198,7 +198,7 @@ def _joining(plant: Plant, name: str, type_: str | None, node: str | None) -> Ve
 
 
 def _trusted(where: Surroundings) -> TrustedKeys:
-    from dray.adapters.signing import TrustedKeys
+    from dray.adapters.security.signing import TrustedKeys
     from dray.errors import SettingsError
 
     try:

@@ -6,7 +6,7 @@ import os
 import shutil
 from pathlib import Path
 
-from dray.adapters.certificates import AUTHORITY, REVOKED, Authority
+from dray.adapters.security.certificates import AUTHORITY, REVOKED, Authority
 from dray.cli.compose.document import services_of
 from dray.errors import SettingsError, UnavailableError
 from dray.messages.speakers import Kind, names_of

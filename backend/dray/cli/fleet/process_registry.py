@@ -11,8 +11,9 @@ from pathlib import Path
 
 import msgspec
 
-from dray.adapters.zenoh_bus import ZenohBus
-from dray.adapters.zenoh_links import Identity, Links
+from dray.adapters.security.identity import Identity
+from dray.adapters.zenoh.bus import ZenohBus
+from dray.adapters.zenoh.links import Links
 from dray.cli.fleet.folder import CERTIFICATES, OBSERVER, REGISTRY
 from dray.cli.fleet.process_specs import ProcessSpec
 from dray.cli.fleet.processes import Process

@@ -6,9 +6,9 @@ import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, closing
 
+from dray.adapters.journal.sqlite_journal import SqliteJournal
 from dray.adapters.remote_body import BodySpec, RemoteBody, put_down
-from dray.adapters.sqlite_journal import SqliteJournal
-from dray.adapters.zenoh_modem import Modem
+from dray.adapters.zenoh.modem import Modem
 from dray.body import VehicleState
 from dray.cli.runtime.readiness import say_ready
 from dray.cli.runtime.serving import asked_by_signals

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from dray.adapters.signing import SigningKey
+from dray.adapters.security.signing import SigningKey
 from dray.store import Store
 
 NAME = "gateway"

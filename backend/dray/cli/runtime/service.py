@@ -16,7 +16,7 @@ from pydantic import SecretStr
 from sqlalchemy import URL, make_url
 
 from dray import __version__
-from dray.adapters.metrics_port import metrics_port
+from dray.adapters.telemetry.metrics_port import metrics_port
 from dray.cli.runtime.readiness import tell_ready
 from dray.cli.runtime.serving import Server, stopped_by_signals
 from dray.cli.runtime.telemetry.logs import quieten

@@ -13,7 +13,7 @@ from contextlib import AbstractContextManager, asynccontextmanager
 from dataclasses import dataclass
 
 from dray.adapters.crossing import Crossing
-from dray.adapters.signing import SigningKey
+from dray.adapters.security.signing import SigningKey
 from dray.adapters.system_clock import SystemClock
 from dray.cli.runtime.guard import Guard
 from dray.cli.runtime.serving import Server, listen, proxies

@@ -10,12 +10,13 @@ from dataclasses import dataclass
 from prometheus_client import Metric
 from prometheus_client.registry import Collector
 
-from dray.adapters.metrics_port import metrics_port, new_registry
+from dray.adapters.security.identity import Identity
 from dray.adapters.system_clock import SystemClock
-from dray.adapters.zenoh_access import Apart
-from dray.adapters.zenoh_bus import ZenohBus
-from dray.adapters.zenoh_exclusions import Exclusions
-from dray.adapters.zenoh_links import Identity, Links
+from dray.adapters.telemetry.metrics_port import metrics_port, new_registry
+from dray.adapters.zenoh.access import Apart
+from dray.adapters.zenoh.bus import ZenohBus
+from dray.adapters.zenoh.exclusions import Exclusions
+from dray.adapters.zenoh.links import Links
 from dray.cli.runtime.telemetry.logs import prepare_logs
 from dray.gateway.live.timescale import TimeScale
 from dray.messages.keys import STRATEGIST

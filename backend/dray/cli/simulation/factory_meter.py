@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from prometheus_client import Metric
 from prometheus_client.registry import Collector
 
-from dray.adapters.metric_families import counter, counters
+from dray.adapters.telemetry.metric_families import counter, counters
 from dray.cli.runtime.telemetry.agent_meter import Counts, counted, families_of
 from dray.worker import Worker
 from dray_sim.factory.sim_factory import SimFactory

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from prometheus_client import Metric
 from prometheus_client.registry import Collector
 
-from dray.adapters.metric_families import counter, counters, gauge, gauges
+from dray.adapters.telemetry.metric_families import counter, counters, gauge, gauges
 from dray_sim.remote import FloorServer
 
 

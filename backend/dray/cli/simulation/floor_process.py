@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 
-from dray.adapters.zenoh_claim import Claim
+from dray.adapters.zenoh.claim import Claim
 from dray.cli.runtime.readiness import say_ready
 from dray.cli.runtime.roster import FLOOR
 from dray.cli.runtime.serving import stopped_by_signals

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from fastapi import FastAPI
 from opentelemetry.sdk.trace import TracerProvider
 
-from dray.adapters.signing import SigningKey, TrustedKeys
+from dray.adapters.security.signing import SigningKey, TrustedKeys
 from dray.cli.runtime.authority import authority_of
 from dray.cli.runtime.first_users import welcome
 from dray.cli.runtime.service import (

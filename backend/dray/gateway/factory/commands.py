@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from http import HTTPStatus
 
-from dray.adapters.signing import SigningKey
+from dray.adapters.security.signing import SigningKey
 from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.http.problems import Problem
 from dray.gateway.live.projection import Projection

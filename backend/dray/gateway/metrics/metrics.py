@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from prometheus_client import Histogram, generate_latest
 from prometheus_client.registry import Collector
 
-from dray.adapters.metrics_port import new_registry
+from dray.adapters.telemetry.metrics_port import new_registry
 from dray.gateway.metrics.meter import Meter
 
 REQUEST_BUCKETS_S = (0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from prometheus_client import Metric
 from prometheus_client.registry import Collector
 
-from dray.adapters.metric_families import counter, counters, gauge, gauges
+from dray.adapters.telemetry.metric_families import counter, counters, gauge, gauges
 from dray.gateway.live.health import Health
 from dray.gateway.live.peer import Peer
 from dray.gateway.live.projection import Projection

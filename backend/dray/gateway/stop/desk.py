@@ -11,7 +11,7 @@ from collections import Counter, OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from dray.adapters.signing import SigningKey
+from dray.adapters.security.signing import SigningKey
 from dray.errors import UnavailableError
 from dray.gateway.access.principal import Principal
 from dray.gateway.factory.commands import STOP_VALID_S, granted, name_used, not_confirmed, too_many_wait

@@ -11,7 +11,7 @@ from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, contextmanager, suppress
 from pathlib import Path
 
-from dray.adapters.zenoh_bus import ZenohBus
+from dray.adapters.zenoh.bus import ZenohBus
 from dray.cli.fleet import control
 from dray.cli.fleet.ending import end_fleet
 from dray.cli.fleet.folder import JOURNALS, LOGS, read_settings

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import msgspec
 
-from dray.adapters.sqlite_journal import read_events
+from dray.adapters.journal.sqlite_journal import read_events
 from dray.messages import Event
 from dray.messages.fact import AnyFact
 from dray.store import Store

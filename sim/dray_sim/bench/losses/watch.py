@@ -8,7 +8,7 @@ import time
 import zenoh
 from zenoh.handlers import Callback
 
-from dray.adapters.zenoh_bus import ZenohBus
+from dray.adapters.zenoh.bus import ZenohBus
 from dray.cli.fleet.folder import OBSERVER
 from dray.errors import UnavailableError
 from dray.messages import Event, Message

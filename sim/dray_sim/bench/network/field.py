@@ -17,7 +17,7 @@ from typing import TypeVar
 
 from msgspec.structs import replace
 
-from dray.adapters.certificates import Authority
+from dray.adapters.security.certificates import Authority
 from dray.messages import AtvHeartbeat, MachineHeartbeat, OrderItem, TaskBrief
 from dray.messages.fact import CarrierChanged, PrimarySuspected, TookOver
 from dray.messages.keys import STRATEGIST

@@ -15,7 +15,7 @@ from pathlib import Path
 from statistics import median
 from typing import TypeVar
 
-from dray.adapters.zenoh_links import RETRY_MS
+from dray.adapters.zenoh.links import RETRY_MS
 from dray.messages import AtvHeartbeat, Link, MachineHeartbeat, TaskBrief
 from dray.messages.fact import CarrierChanged, PrimarySuspected, TookOver
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, bound_s

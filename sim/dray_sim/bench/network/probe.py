@@ -16,9 +16,10 @@ from pathlib import Path
 
 import msgspec
 
+from dray.adapters.security.identity import Identity
 from dray.adapters.system_clock import SystemClock
-from dray.adapters.zenoh_bus import ZenohBus
-from dray.adapters.zenoh_links import Identity, Links
+from dray.adapters.zenoh.bus import ZenohBus
+from dray.adapters.zenoh.links import Links
 from dray.codec import decode, encode
 from dray.messages import Message, OrderItem
 from dray.messages.keys import STRATEGIST, Keys

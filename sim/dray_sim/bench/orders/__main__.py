@@ -13,7 +13,7 @@ from typing import Any
 
 import uvicorn
 
-from dray.adapters.signing import SigningKey
+from dray.adapters.security.signing import SigningKey
 from dray.gateway.app import create_app
 from dray.gateway.live.timescale import TimeScale
 from dray.messages import Message, OrderReleased, OrderTaken

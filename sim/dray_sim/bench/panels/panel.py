@@ -18,7 +18,7 @@ from tempfile import TemporaryDirectory
 
 import uvicorn
 
-from dray.adapters.signing import SigningKey
+from dray.adapters.security.signing import SigningKey
 from dray.gateway.access.access import Access
 from dray.gateway.access.principal import Role
 from dray.gateway.access.tokens import new_token

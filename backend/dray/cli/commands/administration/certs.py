@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from dray.adapters.certificates import Authority
+    from dray.adapters.security.certificates import Authority
 
 app = typer.Typer(no_args_is_help=True, help="Certificates for the agents of a plant.")
 
@@ -35,7 +35,7 @@ def make(folder: Folder, plant: PlantFile = None, days: Days = None) -> None:
     Each computer gets authority.pem and the two files of its own agent. The key of the authority,
     authority.key, belongs on none of them.
     """
-    from dray.adapters.certificates import AUTHORITY, DAYS, Authority
+    from dray.adapters.security.certificates import AUTHORITY, DAYS, Authority
     from dray.cli.commands.plant import chosen_plant
     from dray.cli.runtime.options import load_settings
     from dray.cli.runtime.roster import agents_of
@@ -76,7 +76,7 @@ def issue(
     days: Days = None,
 ) -> None:
     """Make a certificate for one agent, with the authority of that folder and for its plant."""
-    from dray.adapters.certificates import DAYS, Authority
+    from dray.adapters.security.certificates import DAYS, Authority
     from dray.cli.runtime.output import one_of
     from dray.messages.speakers import Kind, names_of
 
@@ -99,8 +99,8 @@ def revoke(
 
     Running processes notice the changed file within some seconds. A certificate that is issued afterwards is good.
     """
-    from dray.adapters.certificates import Authority
-    from dray.adapters.revocations import FILE, REASONS, call_back
+    from dray.adapters.security.certificates import Authority
+    from dray.adapters.security.revocations import FILE, REASONS, call_back
     from dray.cli.runtime.output import one_of
 
     one_of(REASONS, reason, "--reason")

@@ -9,8 +9,8 @@ from prometheus_client import Metric
 from prometheus_client.core import SummaryMetricFamily
 from prometheus_client.registry import Collector
 
-from dray.adapters.metric_families import counter, counters, gauge
-from dray.adapters.sqlite_journal import SqliteJournal
+from dray.adapters.journal.sqlite_journal import SqliteJournal
+from dray.adapters.telemetry.metric_families import counter, counters, gauge
 from dray.worker import Worker
 
 HANDLED, IGNORED, DROPPED = "handled", "ignored", "dropped"

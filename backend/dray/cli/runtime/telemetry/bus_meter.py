@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from prometheus_client import Metric
 from prometheus_client.registry import Collector
 
-from dray.adapters.metric_families import counter, counters, gauge
-from dray.adapters.zenoh_bus import ZenohBus
+from dray.adapters.telemetry.metric_families import counter, counters, gauge
+from dray.adapters.zenoh.bus import ZenohBus
 
 
 class BusMeter(Collector):

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from dray.adapters.fact_log import LoggedBus
+from dray.adapters.telemetry.fact_log import LoggedBus
 from dray.ports import Bus
 from dray.settings import Settings
 
@@ -20,7 +20,7 @@ def traced(settings: Settings) -> Iterator[TracerProvider | None]:
     if not settings.trace_url:
         yield None
         return
-    from dray.adapters.tracing import open_provider, otlp
+    from dray.adapters.telemetry.tracing import open_provider, otlp
 
     provider = open_provider(settings.trace_share_frac, otlp(settings.trace_url))
     try:
@@ -44,7 +44,7 @@ def watched(
         if settings.log_format == "json":
             bus = LoggedBus(bus)
         if provider is not None:
-            from dray.adapters.tracing import TracedBus
+            from dray.adapters.telemetry.tracing import TracedBus
 
             bus = TracedBus(bus, provider, to_wall_s)
         return bus

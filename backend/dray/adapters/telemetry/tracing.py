@@ -14,8 +14,8 @@ from opentelemetry.sdk.trace.export import BatchSpanProcessor
 from opentelemetry.sdk.trace.sampling import ParentBased, TraceIdRatioBased
 
 from dray import __version__
-from dray.adapters.passing import PassingSession
-from dray.adapters.spans import Spans
+from dray.adapters.telemetry.passing import PassingSession
+from dray.adapters.telemetry.spans import Spans
 from dray.messages import Event, Message
 from dray.ports import Bus, Receive, Session
 

@@ -16,7 +16,7 @@ import msgspec
 import zenoh
 from zenoh.handlers import Callback
 
-from dray.adapters.zenoh_bus import ZenohBus
+from dray.adapters.zenoh.bus import ZenohBus
 from dray.messages import ShutOut
 
 log = logging.getLogger(__name__)

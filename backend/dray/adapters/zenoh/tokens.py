@@ -16,7 +16,7 @@ import secrets
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from dray.adapters.seals import Seals
+from dray.adapters.security.seals import Seals
 from dray.errors import SealError
 
 UNSIGNED = "a token that is not signed by its agent"

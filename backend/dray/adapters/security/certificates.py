@@ -29,7 +29,7 @@ AUTHORITY = "authority"
 """The name of the authority's files."""
 
 REVOKED = "revoked"
-"""The name of the list of certificates that were called back (`dray.adapters.revocations`)."""
+"""The name of the list of certificates that were called back (`dray.adapters.security.revocations`)."""
 
 ISSUED = f"{AUTHORITY}.issued"
 """Beside the authority's key: a line of JSON for each certificate that it has issued."""

@@ -10,12 +10,12 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import zenoh
 
-from dray.adapters.zenoh_access import Apart
+from dray.adapters.security.identity import Identity
+from dray.adapters.zenoh.access import Apart
 from dray.errors import SettingsError, UnavailableError
 
 RETRY_MS = {"period_init_ms": 500, "period_max_ms": 4000, "period_increase_factor": 2}
@@ -36,34 +36,6 @@ them, as by default, a vehicle that lost its WLAN heard nothing by its radio eit
 
 SCOUTING_MS = 10
 """The wait for others at the start: nobody is needed there, and whoever comes later is linked later."""
-
-
-@dataclass(frozen=True, slots=True)
-class Identity:
-    """The files by which a process proves who it is; PEM.
-
-    Attributes:
-        authority: certificates of whom we trust to have examined others.
-        certificate: our own, signed by such an authority.
-        key: the private key of our certificate.
-    """
-
-    authority: Path
-    certificate: Path
-    key: Path
-
-    @classmethod
-    def in_folder(cls, folder: Path, name: str) -> Identity:
-        """The files as `dray certs` writes them.
-
-        Raises:
-            SettingsError: one of them is not there.
-        """
-        found = cls(folder / "authority.pem", folder / f"{name}.pem", folder / f"{name}.key")
-        for file in (found.authority, found.certificate, found.key):
-            if not file.is_file():
-                raise SettingsError(str(file), "there is no such file; `dray certs` makes certificates")
-        return found
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,8 +20,8 @@ from cryptography.hazmat.primitives import hashes
 from cryptography.hazmat.primitives.ciphers.aead import AESGCM
 from cryptography.hazmat.primitives.kdf.hkdf import HKDF
 
-from dray.adapters.register import Certified
-from dray.adapters.seals import Milliseconds, Seals
+from dray.adapters.security.register import Certified
+from dray.adapters.security.seals import Milliseconds, Seals
 from dray.errors import SealError
 from dray.messages.speakers import Kind
 

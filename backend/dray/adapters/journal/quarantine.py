@@ -6,7 +6,7 @@ import re
 import time
 from pathlib import Path
 
-from dray.adapters.lives import flush_folder
+from dray.adapters.journal.lives import flush_folder
 
 KEPT = 3
 """Damaged files of one name that are kept, the newest: some 5 MB each, and a disk that damages them again and

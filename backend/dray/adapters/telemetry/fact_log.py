@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import logging
 
-from dray.adapters.passing import PassingSession
+from dray.adapters.telemetry.passing import PassingSession
 from dray.messages import Event, Message
 from dray.ports import Bus, Receive, Session
 

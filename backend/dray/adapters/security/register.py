@@ -13,7 +13,7 @@ from cryptography import x509
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.verification import PolicyBuilder, Store, VerificationError
 
-from dray.adapters.certificates import agents_of
+from dray.adapters.security.certificates import agents_of
 from dray.errors import SealError
 from dray.messages.speakers import Kind
 

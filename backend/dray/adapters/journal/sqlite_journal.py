@@ -20,8 +20,8 @@ from zlib import crc32
 
 import msgspec
 
-from dray.adapters.lives import Lives
-from dray.adapters.quarantine import set_aside
+from dray.adapters.journal.lives import Lives
+from dray.adapters.journal.quarantine import set_aside
 from dray.errors import UnavailableError
 from dray.memory import Changes, Memory, Note
 from dray.messages import Event

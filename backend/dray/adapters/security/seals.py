@@ -26,11 +26,11 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.verification import VerificationError
 
-from dray.adapters.certificates import agents_of, read_key
-from dray.adapters.register import Certified, Register
-from dray.adapters.revocations import FILE as REVOKED
-from dray.adapters.revocations import Revocations
-from dray.adapters.zenoh_links import Identity
+from dray.adapters.security.certificates import agents_of, read_key
+from dray.adapters.security.identity import Identity
+from dray.adapters.security.register import Certified, Register
+from dray.adapters.security.revocations import FILE as REVOKED
+from dray.adapters.security.revocations import Revocations
 from dray.errors import SealError, SettingsError
 from dray.messages.speakers import Kind
 

@@ -21,7 +21,7 @@ from cryptography.hazmat.primitives import hashes
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.hazmat.primitives.serialization import Encoding
 
-from dray.adapters.certificates import AUTHORITY_DAYS, REVOKED, Authority, agents_of
+from dray.adapters.security.certificates import AUTHORITY_DAYS, REVOKED, Authority, agents_of
 from dray.errors import SettingsError
 
 FILE = f"{REVOKED}.pem"

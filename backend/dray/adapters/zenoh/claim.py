@@ -14,8 +14,8 @@ from collections.abc import Callable
 import zenoh
 from zenoh.handlers import Callback
 
-from dray.adapters.zenoh_bus import ZenohBus
-from dray.adapters.zenoh_tokens import Tokens
+from dray.adapters.zenoh.bus import ZenohBus
+from dray.adapters.zenoh.tokens import Tokens
 
 
 class Claim:

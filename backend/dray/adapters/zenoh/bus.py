@@ -5,7 +5,7 @@ One process has one Zenoh session, and any number of agents on it: one for a veh
     publish  {key}                           whoever listens on a pattern that matches
     send     {plant}/agent/@{to}             one agent: a chunk with an @ is matched by no wildcard; with
                                             certificates nobody else can read it (`letters`)
-    join     {plant}/alive/{agent}/{life}/…  a liveliness token: who is there, in which life (`zenoh_tokens`)
+    join     {plant}/alive/{agent}/{life}/…  a liveliness token: who is there, in which life (`tokens`)
 
 Two threads meet here. Agents call on their loop, and a call goes straight into Zenoh's queues, which never
 hold it up. What comes in comes on Zenoh's threads: there it is read and judged, and crosses to the loop by
@@ -30,17 +30,17 @@ import zenoh
 from zenoh.handlers import Callback
 
 from dray.adapters.crossing import Crossing
-from dray.adapters.letters import Letters, Place
-from dray.adapters.seals import Seals
-from dray.adapters.zenoh_stamp import Stamp, Tally, read_stamp, write_stamp
-from dray.adapters.zenoh_tokens import NO_LIFE, Tokens
+from dray.adapters.security.letters import Letters, Place
+from dray.adapters.security.seals import Seals
+from dray.adapters.zenoh.stamp import Stamp, Tally, read_stamp, write_stamp
+from dray.adapters.zenoh.tokens import NO_LIFE, Tokens
 from dray.codec import decode_with_context, encode
 from dray.errors import NewerVersion, ProtocolViolation, SealError, SettingsError, WireError
 from dray.messages.keys import Keys
 from dray.messages.speakers import objection
 
 if TYPE_CHECKING:
-    from dray.adapters.zenoh_links import Links
+    from dray.adapters.zenoh.links import Links
     from dray.messages import Message
     from dray.messages.speakers import Kind
     from dray.ports import Receive

@@ -27,7 +27,7 @@ class Stamp(msgspec.Struct, frozen=True, gc=False, array_like=True):
     Attributes:
         life: which life of its sender it is from (`dray.ports.Bus.join`).
         number: the how-manyth of this life on this key.
-        seal: see `dray.adapters.seals`; empty on a bus without certificates.
+        seal: see `dray.adapters.security.seals`; empty on a bus without certificates.
     """
 
     life: Number

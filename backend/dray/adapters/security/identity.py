@@ -1,0 +1,36 @@
+"""Identity: the files by which a process proves who it is, and knows who may say so of others."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from dray.errors import SettingsError
+
+
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """The files by which a process proves who it is; PEM.
+
+    Attributes:
+        authority: certificates of whom we trust to have examined others.
+        certificate: our own, signed by such an authority.
+        key: the private key of our certificate.
+    """
+
+    authority: Path
+    certificate: Path
+    key: Path
+
+    @classmethod
+    def in_folder(cls, folder: Path, name: str) -> Identity:
+        """The files as `dray certs` writes them.
+
+        Raises:
+            SettingsError: one of them is not there.
+        """
+        found = cls(folder / "authority.pem", folder / f"{name}.pem", folder / f"{name}.key")
+        for file in (found.authority, found.certificate, found.key):
+            if not file.is_file():
+                raise SettingsError(str(file), "there is no such file; `dray certs` makes certificates")
+        return found
