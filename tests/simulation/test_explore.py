@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+from concurrent.futures import ProcessPoolExecutor
 
 import msgspec
 import pytest
@@ -154,6 +155,23 @@ def test_a_search_that_is_stopped_tells_what_it_has_seen(
     assert summary.runs == 2
     assert (summary.first, summary.last) == (0, 10_000)
     assert not multiprocessing.active_children()
+
+
+def test_a_second_ctrl_c_leaves_no_process_behind(monkeypatch: pytest.MonkeyPatch) -> None:
+    shutdown = ProcessPoolExecutor.shutdown
+
+    def interrupted(pool: ProcessPoolExecutor, **how: bool) -> None:
+        signal.raise_signal(signal.SIGINT)
+        shutdown(pool, **how)
+
+    monkeypatch.setattr(ProcessPoolExecutor, "shutdown", interrupted)
+    before = signal.getsignal(signal.SIGINT)
+    summary = search(
+        0, 10_000, profile="faultless", jobs=2, progress=lambda _outcome: signal.raise_signal(signal.SIGINT)
+    )
+    assert summary.interrupted
+    assert not multiprocessing.active_children()
+    assert signal.getsignal(signal.SIGINT) is before
 
 
 def test_a_process_that_is_killed_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,10 +11,10 @@ import os
 import signal
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import closing
+from contextlib import closing, contextmanager
 from multiprocessing.synchronize import Event
 
 from dray.errors import UnavailableError
@@ -63,18 +63,28 @@ def search(
     """
     tally = _Tally(first, last, profile, jobs)
     played = _play_here(first, last, profile) if jobs == 1 else _play_in_pool(first, last, profile, jobs)
-    with closing(played):
-        # A SIGTERM stops it like Ctrl-C: nothing that was seen is lost, and no process of the pool is left behind.
-        before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    with _stoppable(), closing(played):
         try:
             for outcome, took_s in played:
                 tally.add(outcome, took_s)
                 progress(outcome)
         except KeyboardInterrupt:
             tally.interrupted = True
-        finally:
-            signal.signal(signal.SIGTERM, before)
+            # The pool ends within seconds; a second Ctrl-C in its midst would leave processes behind.
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
     return tally.summary()
+
+
+@contextmanager
+def _stoppable() -> Iterator[None]:
+    """A SIGTERM stops it like Ctrl-C: nothing that was seen is lost, and no process of the pool is left behind."""
+    before = {stop: signal.getsignal(stop) for stop in (signal.SIGTERM, signal.SIGINT)}
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        for stop, handler in before.items():
+            signal.signal(stop, handler)
 
 
 class _Tally:
