@@ -58,14 +58,10 @@ AlertResponse = Literal[
 """What an alert asks of people."""
 
 
-class AlertView(View, kw_only=True):
-    """Something that is wrong now, and what it asks of people. It leaves when its cause is gone."""
+class Condition(View, kw_only=True):
+    """Something that is wrong now, and what is known of it."""
 
-    id: str
     kind: AlertKind
-    level: Literal["alarm", "warning"]
-    response: AlertResponse
-    since_at_s: float
     agent: str = ""
     """The machine, storage or vehicle that it is about; of a transport, who carries it. Empty for an order, and for the plant as a
     whole."""
@@ -88,6 +84,21 @@ class AlertView(View, kw_only=True):
     """Part of the last factory hour's transports that were carried; None before any."""
     clock_ahead_s: float | None = None
     """Of a wrong clock: how far it is ahead, behind if below 0 (factory seconds)."""
+
+    @property
+    def alert(self) -> str:
+        """The id of its alert: the same one as long as the same thing is wrong with the same subject."""
+        subject = self.order or self.task or self.agent
+        return f"{self.kind}-{subject}" if subject else self.kind
+
+
+class AlertView(Condition, kw_only=True):
+    """A condition, and what it asks of people. It leaves when its cause is gone."""
+
+    id: str
+    level: Literal["alarm", "warning"]
+    response: AlertResponse
+    since_at_s: float
     acknowledged_by: str = ""
     """The name of who has taken it on; empty while nobody has."""
     acknowledged_at_s: float | None = None

@@ -13,7 +13,8 @@ from dray.gateway.live.projection.auctions.tasks import Tasks
 from dray.gateway.live.projection.disputes import Dispute, Disputes
 from dray.gateway.live.projection.materials import Materials
 from dray.gateway.live.projection.silence import Silence, plant_bound_s
-from dray.gateway.live.views import AlertKind, OrderView, TaskView
+from dray.gateway.live.views import OrderView, TaskView
+from dray.gateway.live.views.alert import AlertKind, Condition
 from dray.messages import AtvHeartbeat, AtvStatus, MachineHeartbeat, MachineStatus, StationHeartbeat
 from dray.overload import Overload
 from dray.protocol.liveness.suspicion import AnyHeartbeat
@@ -25,30 +26,6 @@ from dray.store.progress import ToWall
 PATIENCE_S = 120.0
 """Factory seconds that a machine may wait for a vehicle before it is worth a look: longer than most
 transports take. A machine whose material is on its way asks nothing of people."""
-
-
-class Condition(msgspec.Struct, frozen=True, kw_only=True, gc=False):
-    """Something that is wrong now. The fields are those of `AlertView`."""
-
-    kind: AlertKind
-    agent: str = ""
-    task: str = ""
-    order: str = ""
-    problem: str = ""
-    by: str = ""
-    seen_at_s: float | None = None
-    until_at_s: float | None = None
-    battery_frac: float | None = None
-    behind_s: float | None = None
-    waiting: int | None = None
-    carried_frac: float | None = None
-    clock_ahead_s: float | None = None
-
-    @property
-    def id(self) -> str:
-        """The same one as long as the same thing is wrong with the same subject."""
-        subject = self.order or self.task or self.agent
-        return f"{self.kind}-{subject}" if subject else self.kind
 
 
 class Moment(msgspec.Struct, frozen=True):

@@ -12,9 +12,9 @@ from typing import Literal, get_args
 
 import msgspec
 
-from dray.gateway.live.projection.alerting.alert_rules import Condition
 from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.views import AlertKind, AlertResponse, AlertView
+from dray.gateway.live.views.alert import Condition
 from dray.store.acknowledgements import Acknowledgement
 
 RESPONSES: Mapping[AlertKind, tuple[Literal["alarm", "warning"], AlertResponse]] = {
@@ -75,7 +75,7 @@ class Alerts:
         Returns:
             The alerts that had been acknowledged and have ended.
         """
-        wrong = {condition.id: condition for condition in conditions}
+        wrong = {condition.alert: condition for condition in conditions}
         for condition in wrong.values():
             self._put(condition, wall_s)
         ended = [alert for alert in self._alerts.values() if alert.id not in wrong]
@@ -124,14 +124,14 @@ class Alerts:
         return tuple(self._alerts[alert] for alert in self.changes.take_changed())
 
     def _put(self, condition: Condition, wall_s: float) -> None:
-        known = self._alerts.get(condition.id)
+        known = self._alerts.get(condition.alert)
         alert = _view(condition, wall_s)
         if known is not None:
             alert.since_at_s = known.since_at_s
             alert.acknowledged_by, alert.acknowledged_at_s = known.acknowledged_by, known.acknowledged_at_s
             if alert == known:
                 return
-        elif (remembered := self._remembered.pop(condition.id, None)) is not None:
+        elif (remembered := self._remembered.pop(condition.alert, None)) is not None:
             alert.since_at_s = remembered.since_at_s
             alert.acknowledged_by, alert.acknowledged_at_s = remembered.by, remembered.at_s
         self._alerts[alert.id] = alert
@@ -149,7 +149,7 @@ def is_meant(alert: AlertView, acknowledgement: Acknowledgement) -> bool:
 def _view(condition: Condition, wall_s: float) -> AlertView:
     level, response = RESPONSES[condition.kind]
     return AlertView(
-        id=condition.id,
+        id=condition.alert,
         level=level,
         response=response,
         since_at_s=wall_s,
