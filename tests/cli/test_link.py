@@ -9,10 +9,10 @@ import pytest
 
 from dray.plant.model import BillLine, Product
 from dray.store import open_store
-from dray.store.audit import AuditFilter, AuditRow
-from dray.store.links import Link
-from dray.store.orders import Item, Order
-from dray.store.progress import OrderStatus
+from dray.store.access.audit import AuditFilter, AuditRow
+from dray.store.orders.orders import Item, Order
+from dray.store.orders.progress import OrderStatus
+from dray.store.orders.tracking_links import Link
 
 GEAR = Product(id="P1", name="Gear unit", lot=4, bill=(BillLine("steel", 1),))
 ORDER = Order(

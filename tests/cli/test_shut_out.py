@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from dray.store import open_store
-from dray.store.audit import AuditFilter, AuditRow
-from dray.store.exclusions import Exclusion
+from dray.store.access.audit import AuditFilter, AuditRow
+from dray.store.factory.exclusions import Exclusion
 
 Run = Callable[..., tuple[int, str, str]]
 

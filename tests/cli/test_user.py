@@ -18,10 +18,10 @@ from dray.adapters.security.signing import TrustedKeys
 from dray.gateway.access.login.hasher import Hasher
 from dray.gateway.access.login.login import BADGE_SALT
 from dray.store import Work, open_store
-from dray.store.audit import AuditFilter
-from dray.store.loginlinks import LoginLink
-from dray.store.people import Person
-from dray.store.sessions import Session
+from dray.store.access.audit import AuditFilter
+from dray.store.access.login_links import LoginLink
+from dray.store.access.people import Person
+from dray.store.access.sessions import Session
 
 T = TypeVar("T")
 

@@ -26,7 +26,7 @@ from dray.protocol.liveness.suspicion import (
 )
 from dray.protocol.runtime.retransmission import ASK_AGAIN_S
 from dray.protocol.vehicle import dwell_points, idle_positioning, pricing, transport_job
-from dray.store import gaps
+from dray.store.history import gaps
 
 ROOT = Path(__file__).parents[2]
 PLANT = default_plant().file

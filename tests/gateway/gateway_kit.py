@@ -59,10 +59,10 @@ from dray.plant import PlantFile, default_plant
 from dray.ports import Receive
 from dray.settings import Settings
 from dray.store import Historian, Store, open_store
-from dray.store.apikeys import ApiKey
-from dray.store.audit import AuditFilter, AuditRow
-from dray.store.orderfilter import EVERY_ORDER
-from dray.store.people import Person
+from dray.store.access.api_keys import ApiKey
+from dray.store.access.audit import AuditFilter, AuditRow
+from dray.store.access.people import Person
+from dray.store.orders.order_filter import EVERY_ORDER
 
 PLANT = default_plant().file
 KEYS = Keys(PLANT.plant)

@@ -16,9 +16,9 @@ from dray.messages.keys import STRATEGIST
 from dray.plant import default_plant
 from dray.ports import Receive, Session
 from dray.store import Historian, Store
-from dray.store.gaps import LIVES, TAIL_S, Known
-from dray.store.goals import Goal
-from dray.store.orders import Order
+from dray.store.history.gaps import LIVES, TAIL_S, Known
+from dray.store.orders.goals import Goal
+from dray.store.orders.orders import Order
 from dray_sim.checks.invariants import Invariants
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.journal import HeldJournal

@@ -54,8 +54,8 @@ from dray.messages.fact import (
     WatchLost,
 )
 from dray.messages.keys import Keys
-from dray.store.orders import Item, Order
-from dray.store.progress import OrderStatus
+from dray.store.orders.orders import Item, Order
+from dray.store.orders.progress import OrderStatus
 from dray_sim.bench.losses import campaign
 from dray_sim.bench.losses.campaign import Campaign, Outcome
 from dray_sim.bench.losses.cost import (

@@ -15,8 +15,8 @@ from dray.messages import CancellationTaken, Event, Message, OrderTaken
 from dray.messages.fact import OrderDropped, OrderFulfilled
 from dray.messages.keys import STRATEGIST
 from dray.plant import default_plant
-from dray.store.orders import Item, Order
-from dray.store.progress import OrderStatus
+from dray.store.orders.orders import Item, Order
+from dray.store.orders.progress import OrderStatus
 from dray_sim.checks.invariants import Invariants
 from dray_sim.clock.loop import VirtualClock, clock, run
 from dray_sim.factory.sim_factory import SimFactory

@@ -28,8 +28,8 @@ from dray.messages.fact import (
 from dray.plant.model import BillLine, Product
 from dray.ports import Receive
 from dray.store import Store
-from dray.store.orders import Item, Order
-from dray.store.progress import OrderStatus
+from dray.store.orders.orders import Item, Order
+from dray.store.orders.progress import OrderStatus
 
 GEAR = Product(id="P1", name="Gear unit", lot=4, bill=(BillLine("steel", 1),))
 PUMP = Product(id="P2", name="Pump", lot=4, bill=(BillLine("steel", 2),))

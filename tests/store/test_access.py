@@ -10,13 +10,13 @@ from sqlalchemy import text
 from sqlalchemy.exc import IntegrityError
 
 from dray.store import Store, downgrade, upgrade
-from dray.store.apikeys import ApiKey
-from dray.store.audit import AuditFilter, AuditRow
-from dray.store.digest import digest
-from dray.store.lockouts import Lockout
-from dray.store.loginlinks import LoginLink
-from dray.store.people import Person
-from dray.store.sessions import Session
+from dray.store.access.api_keys import ApiKey
+from dray.store.access.audit import AuditFilter, AuditRow
+from dray.store.access.digest import digest
+from dray.store.access.lockouts import Lockout
+from dray.store.access.login_links import LoginLink
+from dray.store.access.people import Person
+from dray.store.access.sessions import Session
 
 pytestmark = pytest.mark.anyio
 

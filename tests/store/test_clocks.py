@@ -7,7 +7,7 @@ from msgspec.structs import replace
 
 from dray.messages import AtvHeartbeat, AtvStatus, Brief, Event, HelpWanted, Pose, Role
 from dray.messages.fact import GoalContracted, OrderFulfilled
-from dray.store.clocks import HEARD_KEPT, OLDEST_S, Clocks
+from dray.store.history.clocks import HEARD_KEPT, OLDEST_S, Clocks
 
 NOW_S = 1.9e9
 

@@ -13,8 +13,9 @@ from history import made, same_clock, tell
 from sqlalchemy import Connection, text, update
 
 from dray.errors import UnavailableError
-from dray.store import Database, Store, dialect, open_store
-from dray.store.progress import Goal
+from dray.store import Database, Store, open_store
+from dray.store.database import dialect
+from dray.store.orders.progress import Goal
 from dray.store.tables import incarnations
 
 pytestmark = pytest.mark.anyio

@@ -8,9 +8,9 @@ from history import a_day, accepted, delivered, keep, made, order, same_clock, t
 
 from dray.messages.fact import HISTORY_KEPT
 from dray.store import Store
-from dray.store.events import EventFilter, EventRow
-from dray.store.gaps import LIVES, Known
-from dray.store.progress import Goal
+from dray.store.history.events import EventFilter, EventRow
+from dray.store.history.gaps import LIVES, Known
+from dray.store.orders.progress import Goal
 
 pytestmark = pytest.mark.anyio
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 from dray.messages import EventsAsked, EventsKept
 from dray.messages.fact import EVENTS_PER_ANSWER, HISTORY_KEPT
-from dray.store.gaps import AGAIN_S, ASKED_AT_ONCE, LIVES, SETTLE_S, SILENCE_S, TAIL_S, Gaps, Known
+from dray.store.history.gaps import AGAIN_S, ASKED_AT_ONCE, LIVES, SETTLE_S, SILENCE_S, TAIL_S, Gaps, Known
 
 
 def note(gaps: Gaps, *numbers: int, agent: str = "M1", life: int = 1, now_s: float = 0.0) -> Gaps:

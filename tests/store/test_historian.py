@@ -36,10 +36,10 @@ from dray.errors import UnavailableError
 from dray.messages import Event, EventsAsked, EventsKept, Message, OrderTaken
 from dray.messages.keys import Keys
 from dray.store import Historian, Store, open_store
-from dray.store import gaps as gaps_module
 from dray.store import historian as historian_module
-from dray.store.events import EventFilter, Events
-from dray.store.progress import OrderStatus
+from dray.store.history import gaps as gaps_module
+from dray.store.history.events import EventFilter, Events
+from dray.store.orders.progress import OrderStatus
 from dray.store.tables import events, goals, order_items, orders
 from dray.store.work import Work
 

@@ -7,9 +7,9 @@ from history import keep, order
 from sqlalchemy import text
 
 from dray.store import Store, downgrade, upgrade
-from dray.store.digest import digest
-from dray.store.links import Link
-from dray.store.milestones import OrderTimes
+from dray.store.access.digest import digest
+from dray.store.orders.milestones import OrderTimes
+from dray.store.orders.tracking_links import Link
 
 pytestmark = pytest.mark.anyio
 

@@ -11,9 +11,9 @@ from sqlalchemy import inspect, text
 
 from dray.errors import UnavailableError
 from dray.store import Store, downgrade, open_store, upgrade
-from dray.store.events import EventFilter
-from dray.store.links import Link
-from dray.store.migrate import configuration, migrations_folder
+from dray.store.database.migrate import configuration, migrations_folder
+from dray.store.history.events import EventFilter
+from dray.store.orders.tracking_links import Link
 from dray.store.tables import metadata
 
 pytestmark = pytest.mark.anyio

@@ -8,10 +8,10 @@ from history import GEAR, PUMP, keep, order
 from sqlalchemy.exc import IntegrityError
 
 from dray.store import Store
-from dray.store.keys import KeptAnswer
-from dray.store.orderfilter import EVERY_ORDER, OrderFilter
-from dray.store.orders import Item, OrderTotals
-from dray.store.progress import Goal, OrderStatus, Progress, progress
+from dray.store.orders.idempotency_keys import KeptAnswer
+from dray.store.orders.order_filter import EVERY_ORDER, OrderFilter
+from dray.store.orders.orders import Item, OrderTotals
+from dray.store.orders.progress import Goal, OrderStatus, Progress, progress
 
 pytestmark = pytest.mark.anyio
 

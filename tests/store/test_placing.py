@@ -14,11 +14,11 @@ from sqlalchemy.exc import IntegrityError
 
 from dray.errors import UnavailableError
 from dray.store import Store
-from dray.store.audit import AuditFilter, AuditRow
-from dray.store.database import Database
-from dray.store.orderfilter import EVERY_ORDER
-from dray.store.orders import Order
-from dray.store.placing import Placement, Placing, Wish
+from dray.store.access.audit import AuditFilter, AuditRow
+from dray.store.database.database import Database
+from dray.store.orders.order_filter import EVERY_ORDER
+from dray.store.orders.orders import Order
+from dray.store.orders.placing import Placement, Placing, Wish
 
 pytestmark = pytest.mark.anyio
 
@@ -242,7 +242,7 @@ async def test_a_database_that_is_away_is_told_to_all_who_wait_and_the_next_is_w
 
 
 async def test_only_so_many_wait(placing: Placing, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("dray.store.together.WAITING", 2)
+    monkeypatch.setattr("dray.store.database.together.WAITING", 2)
     done = await asyncio.gather(
         *(placing.place(wish(number)) for number in (1, 2, 3)), return_exceptions=True
     )
@@ -252,7 +252,7 @@ async def test_only_so_many_wait(placing: Placing, monkeypatch: pytest.MonkeyPat
 async def test_old_lines_of_the_audit_log_are_pruned(
     store: Store, placing: Placing, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("dray.store.placing.PRUNED_EVERY", 15)
+    monkeypatch.setattr("dray.store.orders.placing.PRUNED_EVERY", 15)
     for number in range(1, 16):
         await placing.place(wish(number))
     assert await lines(store) == sorted(f"O-{number}" for number in range(6, 16))

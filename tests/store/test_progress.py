@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from dray.messages import Event
 from dray.messages.fact import GoalLost, GoalWithdrawn
-from dray.store.progress import (
+from dray.store.orders.progress import (
     Goal,
     OrderStatus,
     Progress,

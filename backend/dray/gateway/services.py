@@ -49,7 +49,7 @@ from dray.plant.model import PlantFile
 from dray.ports import Bus
 from dray.settings import Settings
 from dray.store import Historian, Store
-from dray.store.placing import Placing
+from dray.store.orders.placing import Placing
 
 Beside = Callable[[Commands, Access], AbstractAsyncContextManager[None]]
 """Runs as long as a gateway does: the way for stops."""

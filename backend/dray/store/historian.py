@@ -5,7 +5,7 @@ each; the same event twice is one row. From the facts it keeps goals and orders 
 database fails it tries again later; when the queue is full the newest events are dropped and counted.
 
 What it has not heard, for whatever reason and also while it was away, it asks the agents for: they keep
-their newest events (`dray.store.gaps` decides whom to ask for what). So a history has holes only where
+their newest events (`dray.store.history.gaps` decides whom to ask for what). So a history has holes only where
 an agent forgot what was not fetched in time; those are counted and logged.
 """
 
@@ -24,9 +24,9 @@ from dray.errors import UnavailableError
 from dray.messages import AtvHeartbeat, Event, EventsKept, Heartbeat, MachineHeartbeat, Message
 from dray.messages.keys import Keys
 from dray.ports import Bus, Session
-from dray.store.clocks import AGENTS_KEPT, Clocks
-from dray.store.gaps import Gaps
-from dray.store.progress import Goal, ToWall, accepted_order, goal_of, note, progress
+from dray.store.history.clocks import AGENTS_KEPT, Clocks, ToWall
+from dray.store.history.gaps import Gaps
+from dray.store.orders.progress import Goal, accepted_order, goal_of, note, progress
 from dray.store.work import Store, Work
 
 AGENT = "historian"

@@ -1,4 +1,4 @@
-"""Tables: the shapes of what is kept. Queries live in the repositories beside this module.
+"""Tables: the shapes of what is kept. Queries live in the repositories, in the rooms beside this module.
 
 Times are seconds since 1970 on the wall clock, as double precision numbers: SQLite has no type for
 a moment, and PostgreSQL's would read back differently. `plant_s` is a time on the plant's clock.

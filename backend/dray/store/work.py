@@ -8,28 +8,28 @@ from contextlib import asynccontextmanager
 from sqlalchemy import text
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from dray.store.acknowledgements import Acknowledgements
-from dray.store.apikeys import ApiKeys
-from dray.store.audit import Audit
-from dray.store.database import Database
-from dray.store.events import Events
-from dray.store.exclusions import Exclusions
-from dray.store.goals import Goals
-from dray.store.incarnations import Incarnations
-from dray.store.keys import IdempotencyKeys
-from dray.store.kpis import Kpis
-from dray.store.links import Links
-from dray.store.lockouts import Lockouts
-from dray.store.loginlinks import LoginLinks
-from dray.store.migrate import upgrade
-from dray.store.milestones import Milestones
-from dray.store.orders import Orders
-from dray.store.people import People
-from dray.store.products import Products
-from dray.store.samples import Samples
-from dray.store.secrets import Secrets
-from dray.store.sessions import Sessions
-from dray.store.signing import SigningKeys
+from dray.store.access.api_keys import ApiKeys
+from dray.store.access.audit import Audit
+from dray.store.access.lockouts import Lockouts
+from dray.store.access.login_links import LoginLinks
+from dray.store.access.people import People
+from dray.store.access.secrets import Secrets
+from dray.store.access.sessions import Sessions
+from dray.store.access.signing_keys import SigningKeys
+from dray.store.database.database import Database
+from dray.store.database.migrate import upgrade
+from dray.store.factory.acknowledgements import Acknowledgements
+from dray.store.factory.exclusions import Exclusions
+from dray.store.factory.kpis import Kpis
+from dray.store.history.events import Events
+from dray.store.history.incarnations import Incarnations
+from dray.store.history.samples import Samples
+from dray.store.orders.goals import Goals
+from dray.store.orders.idempotency_keys import IdempotencyKeys
+from dray.store.orders.milestones import Milestones
+from dray.store.orders.orders import Orders
+from dray.store.orders.products import Products
+from dray.store.orders.tracking_links import Links
 
 
 class Work:

@@ -12,8 +12,8 @@ from dray.messages import Event
 from dray.messages.fact import TaskClosed
 from dray.plant.model import BillLine, Product
 from dray.store import Store, open_store
-from dray.store.orders import Item, Order
-from dray.store.progress import OrderStatus
+from dray.store.orders.orders import Item, Order
+from dray.store.orders.progress import OrderStatus
 
 
 def closed(number: int, life: int = 1, at_s: float = 100.0) -> Event:

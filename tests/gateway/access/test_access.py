@@ -35,10 +35,10 @@ from dray.gateway.access.sessions import LIFE_S
 from dray.gateway.access.tokens import new_key
 from dray.messages import Pose
 from dray.store import Store
-from dray.store.apikeys import ApiKey, ApiKeys
-from dray.store.audit import Audit
-from dray.store.database import Database
-from dray.store.sessions import Sessions
+from dray.store.access.api_keys import ApiKey, ApiKeys
+from dray.store.access.audit import Audit
+from dray.store.access.sessions import Sessions
+from dray.store.database.database import Database
 
 pytestmark = pytest.mark.anyio
 

@@ -26,7 +26,7 @@ from dray.gateway.access.login.login import (
 from dray.gateway.access.principal import Role
 from dray.gateway.access.sessions import LIFE_S
 from dray.gateway.http.problems import Problem
-from dray.store.audit import AuditRow
+from dray.store.access.audit import AuditRow
 
 pytestmark = pytest.mark.anyio
 

@@ -36,10 +36,10 @@ from dray.messages import (
 )
 from dray.messages.fact import GoalWaits, PhaseEntered, TaskClosed, TaskOpened
 from dray.overload import LEAST, WAITED_S
-from dray.store.acknowledgements import Acknowledgement
-from dray.store.exclusions import Exclusion
-from dray.store.orders import Item, Order
-from dray.store.progress import OrderStatus
+from dray.store.factory.acknowledgements import Acknowledgement
+from dray.store.factory.exclusions import Exclusion
+from dray.store.orders.orders import Item, Order
+from dray.store.orders.progress import OrderStatus
 
 pytestmark = pytest.mark.anyio
 
@@ -434,7 +434,7 @@ async def test_what_cannot_be_forgotten_at_once_is_forgotten_later(
         raise UnavailableError("the database", "is locked", "wait")
 
     with monkeypatch.context() as patched:
-        patched.setattr("dray.store.acknowledgements.Acknowledgements.drop", locked)
+        patched.setattr("dray.store.factory.acknowledgements.Acknowledgements.drop", locked)
         await house.alerts.look()
         assert await kept(house) == [alert]
     await house.alerts.look()

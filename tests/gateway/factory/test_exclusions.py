@@ -17,7 +17,7 @@ from dray.gateway.live.timescale import TimeScale
 from dray.gateway.live.views import AtvView, MachineView, ShutOutView
 from dray.messages import CommandAnswered, CommandKind, EventsAsked, Message, ShutOut, VehicleCommand
 from dray.messages.shutout import MAX_SHUT_OUT
-from dray.store.exclusions import Exclusion
+from dray.store.factory.exclusions import Exclusion
 
 pytestmark = pytest.mark.anyio
 

@@ -24,7 +24,7 @@ from dray.gateway.factory.figure_sampler import KEPT_S, SAMPLE_S, Sampler
 from dray.gateway.factory.figures import KpiPoint, points
 from dray.messages import AtvStatus, GoalBrief, MachineStatus, Pose
 from dray.messages.fact import CommandObeyed, GoodsDelivered
-from dray.store.kpis import Kpis, KpiSample
+from dray.store.factory.kpis import Kpis, KpiSample
 
 pytestmark = pytest.mark.anyio
 

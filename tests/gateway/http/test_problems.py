@@ -10,8 +10,8 @@ from fastapi import FastAPI
 from gateway_kit import House, draft, gateway, problem
 
 from dray.gateway.access.rules import PUBLIC, RULES, Rule
-from dray.store.insertion import Insertion
-from dray.store.placing import Placing
+from dray.store.database.insertion import Insertion
+from dray.store.orders.placing import Placing
 
 pytestmark = pytest.mark.anyio
 

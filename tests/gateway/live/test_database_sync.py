@@ -30,9 +30,9 @@ from dray.messages import (
 )
 from dray.messages.fact import CommandObeyed, GoalContracted, GoodsDelivered
 from dray.messages.keys import STRATEGIST
-from dray.store.acknowledgements import Acknowledgement
-from dray.store.orders import Mark, Order, Orders
-from dray.store.progress import Goal
+from dray.store.factory.acknowledgements import Acknowledgement
+from dray.store.orders.orders import Mark, Order, Orders
+from dray.store.orders.progress import Goal
 
 pytestmark = pytest.mark.anyio
 

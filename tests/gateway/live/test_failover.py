@@ -32,8 +32,8 @@ from dray.messages.fact import (
     TaskOpened,
     TookOver,
 )
-from dray.store.orders import Item, Order
-from dray.store.progress import OrderStatus
+from dray.store.orders.orders import Item, Order
+from dray.store.orders.progress import OrderStatus
 
 SPEED = 10.0
 """Plant seconds per wall second, so that a time that was not turned is seen."""

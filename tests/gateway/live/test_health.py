@@ -14,7 +14,7 @@ from dray.gateway.live import health, strategist_probe
 from dray.messages import EventsAsked, EventsKept, Message
 from dray.messages.fact import LinkChanged
 from dray.messages.heartbeat import Link
-from dray.store.events import Events
+from dray.store.history.events import Events
 from dray.store.work import Work
 
 pytestmark = pytest.mark.anyio

@@ -12,8 +12,8 @@ from dray.gateway.live.projection.orders import ENDED_KEPT
 from dray.gateway.live.timescale import TimeScale
 from dray.messages import GoalBrief, MachineHeartbeat, MaterialWait
 from dray.messages.fact import AnyFact, OrderAccepted
-from dray.store.orders import Item, OrderTotals
-from dray.store.progress import Goal, OrderStatus
+from dray.store.orders.orders import Item, OrderTotals
+from dray.store.orders.progress import Goal, OrderStatus
 
 
 def test_an_order_is_followed_from_its_release_to_its_last_piece(projection: Projection) -> None:

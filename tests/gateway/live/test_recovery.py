@@ -10,7 +10,8 @@ from gateway_kit import PRODUCT, FakeBus, events, gateway
 
 from dray.messages import Event, EventsAsked, EventsKept, Message, Role, Transport
 from dray.messages.fact import GoalContracted, GoodsDelivered, OrderAccepted, TaskClosed, TaskOpened
-from dray.store import gaps, historian
+from dray.store import historian
+from dray.store.history import gaps
 
 pytestmark = pytest.mark.anyio
 

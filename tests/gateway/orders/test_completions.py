@@ -11,7 +11,7 @@ from gateway_kit import NOW_S, OTHER_PRODUCT, PRODUCT, House, events, gateway
 from dray.messages import OrderReleased, OrderTaken
 from dray.messages.fact import GoalContracted, GoodsDelivered, OrderAccepted
 from dray.messages.keys import STRATEGIST
-from dray.store.orders import Orders
+from dray.store.orders.orders import Orders
 
 pytestmark = pytest.mark.anyio
 

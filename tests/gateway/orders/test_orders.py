@@ -23,7 +23,7 @@ from gateway_kit import (
 from dray.messages import OrderCancelled, OrderReleased, OrderTaken
 from dray.messages.fact import GoalContracted, GoodsDelivered, OrderAccepted, OrderDropped, PieceMade
 from dray.plant.model import PlantFile
-from dray.store.progress import OrderStatus
+from dray.store.orders.progress import OrderStatus
 
 pytestmark = pytest.mark.anyio
 

@@ -14,8 +14,8 @@ from dray.gateway.live.timescale import TimeScale
 from dray.gateway.orders.outbox import NO_DUE_S, PAUSE_S, SAID_A_TURN, STRATEGIST, TURN_S, Outbox, Reminders
 from dray.messages import CancellationTaken, Message, OrderCancelled, OrderReleased, OrderTaken
 from dray.messages.fact import GoalContracted, GoodsDelivered, OrderAccepted
-from dray.store.orders import Item, Order
-from dray.store.progress import OrderStatus
+from dray.store.orders.orders import Item, Order
+from dray.store.orders.progress import OrderStatus
 from dray_sim.clock.loop import run
 
 SPEED = 10.0

@@ -14,7 +14,7 @@ from dray.gateway.orders.reconciliation import CANCELLED_AGAIN_S, RECONCILE_EVER
 from dray.messages import Message, OrderCancelled, OrderReleased, OrderRevoked, OrderTaken
 from dray.messages.fact import GoodsDelivered
 from dray.messages.keys import STRATEGIST
-from dray.store.orders import Orders
+from dray.store.orders.orders import Orders
 from dray_sim.clock.loop import run
 
 pytestmark = pytest.mark.anyio

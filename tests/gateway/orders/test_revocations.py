@@ -10,7 +10,7 @@ from gateway_kit import OTHER_PRODUCT, PRODUCT, House, events, gateway, problem
 from dray.messages import OrderReleased, OrderRevoked, OrderTaken, RevocationTaken
 from dray.messages.fact import GoalContracted, GoalWithdrawn, GoodsDelivered, OrderAccepted, PieceMade
 from dray.messages.keys import STRATEGIST
-from dray.store.orders import Orders
+from dray.store.orders.orders import Orders
 
 pytestmark = pytest.mark.anyio
 

@@ -18,7 +18,7 @@ from dray.gateway.http.assets import Panels
 from dray.gateway.tracking.facts import KEPT_S
 from dray.messages import GoalBrief, MachineHeartbeat, MaterialWait
 from dray.messages.heartbeat import MachineStatus, TaskBrief
-from dray.store.links import Link
+from dray.store.orders.tracking_links import Link
 
 pytestmark = pytest.mark.anyio
 

@@ -8,7 +8,7 @@ from dray.gateway.access.login.invitations import invite
 from dray.gateway.access.principal import Role
 from dray.plant.model import Area, PlantFile
 from dray.store import Store
-from dray.store.people import Person
+from dray.store.access.people import Person
 
 MANAGER = "manager"
 

@@ -31,7 +31,7 @@ from dray.plant import Plant
 from dray.ports import Bus
 from dray.settings import Settings
 from dray.store import Historian, Store
-from dray.store.clocks import Clocks
+from dray.store.history.clocks import Clocks
 
 GREETING = """\
 Dray {version}: {plant}, {machines} machines and {vehicles} vehicles, {speed:g} x real time

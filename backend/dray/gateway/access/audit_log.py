@@ -15,7 +15,7 @@ from starlette.requests import HTTPConnection
 from dray.errors import UnavailableError
 from dray.gateway.access.principal import Principal
 from dray.store import Store
-from dray.store.audit import AuditRow
+from dray.store.access.audit import AuditRow
 
 NOTE = "dray.note"
 """Under this name the gate leaves the note of a request."""

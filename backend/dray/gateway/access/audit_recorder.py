@@ -17,7 +17,7 @@ from dray.gateway.access.access import Access
 from dray.gateway.access.audit_log import AuditLog, Line, Note, Result, result_of
 from dray.gateway.http.problems import Problem
 from dray.gateway.http.provided import provided
-from dray.store.audit import AuditRow
+from dray.store.access.audit import AuditRow
 
 _log = logging.getLogger(__name__)
 

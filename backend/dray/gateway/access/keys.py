@@ -13,8 +13,8 @@ from dray.errors import UnavailableError
 from dray.gateway.access.limits import Limit
 from dray.gateway.access.principal import STOP_ONLY, Principal, Scope
 from dray.store import Store
-from dray.store.apikeys import ApiKey
-from dray.store.digest import digest
+from dray.store.access.api_keys import ApiKey
+from dray.store.access.digest import digest
 
 USED_AGAIN_S = 60.0
 """The use of a key is noted this often."""

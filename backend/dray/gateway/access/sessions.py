@@ -22,9 +22,9 @@ from dray.errors import UnavailableError
 from dray.gateway.access.principal import SCOPES, STOP_ONLY, Over, Principal, Role
 from dray.gateway.access.tokens import new_id, new_token
 from dray.store import Store
-from dray.store.digest import digest
-from dray.store.people import Person
-from dray.store.sessions import Session
+from dray.store.access.digest import digest
+from dray.store.access.people import Person
+from dray.store.access.sessions import Session
 
 HOUR_S = 3600.0
 

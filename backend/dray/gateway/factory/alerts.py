@@ -11,7 +11,7 @@ from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection.alerting.alerts import LOOK_S, is_meant
 from dray.gateway.live.views import AlertView
 from dray.store import Store
-from dray.store.acknowledgements import Acknowledgement
+from dray.store.factory.acknowledgements import Acknowledgement
 
 _log = logging.getLogger(__name__)
 

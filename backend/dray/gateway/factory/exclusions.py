@@ -19,7 +19,7 @@ from dray.gateway.live.projection import Projection
 from dray.messages import ShutOut
 from dray.messages.shutout import MAX_SHUT_OUT
 from dray.store import Store
-from dray.store.exclusions import Exclusion
+from dray.store.factory.exclusions import Exclusion
 
 SAY_EVERY_S = 2.0
 """Wall seconds between two times that the list is said: so long an agent that has just joined for the first time may

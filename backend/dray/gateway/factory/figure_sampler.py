@@ -16,7 +16,7 @@ import msgspec
 from dray.errors import UnavailableError
 from dray.gateway.live.projection import Projection
 from dray.store import Store
-from dray.store.kpis import KpiSample
+from dray.store.factory.kpis import KpiSample
 
 SAMPLE_S = 60.0
 """Wall seconds between two samples: people look at hours, and a quarter of an hour should show its course."""

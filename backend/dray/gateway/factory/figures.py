@@ -8,7 +8,7 @@ from itertools import groupby
 import msgspec
 
 from dray.gateway.factory.figure_sampler import SAMPLE_S
-from dray.store.kpis import KpiSample
+from dray.store.factory.kpis import KpiSample
 
 
 class KpiPoint(msgspec.Struct, frozen=True, kw_only=True):

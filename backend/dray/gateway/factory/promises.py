@@ -16,7 +16,7 @@ from dray.gateway.http.csv_tables import Row, row_of
 from dray.messages.fact import CarrierChanged, TaskClosed
 from dray.messages.keys import STRATEGIST
 from dray.store import Store
-from dray.store.events import EventFilter, EventRow
+from dray.store.history.events import EventFilter, EventRow
 
 ON_TIME_S = 5.0
 """Factory seconds after its promise within which a transport counts as on time: what it takes to dock."""

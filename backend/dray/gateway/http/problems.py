@@ -181,7 +181,7 @@ async def _on_unavailable(request: Request, _error: Exception) -> Response:
 
 
 def away() -> Problem:
-    """The database is not there; what is wrong with it is in the log, once for each outage (`dray.store.database`)."""
+    """The database is not there; what is wrong with it is in the log, once for each outage (`dray.store.database.database`)."""
     return Problem(
         HTTPStatus.SERVICE_UNAVAILABLE,
         AWAY,

@@ -21,7 +21,7 @@ from dray.messages.fact import (
     MemoryLost,
     TookOver,
 )
-from dray.store.events import EventFilter, EventRow
+from dray.store.history.events import EventFilter, EventRow
 from dray.store.work import Work
 
 TELLING = (

@@ -15,9 +15,9 @@ from dray.errors import UnavailableError
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection.orders import ENDED_KEPT
 from dray.store import Store
-from dray.store.orderfilter import OrderFilter
-from dray.store.orders import Mark, Order
-from dray.store.progress import ENDED, UNENDED
+from dray.store.orders.order_filter import OrderFilter
+from dray.store.orders.orders import Mark, Order
+from dray.store.orders.progress import ENDED, UNENDED
 
 LOOK_EVERY_S = 2.0
 """Wall seconds between two looks: about as long as it takes to call over to somebody at another panel. Each

@@ -15,7 +15,7 @@ from dray.gateway.live.strategist_probe import StrategistProbe
 from dray.gateway.live.stream import Hub
 from dray.messages import AtvStatus, MachineStatus
 from dray.store import Store
-from dray.store.progress import OPEN, OrderStatus
+from dray.store.orders.progress import OPEN, OrderStatus
 
 
 class State(Collector):

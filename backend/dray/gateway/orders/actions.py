@@ -12,8 +12,8 @@ from dray.gateway.http.problems import Problem
 from dray.gateway.live.projection import Projection
 from dray.gateway.orders.outbox import Outbox
 from dray.store import Store
-from dray.store.orders import Order
-from dray.store.progress import ENDED, OrderStatus
+from dray.store.orders.orders import Order
+from dray.store.orders.progress import ENDED, OrderStatus
 
 
 class OrderActions:

@@ -11,8 +11,8 @@ from fastapi import Header
 
 from dray.gateway.access.principal import Principal
 from dray.gateway.http.problems import FieldError, Problem
-from dray.store.digest import digest
-from dray.store.keys import KeptAnswer
+from dray.store.access.digest import digest
+from dray.store.orders.idempotency_keys import KeptAnswer
 
 KEYS_KEPT_S = 7 * 86_400.0
 """How long an Idempotency-Key is remembered: longer than any client tries again."""

@@ -27,8 +27,8 @@ from dray.messages import (
     RevocationTaken,
 )
 from dray.messages.keys import STRATEGIST
-from dray.store.orders import Order
-from dray.store.progress import OPEN, OrderStatus
+from dray.store.orders.orders import Order
+from dray.store.orders.progress import OPEN, OrderStatus
 
 PAUSE_S = (0.5, 15.0)
 """Wall seconds before the first repetition, and between later ones at most; it doubles. The strategist

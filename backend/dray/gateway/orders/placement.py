@@ -1,7 +1,7 @@
 """Order placement: an order is taken once, however often it is sent.
 
 The order, its idempotency key and its line of the audit log are written in one transaction, which requests that come
-together share (`dray.store.placing`). The answer follows the commit: an order that was answered is on disk, and one
+together share (`dray.store.orders.placing`). The answer follows the commit: an order that was answered is on disk, and one
 that was not can be sent again under its key.
 """
 
@@ -24,10 +24,10 @@ from dray.gateway.tracking.eta import History
 from dray.gateway.tracking.facts import SILENCE_S
 from dray.plant.model import PlantFile
 from dray.store import Store
-from dray.store.keys import KeptAnswer
-from dray.store.orders import Item, Order
-from dray.store.placing import Placement, Placing, Wish
-from dray.store.progress import OrderStatus
+from dray.store.orders.idempotency_keys import KeptAnswer
+from dray.store.orders.orders import Item, Order
+from dray.store.orders.placing import Placement, Placing, Wish
+from dray.store.orders.progress import OrderStatus
 
 MAX_OPEN_ORDERS = 10_000
 """Orders that have not ended: months of work. They are kept in memory and sent to every new panel."""

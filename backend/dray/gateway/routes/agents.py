@@ -17,7 +17,7 @@ from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, li
 from dray.gateway.live.projection import Projection
 from dray.messages.keys import STRATEGIST
 from dray.store import Store
-from dray.store.exclusions import Exclusion
+from dray.store.factory.exclusions import Exclusion
 from dray.store.historian import AGENT as HISTORIAN
 
 router = APIRouter(tags=["agents"])

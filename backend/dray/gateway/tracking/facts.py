@@ -13,9 +13,9 @@ from dray.gateway.tracking.reasons import Doing
 from dray.gateway.tracking.track import Facts
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S
 from dray.store import Store
-from dray.store.links import Link
-from dray.store.orders import Order
-from dray.store.progress import ENDED, Goal
+from dray.store.orders.orders import Order
+from dray.store.orders.progress import ENDED, Goal
+from dray.store.orders.tracking_links import Link
 from dray.store.work import Work
 
 KEPT_S = 90 * 86_400.0

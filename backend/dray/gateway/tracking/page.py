@@ -12,7 +12,7 @@ from dray.gateway.tracking.reasons import Reason
 from dray.gateway.tracking.texts import Catalogue
 from dray.gateway.tracking.texts.clock import Clock
 from dray.gateway.tracking.track import Late, Stage, StageName, Track
-from dray.store.progress import OrderStatus
+from dray.store.orders.progress import OrderStatus
 
 POLL_S = 5
 """How often an open page asks for news: a piece takes longer than that, and an unchanged answer is empty."""

@@ -8,9 +8,9 @@ import msgspec
 
 from dray.gateway.tracking.eta import History, Range, Running, eta, rounded
 from dray.gateway.tracking.reasons import Doing, Reason, reasons
-from dray.store.milestones import OrderTimes
-from dray.store.orders import Order
-from dray.store.progress import ENDED, OPEN, Goal, OrderStatus
+from dray.store.orders.milestones import OrderTimes
+from dray.store.orders.orders import Order
+from dray.store.orders.progress import ENDED, OPEN, Goal, OrderStatus
 
 CANNOT_SAY = frozenset({Doing.BROKEN, Doing.SILENT})
 """What a machine may do that leaves nothing to estimate from."""

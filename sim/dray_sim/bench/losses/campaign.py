@@ -14,9 +14,9 @@ from dray.cli.fleet.folder import GATEWAY, HISTORIAN
 from dray.errors import UnavailableError
 from dray.plant import Plant
 from dray.store import Store, open_store
-from dray.store.orderfilter import EVERY_ORDER
-from dray.store.orders import Order
-from dray.store.progress import OrderStatus
+from dray.store.orders.order_filter import EVERY_ORDER
+from dray.store.orders.orders import Order
+from dray.store.orders.progress import OrderStatus
 from dray_sim.bench.losses.cost import Kill
 from dray_sim.bench.losses.customer import Customer
 from dray_sim.bench.losses.fleet import Fleet, running

@@ -16,7 +16,7 @@ from dray.adapters.journal.sqlite_journal import read_events
 from dray.messages import Event
 from dray.messages.fact import AnyFact
 from dray.store import Store
-from dray.store.events import EventFilter, EventRow
+from dray.store.history.events import EventFilter, EventRow
 
 PAGE = 1_000
 """Rows that are read at once."""

@@ -20,8 +20,8 @@ from dray.messages.fact import (
     TaskClosed,
     TaskOpened,
 )
-from dray.store.orders import Order
-from dray.store.progress import OrderStatus
+from dray.store.orders.orders import Order
+from dray.store.orders.progress import OrderStatus
 from dray_sim.bench.losses.history import History
 from dray_sim.bodies.floor import Pieces
 from dray_sim.checks.broken import InvariantBroken

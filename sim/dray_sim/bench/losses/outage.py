@@ -14,7 +14,7 @@ from dray.errors import UnavailableError
 from dray.messages import OrderItem
 from dray.plant import Plant
 from dray.store import Store
-from dray.store.gaps import Known
+from dray.store.history.gaps import Known
 from dray_sim.bench.losses.customer import Customer
 from dray_sim.bench.losses.fleet import Fleet
 from dray_sim.bench.losses.watch import Watch

@@ -19,9 +19,9 @@ from dray.gateway.access.principal import Scope
 from dray.gateway.access.tokens import new_id, new_key
 from dray.plant import default_plant
 from dray.store import open_store
-from dray.store.apikeys import ApiKey
-from dray.store.orders import Item, Order
-from dray.store.progress import OrderStatus
+from dray.store.access.api_keys import ApiKey
+from dray.store.orders.orders import Item, Order
+from dray.store.orders.progress import OrderStatus
 
 STARTS_S = 180.0
 """Longest wait for a server: with 10,000 open orders and a slow machine."""

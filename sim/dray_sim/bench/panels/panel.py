@@ -30,7 +30,7 @@ from dray.messages import Message
 from dray.ports import Receive, Session
 from dray.settings import Settings
 from dray.store import Store, open_store
-from dray.store.people import Person
+from dray.store.access.people import Person
 from dray_sim.bench.panels.crowd import Crowd
 
 TICK_S = 0.05

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from dray.cli.runtime.options import load_settings
 from dray.store import open_store
-from dray.store.audit import AuditRow
+from dray.store.access.audit import AuditRow
 from dray.store.work import Work
 
 T = TypeVar("T")

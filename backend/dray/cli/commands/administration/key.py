@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from dray.store.apikeys import ApiKey
+    from dray.store.access.api_keys import ApiKey
     from dray.store.work import Work
 
 app = typer.Typer(no_args_is_help=True, help="Keys by which other systems use the API.")
@@ -46,7 +46,7 @@ def create(
     from dray.errors import SettingsError
     from dray.gateway.access.principal import Scope
     from dray.gateway.access.tokens import new_id, new_key
-    from dray.store.apikeys import ApiKey
+    from dray.store.access.api_keys import ApiKey
 
     known = {each.value: each for each in Scope}
     scopes = [one_of(known, each, "--scope").value for each in dict.fromkeys(scope)]

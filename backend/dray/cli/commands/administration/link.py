@@ -51,7 +51,7 @@ def create(
     from dray.cli.runtime.options import load_settings
     from dray.errors import SettingsError
     from dray.gateway.orders.order_ids import new_token
-    from dray.store.links import Link
+    from dray.store.orders.tracking_links import Link
 
     settings = load_settings(database_url=db)
     base = (url or f"http://{settings.host}:{settings.port}").rstrip("/")

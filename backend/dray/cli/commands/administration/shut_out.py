@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from dray.store.exclusions import Exclusion
+    from dray.store.factory.exclusions import Exclusion
     from dray.store.work import Work
 
 Database = Annotated[
@@ -36,7 +36,7 @@ def shut_out(
     from dray.errors import SettingsError
     from dray.messages.shutout import MAX_SHUT_OUT
     from dray.plant.model import ID_RULE, is_id
-    from dray.store.exclusions import Exclusion
+    from dray.store.factory.exclusions import Exclusion
 
     if agent is None:
         _list(db)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from dray.store.people import Person
+    from dray.store.access.people import Person
     from dray.store.work import Work
 
 app = typer.Typer(no_args_is_help=True, help="Who may log in, and by what.")
@@ -52,7 +52,7 @@ def add(
     from dray.cli.runtime.output import one_of
     from dray.errors import SettingsError
     from dray.gateway.access.principal import Role
-    from dray.store.people import Person
+    from dray.store.access.people import Person
 
     one_of({each.value: each for each in Role}, role, "--role")
     if not re.fullmatch(ID, name):

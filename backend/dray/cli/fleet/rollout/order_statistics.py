@@ -12,8 +12,8 @@ import msgspec
 from dray.cli.fleet.rollout.history import KINDS, History, Told
 from dray.messages import AnyFact
 from dray.store import Database, Store
-from dray.store.events import EventRow
-from dray.store.gaps import Known
+from dray.store.history.events import EventRow
+from dray.store.history.gaps import Known
 
 FACTS = 200_000
 """Read at once: those of KINDS that a plant of 300 agents tells in some hours; some 100 MB."""

@@ -10,7 +10,7 @@ from starlette.responses import Response
 from dray.gateway.access.gate import COOKIE
 from dray.gateway.access.principal import Role
 from dray.gateway.access.sessions import LIFE_S, MAY_STILL_STOP_S
-from dray.store.people import Person
+from dray.store.access.people import Person
 
 STATION = "dray_station"
 """The machine at which this device stands: a tablet at a station is asked for it once."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dray.gateway.access.tokens import new_token
-from dray.store.loginlinks import LoginLink
+from dray.store.access.login_links import LoginLink
 from dray.store.work import Work
 
 LIFE_S = 86_400.0

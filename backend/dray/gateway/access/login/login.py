@@ -14,9 +14,9 @@ from dray.gateway.access.login.hasher import Hasher
 from dray.gateway.access.principal import Role
 from dray.gateway.http.problems import CHALLENGE, Problem
 from dray.store import Store
-from dray.store.lockouts import Lockout
-from dray.store.loginlinks import LoginLink
-from dray.store.people import Person
+from dray.store.access.lockouts import Lockout
+from dray.store.access.login_links import LoginLink
+from dray.store.access.people import Person
 from dray.store.work import Work
 
 TRIES = 20

@@ -13,8 +13,7 @@ from dray.gateway.live.projection.silence import Silence
 from dray.gateway.live.views import AtvView, BriefView, ClockView, HelpView, ProbationView
 from dray.messages import AtvHeartbeat, Brief, Heartbeat, HelpWanted
 from dray.plant.model import Charging, VehicleSpec, VehicleType
-from dray.store.clocks import Clocks
-from dray.store.progress import ToWall
+from dray.store.history.clocks import Clocks, ToWall
 
 JOINING_LEAST = 256
 """So many agents of a kind may join a plant of any size without a new plant file."""

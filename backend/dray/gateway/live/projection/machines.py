@@ -14,8 +14,7 @@ from dray.gateway.live.projection.silence import Silence
 from dray.gateway.live.projection.site import Site
 from dray.gateway.live.views import BufferView, GoalView, MachineView, OpenTaskView
 from dray.messages import BufferLevel, GoalBrief, MachineHeartbeat, MachineStatus, TaskBrief
-from dray.store.clocks import Clocks
-from dray.store.progress import ToWall
+from dray.store.history.clocks import Clocks, ToWall
 
 MAKING, STARVED, IDLE, BROKEN, DOWN = "making", "starved", "idle", "broken", "down"
 

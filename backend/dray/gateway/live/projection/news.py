@@ -26,7 +26,7 @@ from dray.messages.fact import (
     MemoryLost,
     TookOver,
 )
-from dray.store.progress import ToWall
+from dray.store.history.clocks import ToWall
 
 NEWS_KEPT = 50
 """What a person can still read; all facts are in the events."""

@@ -11,13 +11,13 @@ from dray.gateway.live.projection.materials import Materials
 from dray.gateway.live.views import OrderItemView, OrderView
 from dray.messages import Event, MachineHeartbeat, MaterialWait
 from dray.messages.fact import GoalContracted, GoalWaits
-from dray.store.orders import Order, OrderTotals
-from dray.store.progress import (
+from dray.store.history.clocks import ToWall
+from dray.store.orders.orders import Order, OrderTotals
+from dray.store.orders.progress import (
     ENDED,
     OPEN,
     Goal,
     OrderStatus,
-    ToWall,
     accepted_order,
     delivered_after,
     goal_of,

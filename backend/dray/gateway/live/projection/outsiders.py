@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from dray.gateway.live.views import ShutOutView
-from dray.store.exclusions import Exclusion
+from dray.store.factory.exclusions import Exclusion
 
 
 class Outsiders:

@@ -29,9 +29,9 @@ from dray.gateway.live.views import FactoryView, UseView
 from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, Message, StationHeartbeat
 from dray.overload import Overload
 from dray.plant.model import PlantFile
-from dray.store.clocks import Clocks, Timed
-from dray.store.exclusions import Exclusion
-from dray.store.kpis import KpiSample
+from dray.store.factory.exclusions import Exclusion
+from dray.store.factory.kpis import KpiSample
+from dray.store.history.clocks import Clocks, Timed
 
 
 class Projection:

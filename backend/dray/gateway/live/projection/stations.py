@@ -11,8 +11,7 @@ from dray.gateway.live.projection.silence import Silence
 from dray.gateway.live.views import StationView, StockView
 from dray.messages import StationHeartbeat, StockLevel
 from dray.plant.model import Storage
-from dray.store.clocks import Clocks
-from dray.store.progress import ToWall
+from dray.store.history.clocks import Clocks, ToWall
 
 
 class Stations:

@@ -14,7 +14,7 @@ from dray.gateway.http.csv_tables import Format, Row, header_of, row_of, table, 
 from dray.gateway.http.provided import Provided
 from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, list_of, listing, read_cursor, write_cursor
 from dray.store import Store
-from dray.store.audit import AuditFilter, AuditRow
+from dray.store.access.audit import AuditFilter, AuditRow
 
 router = APIRouter(tags=["access"])
 

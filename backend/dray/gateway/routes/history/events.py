@@ -11,7 +11,7 @@ from dray.gateway.http.problems import FieldError, unusable
 from dray.gateway.http.provided import Provided
 from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, list_of, listing, read_cursor, write_cursor
 from dray.store import Store
-from dray.store.events import EventFilter, EventRow
+from dray.store.history.events import EventFilter, EventRow
 
 router = APIRouter(tags=["history"])
 

@@ -28,8 +28,8 @@ from dray.gateway.routes.products import ProductAnswer
 from dray.gateway.routes.traffic import TrafficAnswer
 from dray.gateway.tracking.answer import TrackAnswer
 from dray.plant.model import PlantFile
-from dray.store.audit import AuditRow
-from dray.store.exclusions import Exclusion
+from dray.store.access.audit import AuditRow
+from dray.store.factory.exclusions import Exclusion
 
 SHAPES = (
     AlertView,

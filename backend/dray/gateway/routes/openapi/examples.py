@@ -35,7 +35,7 @@ from dray.gateway.routes.products import ProductAnswer
 from dray.gateway.tracking.answer import TrackAnswer, TrackEta, TrackStage
 from dray.gateway.tracking.track import StageName, TrackedItem
 from dray.plant import default_plant
-from dray.store.audit import AuditRow
+from dray.store.access.audit import AuditRow
 
 NOW_S = ORDER.created_at_s + 60.0
 """A minute after the order of the example was placed."""

@@ -22,7 +22,7 @@ from dray.gateway.orders.idempotency import Key, own_key
 from dray.gateway.orders.order_ids import new_token
 from dray.gateway.orders.placement import OrderPlacement
 from dray.plant.model import PlantFile
-from dray.store.orders import Order
+from dray.store.orders.orders import Order
 
 router = APIRouter(tags=["orders"])
 

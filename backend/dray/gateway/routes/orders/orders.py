@@ -39,9 +39,9 @@ from dray.gateway.orders.idempotency import Key, own_key
 from dray.gateway.orders.placement import OrderPlacement
 from dray.settings import Settings
 from dray.store import Store
-from dray.store.orderfilter import OrderFilter
-from dray.store.orders import Order
-from dray.store.progress import OrderStatus
+from dray.store.orders.order_filter import OrderFilter
+from dray.store.orders.orders import Order
+from dray.store.orders.progress import OrderStatus
 
 router = APIRouter(tags=["orders"])
 

@@ -32,7 +32,7 @@ from dray.gateway.http.problems import FieldError, Problem, away, unusable
 from dray.gateway.http.provided import Provided, provided
 from dray.gateway.live.projection import Projection
 from dray.plant.model import PlantFile
-from dray.store.people import Person
+from dray.store.access.people import Person
 
 
 class _Page(APIRoute):

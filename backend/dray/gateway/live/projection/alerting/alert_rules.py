@@ -19,9 +19,8 @@ from dray.messages import AtvHeartbeat, AtvStatus, MachineHeartbeat, MachineStat
 from dray.overload import Overload
 from dray.protocol.liveness.suspicion import AnyHeartbeat
 from dray.protocol.vehicle.reserve import RESERVE_FRAC
-from dray.store.clocks import Offset
-from dray.store.exclusions import Exclusion
-from dray.store.progress import ToWall
+from dray.store.factory.exclusions import Exclusion
+from dray.store.history.clocks import Offset, ToWall
 
 PATIENCE_S = 120.0
 """Factory seconds that a machine may wait for a vehicle before it is worth a look: longer than most

@@ -15,7 +15,7 @@ import msgspec
 from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.views import AlertKind, AlertResponse, AlertView
 from dray.gateway.live.views.alert import Condition
-from dray.store.acknowledgements import Acknowledgement
+from dray.store.factory.acknowledgements import Acknowledgement
 
 RESPONSES: Mapping[AlertKind, tuple[Literal["alarm", "warning"], AlertResponse]] = {
     "plant_behind": ("alarm", "look_at_server"),

@@ -11,7 +11,7 @@ from dray.gateway.live.projection.atvs import plain
 from dray.gateway.live.views import BidView, RefusalView, TaskView
 from dray.messages import Cost, Event, Role, TransportCost
 from dray.messages.fact import AwardGiven, BidReceived, BidRefused
-from dray.store.progress import ToWall
+from dray.store.history.clocks import ToWall
 
 S = TypeVar("S", BidView, RefusalView)
 

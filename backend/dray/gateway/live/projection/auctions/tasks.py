@@ -45,7 +45,7 @@ from dray.messages.fact import (
     WatchLost,
 )
 from dray.messages.heartbeat import GOODS_ABOARD
-from dray.store.progress import ToWall
+from dray.store.history.clocks import ToWall
 
 CLOSED_KEPT = 50
 """Ended tasks that panels still show; the whole history is in the events."""

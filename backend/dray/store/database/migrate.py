@@ -1,6 +1,6 @@
 """Migrations: bringing the tables up to date, or back.
 
-The scripts lie in `migrations/` at the top of a checkout, and inside this package in a wheel.
+The scripts lie in `migrations/` at the top of a checkout, and inside `dray.store` in a wheel.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from alembic.util import CommandError
 from sqlalchemy import Connection
 
 from dray.errors import UnavailableError
-from dray.store.database import Database
+from dray.store.database.database import Database
 
 CONNECTION = "connection"
 """Under this name the migrations' `env.py` finds the connection to work on."""
@@ -27,10 +27,10 @@ def migrations_folder() -> Path:
         UnavailableError: this installation lacks them.
     """
     here = Path(__file__).resolve()
-    for folder in (here.parent / "migrations", here.parents[3] / "migrations"):
+    for folder in (here.parents[1] / "migrations", here.parents[4] / "migrations"):
         if (folder / "env.py").is_file():
             return folder
-    raise UnavailableError("migrations", f"there are none beside {here.parent}", "install Dray again")
+    raise UnavailableError("migrations", f"there are none in {here.parents[1]}", "install Dray again")
 
 
 def configuration() -> Config:

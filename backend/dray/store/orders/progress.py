@@ -11,7 +11,7 @@ delivered stays delivered and is never made again.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from enum import StrEnum
 
 import msgspec
@@ -25,9 +25,7 @@ from dray.messages.fact import (
     OrderAccepted,
     PieceMade,
 )
-
-ToWall = Callable[[float], float]
-"""Plant clock to wall clock, both in seconds."""
+from dray.store.history.clocks import ToWall
 
 
 class OrderStatus(StrEnum):

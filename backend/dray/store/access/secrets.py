@@ -7,7 +7,7 @@ import secrets as random
 from sqlalchemy import select
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from dray.store.dialect import insert_new
+from dray.store.database.dialect import insert_new
 from dray.store.tables import secrets
 
 SIZE_BYTES = 32

@@ -8,7 +8,7 @@ import msgspec
 from sqlalchemy import ColumnElement, delete, insert, select, update
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from dray.store.digest import digest
+from dray.store.access.digest import digest
 from dray.store.tables import sessions
 
 

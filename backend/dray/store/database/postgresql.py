@@ -17,7 +17,7 @@ from sqlalchemy.exc import DBAPIError, IntegrityError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine, create_async_engine
 
-from dray.store import dialect
+from dray.store.database import dialect
 
 T = TypeVar("T")
 
@@ -43,7 +43,7 @@ back, no resources, lock not to be had, server being stopped, system error."""
 
 
 class Postgresql:
-    """See `dray.store.dialect.Dialect`."""
+    """See `dray.store.database.dialect.Dialect`."""
 
     reading: Mapping[str, Any] = MappingProxyType(
         {"isolation_level": "REPEATABLE READ", "postgresql_readonly": True}

@@ -19,7 +19,7 @@ from sqlalchemy import URL, Connection, Engine, NullPool, create_engine, event
 from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError
 from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine, create_async_engine
 
-from dray.store import dialect
+from dray.store.database import dialect
 
 T = TypeVar("T")
 
@@ -31,7 +31,7 @@ order changes some twenty pages, and the same ones as the orders before it."""
 
 
 class Sqlite:
-    """See `dray.store.dialect.Dialect`."""
+    """See `dray.store.database.dialect.Dialect`."""
 
     reading: Mapping[str, Any] = MappingProxyType({})
     writing: Mapping[str, Any] = MappingProxyType({_IMMEDIATE: True})

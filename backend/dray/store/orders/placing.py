@@ -1,7 +1,7 @@
 """Placing: orders, their links, the keys they came under and their lines of the audit log, in one transaction.
 
 An answered order is on disk with all that belongs to it, whenever the process dies. Requests that come together are
-written by as few statements as one alone, and share its commit (`dray.store.together`).
+written by as few statements as one alone, and share its commit (`dray.store.database.together`).
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ import msgspec
 from sqlalchemy import Connection, delete, func, select
 
 from dray.errors import DrayError
-from dray.store.audit import AuditRow, row_of_line
-from dray.store.database import Database
-from dray.store.dialect import AtOnce
-from dray.store.digest import digest
-from dray.store.insertion import Insertion, Rows
-from dray.store.keys import KeptAnswer, known_answers
-from dray.store.links import Link
-from dray.store.orders import Order, rows_of_items, rows_of_orders
+from dray.store.access.audit import AuditRow, row_of_line
+from dray.store.access.digest import digest
+from dray.store.database.database import Database
+from dray.store.database.dialect import AtOnce
+from dray.store.database.insertion import Insertion, Rows
+from dray.store.database.together import Together
+from dray.store.orders.idempotency_keys import KeptAnswer, known_answers
+from dray.store.orders.orders import Order, rows_of_items, rows_of_orders
+from dray.store.orders.tracking_links import Link
 from dray.store.tables import audit, idempotency_keys, order_items, orders, tracking_links
-from dray.store.together import Together
 
 PRUNED_EVERY = 1_000
 """Lines of the audit log between two looks at how many there are."""

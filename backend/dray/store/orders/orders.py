@@ -8,8 +8,8 @@ import msgspec
 from sqlalchemy import ColumnElement, Row, bindparam, func, insert, or_, select, tuple_, update
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from dray.store.orderfilter import OrderFilter
-from dray.store.progress import OPEN, UNENDED, OrderStatus, Progress, delivered_after, status_after
+from dray.store.orders.order_filter import OrderFilter
+from dray.store.orders.progress import OPEN, UNENDED, OrderStatus, Progress, delivered_after, status_after
 from dray.store.tables import goals, order_items, orders
 
 Mark = tuple[OrderStatus, int, float | None]
@@ -33,7 +33,7 @@ class Order(msgspec.Struct, kw_only=True, gc=False):
     status: OrderStatus
     customer: str
     token: str
-    """Of the link to the customer's page that came with it; `links` says whether it still leads there."""
+    """Of the link to the customer's page that came with it; `tracking_links` says whether it still leads there."""
     items: tuple[Item, ...]
     created_at_s: float
     reference: str | None = None

@@ -13,8 +13,8 @@ from typing import Any, TypeVar
 import msgspec
 from sqlalchemy import Column, Connection, Table
 
-from dray.store.dialect import AtOnce
-from dray.store.postgresql import WRITERS
+from dray.store.database.dialect import AtOnce
+from dray.store.database.postgresql import WRITERS
 
 T = TypeVar("T")
 

@@ -12,9 +12,9 @@ from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dray.messages import Event, Production, Transport
 from dray.messages.fact import HISTORY_KEPT, TaskOpened
-from dray.store.dialect import insert_new
-from dray.store.gaps import LIVES, Known
-from dray.store.progress import ToWall
+from dray.store.database.dialect import insert_new
+from dray.store.history.clocks import ToWall
+from dray.store.history.gaps import LIVES, Known
 from dray.store.tables import events, goals
 
 

@@ -6,7 +6,7 @@ import msgspec
 from sqlalchemy import delete, insert, select, update
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from dray.store.digest import digest
+from dray.store.access.digest import digest
 from dray.store.tables import login_links
 
 

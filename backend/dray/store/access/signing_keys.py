@@ -8,7 +8,7 @@ from __future__ import annotations
 from sqlalchemy import select
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from dray.store.dialect import insert_new
+from dray.store.database.dialect import insert_new
 from dray.store.tables import signing_keys
 
 

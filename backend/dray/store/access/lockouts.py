@@ -10,7 +10,7 @@ import msgspec
 from sqlalchemy import delete, func, insert, select
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from dray.store.digest import digest
+from dray.store.access.digest import digest
 from dray.store.tables import lockouts
 
 

@@ -15,8 +15,8 @@ from typing import Generic, TypeVar
 from sqlalchemy import Connection
 
 from dray.errors import UnavailableError
-from dray.store.database import Database
-from dray.store.dialect import AtOnce
+from dray.store.database.database import Database
+from dray.store.database.dialect import AtOnce
 
 In = TypeVar("In")
 Out = TypeVar("Out")

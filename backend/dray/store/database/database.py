@@ -1,7 +1,7 @@
 """The database: opening it, and one transaction at a time.
 
 Both databases have one writer at a time. Writers of this process queue here, in order, so that a burst of
-them holds one connection; those of other processes queue where the data is (`dray.store.dialect`). A commit
+them holds one connection; those of other processes queue where the data is (`dray.store.database.dialect`). A commit
 returns when it is on disk.
 """
 
@@ -21,9 +21,9 @@ from sqlalchemy.exc import TimeoutError as PoolTimeout
 from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine
 
 from dray.errors import UnavailableError
-from dray.store.dialect import AtOnce, Dialect
-from dray.store.postgresql import Postgresql
-from dray.store.sqlite import Sqlite
+from dray.store.database.dialect import AtOnce, Dialect
+from dray.store.database.postgresql import Postgresql
+from dray.store.database.sqlite import Sqlite
 
 _log = logging.getLogger(__name__)
 

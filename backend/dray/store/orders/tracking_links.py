@@ -12,7 +12,7 @@ import msgspec
 from sqlalchemy import insert, select, update
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from dray.store.digest import digest
+from dray.store.access.digest import digest
 from dray.store.tables import tracking_links
 
 

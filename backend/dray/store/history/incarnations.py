@@ -10,7 +10,7 @@ from __future__ import annotations
 from sqlalchemy import func, select, update
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from dray.store.dialect import insert_new
+from dray.store.database.dialect import insert_new
 from dray.store.tables import events, goals, incarnations, orders
 
 

@@ -8,7 +8,7 @@ from sqlalchemy import bindparam, select, update
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dray.plant.model import Product
-from dray.store.dialect import insert_new
+from dray.store.database.dialect import insert_new
 from dray.store.tables import products
 
 

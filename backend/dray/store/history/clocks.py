@@ -19,7 +19,7 @@ even so (what has not happened yet, what is older than any history) counts as no
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from statistics import median
 
 import msgspec
@@ -50,6 +50,9 @@ AGENTS_KEPT = 20_000
 _TIMES = ("deadline_s", "bids_until_s", "finish_s", "next_round_s", "promised_s", "until_s")
 """Fields of facts that are moments on the teller's clock; 0 stands for none."""
 
+
+ToWall = Callable[[float], float]
+"""Plant clock to wall clock, both in seconds."""
 
 Timed = AtvHeartbeat | MachineHeartbeat | StationHeartbeat | Event
 """What tells the time by its sender's clock."""

@@ -8,8 +8,8 @@ import msgspec
 from sqlalchemy import ColumnElement, bindparam, select, update
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from dray.store.dialect import insert_new
-from dray.store.progress import Goal
+from dray.store.database.dialect import insert_new
+from dray.store.orders.progress import Goal
 from dray.store.tables import goals
 
 

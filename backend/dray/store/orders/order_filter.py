@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator
 import msgspec
 from sqlalchemy import ColumnElement, exists
 
-from dray.store.progress import OrderStatus
+from dray.store.orders.progress import OrderStatus
 from dray.store.tables import order_items, orders
 
 

@@ -9,7 +9,7 @@ from sqlalchemy import delete, func, insert, select
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dray.messages import AtvHeartbeat, Heartbeat
-from dray.store.progress import ToWall
+from dray.store.history.clocks import ToWall
 from dray.store.tables import heartbeat_samples
 
 

@@ -1,0 +1,1 @@
+"""What people decide about a factory, and what it has achieved."""
