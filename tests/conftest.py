@@ -103,7 +103,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 ON_THE_WALL_CLOCK = frozenset(
     {
         *("adapters", "browser", "cli", "contracts", "gateway", "links", "store"),
-        *("simulation/test_bench", "simulation/test_losses", "test_packaging", "test_service"),
+        *("simulation/bench/test_bench", "simulation/bench/test_losses", "test_packaging", "test_service"),
     }
 )
 """Rooms and modules with processes, browsers and servers that have to answer in time, while other tests share the

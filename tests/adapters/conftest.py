@@ -1,4 +1,4 @@
-"""Lets the tests beside it import `zenoh_kit`."""
+"""Lets the tests of all rooms here import `zenoh_kit`."""
 
 from __future__ import annotations
 

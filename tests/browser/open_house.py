@@ -18,7 +18,7 @@ from typing import Any, TypeVar
 
 import uvicorn
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "gateway"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/kits"))
 
 from gateway_kit import House, gateway
 

@@ -13,7 +13,7 @@ from open_house import OpenHouse, open_house
 from playwright.sync_api import Locator, Page, WebSocketRoute
 from puppets import Puppet
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "gateway"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/kits"))
 
 from gateway_kit import House, machine_heartbeat
 

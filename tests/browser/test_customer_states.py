@@ -13,7 +13,7 @@ import pytest
 from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, expect
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "gateway"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/kits"))
 
 from gateway_kit import NOW_S, OTHER_PRODUCT, PRODUCT, House
 from tracking_kit import MACHINE, OTHER_MACHINE, Story

@@ -1,4 +1,4 @@
-"""Lets the tests here import the kit of the protocol's tests and the bodies of the properties'."""
+"""Lets the tests here import the kits of the protocol's tests and of the properties'."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from hypothesis import settings
 
 TESTS = Path(__file__).parents[1]
-sys.path[:0] = [str(TESTS / "fuzz"), str(TESTS / "properties"), str(TESTS / "protocol")]
+sys.path[:0] = [str(TESTS / room) for room in ("fuzz", "properties/kits", "protocol/kits")]
 
 # As in `tests/properties`: no deadline, and the same examples for everybody.
 settings.register_profile("dray", deadline=None, derandomize=True, max_examples=300)

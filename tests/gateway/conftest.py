@@ -1,4 +1,4 @@
-"""A running gateway per test on a database of its own, and the helper module beside it."""
+"""A running gateway per test on a database of its own, and what is in `kits`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent))
+sys.path.insert(0, str(Path(__file__).parent / "kits"))
 
 from facts_kit import SPEED
 from gateway_kit import NOW_S, PLANT, House, gateway

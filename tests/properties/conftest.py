@@ -1,4 +1,4 @@
-"""Lets the tests here import one another's helpers and the kit of the protocol's; makes every run the same."""
+"""Lets the tests here import their kits and those of the protocol; makes every run the same."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from hypothesis import settings
 
 TESTS = Path(__file__).parents[1]
-sys.path[:0] = [str(TESTS / "properties"), str(TESTS / "protocol")]
+sys.path[:0] = [str(TESTS / room) for room in ("properties/kits", "protocol/kits")]
 
 # No deadline: a slow machine is no failure. The same examples for everybody: a failure that one run
 # finds is found by the next one, too.

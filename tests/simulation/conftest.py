@@ -1,4 +1,4 @@
-"""Lets the tests beside it import `yard` and `check_kit`."""
+"""Lets the tests of all rooms here import `yard` and `check_kit`."""
 
 from __future__ import annotations
 

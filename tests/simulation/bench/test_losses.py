@@ -17,7 +17,7 @@ import msgspec
 import pytest
 from check_kit import opened
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "cli/fleet"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "cli/fleet"))
 
 from registries import NOBODY, write_registry
 

@@ -27,7 +27,7 @@ from dray_sim.scenarios import (
 from dray_sim.scenarios.paper import experiment_power_off, experiment_wlan, figure_6
 from dray_sim.scenarios.paper.laboratory import laboratory
 
-DOCUMENT = Path(__file__).parents[2] / "docs" / "scenarios.md"
+DOCUMENT = Path(__file__).parents[3] / "docs" / "scenarios.md"
 
 QUICK = ("experiment-wlan", "experiment-power-off", "case-4", "case-5")
 """A second or two each."""
