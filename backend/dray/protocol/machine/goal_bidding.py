@@ -22,7 +22,7 @@ from dray.protocol.contract_net.replies import Refusals, decline, offer
 from dray.protocol.machine.production import Goal, GoalBook
 from dray.protocol.machine.supply import Supply
 from dray.protocol.runtime.bounded_map import BoundedMap
-from dray.protocol.runtime.events import Effect, Record
+from dray.protocol.runtime.events import Effect, Record, Send
 from dray.protocol.runtime.retransmission import Retransmitter
 from dray.protocol.runtime.timers import Timers
 
@@ -135,7 +135,7 @@ class GoalBidder:
             finish_s=self._quoted_s.get(goal.id, now_s),
             number=goal.number,
         )
-        self._unconfirmed.say(goal.id, goal.strategist, accepted, now_s)
+        self._unconfirmed.say(goal.id, Send(goal.strategist, accepted), now_s)
 
     def on_confirmed(self, message: Confirmed, now_s: float) -> bool:
         """The contract stands on both sides; True when that, or what has arrived, is news."""

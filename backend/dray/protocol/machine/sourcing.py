@@ -8,8 +8,11 @@ Until a station has set the material aside nobody is hired for it, and the machi
 queue of every station that it has asked. The first that has it is taken; what others set aside is given back, at
 the latest when a vehicle has chosen where to fetch it. A reservation is renewed until the load is on board.
 
-A station that does not answer is one that has nothing: without it the dock would not open. It is asked again until
-it does. A carrier that stands before it meanwhile is not to blame.
+A station that does not answer is one that has nothing: without it the dock would not open. A carrier that stands before it
+meanwhile is not to blame.
+
+All stations are asked regularly, those that have answered too: what is set aside, and a place in a queue, lapse unless they are
+renewed. This is no repetition of an unanswered message (`runtime.retransmission`), although a lost one is made good by it.
 """
 
 from __future__ import annotations

@@ -1,55 +1,113 @@
-"""What an agent says again and again, until it is answered: a lost message costs seconds, and nothing else."""
+"""What an agent says until it is answered: a lost message costs seconds, and nothing else."""
 
 from __future__ import annotations
 
-import msgspec
+from typing import Final
 
-from dray.messages import Accepted, Message, TakenOver
-from dray.protocol.runtime.events import Effect, Send
+from msgspec.structs import replace
+
+from dray.messages import Accepted, TakenOver
+from dray.protocol.runtime.events import Effect, Publish, Send
 from dray.protocol.runtime.timers import Timers
 
 ASK_AGAIN_S = 3.0
 """Many times the latency of a good link."""
 
+FOR_EVER: Final = 0
+"""No bound: it is said until it is answered."""
 
-class Retransmitter:
-    """Messages that are repeated, for ever if need be: at most one per task.
 
-    Args:
-        alarm: names the alarms, ``(alarm, task)``.
-        timers: the agent's alarms.
-        out: where effects go.
+class Said:
+    """What is repeated.
+
+    Attributes:
+        effect: to whom, and what.
+        times: how often it was said since the other side was heard last.
     """
 
-    __slots__ = ("_alarm", "_out", "_said", "_timers")
+    __slots__ = ("effect", "times")
 
-    def __init__(self, alarm: str, timers: Timers, out: list[Effect]) -> None:
+    def __init__(self, effect: Send | Publish) -> None:
+        self.effect = effect
+        self.times = 0
+
+
+class Retransmitter:
+    """Messages that are repeated until they are answered: at most one about each subject.
+
+    All repetition of messages in the protocol is done here. What is said regularly whether or not somebody answers (heartbeats,
+    renewals of a reservation) and what is announced in rounds (auctions) is no repetition.
+
+    Args:
+        alarm: names the alarms, ``(alarm, about)``. Whoever owns them calls `wake` when one has come.
+        timers: the agent's alarms.
+        out: where effects go.
+        every_s: how long an answer is waited for.
+        most: how often a message is said without an answer; `FOR_EVER` for no bound.
+    """
+
+    __slots__ = ("_alarm", "_every_s", "_most", "_out", "_said", "_timers")
+
+    def __init__(
+        self,
+        alarm: str,
+        timers: Timers,
+        out: list[Effect],
+        *,
+        every_s: float = ASK_AGAIN_S,
+        most: int = FOR_EVER,
+    ) -> None:
         self._alarm = alarm
         self._timers = timers
         self._out = out
-        self._said: dict[str, tuple[str, Message]] = {}
-        """By task: to whom, and what."""
+        self._every_s = every_s
+        self._most = most
+        self._said: dict[str, Said] = {}
+        """By subject."""
 
-    def __contains__(self, task: str) -> bool:
+    def __contains__(self, about: str) -> bool:
         """Whether an answer is still waited for."""
-        return task in self._said
+        return about in self._said
 
-    def say(self, task: str, to: str, message: Message, now_s: float) -> None:
-        """Say this now, and again; it replaces what was said before about the task."""
-        self._said[task] = (to, message)
-        self.wake(task, now_s)
+    def say(self, about: str, effect: Send | Publish, now_s: float) -> None:
+        """Say this now, and again. It replaces what was said before about the subject; the same once more is counted on."""
+        said = self._said.get(about)
+        if said is None or said.effect != effect:
+            self._said[about] = Said(effect)
+        self._repeat(about, now_s)
 
-    def wake(self, task: str, now_s: float) -> None:
-        """No answer has come: say it again."""
-        said = self._said.get(task)
+    def wake(self, about: str, now_s: float) -> None:
+        """The alarm has come, and no answer: say it again, unless it was said often enough (`is_exhausted`)."""
+        if about in self._said and not self.is_exhausted(about):
+            self._repeat(about, now_s)
+
+    def is_exhausted(self, about: str) -> bool:
+        """Whether it was said as often as it may be, without an answer."""
+        said = self._said.get(about)
+        return said is not None and self._most != FOR_EVER and said.times >= self._most
+
+    def count_anew(self, about: str) -> None:
+        """The other side lives, and has not answered this yet."""
+        said = self._said.get(about)
         if said is not None:
-            to, message = said
-            if isinstance(message, Accepted | TakenOver):
-                message = msgspec.structs.replace(message, at_s=now_s)
-            self._out.append(Send(to, message))
-            self._timers.set((self._alarm, task), now_s + ASK_AGAIN_S)
+            said.times = 0
 
-    def settle(self, task: str) -> None:
+    def defer(self, about: str, again_s: float) -> None:
+        """The other side lives, and cannot answer yet: say it again at `again_s`."""
+        if about in self._said:
+            self.count_anew(about)
+            self._timers.set((self._alarm, about), again_s)
+
+    def settle(self, about: str) -> None:
         """It was answered, or nobody needs an answer any more; harmless when nothing was said."""
-        self._said.pop(task, None)
-        self._timers.clear((self._alarm, task))
+        self._said.pop(about, None)
+        self._timers.clear((self._alarm, about))
+
+    def _repeat(self, about: str, now_s: float) -> None:
+        said = self._said[about]
+        said.times += 1
+        effect, message = said.effect, said.effect.message
+        if isinstance(message, Accepted | TakenOver):
+            effect = replace(effect, message=replace(message, at_s=now_s))
+        self._out.append(effect)
+        self._timers.set((self._alarm, about), now_s + self._every_s)

@@ -335,6 +335,7 @@ class Strategist(AgentBase):
             goal.waits = False
         elif goal.failure or self._monitor.anybody_fit(goal.work.product, now_s):
             goal.failure = failure
+            # For the strategist's own body, each time the alarm comes until the gate has counted: no message on the bus.
             self._out.append(Instruct(Admit(goal=goal.id, quantity=0)))
         else:
             self._auctions.say_waits(goal, now_s)

@@ -45,8 +45,8 @@ from dray.protocol.vehicle.bidding import Bidder, Standing
 from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.driving import Driver
 from dray.protocol.vehicle.pricing import Quote, Unable
-from dray.protocol.vehicle.transport_job import ASK, CLAIM_TASK, TransportJob
-from dray.protocol.vehicle.work_search import SEEK, WorkSearch
+from dray.protocol.vehicle.transport_job import ASK, CLAIM_TASK, RETRY, TransportJob
+from dray.protocol.vehicle.work_search import ASK_FOR_WORK, SEEK, WorkSearch
 
 
 class Owner(Protocol):
@@ -146,9 +146,11 @@ class Contracts:
             Withdrawn: contract,
         }
         self.alarms: Mapping[str, Callable[[Any, float], None]] = {
-            ASK: self._ask_again,
+            ASK: self._wake_job,
+            RETRY: self._wake_job,
             CLAIM_TASK: self._claim_again,
             WATCHED_SILENCE: self._look_after,
+            ASK_FOR_WORK: self._ask_for_work,
             SEEK: self._seek_on,
         }
 
@@ -202,9 +204,18 @@ class Contracts:
         if self.job is None and not self._owner.unfit() and not self._charging.is_needy:
             self._work_search.begin(self._owner.battery_frac, now_s)
 
+    def _ask_for_work(self, _about: str, now_s: float) -> None:
+        if self._may_seek():
+            self._work_search.ask_again(now_s)
+
+    def _may_seek(self) -> bool:
+        if self.job is None and not self._owner.unfit():
+            return True
+        self._work_search.stop()
+        return False
+
     def _seek_on(self, _about: None, now_s: float) -> None:
-        if self.job is not None or self._owner.unfit():
-            self._work_search.stop()
+        if not self._may_seek():
             return
         while (message := self._work_search.choose(now_s)) is not None:
             if self._answer_announced(message, now_s):
@@ -343,7 +354,7 @@ class Contracts:
         """Whether its coordinator speaks of this contract; a Superseded speaks of another epoch."""
         return job.task == message.task and (type(message) is Superseded or message.epoch == job.epoch)
 
-    def _ask_again(self, _about: None, now_s: float) -> None:
+    def _wake_job(self, _about: str | None, now_s: float) -> None:
         self.go_on(lambda job: job.wake(self._owner.load[0], now_s), now_s)
 
     def _claim_again(self, _about: None, now_s: float) -> None:

@@ -41,13 +41,16 @@ from dray.messages.fact import HANDED_OVER, PhaseEntered
 from dray.plant import Plant
 from dray.protocol.contract_net.dock import dock_of
 from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Record, Send
-from dray.protocol.runtime.retransmission import ASK_AGAIN_S, Retransmitter
+from dray.protocol.runtime.retransmission import Retransmitter
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.vehicle.driving import Driver, limited_s
 from dray.protocol.vehicle.job_state import LOADED, MANOEUVRES, VOID, JobState, JobStates
 
 ASK = "ask"
-"""The alarm for whatever the job waits for: an answer, or another try."""
+"""The alarm for asking again: for the dock, for the acceptance of a handover, to be relieved of the task."""
+
+RETRY = "retry"
+"""The alarm for another try of a way or a manoeuvre, which is no message."""
 
 CLAIM_TASK = "claim task"
 """The alarm for saying again that a task was taken over."""
@@ -79,7 +82,7 @@ class TransportJob:
         contract: what it is bound to.
         plant, vehicle_type: for ways and handling times.
         driver: the vehicle's place on the lanes.
-        timers: the vehicle's alarms; this class uses `ASK` and ``(CLAIM_TASK, task)``.
+        timers: the vehicle's alarms; this class uses `RETRY`, ``(ASK, task)`` and ``(CLAIM_TASK, task)``.
         out: where effects go.
 
     Attributes:
@@ -128,14 +131,14 @@ class TransportJob:
         self._may_be_dropping = False
         """An earlier life had come to the unloading: its drop may still be under way."""
         self._station = contract.source
-        self._asked = 0
-        """Questions since the last answer."""
         self._failed = 0
         """Manoeuvres that failed at this station."""
         self._refused = contract.refused
         """How often the gate has not let the load in, over all lives of the vehicle."""
         self._full: set[str] = set()
         """Stations that did not take the load back. Only ever asked for membership."""
+        self._question = Retransmitter(ASK, timers, out, most=GIVE_UP_AFTER)
+        """What the job waits for an answer to: its dock, its handover, or that it is given back."""
         self._claim = Retransmitter(CLAIM_TASK, timers, out)
         """What is said until the coordinator has confirmed a takeover, over all lives of the vehicle."""
         self.number = contract.number
@@ -240,7 +243,8 @@ class TransportJob:
 
     def way_refused(self, now_s: float) -> None:
         """The vehicle could not take the way: try again from where it is then."""
-        self._timers.set(ASK, now_s + RETRY_S)
+        if self.task not in self._question:
+            self._timers.set(RETRY, now_s + RETRY_S)
 
     def action_done(self, order: int, now_s: float) -> None:
         """A pick or drop has ended well."""
@@ -264,21 +268,21 @@ class TransportJob:
         match self.state:
             case JobState.PICKING:
                 self._states.enter(JobState.AT_SOURCE)
-                self._timers.set(ASK, now_s + RETRY_S)
+                self._timers.set(RETRY, now_s + RETRY_S)
             case JobState.DROPPING:
                 self._states.enter(JobState.AT_DESTINATION)
                 self._refused += self._is_gated
                 if self._refused >= TRIES:
                     self.resign(f"refused: {reason}", now_s)
                 else:
-                    self._timers.set(ASK, now_s + RETRY_S)
+                    self._timers.set(RETRY, now_s + RETRY_S)
             case JobState.VOID_PICKING:
                 self._end(self._void)
             case JobState.VOID_DROPPING:
                 self._return(now_s)
             case _ if self._failed < TRIES:
                 self._states.enter(JobState.RETURNING)
-                self._timers.set(ASK, now_s + RETRY_S)
+                self._timers.set(RETRY, now_s + RETRY_S)
             case _:
                 self._full.add(self._station)
                 self._return(now_s)
@@ -296,19 +300,19 @@ class TransportJob:
         elif isinstance(message, DockHeld) and self._waits_at(message.station):
             self._wait(message, now_s)
         elif isinstance(message, DockOpened) and self._waits_at(message.station):
-            self._timers.clear(ASK)
+            self._question.settle(self.task)
             self._transfer()
         else:
             self._out.append(Ignore("an answer that nothing waits for any more"))
             return
-        self._asked = 0
+        self._question.count_anew(self.task)
 
     def cancel(self, reason: str, now_s: float) -> None:
         """The contract is void: end, and take the load back if there is one."""
         if self.is_void:
             return
         self._void = reason
-        self._timers.clear(ASK)
+        self._stop_waiting()
         if self.state is JobState.PICKING:
             self._states.enter(JobState.VOID_PICKING)
         elif self.state is JobState.DROPPING:
@@ -332,7 +336,7 @@ class TransportJob:
         if self.state not in (JobState.APPROACHING, JobState.AT_SOURCE):
             return
         self._states.enter(JobState.GIVING_BACK)
-        self._given_back, self._asked = reason, 0
+        self._given_back = reason
         if self._driver.way:
             self._driver.go(self._driver.next_node, now_s)
         self._say_given_back(now_s)
@@ -342,14 +346,14 @@ class TransportJob:
         self._claim.wake(self.task, now_s)
 
     def wake(self, load: str, now_s: float) -> None:
-        """No answer has come, or a failed manoeuvre is due again.
+        """No answer has come, or a failed way or manoeuvre is due again.
 
         Args:
             load: what is on board now: an action of an earlier life may have ended, or a person has
                 taken the load off.
             now_s: the present time.
         """
-        if self._asked >= GIVE_UP_AFTER:
+        if self._question.is_exhausted(self.task):
             self._be_left_alone(now_s)
         elif load and load != self.work.item:
             # An earlier life has picked it up; whoever carries this task must be empty.
@@ -390,7 +394,7 @@ class TransportJob:
     def _say_taken(self, now_s: float) -> None:
         """Say how this contract was made."""
         if self._contract.claim is not None:
-            self._claim.say(self.task, self.coordinator, self._contract.claim, now_s)
+            self._claim.say(self.task, Send(self.coordinator, self._contract.claim), now_s)
             return
         accepted = Accepted(
             task=self.task,
@@ -405,6 +409,7 @@ class TransportJob:
     def _enter(self, state: JobState, station: str) -> None:
         """Begin a phase that others hear of."""
         self._states.enter(state)
+        self._question.settle(self.task)
         self._station, self._failed = station, 0
         fact = PhaseEntered(task=self.task, epoch=self.epoch, phase=self.phase, station=station)
         self._out.append(Record(fact))
@@ -454,9 +459,12 @@ class TransportJob:
         self._ask(self.coordinator, handover, now_s)
 
     def _ask(self, whom: str, question: Message, now_s: float) -> None:
-        self._asked += 1
-        self._out.append(Send(whom, question))
-        self._timers.set(ASK, now_s + ASK_AGAIN_S)
+        self._timers.clear(RETRY)
+        self._question.say(self.task, Send(whom, question), now_s)
+
+    def _stop_waiting(self) -> None:
+        self._question.settle(self.task)
+        self._timers.clear(RETRY)
 
     def _say_given_back(self, now_s: float) -> None:
         resigned = self._resigned(self._given_back)
@@ -476,7 +484,7 @@ class TransportJob:
             self._short = self.source
             self.give_back(held.reason, now_s)
         else:
-            self._timers.set(ASK, now_s + HELD_ASK_AGAIN_S)
+            self._question.defer(self.task, now_s + HELD_ASK_AGAIN_S)
 
     def _waits_at(self, station: str) -> bool:
         asks = self.state in (JobState.AT_SOURCE, JobState.AT_DESTINATION)
@@ -508,7 +516,6 @@ class TransportJob:
 
     def _be_left_alone(self, now_s: float) -> None:
         """The coordinator answers nothing any more: its transports end with it (paper, case 1)."""
-        self._asked = 0
         if self.state is JobState.HANDING_OVER:
             self._end("handed over to a silent machine")
         elif self.state is JobState.AT_SOURCE and self.source != self.coordinator:
@@ -556,5 +563,5 @@ class TransportJob:
     def _end(self, reason: str) -> None:
         self._states.enter(JobState.ENDED)
         self.ended = reason
-        self._timers.clear(ASK)
+        self._stop_waiting()
         self._claim.settle(self.task)

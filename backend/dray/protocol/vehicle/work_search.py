@@ -18,10 +18,14 @@ from dray.messages import Refusal, Role, TaskAnnounced, WorkSought
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.runtime.events import Effect, Publish
+from dray.protocol.runtime.retransmission import Retransmitter
 from dray.protocol.runtime.timers import Timers
 
 SEEK = "seek"
-"""The alarm for the next step: choosing, the next bid, or asking again."""
+"""The alarm for the next step: choosing, or the next bid."""
+
+ASK_FOR_WORK = "ask for work"
+"""The alarm for asking again, as long as nobody has answered."""
 
 COLLECT_S = 0.5
 """Some times the latency of a good WLAN. What comes later is bid for when it comes."""
@@ -31,7 +35,7 @@ ANSWER_S = 1.5
 
 ASKS = 3
 ASK_AGAIN_S = 5.0
-"""A question may be lost; after so many without an answer nothing waits."""
+"""A question may be lost; after so many without an answer nothing waits. So long after an answer was waited for in vain."""
 
 OFFERS_KEPT = 64
 """Of coordinators: more than are waited for in any plant that is not hopeless; the least urgent are let go."""
@@ -56,7 +60,7 @@ class WorkSearch:
         plant: how far everybody is.
         vehicle_type: id of the vehicle's type.
         keys: the plant's bus keys.
-        timers: the vehicle's alarms; this class uses `SEEK`.
+        timers: the vehicle's alarms; this class uses `SEEK` and ``(ASK_FOR_WORK, atv)``.
         out: where effects go.
     """
 
@@ -69,15 +73,16 @@ class WorkSearch:
         timers: Timers,
         out: list[Effect],
     ) -> None:
-        self._key = keys.free(atv)
-        self._sought = WorkSought(atv=atv, abilities=plant.vehicle_types[vehicle_type].abilities)
+        self._atv = atv
+        sought = WorkSought(atv=atv, abilities=plant.vehicle_types[vehicle_type].abilities)
+        self._sought = Publish(keys.free(atv), sought)
         self._reach_m = plant.diameter_m
         self._timers = timers
-        self._out = out
+        self._question = Retransmitter(ASK_FOR_WORK, timers, out, every_s=COLLECT_S + ASK_AGAIN_S, most=ASKS)
         self._known = False
         """Work waits, as far as the vehicle knows."""
-        self._asks = 0
-        """Questions since the last answer."""
+        self._seeks = False
+        """It has asked, and chooses from what is offered."""
         self._offers: dict[str, TaskAnnounced] = {}
         """What is offered now, the newest of each task."""
         self._open = False
@@ -98,27 +103,35 @@ class WorkSearch:
 
     def begin(self, battery_frac: float, now_s: float) -> None:
         """The vehicle is free: ask for what waits, if anything may and this vehicle may be able to carry it."""
-        if not self._known or self._asks or now_s < self._not_before_s:
+        if not self._known or self._seeks or now_s < self._not_before_s:
             return
         if battery_frac >= self._enough_frac:
             self._enough_frac = 0.0
-            self._ask(now_s)
+            self._seeks = True
+            self._question.say(self._atv, self._sought, now_s)
+            self._collect(now_s)
+
+    def ask_again(self, now_s: float) -> None:
+        """Nobody has answered the last question."""
+        self._question.wake(self._atv, now_s)
+        self._collect(now_s)
 
     def stop(self) -> None:
         """The vehicle has work, or can take none."""
         self._timers.clear(SEEK)
+        self._question.settle(self._atv)
         self._offers.clear()
-        self._open = self._answered = False
-        self._asks, self._not_before_s = 0, 0.0
+        self._open = self._answered = self._seeks = False
+        self._not_before_s = 0.0
 
     def take(self, message: TaskAnnounced, now_s: float) -> bool:
         """Keep an announcement for the choice; False when nothing is being chosen, and it is to be answered now."""
-        if not self._asks or message.role is not Role.PRIMARY:
+        if not self._seeks or message.role is not Role.PRIMARY:
             return False
+        self._question.settle(self._atv)
         if not self._offers and not self._open:
             # It comes late, on a slow link: choose from what comes with it.
-            self._open = True
-            self._timers.set(SEEK, now_s + COLLECT_S)
+            self._collect(now_s)
         self._offers[message.task] = message
         if len(self._offers) > OFFERS_KEPT:
             del self._offers[max(self._offers, key=self._urgency)]
@@ -130,7 +143,7 @@ class WorkSearch:
         Returns:
             What to bid for now; None when nothing is offered.
         """
-        collected, self._open = self._open, False
+        self._open = False
         if self._offers:
             self._answered = True
             self._timers.set(SEEK, now_s + ANSWER_S)
@@ -138,19 +151,14 @@ class WorkSearch:
         if self._answered:
             self.stop()  # All that waits was given to others, or is not for this vehicle.
             self._not_before_s = now_s + PAUSE_S
-        elif not collected:
-            self._ask(now_s)
-        elif self._asks < ASKS:
-            self._timers.set(SEEK, now_s + ASK_AGAIN_S)
-        else:
+        elif self._question.is_exhausted(self._atv):
             self._known = False
             self.stop()
         return None
 
-    def _ask(self, now_s: float) -> None:
-        self._asks += 1
+    def _collect(self, now_s: float) -> None:
+        """Hear for a moment what is offered, and choose then."""
         self._open = True
-        self._out.append(Publish(self._key, self._sought))
         self._timers.set(SEEK, now_s + COLLECT_S)
 
     def _urgency(self, task: str) -> tuple[float, str]:
