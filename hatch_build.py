@@ -21,7 +21,7 @@ try:
 except ModuleNotFoundError:  # run by hand in an environment without hatchling
     BuildHookInterface = object  # type: ignore[assignment, misc]
 
-NOT_SOURCES = frozenset({"node_modules", "templates", "dist", "coverage", "test-results"})
+NOT_SOURCES = frozenset({"node_modules", "generated", "templates", "dist", "coverage", "test-results"})
 """Folders of `frontend/` that the panels are not made from."""
 
 INSIDE_THE_WHEEL = {

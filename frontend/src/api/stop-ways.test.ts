@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { Problem } from "./client";
+import { Problem } from "./problem";
 import { firstWord } from "./stop-ways";
 
 const DONE = { done: true, reason: "" };

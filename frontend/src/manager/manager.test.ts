@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { Problem, problemOf } from "../api/client";
+import { Problem, problemOf } from "../api/problem";
 import type { OrderView, PlantFile, TaskView } from "../api/types";
 import { NOTHING, withChosen } from "../selection/selection";
 import type { World } from "../stream/world";

@@ -1,5 +1,5 @@
 /** What a person reads when a request failed. */
-import { Problem } from "../api/client";
+import { Problem } from "../api/problem";
 import { t } from "../text/manager";
 
 export function problemText(error: unknown): string {

@@ -1,5 +1,5 @@
 /** What a person reads when a request failed, or a vehicle refuses. */
-import { Problem } from "../api/client";
+import { Problem } from "../api/problem";
 import { failureText } from "../text/failure";
 import { t, word } from "../text/operator";
 

@@ -1,6 +1,6 @@
 """The frames of `/api/stream`: a snapshot of everything, then differences.
 
-The TypeScript types of the panels are generated from these structs.
+OpenAPI tells of them as `Snapshot` and `Delta`; the panels' TypeScript types are generated from that document.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
 import msgspec
 from sqlalchemy import ColumnElement, delete, func, insert, select
@@ -30,7 +30,7 @@ class AuditRow(msgspec.Struct, frozen=True, kw_only=True):
     """What it was about, as a vehicle's id."""
     result: str
     """done, refused (by a rule or the vehicle) or failed."""
-    detail: dict[str, Any] | msgspec.Raw = {}
+    detail: dict[str, Any] | Annotated[msgspec.Raw, msgspec.Meta(extra_json_schema={"type": "object"})] = {}
 
 
 class AuditFilter(msgspec.Struct, frozen=True, kw_only=True):

@@ -1,5 +1,5 @@
 import { useEffect } from "preact/hooks";
-import type { AuditLine } from "../../api/client";
+import type { AuditRow } from "../../api/types";
 import { Table } from "../../parts/Table";
 import { Tag } from "../../parts/Tag";
 import { nowS } from "../../stream/stream";
@@ -36,7 +36,7 @@ function emptyText(): string {
   return t(page.value ? "audit.empty" : "audit.loading");
 }
 
-function Row({ line }: { line: AuditLine }) {
+function Row({ line }: { line: AuditRow }) {
   const { action, at_s, detail, from_ip, result, target, who, who_kind } = line;
   return (
     <tr>

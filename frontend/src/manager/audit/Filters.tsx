@@ -1,7 +1,7 @@
 import { t, word } from "../../text/manager";
 import { Choice } from "../filters/Choice";
 import { CsvLink } from "../filters/CsvLink";
-import { ACTIONS, NOTHING, queryOf, RESULTS } from "./filter";
+import { ACTIONS, NOTHING, RESULTS, tableOf } from "./filter";
 import { filter, lookAgain, narrow } from "./log";
 
 /** What is wanted of the log; a table of just that may be downloaded. */
@@ -32,7 +32,7 @@ export function Filters() {
       <button type="button" class="button" onClick={lookAgain}>
         {t("audit.again")}
       </button>
-      <CsvLink href={`/api/audit?${queryOf(filter.value, { format: "csv" })}`} />
+      <CsvLink href={tableOf(filter.value)} />
     </>
   );
 }

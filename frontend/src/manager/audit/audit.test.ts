@@ -1,18 +1,18 @@
 import { describe, expect, test } from "vitest";
-import { detailText, NOTHING, queryOf } from "./filter";
+import { detailText, NOTHING, queryOf, tableOf } from "./filter";
 
 describe("the filter of the audit log", () => {
   test("asks for everything while it is empty", () => {
-    expect(queryOf(NOTHING)).toBe("");
-    expect(queryOf(NOTHING, { limit: "50", cursor: "" })).toBe("limit=50");
+    expect(queryOf(NOTHING)).toEqual({});
+    expect(tableOf(NOTHING)).toBe("/api/audit?format=csv");
   });
 
   test("asks in seconds since 1970, and for what was filled in", () => {
     const since = "2030-06-01T14:00";
-    const query = new URLSearchParams(queryOf({ ...NOTHING, since, who: " manager ", result: "refused" }));
-    expect(Object.fromEntries(query)).toEqual({
-      since: String(new Date(since).getTime() / 1000), who: "manager", result: "refused",
-    });
+    const filter = { ...NOTHING, since, who: " manager ", result: "refused" };
+    const sinceS = new Date(since).getTime() / 1000;
+    expect(queryOf(filter)).toEqual({ since: sinceS, who: "manager", result: "refused" });
+    expect(tableOf(filter)).toBe(`/api/audit?since=${sinceS}&who=manager&result=refused&format=csv`);
   });
 });
 

@@ -1,4 +1,5 @@
 /** Which lines of the audit log are wanted, as a person fills it in, and as the gateway is asked for them. Pure. */
+import type { AuditQuery } from "../../api/client";
 
 export interface Filter {
   /** As a field of date and time has it, in the reader's zone; empty for no bound. */
@@ -18,12 +19,16 @@ export const ACTIONS = [
 ] as const;
 export const RESULTS = ["done", "refused", "failed"] as const;
 
-/** @param more parameters beside the filter's: `cursor`, `limit` or `format` */
-export function queryOf(filter: Filter, more: Readonly<Record<string, string>> = {}): string {
-  const { action, result, since, target, until, who } = filter;
-  const all = { since: secondsOf(since), until: secondsOf(until), who: who.trim(), action, target: target.trim(), result, ...more };
-  const given = Object.entries(all).filter(([, value]) => value !== "");
-  return new URLSearchParams(given).toString();
+/** What the gateway is asked for: only what was filled in. */
+export function queryOf({ action, result, since, target, until, who }: Filter): AuditQuery {
+  const all = { since: secondsOf(since), until: secondsOf(until), who: who.trim(), action, target: target.trim(), result };
+  return Object.fromEntries(Object.entries(all).filter(([, value]) => value !== "" && !Number.isNaN(value)));
+}
+
+/** Where the same lines are as a table, all of them. */
+export function tableOf(filter: Filter): string {
+  const given = Object.entries(queryOf(filter)).map(([name, value]) => [name, String(value)]);
+  return `/api/audit?${new URLSearchParams([...given, ["format", "csv"]]).toString()}`;
 }
 
 /** What a line tells beyond its columns, in one line of text. */
@@ -38,7 +43,6 @@ function plain(value: unknown): string {
   return typeof value === "string" ? value : JSON.stringify(value);
 }
 
-function secondsOf(moment: string): string {
-  const ms = new Date(moment).getTime();
-  return Number.isNaN(ms) ? "" : String(ms / 1000);
+function secondsOf(moment: string): number {
+  return new Date(moment).getTime() / 1000;
 }

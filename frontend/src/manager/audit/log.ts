@@ -5,7 +5,7 @@ import { problemText } from "../problem-text";
 import { type Filter, NOTHING, queryOf } from "./filter";
 
 /** As many lines as can be looked through at once. */
-const PAGE = "50";
+const PAGE = 50;
 
 export const filter = signal<Filter>(NOTHING);
 /** Where the pages begin that lead to the one that is shown; the first one begins at "". */
@@ -35,9 +35,10 @@ export function lookAgain(): void {
 /** Reads what is wanted for as long as somebody looks. Returns how to stop. */
 export function followLog(): () => void {
   return effect(() => {
-    const query = queryOf(filter.value, { limit: PAGE, cursor: cursors.value.at(-1) ?? "" });
+    const cursor = cursors.value.at(-1) ?? "";
+    const place = cursor === "" ? {} : { cursor };
     let wanted = true;
-    fetchAudit(query).then(
+    fetchAudit({ ...queryOf(filter.value), ...place, limit: PAGE }).then(
       (answer) => {
         if (!wanted) return;
         page.value = answer;

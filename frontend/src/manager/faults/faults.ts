@@ -1,6 +1,5 @@
 /** Faults that a person may begin from a card, where the factory is simulated. Pure. */
-import type { NewFault } from "../../api/client";
-import type { FaultView } from "../../api/types";
+import type { FaultRequest, FaultView } from "../../api/types";
 
 export const ATV_FAULTS = ["wlan_cut", "radio_cut", "powered_off", "vehicle_broken", "load_shifted", "crashed"] as const;
 export const MACHINE_FAULTS = ["powered_off", "machine_broken", "crashed"] as const;
@@ -8,7 +7,7 @@ export const MACHINE_FAULTS = ["powered_off", "machine_broken", "crashed"] as co
 export type FaultKind = (typeof ATV_FAULTS)[number] | (typeof MACHINE_FAULTS)[number];
 
 /** The fault as the gateway wants it: every kind has its own word for whom it is about. */
-export function faultOf(kind: FaultKind, agent: string, reason: string): NewFault {
+export function faultOf(kind: FaultKind, agent: string, reason: string): FaultRequest {
   switch (kind) {
     case "vehicle_broken":
       return { kind, atv: agent, reason };

@@ -1,6 +1,7 @@
 /** A file of orders: looked through first, placed only when nothing is wrong with it. */
 import { computed, signal } from "@preact/signals";
-import { importOrders, newKey, type OrdersFile } from "../../api/client";
+import { importOrders, newKey } from "../../api/client";
+import type { ImportAnswer } from "../../api/types";
 import { t } from "../../text/manager";
 import { problemText } from "../problem-text";
 
@@ -14,7 +15,7 @@ interface Chosen {
 const chosen = signal<Chosen | null>(null);
 
 /** What the gateway says is in the file; null before it was asked. */
-export const found = signal<OrdersFile | null>(null);
+export const found = signal<ImportAnswer | null>(null);
 export const busy = signal(false);
 export const failed = signal("");
 export const placed = signal<number | null>(null);

@@ -1,5 +1,6 @@
 import { signal, useComputed } from "@preact/signals";
-import { fetchPromises, type PromiseLedger, type PromiseLine } from "../../api/client";
+import { fetchPromises } from "../../api/client";
+import type { PromiseLedger, PromiseLine } from "../../api/types";
 import { Meter } from "../../parts/Meter";
 import { Table } from "../../parts/Table";
 import { world } from "../../stream/stream";

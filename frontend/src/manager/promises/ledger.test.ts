@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import type { PromiseLine } from "../../api/client";
+import type { PromiseLine } from "../../api/types";
 import { AT_FIRST, next, sorted } from "./ledger";
 
 const line = (atv: string, p95_s: number | null, more: Partial<PromiseLine> = {}): PromiseLine => ({

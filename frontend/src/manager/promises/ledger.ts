@@ -1,5 +1,5 @@
 /** The promise ledger as a sorted table. Pure. */
-import type { PromiseLine } from "../../api/client";
+import type { PromiseLine } from "../../api/types";
 
 /** The columns, in the order in which they are shown. */
 export const COLUMNS = ["vehicle", "delivered", "onTime", "median", "p95", "worst", "lost", "last"] as const;

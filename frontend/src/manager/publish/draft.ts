@@ -1,6 +1,5 @@
 /** An order that is being written: what it needs, what is wrong with it, what is sent. Pure. */
-import type { FieldError, NewOrder } from "../../api/client";
-import type { PlantFile } from "../../api/types";
+import type { FieldError, OrderDraft, PlantFile } from "../../api/types";
 
 export interface Draft {
   readonly product: string;
@@ -31,8 +30,8 @@ export function quantityOf(draft: Draft): number | null {
   return quantity >= 1 && quantity <= MOST_PIECES ? quantity : null;
 }
 
-export function orderOf(draft: Draft, release: boolean): NewOrder {
-  const order: NewOrder = {
+export function orderOf(draft: Draft, release: boolean): OrderDraft {
+  const order: OrderDraft = {
     customer: draft.customer.trim(),
     items: [{ product: draft.product, quantity: Number(draft.quantity) }],
     release,

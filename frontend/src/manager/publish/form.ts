@@ -1,6 +1,7 @@
 /** The form's state, and the sending of it. */
 import { computed, signal } from "@preact/signals";
-import { newKey, placeOrder, Problem } from "../../api/client";
+import { newKey, placeOrder } from "../../api/client";
+import { Problem } from "../../api/problem";
 import { nowS } from "../../stream/stream";
 import { format, t } from "../../text/manager";
 import { problemText } from "../problem-text";

@@ -1,10 +1,11 @@
 /** Who works at this panel, and the way out. */
 import { signal } from "@preact/signals";
-import { fetchMe, logOut, type Me } from "../../api/client";
+import { fetchMe, logOut } from "../../api/client";
 import { onLoggedOut, toLogin } from "../../api/session";
+import type { MeAnswer } from "../../api/types";
 import { problemText } from "../problem-text";
 
-export const me = signal<Me | null>(null);
+export const me = signal<MeAnswer | null>(null);
 /** Why nobody was logged out. */
 export const failed = signal("");
 

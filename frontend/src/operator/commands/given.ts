@@ -1,7 +1,8 @@
 /** The commands that were given on this page, and what has become of them. */
 import { computed, signal } from "@preact/signals";
-import { commandAtv, type CommandRequest, newKey, NOT_SENT, Problem } from "../../api/client";
-import type { CommandView } from "../../api/types";
+import { commandAtv, newKey } from "../../api/client";
+import { NOT_SENT, Problem } from "../../api/problem";
+import type { CommandRequest, CommandView } from "../../api/types";
 import { serverNowS, world } from "../../stream/stream";
 import { t } from "../../text/operator";
 import { problemText } from "../problem-text";

@@ -5,13 +5,15 @@
  * says that, too.
  */
 import { signal } from "@preact/signals";
-import { fetchMe, logOut, type Me, Problem } from "../../api/client";
+import { fetchMe, logOut } from "../../api/client";
+import { Problem } from "../../api/problem";
 import { onLoggedOut, toLogin } from "../../api/session";
+import type { MeAnswer } from "../../api/types";
 
 /** The gateway may come up after the page. */
 const RETRY_MS = 3000;
 
-export const me = signal<Me | null>(null);
+export const me = signal<MeAnswer | null>(null);
 /** Why a session is over; the server's kinds of a problem. */
 const ENDINGS = { "session-run-out": "run_out", "session-replaced": "replaced" } as const;
 

@@ -14,6 +14,7 @@ from dray.gateway.access.rules import RULES, Rule
 from dray.gateway.factory.figures import KpiHistory
 from dray.gateway.factory.promises import PromiseLedger
 from dray.gateway.http.problems import ProblemDetails
+from dray.gateway.live.frames import Delta, Snapshot
 from dray.gateway.live.views import AlertView, AtvView, FactoryView, FaultView, MachineView, TaskView
 from dray.gateway.orders.feasibility import OrderPreview
 from dray.gateway.routes.atvs import CommandAnswer
@@ -36,6 +37,7 @@ SHAPES = (
     AtvView,
     AuditRow,
     CommandAnswer,
+    Delta,
     EventAnswer,
     Exclusion,
     FactoryView,
@@ -53,12 +55,13 @@ SHAPES = (
     ProblemDetails,
     ProductAnswer,
     PromiseLedger,
+    Snapshot,
     StorageAnswer,
     TaskView,
     TrackAnswer,
     TrafficAnswer,
 )
-"""Structs that routers answer with."""
+"""Structs that routers answer with, and the frames of the stream."""
 
 DESCRIPTION = """\
 Orders for a factory without a dispatcher, and everything that can be seen of it.
@@ -69,7 +72,7 @@ Orders for a factory without a dispatcher, and everything that can be seen of it
 * Answers to GET name their state in `ETag`; asked again with `If-None-Match` they are 304 while nothing has changed.
 * Times that end in `_at_s` are seconds since 1970 on the wall clock; `created_at`, `due_at` and
   `delivered_at` are the same in ISO 8601.
-* `/api/stream` is a websocket: one snapshot, then numbered deltas. It is closed with 4401 when the session ends,
+* `/api/stream` is a websocket: one `Snapshot`, then numbered `Delta`s. It is closed with 4401 when the session ends,
   and with 4409 when its station or areas have changed: another one shows what may be seen now.
 * Programs send `Authorization: Bearer TOKEN`, with a key of `dray key create`; browsers have the cookie of
   `/login`. Each operation names the scope that it asks for.
@@ -97,6 +100,7 @@ def install(app: FastAPI) -> None:
 def _document(app: FastAPI) -> dict[str, Any]:
     document = get_openapi(title="Dray", version=__version__, description=DESCRIPTION, routes=app.routes)
     _, shapes = msgspec.json.schema_components(SHAPES, ref_template="#/components/schemas/{name}")
+    _tell_what_is_always_there(shapes)
     schemas = document.setdefault("components", {}).setdefault("schemas", {})
     for replaced in ("HTTPValidationError", "ValidationError"):
         schemas.pop(replaced, None)
@@ -110,6 +114,13 @@ def _document(app: FastAPI) -> dict[str, Any]:
                 _tell_rule(rule, operation)
             _tell_shapes(operation)
     return document
+
+
+def _tell_what_is_always_there(shapes: dict[str, Any]) -> None:
+    """Of a struct, msgspec calls a field with a default optional, for a reader; an answer always has it."""
+    for name, shape in shapes.items():
+        if "properties" in shape and name != ProblemDetails.__name__:
+            shape["required"] = list(shape["properties"])
 
 
 def _tell_what_is_seen(plant: dict[str, Any]) -> None:
@@ -160,11 +171,18 @@ def _tell_shapes(operation: dict[str, Any]) -> None:
         schema = content.get("schema", {})
         if "$ref" in schema:
             schema.pop("type", None)
-            if "example" not in content:
-                content["example"] = examples()[_name(schema)]
+            name = _name(schema)
+            given = content.get("example")
+            content["example"] = examples()[name] if given is None else _with_nulls(given, name)
         elif "items" in schema.get("properties", {}):
             items = [examples()[_name(schema["properties"]["items"]["items"])]]
             content["example"] = {"items": items, "next_cursor": None}
+
+
+def _with_nulls(example: dict[str, Any], name: str) -> object:
+    """An example as its struct writes it: FastAPI leaves out whatever is null."""
+    shape = next(shape for shape in SHAPES if shape.__name__ == name)
+    return msgspec.to_builtins(msgspec.convert(example, shape))
 
 
 def _name(reference: dict[str, Any]) -> str:

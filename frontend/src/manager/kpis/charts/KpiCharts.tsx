@@ -73,5 +73,5 @@ export function KpiCharts() {
 
 function askHistory(): Promise<KpiHistory> {
   const { spanS, stepS } = RANGES[range.value];
-  return fetchKpiHistory(nowS.peek() - spanS, stepS);
+  return fetchKpiHistory(nowS.peek() - spanS, `${stepS}`);
 }
