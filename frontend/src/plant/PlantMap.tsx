@@ -2,13 +2,13 @@ import type { ComponentChildren } from "preact";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { PlantFile } from "../api/types";
 import { t } from "../text";
-import { Finder } from "./Finder";
-import { wholeOf } from "./geometry";
-import { LayerSwitches } from "./LayerSwitches";
-import { layers } from "./layers";
+import { Finder } from "./controls/Finder";
+import { wholeOf } from "./surface/geometry";
+import { LayerSwitches } from "./controls/LayerSwitches";
+import { layers } from "./controls/layers";
 import { type Findable, pickablesOf } from "./places";
-import { PlantSurface, type Surface } from "./PlantSurface";
-import { followTraffic, heat } from "./traffic";
+import { PlantSurface, type Surface } from "./surface/PlantSurface";
+import { followTraffic, heat } from "./heat/traffic";
 
 /** The whole plant. Everything on it can also be chosen in the field Find and in the lists. */
 export function PlantMap({ over, plant }: { over?: ComponentChildren; plant: PlantFile }) {

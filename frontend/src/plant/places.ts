@@ -1,7 +1,7 @@
 /** Everything on the map that can be chosen, for the pointer and for the field Find. */
 import type { AtvView, PlantFile } from "../api/types";
 import type { Chosen } from "../selection/selection";
-import type { Pickable } from "./pick";
+import type { Pickable } from "./surface/pick";
 
 export function pickablesOf(plant: PlantFile): Pickable[] {
   const places = [...plant.storages, ...plant.warehouses, ...plant.chargers];

@@ -1,9 +1,9 @@
 import { describe, expect, test } from "vitest";
 import type { AtvView, TaskView } from "../api/types";
-import { detailOf } from "./detail";
+import { detailOf } from "./draw/detail";
 import { labelRect, lookOf } from "./draw/vehicles";
-import { layersFrom } from "./layers";
-import { meshLinks, watchLinks } from "./links";
+import { layersFrom } from "./controls/layers";
+import { meshLinks, watchLinks } from "./surface/links";
 import { find, type Findable } from "./places";
 import { boundS, isLost, isOverdue } from "./silence";
 import { filledFrac, isLow } from "./stock";

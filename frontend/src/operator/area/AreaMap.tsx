@@ -1,9 +1,9 @@
 import { signal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import type { PlantFile } from "../../api/types";
-import { wholeOf } from "../../plant/geometry";
-import type { Layers } from "../../plant/layers";
-import { PlantSurface } from "../../plant/PlantSurface";
+import { wholeOf } from "../../plant/surface/geometry";
+import type { Layers } from "../../plant/controls/layers";
+import { PlantSurface } from "../../plant/surface/PlantSurface";
 import { t } from "../../text/operator";
 import { placeName } from "../state";
 import { regionOf } from "./region";

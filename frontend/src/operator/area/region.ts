@@ -1,6 +1,6 @@
 /** Which part of the floor an operator sees. Pure. */
 import type { Area, MachineSpec } from "../../api/types";
-import type { Region } from "../../plant/geometry";
+import type { Region } from "../../plant/surface/geometry";
 
 /** The box around all of these areas; null without any. */
 export function regionOf(areas: readonly Area[]): Region | null {

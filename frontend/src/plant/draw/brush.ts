@@ -1,8 +1,8 @@
 /** What every drawing function gets: where to draw, how, and how much. */
-import type { Detail } from "../detail";
+import type { Detail } from "./detail";
 import type { Box } from "../../api/types";
-import { boxOnScreen, overlaps, type Size, type View } from "../geometry";
-import type { Palette } from "../palette";
+import { boxOnScreen, overlaps, type Size, type View } from "../surface/geometry";
+import type { Palette } from "./palette";
 
 export interface Brush {
   readonly ctx: CanvasRenderingContext2D;

@@ -1,8 +1,8 @@
 /** What never moves: floor, areas, lanes and the places that only stand there. */
 import type { Box, Lane, PlantFile } from "../../api/types";
 import type { Place, Roads } from "../../motion/roads";
-import { type Heat, stepOf } from "../heat";
-import { boxOnScreen, toScreenX, toScreenY } from "../geometry";
+import { type Heat, stepOf } from "../heat/heat";
+import { boxOnScreen, toScreenX, toScreenY } from "../surface/geometry";
 import { type Brush, isInSight, setFont, textPx } from "./brush";
 
 export interface FloorPlan {

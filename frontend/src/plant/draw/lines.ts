@@ -1,6 +1,6 @@
 /** Lines between things: planned ways, who works for whom, who watches whom, who relays for whom. */
 import type { Place } from "../../motion/roads";
-import { toScreenX, toScreenY } from "../geometry";
+import { toScreenX, toScreenY } from "../surface/geometry";
 import { type Brush, setFont } from "./brush";
 
 /** @param ways the points still ahead of each vehicle, from where it is shown */

@@ -1,6 +1,6 @@
 /** Machines: a box with its name, what it is doing, and how full its buffers are. */
 import type { MachineSpec, MachineView } from "../../api/types";
-import { boxOnScreen, type Rect } from "../geometry";
+import { boxOnScreen, type Rect } from "../surface/geometry";
 import { filledFrac, isLow } from "../stock";
 import { type Brush, setFont, textPx } from "./brush";
 

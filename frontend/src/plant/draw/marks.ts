@@ -1,7 +1,7 @@
 /** Takeovers: a line from the one that failed to the one that carries on, and waves around the latter. */
 import type { Place } from "../../motion/roads";
-import { toScreenX, toScreenY } from "../geometry";
-import type { MarkLook } from "../marks";
+import { toScreenX, toScreenY } from "../surface/geometry";
+import type { MarkLook } from "../surface/marks";
 import type { Brush } from "./brush";
 
 const HEAD_PX = 9;

@@ -1,7 +1,7 @@
 /** Vehicles: a disc with a nose, what it carries, its battery, and what is wrong with it. */
 import type { AtvView } from "../../api/types";
 import type { ShownVehicle } from "../../motion/fleet-motion";
-import { overlaps, type Rect, toScreenX, toScreenY } from "../geometry";
+import { overlaps, type Rect, toScreenX, toScreenY } from "../surface/geometry";
 import type { Brush } from "./brush";
 import { setFont } from "./brush";
 import { traceBolt } from "./floor";

@@ -2,7 +2,7 @@ import type { Signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import { colours } from "../../../theme/theme";
-import { readPalette } from "../../../plant/palette";
+import { readPalette } from "../../../plant/draw/palette";
 import type { Chart } from "../charts";
 import type { Column } from "../history";
 import { stepFor } from "./keys";

@@ -1,6 +1,6 @@
 /** How uPlot draws a chart, in the colours of the page. */
 import uPlot from "uplot";
-import type { Palette } from "../../../plant/palette";
+import type { Palette } from "../../../plant/draw/palette";
 import { format } from "../../../text/manager";
 import type { Chart } from "../charts";
 import { type Column, stacked } from "../history";

@@ -1,0 +1,22 @@
+import { t } from "../../text";
+import { LAYERS, layers, toggleLayer } from "./layers";
+
+export function LayerSwitches() {
+  return (
+    <div class="layers" role="group" aria-label={t("map.layers")}>
+      {LAYERS.map((layer) => (
+        <button
+          key={layer}
+          type="button"
+          class="chip"
+          aria-pressed={layers.value[layer]}
+          onClick={() => {
+            toggleLayer(layer);
+          }}
+        >
+          <span>{t(`map.layer.${layer}`)}</span>
+        </button>
+      ))}
+    </div>
+  );
+}

@@ -1,0 +1,23 @@
+import { describe, expect, test } from "vitest";
+import type { Lane } from "../../api/types";
+import { heatOf, stepOf, stepsTo } from "./heat";
+
+const lane = (start: string, end: string): Lane => ({ start, end, both_ways: true, speed_limit_mps: 1.5 });
+
+describe("the heat of traffic", () => {
+  test("is that of both directions together, whichever way a lane is named", () => {
+    const heat = heatOf([{ start: "a", end: "b", passes: 3 }, { start: "b", end: "a", passes: 4 }]);
+    expect([heat.of(lane("a", "b")), heat.of(lane("b", "a")), heat.of(lane("b", "c"))]).toEqual([7, 7, 0]);
+  });
+
+  test("has no steps where nothing was passed, and no more than there are passes", () => {
+    expect(heatOf([]).steps).toEqual([]);
+    expect(stepsTo(2)).toEqual([1, 1]);
+    expect(stepsTo(50)).toEqual([1, 10, 20, 30, 40]);
+  });
+
+  test("grows by steps up to the busiest lane", () => {
+    const steps = stepsTo(50);
+    expect([0, 1, 9, 10, 39, 40, 50].map((passes) => stepOf(passes, steps))).toEqual([0, 1, 1, 2, 4, 5, 5]);
+  });
+});

@@ -1,0 +1,169 @@
+/** The floor with everything on it, live: pan, zoom, and choose by a click. */
+import { type ReadonlySignal, useSignal, useSignalEffect } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { useEffect, useRef } from "preact/hooks";
+import type { PlantFile } from "../../api/types";
+import { choose, selection } from "../../selection/selection";
+import { ageS, freshness, newestPresentS, newestWorld, onFrame } from "../../stream/stream";
+import { isPast } from "../../stream/freshness";
+import { format, t } from "../../text";
+import { colours } from "../../theme/theme";
+import type { Region } from "./geometry";
+import type { Heat } from "../heat/heat";
+import { HeatLegend } from "../heat/HeatLegend";
+import type { Layers } from "../controls/layers";
+import { type Navigation, navigate } from "./navigation";
+import { type Palette, readPalette } from "../draw/palette";
+import { pick } from "./pick";
+import { pickablesOf } from "../places";
+import { PlantRenderer } from "../draw/renderer";
+import { ScaleBar } from "../controls/ScaleBar";
+import { ZoomButtons } from "../controls/ZoomButtons";
+
+export interface Surface {
+  readonly renderer: PlantRenderer;
+  readonly navigation: Navigation;
+}
+
+interface Props {
+  readonly plant: PlantFile;
+  /** What fills the surface at first. */
+  readonly home: Region;
+  readonly layers: ReadonlySignal<Layers>;
+  readonly label: string;
+  /** The traffic on the lanes, where it is to be seen. */
+  readonly heat?: ReadonlySignal<Heat | null>;
+  readonly over?: ComponentChildren;
+  /** Is told the surface when it is there, and null when it is gone. */
+  readonly onSurface?: (surface: Surface | null) => void;
+}
+
+export function PlantSurface({ heat, home, label, layers, onSurface, over, plant }: Props) {
+  const element = useRef<HTMLDivElement>(null);
+  const canvases = [useRef<HTMLCanvasElement>(null), useRef<HTMLCanvasElement>(null), useRef<HTMLCanvasElement>(null)];
+  const surface = useSignal<Surface | null>(null);
+  const scale = useSignal(1);
+  const [floor, machines, moving] = canvases;
+
+  useEffect(() => {
+    const on = element.current;
+    if (!on || !floor?.current || !machines?.current || !moving?.current) return undefined;
+    const layered = { floor: floor.current, machines: machines.current, moving: moving.current };
+    const shown = shownNow(readPalette(on), layers.peek(), heat?.peek() ?? null);
+    const renderer = new PlantRenderer({ plant, home }, layered, shown, newestPresentS);
+    const navigation = navigate(on, renderer);
+    const stop = follow(on, renderer, navigation, (px) => (scale.value = px));
+    surface.value = { renderer, navigation };
+    onSurface?.(surface.value);
+    return () => {
+      stop();
+      surface.value = null;
+      onSurface?.(null);
+    };
+  }, [plant, home, layers, heat, onSurface, floor, machines, moving, surface, scale]);
+
+  useSignalEffect(() => {
+    const shown = shownNow(paletteOf(element.current, colours.value), layers.value, heat?.value ?? null);
+    surface.value?.renderer.show(shown);
+  });
+
+  const past = isPast(freshness.value);
+  return (
+    <div class={`map-floor ${past ? "map-past" : ""}`}>
+      <div
+        ref={element}
+        class="map-surface"
+        id="plant-map"
+        tabIndex={0}
+        role="application"
+        aria-label={label}
+        onKeyDown={(event) => surface.value?.navigation.key(event)}
+      >
+        {canvases.map((canvas, i) => (
+          <canvas key={i} ref={canvas} aria-hidden="true" />
+        ))}
+      </div>
+      {past && ageS.value !== null && <p class="map-age">{t("map.past", { age: format.age(ageS.value) })}</p>}
+      {over}
+      {heat?.value && <HeatLegend heat={heat.value} />}
+      <ScaleBar scale={scale.value} />
+      <ZoomButtons
+        zoomBy={(steps) => surface.value?.navigation.zoomBy(steps)}
+        fit={() => surface.value?.navigation.fit()}
+      />
+    </div>
+  );
+}
+
+let painted: { of: number; palette: Palette } | null = null;
+
+/** Colours are read from the page once per theme, not once per picture. */
+function paletteOf(element: Element | null, version: number): Palette {
+  if (painted?.of !== version) {
+    painted = { of: version, palette: readPalette(element ?? document.documentElement) };
+  }
+  return painted.palette;
+}
+
+function shownNow(palette: Palette, layers: Layers, heat: Heat | null) {
+  const { atv, place } = selection.value;
+  return { palette, layers, heat, atv, place: place?.id ?? null };
+}
+
+/** Ties the renderer to the page: frames, size, fonts, pointer and the wish for less motion. */
+function follow(
+  element: HTMLElement,
+  renderer: PlantRenderer,
+  navigation: Navigation,
+  onScale: (pxPerM: number) => void,
+): () => void {
+  const known = newestWorld();
+  if (known) renderer.begin(known);
+  const unlisten = onFrame((frame, world) => {
+    renderer.take(frame, world);
+  });
+  const resizing = new ResizeObserver(([entry]) => {
+    if (!entry) return;
+    const { height, width } = entry.contentRect;
+    renderer.resize({ width, height });
+    navigation.resized();
+    onScale(renderer.view.scale);
+  });
+  resizing.observe(element);
+  const calm = matchMedia("(prefers-reduced-motion: reduce)");
+  const setMotion = (): void => {
+    renderer.setSmooth(!calm.matches);
+  };
+  setMotion();
+  calm.addEventListener("change", setMotion);
+  void document.fonts.ready.then(() => {
+    renderer.redraw();
+  });
+  const places = pickablesOf(renderer.plant);
+  const chosenAt = (event: MouseEvent) => {
+    const rect = element.getBoundingClientRect();
+    return pick(renderer.view, event.clientX - rect.left, event.clientY - rect.top, renderer.fleet.all(), places);
+  };
+  const onClick = (event: MouseEvent): void => {
+    const chosen = chosenAt(event);
+    if (chosen) choose(chosen);
+  };
+  const onMove = (event: MouseEvent): void => {
+    element.style.cursor = chosenAt(event) ? "pointer" : "";
+  };
+  const onZoom = (): void => {
+    onScale(renderer.view.scale);
+  };
+  element.addEventListener("click", onClick);
+  element.addEventListener("pointermove", onMove);
+  renderer.onZoom = onZoom;
+  return () => {
+    unlisten();
+    resizing.disconnect();
+    calm.removeEventListener("change", setMotion);
+    element.removeEventListener("click", onClick);
+    element.removeEventListener("pointermove", onMove);
+    navigation.stop();
+    renderer.stop();
+  };
+}

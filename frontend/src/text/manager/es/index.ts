@@ -1,0 +1,16 @@
+/** The management panel in Spanish. */
+import type { Catalogue } from "../../catalogue";
+import type { en } from "../en";
+import { es as shared } from "../../shared/es";
+import { auction } from "./auction";
+import { orders } from "./orders";
+import { panel } from "./panel";
+import { records } from "./records";
+
+export const es: Catalogue<typeof en> = {
+  ...shared,
+  ...panel,
+  ...orders,
+  ...auction,
+  ...records,
+};
