@@ -1,4 +1,8 @@
-"""Limits: how often somebody may try, as buckets that fill up again with time."""
+"""Limits: how often somebody may try, as buckets that fill up again with time.
+
+Our own, and not the package `limits`: a try that has succeeded is given back, time comes from the caller, and names are bounded
+(docs/decisions/11-libraries.md).
+"""
 
 from __future__ import annotations
 
