@@ -7,6 +7,7 @@ forbids (see `forbidden`) is named as loudly, and fails nowhere.
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import queue
@@ -85,7 +86,6 @@ def fail_when_skipped(report: Report) -> Report:
 LOUD = (
     ("skipped", "WERE SKIPPED"),
     (FORBIDDEN, "ARE FORBIDDEN BY THIS MACHINE"),
-    ("rerun", "FAILED AT FIRST AND WERE REPEATED"),
 )
 
 
@@ -98,17 +98,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
             terminalreporter.write_line(f"!!! {report.nodeid}: {reason_of(report)}", red=True, bold=True)
 
 
-# --- time that is real ---------------------------------------------------------------------------------
-
-ON_THE_WALL_CLOCK = frozenset(
-    {
-        *("adapters", "browser", "cli", "contracts", "gateway", "links", "store"),
-        *("simulation/bench/test_bench", "simulation/bench/test_losses", "test_packaging", "test_service"),
-    }
-)
-"""Rooms and modules with processes, browsers and servers that have to answer in time, while other tests share the
-processors: what fails there is tried once more, and told. Elsewhere time is virtual: what fails once has failed."""
-
+# --- what runs when -----------------------------------------------------------------------------------
 
 LONGEST = "test_fleet_update"
 """Begins first: one that takes minutes and begins last holds everybody up."""
@@ -117,11 +107,6 @@ LONGEST = "test_fleet_update"
 def _place(item: pytest.Item) -> Path:
     """Its module, from here."""
     return Path(os.path.relpath(item.path.with_suffix(""), Path(__file__).parent))
-
-
-def _is_on_the_wall_clock(item: pytest.Item) -> bool:
-    place = _place(item)
-    return not ON_THE_WALL_CLOCK.isdisjoint({place.parts[0], place.as_posix()})
 
 
 # --- databases ---------------------------------------------------------------------------------------
@@ -197,9 +182,13 @@ on both, they would take two minutes for nothing."""
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items[:] = [item for item in items if not _needless(item)]
     items.sort(key=lambda item: item.path.stem != LONGEST)
-    for item in items:
-        if _is_on_the_wall_clock(item):
-            item.add_marker(pytest.mark.flaky(reruns=1))
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_finish() -> None:
+    # What was imported and collected stays to the end: the collector of garbage need not look through it again and again.
+    gc.collect()
+    gc.freeze()
 
 
 def _needless(item: pytest.Item) -> bool:

@@ -46,13 +46,13 @@ class OpenHouse:
 
 
 @contextmanager
-def open_house(folder: Path, **options: Any) -> Iterator[OpenHouse]:
-    """Serve a gateway on a free port, with an empty database in this folder; for options see `gateway`."""
+def open_house(url: str, **options: Any) -> Iterator[OpenHouse]:
+    """Serve a gateway on a free port, with its database at `url`; for options see `gateway`."""
     opened: Future[tuple[OpenHouse, uvicorn.Server]] = Future()
 
     def run() -> None:
         try:
-            asyncio.run(_live(folder, opened, options))
+            asyncio.run(_live(url, opened, options))
         except BaseException as error:
             if opened.done():
                 raise
@@ -69,13 +69,11 @@ def open_house(folder: Path, **options: Any) -> Iterator[OpenHouse]:
         assert not thread.is_alive()
 
 
-async def _live(
-    folder: Path, opened: Future[tuple[OpenHouse, uvicorn.Server]], options: dict[str, Any]
-) -> None:
+async def _live(url: str, opened: Future[tuple[OpenHouse, uvicorn.Server]], options: dict[str, Any]) -> None:
     with socket.create_server(("127.0.0.1", 0)) as listener:
-        async with gateway(f"sqlite+aiosqlite:///{folder / 'dray.db'}", **options) as house:
+        async with gateway(url, **options) as house:
             # `gateway` has started the application already.
             server = uvicorn.Server(uvicorn.Config(house.app, lifespan="off", log_level="error"))
-            url = f"http://127.0.0.1:{listener.getsockname()[1]}"
-            opened.set_result((OpenHouse(url, house, asyncio.get_running_loop()), server))
+            home = f"http://127.0.0.1:{listener.getsockname()[1]}"
+            opened.set_result((OpenHouse(home, house, asyncio.get_running_loop()), server))
             await server.serve(sockets=[listener])

@@ -51,9 +51,9 @@ NOT_CONFIRMED_MS = 8_000
 
 
 @pytest.fixture
-def house(tmp_path: Path) -> Iterator[OpenHouse]:
+def house(sqlite_url: str) -> Iterator[OpenHouse]:
     """A gateway to which the test tells what happens in its factory."""
-    with open_house(tmp_path) as house:
+    with open_house(sqlite_url) as house:
         yield house
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from frames import Frames
 from playwright.sync_api import Page, expect
 
 OpenPage = Callable[..., Page]
@@ -72,10 +73,10 @@ def test_a_load_shifts_and_an_operator_stops_puts_right_acknowledges_and_resumes
     dray: Any, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
     manager, loaded = open_page("about:blank", visits=dray.url), Loaded()
-    with manager.expect_websocket() as stream:
-        manager.goto(dray.url)
+    frames = Frames(manager, loaded)
+    manager.goto(dray.url)
     operator = open_page(f"{dray.url}/operator", who=OPERATOR, viewport=TABLET, has_touch=True)
-    stream.value.wait_for_event("framereceived", predicate=loaded, timeout=LOADED_MS)
+    frames.wait(LOADED_MS)
     atv, task = loaded.atv["id"], loaded.atv["task"]["task"]
     finder = manager.get_by_role("combobox", name="Find")
     finder.fill(atv)

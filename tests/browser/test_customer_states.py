@@ -32,9 +32,9 @@ LOOKS = {
 
 
 @pytest.fixture
-def factory(tmp_path: Path) -> Iterator[OpenHouse]:
+def factory(sqlite_url: str) -> Iterator[OpenHouse]:
     """A gateway to which the test tells what happens in its factory."""
-    with open_house(tmp_path) as house:
+    with open_house(sqlite_url) as house:
         yield house
 
 

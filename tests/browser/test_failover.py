@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from frames import Frames
 from playwright.sync_api import Page, expect
 
 OpenPage = Callable[..., Page]
@@ -59,11 +60,11 @@ def test_a_vehicle_that_is_switched_off_is_taken_over_from_and_its_load_delivere
     factory: Any, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
     page, watched = open_page("about:blank", visits=factory.url), Watched()
-    with page.expect_websocket() as stream:
-        page.goto(factory.url)
+    frames = Frames(page, watched)
+    page.goto(factory.url)
     product = factory.ask("/api/products")["items"][0]["id"]
     factory.ask("/api/orders", {"customer": "Hall 3", "items": [{"product": product, "quantity": 20}]})
-    stream.value.wait_for_event("framereceived", predicate=watched, timeout=WATCHED_MS)
+    frames.wait(WATCHED_MS)
     task, primary = watched.task["id"], watched.task["primary"]
 
     choose(page, primary)

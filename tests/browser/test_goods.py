@@ -28,8 +28,8 @@ async def _make(house: House) -> None:
 
 
 @pytest.fixture
-def house(tmp_path: Path) -> Iterator[OpenHouse]:
-    with open_house(tmp_path) as house:
+def house(sqlite_url: str) -> Iterator[OpenHouse]:
+    with open_house(sqlite_url) as house:
         yield house
 
 

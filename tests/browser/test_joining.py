@@ -26,9 +26,9 @@ async def _join(house: House) -> None:
 
 
 def test_a_joining_agent_appears_on_the_map_of_an_open_panel(
-    open_page: Callable[..., Page], screenshot: Callable[..., Path], tmp_path: Path
+    open_page: Callable[..., Page], screenshot: Callable[..., Path], sqlite_url: str
 ) -> None:
-    with open_house(tmp_path, plant=BEFORE) as house:
+    with open_house(sqlite_url, plant=BEFORE) as house:
         page = open_page("about:blank", who=None)
         cookie = {"name": "dray_session", "value": house.do(_manager), "url": house.url}
         page.context.add_cookies([cookie | {"httpOnly": True, "sameSite": "Strict"}])

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from databases import Files
 from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, expect
 
@@ -40,8 +41,8 @@ REFUSED = re.compile("status of 4(01|10|29)")
 
 
 @pytest.fixture(scope="module")
-def plant(tmp_path_factory: pytest.TempPathFactory) -> Iterator[OpenHouse]:
-    with open_house(tmp_path_factory.mktemp("login")) as house:
+def plant(files: Files, tmp_path_factory: pytest.TempPathFactory) -> Iterator[OpenHouse]:
+    with open_house(files.new(tmp_path_factory.mktemp("login"))) as house:
         house.do(lambda inside: inside.know("boss"))
         house.do(lambda inside: inside.know("ana", Role.OPERATOR, "AREA1"))
         yield house

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from frames import Frames
 from playwright.sync_api import Page, expect
 
 OpenPage = Callable[..., Page]
@@ -56,11 +57,8 @@ class Movement:
         return len(self.moved) >= 2
 
 
-def pixels_of_map(page: Page) -> str:
-    """Everything that is drawn on the map at this moment."""
-    return str(
-        page.evaluate("[...document.querySelectorAll('canvas')].map((canvas) => canvas.toDataURL()).join()")
-    )
+PIXELS = "[...document.querySelectorAll('canvas')].map((canvas) => canvas.toDataURL()).join()"
+"""Everything that is drawn on the map at this moment."""
 
 
 def is_busy(payload: str | bytes) -> bool:
@@ -77,13 +75,13 @@ def test_the_panel_opens_and_shows_the_whole_plant(quiet_factory: str, open_page
 
 
 def test_vehicles_move_on_the_map(busy_factory: str, open_page: OpenPage, screenshot: Screenshot) -> None:
-    page = open_page("about:blank", visits=busy_factory)
-    with page.expect_websocket() as stream:
-        page.goto(busy_factory)
+    page = open_page("about:blank", visits=busy_factory, reduced_motion="no-preference")
+    frames = Frames(page, Movement().two_have_moved)
+    page.goto(busy_factory)
     expect(page.locator("canvas").first).to_be_visible()
-    before = pixels_of_map(page)
-    stream.value.wait_for_event("framereceived", predicate=Movement().two_have_moved, timeout=MOVING_MS)
-    assert pixels_of_map(page) != before
+    before = page.evaluate(PIXELS)
+    frames.wait(MOVING_MS)
+    page.wait_for_function(f"before => {PIXELS} !== before", arg=before)
     screenshot(page, "manager")
 
 
@@ -327,9 +325,9 @@ def test_a_busy_plant_is_shown_without_complaints_in_both_themes(
     busy_factory: str, open_page: OpenPage, screenshot: Screenshot, theme: str
 ) -> None:
     page = open_page("about:blank", visits=busy_factory, color_scheme=theme)
-    with page.expect_websocket() as stream:
-        page.goto(busy_factory)
-    stream.value.wait_for_event("framereceived", predicate=is_busy, timeout=BUSY_MS)
+    frames = Frames(page, is_busy)
+    page.goto(busy_factory)
+    frames.wait(BUSY_MS)
     # What the frame tells is on the screen now: figures that need finished transports.
     expect(page.locator("canvas").first).to_be_visible()
     screenshot(page, f"management-panel-{theme}")

@@ -11,14 +11,15 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent / "kits"))
 
+from databases import Files
 from facts_kit import SPEED
-from gateway_kit import NOW_S, PLANT, House, gateway
+from gateway_kit import NOW_S, PLANT, FakeInjector, House, gateway
 
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def anyio_backend() -> str:
     return "asyncio"
 
@@ -27,6 +28,13 @@ def anyio_backend() -> str:
 async def house(url: str) -> AsyncIterator[House]:
     """A running gateway, with nobody else on the bus."""
     async with gateway(url) as house:
+        yield house
+
+
+@pytest.fixture(scope="module")
+async def calm_house(files: Files, tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[House]:
+    """One gateway for all tests of a module that leave nothing behind in it, with a fault injector."""
+    async with gateway(files.new(tmp_path_factory.mktemp("calm")), faults=FakeInjector()) as house:
         yield house
 
 

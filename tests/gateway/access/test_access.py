@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
 from typing import Any
 
 import httpx
@@ -15,7 +15,6 @@ from gateway_kit import (
     NOW_S,
     PASSWORD,
     PLANT,
-    FakeInjector,
     House,
     atv_heartbeat,
     draft,
@@ -58,12 +57,19 @@ async def ask(client: httpx.AsyncClient, method: str, path: str, **more: Any) ->
     return await client.request(method, filled(path), **more)
 
 
+@pytest.fixture
+async def stranger(calm_house: House) -> AsyncIterator[httpx.AsyncClient]:
+    """The browser of somebody who has not logged in, at a gateway that is the same for every route."""
+    async with calm_house.visitor() as client:
+        yield client
+
+
 # --- every route ---------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("method", "path"), EVERYWHERE)
-async def test_a_stranger_is_asked_who_it_is(visitor: httpx.AsyncClient, method: str, path: str) -> None:
-    answer = await ask(visitor, method, path)
+async def test_a_stranger_is_asked_who_it_is(stranger: httpx.AsyncClient, method: str, path: str) -> None:
+    answer = await ask(stranger, method, path)
     problem(answer, 401, "not-logged-in")
     assert answer.headers["www-authenticate"] == 'Bearer realm="Dray"'
     assert answer.headers["x-content-type-options"] == "nosniff"
@@ -71,35 +77,34 @@ async def test_a_stranger_is_asked_who_it_is(visitor: httpx.AsyncClient, method:
 
 @pytest.mark.parametrize(("method", "path"), [each for each in EVERYWHERE if not each[1].startswith("/api/")])
 async def test_a_stranger_with_a_browser_is_led_to_the_login(
-    visitor: httpx.AsyncClient, method: str, path: str
+    stranger: httpx.AsyncClient, method: str, path: str
 ) -> None:
-    answer = await ask(visitor, method, path, headers=BROWSER)
+    answer = await ask(stranger, method, path, headers=BROWSER)
     assert answer.status_code == 303
     assert answer.headers["location"].startswith("/login")
 
 
 @pytest.mark.parametrize(("method", "path"), PUBLIC)
-async def test_what_is_public_asks_nobody(visitor: httpx.AsyncClient, method: str, path: str) -> None:
-    answer = await ask(visitor, method, path)
+async def test_what_is_public_asks_nobody(stranger: httpx.AsyncClient, method: str, path: str) -> None:
+    answer = await ask(stranger, method, path)
     if answer.status_code == 401:
         problem(answer, 401, "wrong-login")  # the login itself
 
 
 @pytest.mark.parametrize(("method", "path"), [each for each in EVERYWHERE if each[1] != STREAM])
 async def test_a_key_without_the_scope_is_refused_and_one_with_it_is_not(
-    url: str, method: str, path: str
+    calm_house: House, stranger: httpx.AsyncClient, method: str, path: str
 ) -> None:
     scope = RULES[method, path].scope
     if scope is None:
         return
-    async with gateway(url, faults=FakeInjector()) as house, house.visitor() as visitor:
-        others = set(Scope) - {scope, Scope.VEHICLES_COMMAND if scope is Scope.VEHICLES_STOP else scope}
-        _, without = await house.key(*others)
-        told = problem(await ask(visitor, method, path, headers=without), 403, "not-allowed")
-        assert scope.value in told["detail"]
-        _, wanted = await house.key(scope)
-        answer = await ask(visitor, method, path, headers=wanted)
-        assert answer.status_code not in {401, 403}, answer.text
+    others = set(Scope) - {scope, Scope.VEHICLES_COMMAND if scope is Scope.VEHICLES_STOP else scope}
+    _, without = await calm_house.key(*others)
+    told = problem(await ask(stranger, method, path, headers=without), 403, "not-allowed")
+    assert scope.value in told["detail"]
+    _, wanted = await calm_house.key(scope)
+    answer = await ask(stranger, method, path, headers=wanted)
+    assert answer.status_code not in {401, 403}, answer.text
 
 
 @pytest.mark.parametrize(("method", "path"), [each for each in EVERYWHERE if each[1] != STREAM])

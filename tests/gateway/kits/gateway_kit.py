@@ -58,10 +58,11 @@ from dray.messages.keys import Keys
 from dray.plant import PlantFile, default_plant
 from dray.ports import Receive
 from dray.settings import Settings
-from dray.store import Historian, Store, open_store
+from dray.store import Historian, Store
 from dray.store.access.api_keys import ApiKey
 from dray.store.access.audit import AuditFilter, AuditRow
 from dray.store.access.people import Person
+from dray.store.database.database import Database
 from dray.store.orders.order_filter import EVERY_ORDER
 
 PLANT = default_plant().file
@@ -421,7 +422,7 @@ async def gateway(
     """Run a gateway on the database at `url`; the plant's clock is 0 at `NOW_S`, its client the administrator.
 
     Args:
-        url: of a database; made and upgraded when need be.
+        url: of a database that has all tables, as `Files` and `Postgres` make them.
         plant: what the gateway is told to stand in.
         bus: where others have joined already; a new one when absent.
         wall: the wall clock; one that stands at `NOW_S` when absent.
@@ -435,7 +436,7 @@ async def gateway(
     """
     bus, wall = bus or FakeBus(), wall or Wall()
     time = TimeScale(0.0, NOW_S, speed)
-    store = await open_store(url)
+    store = Store(await Database.open(url))
     try:
         historian = Historian(
             store=store, bus=bus, keys=KEYS, to_wall_s=time.to_wall_s, wall_s=wall, linger_s=0
