@@ -147,7 +147,7 @@ async def cancel_later(office: Office, order: str, wait_s: float) -> None:
     office.cancel(order)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 4))])
 def test_every_order_is_delivered_once_or_dropped(seed: int) -> None:
     async def main() -> None:
         listeners, ended = Listeners(), Ended()

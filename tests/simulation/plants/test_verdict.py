@@ -94,7 +94,13 @@ def played(file: PlantFile, load: float, hours: float = HOURS) -> Report:
     return report
 
 
-@pytest.mark.parametrize("kind", SHORT)
+LONG = ("buffer", "dock")
+"""Many vehicles make these runs the longest ones."""
+
+
+@pytest.mark.parametrize(
+    "kind", [pytest.param(kind, marks=pytest.mark.slow) if kind in LONG else kind for kind in SHORT]
+)
 def test_the_verdict_names_what_was_short(kind: str) -> None:
     verdict = played(*SHORT[kind]).verdict
     assert verdict.bottleneck == kind, "\n".join(verdict.lines())
