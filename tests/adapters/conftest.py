@@ -1,4 +1,4 @@
-"""Lets the tests of all rooms here import `zenoh_kit`."""
+"""Lets the tests of all rooms here import `zenoh_kit`, `floor_house` and `issued`."""
 
 from __future__ import annotations
 

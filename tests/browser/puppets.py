@@ -9,7 +9,8 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/kits"))
 
-from gateway_kit import House, atv_heartbeat
+from gateway_kit import House
+from heartbeats import atv_heartbeat
 
 from dray.messages import (
     AtvStatus,

@@ -15,7 +15,8 @@ from puppets import Puppet
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/kits"))
 
-from gateway_kit import House, machine_heartbeat
+from gateway_kit import House
+from heartbeats import machine_heartbeat
 
 from dray.gateway.access.principal import Role
 from dray.messages import AtvStatus, BufferLevel, CommandKind, HelpWanted, MachineStatus

@@ -15,8 +15,9 @@ from playwright.sync_api import Page, expect
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/kits"))
 
-from gateway_kit import NOW_S, OTHER_PRODUCT, PRODUCT, House
+from gateway_kit import OTHER_PRODUCT, PRODUCT, House
 from tracking_kit import MACHINE, OTHER_MACHINE, Story
+from wall_clock import NOW_S
 
 from dray.messages.heartbeat import MachineStatus
 

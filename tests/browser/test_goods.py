@@ -12,7 +12,8 @@ from playwright.sync_api import Page, expect
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/kits"))
 
-from gateway_kit import House, machine_heartbeat
+from gateway_kit import House
+from heartbeats import machine_heartbeat
 
 from dray.gateway.access.principal import Role
 from dray.messages import BufferLevel

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 from complaints import Complaints
-from gateway_kit import NOW_S, PIN, House, machine_heartbeat
+from gateway_kit import PIN, House
+from heartbeats import machine_heartbeat
 from open_house import OpenHouse
 from playwright.sync_api import Page, expect
 from puppets import LATER_S, Puppet
@@ -26,6 +27,7 @@ from tablet_kit import (
     kinds,
     stop_of,
 )
+from wall_clock import NOW_S
 
 from dray.messages import AtvStatus, Brief, BufferLevel, CommandKind, HelpWanted, Phase, TaskBrief
 from dray.messages import Role as MessageRole

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "simulation"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "simulation/kits"))
 from yard import PLANT, Yard, drive
 
 from dray.body import (

@@ -11,8 +11,9 @@ from typing import TypeVar
 
 from actors import Actor
 from bodies import PlainGate, PlainVehicle, PlainWorkcell
-from kit import PLANT, accepted, announcement, award, bid, goal_bid, mhb, production, rhb, transport
+from defaults import PLANT
 from seals import granted, trusts_seals
+from spoken import accepted, announcement, award, bid, goal_bid, mhb, production, rhb, transport
 
 from dray.body import Pick
 from dray.messages import (

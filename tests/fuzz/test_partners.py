@@ -12,8 +12,8 @@ from itertools import product
 from typing import get_args
 
 import pytest
-from kit import production, transport
 from situations import SITUATIONS, TASKS, WAREHOUSE, Played, machine_in_its_second_life
+from spoken import production, transport
 
 from dray.messages import (
     Accepted,

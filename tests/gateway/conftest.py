@@ -13,7 +13,10 @@ sys.path.insert(0, str(Path(__file__).parent / "kits"))
 
 from databases import Files
 from facts_kit import SPEED
-from gateway_kit import NOW_S, PLANT, FakeInjector, House, gateway
+from fake_bus import PLANT
+from fake_injector import FakeInjector
+from gateway_kit import House, gateway
+from wall_clock import NOW_S
 
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale

@@ -79,10 +79,6 @@ def test_nobody_stands_within_a_machine(plant: Plant) -> None:
             assert outside_x or outside_y, f"{node.id} lies in {machine.id}"
 
 
-def test_every_node_can_be_reached_from_every_other(plant: Plant) -> None:
-    assert len(plant.roads.parts()) == 1
-
-
 def test_vehicles_stand_all_over_the_floor_on_a_dwell_point_of_their_own(plant: Plant) -> None:
     nodes = [vehicle.node for vehicle in plant.fleet.values()]
     assert set(nodes) <= {plant.node_of(dwell_point) for dwell_point in plant.dwell_points}

@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from typing import Literal
 
+from credulous import Credulous
+from effects import facts
 from hypothesis import given
 from hypothesis import strategies as st
-from kit import Credulous, accepted, bid, declined, facts, transport
+from spoken import accepted, bid, declined, transport
 
 from dray.messages import Award, Release, Role
 from dray.messages.fact import AwardGiven

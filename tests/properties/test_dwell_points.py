@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from defaults import KEYS, PLANT
 from hypothesis import given
 from hypothesis import strategies as st
-from kit import KEYS, PLANT
 
 from dray.messages import DwellPointClaimed
 from dray.protocol.runtime.events import Effect, Publish

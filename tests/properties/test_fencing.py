@@ -13,9 +13,11 @@ from __future__ import annotations
 import hypothesis.strategies as st
 from actors import Actor
 from bodies import PlainVehicle, PlainWorkcell
+from credulous import believing
+from defaults import PLANT
 from hypothesis import settings
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
-from kit import PLANT, accepted, award, believing, bid, declined, production, rhb
+from spoken import accepted, award, bid, declined, production, rhb
 
 from dray.body import CloseDock, OpenDock
 from dray.messages import (

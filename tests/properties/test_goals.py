@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from defaults import PLANT
+from effects import facts, published
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from kit import PLANT, MachineRig, StrategistRig, facts, production, published
+from rigs import MachineRig, StrategistRig
+from spoken import production
 
 from dray.messages import Handover, OrderItem, OrderReleased, TaskAnnounced, Transport
 from dray.messages.fact import OrderAccepted

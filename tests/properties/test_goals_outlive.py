@@ -8,20 +8,13 @@ at any moment, it says of the order that it is fulfilled when it is, and not bef
 
 from __future__ import annotations
 
+from defaults import PLANT
+from effects import facts, instructed, remember, sent
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
-from kit import (
-    PLANT,
-    StrategistRig,
-    accepted,
-    facts,
-    goal_bid,
-    instructed,
-    mhb,
-    remember,
-    sent,
-)
+from rigs import StrategistRig
+from spoken import accepted, goal_bid, mhb
 
 from dray.body import Admit, GoodsArrived
 from dray.memory import Memory

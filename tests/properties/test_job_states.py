@@ -10,7 +10,9 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from kit import PLANT, instructed, transport
+from defaults import PLANT
+from effects import instructed
+from spoken import transport
 
 from dray.body import Drive, Drop, Pick, VehicleState, WayDone
 from dray.memory import Contract

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import msgspec
 import pytest
+from defaults import PLANT
 from hypothesis import given
 from hypothesis import strategies as st
-from kit import PLANT, transport
+from spoken import transport
 
 from dray.messages import Refusal
 from dray.protocol.vehicle.pricing import Pricer, Quote, Unable, low_battery_s

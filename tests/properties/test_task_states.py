@@ -11,8 +11,8 @@ from typing import Any
 
 import msgspec
 import pytest
-from kit import rhb
 from office import Office
+from spoken import rhb
 
 from dray.messages import Phase, Resigned, Role, TakenOver, Transport
 from dray.protocol.contract_net.task import OpenTask

@@ -13,9 +13,10 @@ from collections.abc import Callable
 import hypothesis.strategies as st
 from actors import Actor
 from bodies import PlainVehicle
+from defaults import PLANT
 from hypothesis import settings
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
-from kit import PLANT, award, transport
+from spoken import award, transport
 
 from dray.body import Drop, Pick
 from dray.messages import (

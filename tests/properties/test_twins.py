@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import math
 
+from credulous import Credulous
+from effects import facts
 from hypothesis import given
 from hypothesis import strategies as st
-from kit import Credulous, accepted, bid, declined, facts, rhb, transport
+from spoken import accepted, bid, declined, rhb, transport
 
 from dray.messages import AtvHeartbeat, AtvStatus, Bid, HelpWanted, Role
 from dray.messages.command import PROMISE_MAX_S

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 import zenoh
+from issued import issued
 from zenoh.handlers import Callback
 from zenoh_kit import Row
 
@@ -50,12 +51,7 @@ HUGE = 10**15
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Certificates of a plant `p`, one for each agent."""
-    made = tmp_path_factory.mktemp("certificates")
-    authority = Authority.make("p")
-    authority.write(made)
-    for agent, kind in AGENTS.items():
-        authority.issue(made, "p", {agent: kind})
-    return made
+    return issued(tmp_path_factory.mktemp("certificates"), AGENTS)
 
 
 class Agent:

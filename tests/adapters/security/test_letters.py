@@ -13,6 +13,7 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.hazmat.primitives.ciphers.aead import AESGCM
 from cryptography.hazmat.primitives.kdf.hkdf import HKDF
+from issued import issued
 
 from dray.adapters.security import letters as module
 from dray.adapters.security.certificates import Authority
@@ -29,12 +30,7 @@ HERE = Place("M1", life=3, number=7)
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    made = tmp_path_factory.mktemp("certificates")
-    authority = Authority.make("p")
-    authority.write(made)
-    for agent, kind in AGENTS.items():
-        authority.issue(made, "p", {agent: kind})
-    return made
+    return issued(tmp_path_factory.mktemp("certificates"), AGENTS)
 
 
 def seals(folder: Path, agent: str, apart_s: float = 0.0, plant: str = "p") -> Seals:

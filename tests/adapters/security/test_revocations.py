@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from cryptography import x509
+from issued import issued
 
 from dray.adapters.security.certificates import ISSUED, Authority
 from dray.adapters.security.identity import Identity
@@ -20,12 +21,7 @@ from dray.messages.speakers import Kind
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """Certificates of a plant `p`."""
-    made = tmp_path / "certs"
-    authority = Authority.make("p")
-    authority.write(made)
-    for agent, kind in (("M1", Kind.MACHINE), ("ATV1", Kind.ATV), ("gateway", Kind.GATEWAY)):
-        authority.issue(made, "p", {agent: kind})
-    return made
+    return issued(tmp_path / "certs", {"M1": Kind.MACHINE, "ATV1": Kind.ATV, "gateway": Kind.GATEWAY})
 
 
 class Clock:

@@ -13,6 +13,7 @@ import pytest
 from cryptography import x509
 from cryptography.hazmat.primitives import hashes
 from cryptography.hazmat.primitives.asymmetric import ec
+from issued import issued
 from prometheus_client import CollectorRegistry
 from zenoh_kit import PATIENCE_S, Row, free_address
 
@@ -34,12 +35,7 @@ HANDOVER = Handover(task="M1-1", epoch=1, quantity=4)
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Certificates of a plant `p`, one for each agent."""
-    made = tmp_path_factory.mktemp("certificates")
-    authority = Authority.make("p")
-    authority.write(made)
-    for agent, kind in AGENTS.items():
-        authority.issue(made, "p", {agent: kind})
-    return made
+    return issued(tmp_path_factory.mktemp("certificates"), AGENTS)
 
 
 @pytest.fixture(scope="module")

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 import zenoh
+from issued import issued
 from zenoh.handlers import Callback
 from zenoh_kit import PATIENCE_S, free_address
 
-from dray.adapters.security.certificates import Authority
 from dray.adapters.security.identity import Identity
 from dray.adapters.zenoh.access import Apart
 from dray.adapters.zenoh.links import Links
@@ -33,12 +33,7 @@ ITS_OWN = ("p/hb/atv/ATV1", "p/hb/atv/ATV2", "p/event/ATV1", "p/dwell-point/P1",
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    made = tmp_path_factory.mktemp("certificates")
-    authority = Authority.make("p")
-    authority.write(made)
-    for agent, kind in AGENTS.items():
-        authority.issue(made, "p", {agent: kind})
-    return made
+    return issued(tmp_path_factory.mktemp("certificates"), AGENTS)
 
 
 class Listener:

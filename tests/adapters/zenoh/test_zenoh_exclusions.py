@@ -9,9 +9,9 @@ from contextlib import asynccontextmanager, closing
 from pathlib import Path
 
 import pytest
+from issued import issued
 from zenoh_kit import Row
 
-from dray.adapters.security.certificates import Authority
 from dray.adapters.security.identity import Identity
 from dray.adapters.zenoh.bus import UNSEALED, ZenohBus
 from dray.adapters.zenoh.exclusions import Exclusions
@@ -26,12 +26,7 @@ HELLO = HandoverAccepted(task="M1-1", epoch=1)
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    made = tmp_path_factory.mktemp("certificates")
-    authority = Authority.make("p")
-    authority.write(made)
-    for agent, kind in KINDS.items():
-        authority.issue(made, "p", {agent: kind})
-    return made
+    return issued(tmp_path_factory.mktemp("certificates"), KINDS)
 
 
 class Listener:

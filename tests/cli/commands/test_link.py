@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from pathlib import Path
 
 import pytest
 
@@ -26,12 +25,11 @@ ORDER = Order(
 
 
 @pytest.fixture
-def database(tmp_path: Path) -> str:
+def database(database: str) -> str:
     """A database with one order, and the link that came with it."""
-    url = f"sqlite:///{tmp_path / 'dray.db'}"
 
     async def fill() -> None:
-        store = await open_store(url.replace("sqlite:", "sqlite+aiosqlite:"))
+        store = await open_store(database.replace("sqlite:", "sqlite+aiosqlite:"))
         async with store.write() as work:
             await work.products.replace([GEAR])
             await work.orders.add(ORDER)
@@ -39,7 +37,7 @@ def database(tmp_path: Path) -> str:
         await store.close()
 
     asyncio.run(fill())
-    return url
+    return database
 
 
 @pytest.fixture

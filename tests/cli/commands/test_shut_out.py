@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
@@ -13,11 +12,6 @@ from dray.store.access.audit import AuditFilter, AuditRow
 from dray.store.factory.exclusions import Exclusion
 
 Run = Callable[..., tuple[int, str, str]]
-
-
-@pytest.fixture
-def database(tmp_path: Path) -> str:
-    return f"sqlite:///{tmp_path / 'dray.db'}"
 
 
 @pytest.fixture

@@ -8,7 +8,6 @@ import re
 import sys
 import time
 from collections.abc import Awaitable, Callable
-from pathlib import Path
 from typing import Any, TypeVar
 
 import pytest
@@ -30,11 +29,6 @@ Run = Callable[..., tuple[int, str, str]]
 WORDS = "four words are good"
 
 CHEAP = PasswordHasher(time_cost=1, memory_cost=8, parallelism=1)
-
-
-@pytest.fixture
-def database(tmp_path: Path) -> str:
-    return f"sqlite:///{tmp_path / 'dray.db'}"
 
 
 @pytest.fixture

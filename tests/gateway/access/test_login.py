@@ -1,4 +1,4 @@
-"""The login: who comes in, who does not, and what neither of them learns."""
+"""The login: who comes in, by name, badge or link, and what is written down of it."""
 
 from __future__ import annotations
 
@@ -8,21 +8,14 @@ from typing import Any
 
 import httpx
 import pytest
+from answers import problem
 from argon2 import PasswordHasher
-from gateway_kit import NOW_S, PASSWORD, PIN, QUICK, House, gateway, problem
+from gateway_kit import PASSWORD, PIN, QUICK, House
 from login_kit import BROWSER, COOKIE, link_for, set_cookies, try_in
+from wall_clock import NOW_S
 
-from dray.gateway.access.limits import BUCKETS, Limit, neighbourhood
 from dray.gateway.access.login.hasher import AT_ONCE, WAITING, Hasher
-from dray.gateway.access.login.login import (
-    BADGE_SALT,
-    FIRST_LOCKOUT_S,
-    FORGIVEN_S,
-    FREE_FAILURES,
-    LONGEST_LOCKOUT_S,
-    TRIES,
-    lockout_s,
-)
+from dray.gateway.access.login.login import BADGE_SALT, TRIES
 from dray.gateway.access.principal import Role
 from dray.gateway.access.sessions import LIFE_S
 from dray.gateway.http.problems import Problem
@@ -31,7 +24,7 @@ from dray.store.access.audit import AuditRow
 pytestmark = pytest.mark.anyio
 
 
-# --- by name -------------------------------------------------------------------------------------
+# --- by name ----------------------------------------------------------------------------------------
 
 
 async def test_a_manager_logs_in_by_password_and_an_operator_by_pin(house: House) -> None:
@@ -184,112 +177,7 @@ async def test_whoever_finds_no_place_in_the_queue_has_not_tried(
         assert await work.lockouts.count() == 0
 
 
-# --- whoever guesses -----------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", ["boss", "nobody"])
-async def test_a_name_is_locked_out_after_five_failures_whether_anybody_has_it_or_not(
-    house: House, visitor: httpx.AsyncClient, name: str
-) -> None:
-    await house.know("boss")
-    for _ in range(FREE_FAILURES):
-        problem(await try_in(visitor, name, "wrong"), 401, "wrong-login")
-    answer = await try_in(visitor, name, PASSWORD)
-    problem(answer, 429, "too-many-tries")
-    assert answer.headers["retry-after"] == str(int(FIRST_LOCKOUT_S))
-
-
-async def test_who_was_locked_out_comes_in_later_and_has_all_tries_again(
-    house: House, visitor: httpx.AsyncClient
-) -> None:
-    await house.know("boss")
-    for _ in range(FREE_FAILURES):
-        await try_in(visitor, "boss", "wrong")
-    house.wall.now_s += FIRST_LOCKOUT_S
-    assert (await try_in(visitor, "boss", PASSWORD)).status_code == 303
-    for _ in range(FREE_FAILURES):
-        problem(await try_in(visitor, "boss", "wrong"), 401, "wrong-login")
-
-
-async def test_a_lockout_grows_and_outlives_the_process(url: str) -> None:
-    async with gateway(url) as house, house.visitor() as visitor:
-        await house.know("boss")
-        for _ in range(FREE_FAILURES):
-            await try_in(visitor, "boss", "wrong")
-        house.wall.now_s += FIRST_LOCKOUT_S
-        problem(await try_in(visitor, "boss", "wrong"), 401, "wrong-login")
-        wall = house.wall
-    async with gateway(url, wall=wall) as house, house.visitor() as visitor:
-        answer = await try_in(visitor, "boss", PASSWORD)
-        problem(answer, 429, "too-many-tries")
-        assert answer.headers["retry-after"] == str(int(2 * FIRST_LOCKOUT_S))
-
-
-def test_a_lockout_doubles_up_to_an_hour() -> None:
-    assert [lockout_s(n) for n in (1, 4, 5, 6, 7)] == [0, 0, 30, 60, 120]
-    assert lockout_s(12) == LONGEST_LOCKOUT_S == lockout_s(10_000)
-
-
-async def test_failures_are_forgotten_after_a_day(house: House, visitor: httpx.AsyncClient) -> None:
-    for _ in range(FREE_FAILURES - 1):
-        await try_in(visitor, "nobody", "wrong")
-    house.wall.now_s += FORGIVEN_S + 1
-    await try_in(visitor, "somebody", "wrong")
-    async with house.store.read() as work:
-        assert await work.lockouts.count() == 1
-
-
-async def test_many_guesses_at_once_count_as_many(house: House, visitor: httpx.AsyncClient) -> None:
-    await house.know("boss")
-    answers = await asyncio.gather(*(try_in(visitor, "boss", f"guess {n}") for n in range(12)))
-    statuses = [answer.status_code for answer in answers]
-    assert (statuses.count(401), statuses.count(429)) == (FREE_FAILURES, 12 - FREE_FAILURES)
-
-
-async def test_one_address_tries_so_many_names_and_no_more(house: House, visitor: httpx.AsyncClient) -> None:
-    await house.know("boss")
-    for n in range(TRIES):
-        problem(await try_in(visitor, f"name-{n}", "wrong"), 401, "wrong-login")
-    answer = await try_in(visitor, "boss", PASSWORD)
-    problem(answer, 429, "too-many-tries")
-    wait_s = int(answer.headers["retry-after"])
-    problem(await visitor.post("/login/guess"), 429, "too-many-tries")
-    house.wall.now_s += wait_s
-    assert (await try_in(visitor, "boss", PASSWORD)).status_code == 303
-
-
-async def test_whoever_succeeds_is_not_slowed_down(house: House, visitor: httpx.AsyncClient) -> None:
-    await house.know("boss")
-    for _ in range(2 * TRIES):
-        assert (await try_in(visitor, "boss", PASSWORD)).status_code == 303
-
-
-def test_one_who_has_a_whole_network_has_one_bucket() -> None:
-    assert neighbourhood("2001:db8::1") == neighbourhood("2001:db8::ffff:1")
-    assert neighbourhood("2001:db8::1") != neighbourhood("2001:db8:0:1::1")
-    assert neighbourhood("::ffff:192.0.2.1") == neighbourhood("192.0.2.1") != neighbourhood("192.0.2.2")
-    assert neighbourhood("") == ""
-
-
-def test_no_more_buckets_are_kept_than_there_is_room_for() -> None:
-    limit = Limit(lambda: 0.0, tries=1, rate_hz=1.0)
-    for n in range(BUCKETS + 5):
-        limit.take(str(n))
-    assert len(limit._buckets) == BUCKETS
-    with pytest.raises(Problem):
-        limit.take(str(BUCKETS))
-
-
-def test_a_wall_clock_that_goes_back_gives_nothing() -> None:
-    now_s = [1000.0]
-    limit = Limit(lambda: now_s[0], tries=1, rate_hz=1.0)
-    limit.take("a")
-    now_s[0] = 10.0
-    with pytest.raises(Problem):
-        limit.take("a")
-
-
-# --- by badge ------------------------------------------------------------------------------------
+# --- by badge ---------------------------------------------------------------------------------------
 
 
 async def test_an_operator_logs_in_by_badge(house: House, visitor: httpx.AsyncClient) -> None:
@@ -305,7 +193,7 @@ async def test_an_operator_logs_in_by_badge(house: House, visitor: httpx.AsyncCl
     problem(await visitor.post("/login", data={"badge": "0012345678"}), 401, "wrong-login")
 
 
-# --- by link -------------------------------------------------------------------------------------
+# --- by link ----------------------------------------------------------------------------------------
 
 
 async def test_a_link_logs_in_once_and_looking_at_it_uses_nothing_up(
@@ -357,7 +245,7 @@ async def test_what_is_kept_of_a_link_logs_nobody_in(house: House, visitor: http
     problem(await visitor.post(f"/login/{rows[0][0]}"), 410, "login-link-used-up")
 
 
-# --- what is written down ------------------------------------------------------------------------
+# --- what is written down ---------------------------------------------------------------------------
 
 
 def told(row: AuditRow) -> tuple[Any, ...]:

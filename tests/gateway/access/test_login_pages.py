@@ -9,7 +9,8 @@ from typing import Any
 
 import httpx
 import pytest
-from gateway_kit import PASSWORD, PIN, House, gateway, problem
+from answers import problem
+from gateway_kit import PASSWORD, PIN, House, gateway
 from login_kit import BROWSER, COOKIE, link_for, set_cookies, try_in
 
 from dray.errors import UnavailableError

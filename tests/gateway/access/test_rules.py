@@ -8,10 +8,12 @@ from inspect import iscoroutinefunction
 from typing import cast
 
 import pytest
+from answers import problem
+from fake_bus import PLANT, FakeBus
 from fastapi import FastAPI
 from fastapi.dependencies.models import Dependant
 from fastapi.routing import iter_route_contexts
-from gateway_kit import AUTHORITY, PLANT, FakeBus, House, gateway, problem
+from gateway_kit import AUTHORITY, House, gateway
 from starlette.routing import Mount
 
 from dray.gateway.access.rules import QUESTIONS, RULES, find

@@ -6,8 +6,10 @@ import re
 
 import httpx
 import pytest
-from gateway_kit import NOW_S, PASSWORD, PIN, House, problem
+from answers import problem
+from gateway_kit import PASSWORD, PIN, House
 from login_kit import BROWSER, COOKIE, set_cookies, try_in
+from wall_clock import NOW_S
 
 from dray.gateway.access.login.redirect import onward
 from dray.gateway.access.principal import Over, Role, Scope

@@ -7,7 +7,10 @@ from typing import Any
 
 import httpx
 import pytest
-from gateway_kit import AUTHORITY, NOW_S, House, atv_heartbeat, gateway, problem, vehicle
+from answers import problem, vehicle
+from gateway_kit import AUTHORITY, House, gateway
+from heartbeats import atv_heartbeat
+from wall_clock import NOW_S
 
 from dray.adapters.security.signing import TrustedKeys
 from dray.gateway.factory.commands import STOP_VALID_S

@@ -7,8 +7,12 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from answers import problem
 from areas_kit import AREAS, ATV, everything
-from gateway_kit import KEYS, NOW_S, PLANT, FakeBus, House, atv_heartbeat, gateway, machine_heartbeat, problem
+from fake_bus import KEYS, PLANT, FakeBus
+from gateway_kit import House, gateway
+from heartbeats import atv_heartbeat, machine_heartbeat
+from wall_clock import NOW_S
 
 from dray.gateway.access.principal import Role, Scope
 from dray.gateway.factory.exclusions import SAY_EVERY_S

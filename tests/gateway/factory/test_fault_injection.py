@@ -7,7 +7,10 @@ from typing import Any
 
 import httpx
 import pytest
-from gateway_kit import NOW_S, FakeInjector, House, gateway, problem
+from answers import problem
+from fake_injector import FakeInjector
+from gateway_kit import House, gateway
+from wall_clock import NOW_S
 
 from dray.gateway.routes import faults as route
 

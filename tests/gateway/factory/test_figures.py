@@ -8,17 +8,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import pytest
-from gateway_kit import (
-    NOW_S,
-    PRODUCT,
-    House,
-    Wall,
-    atv_heartbeat,
-    events,
-    gateway,
-    machine_heartbeat,
-    problem,
-)
+from answers import problem
+from gateway_kit import PRODUCT, House, gateway
+from heartbeats import atv_heartbeat, events, machine_heartbeat
+from wall_clock import NOW_S, Wall
 
 from dray.gateway.factory.figure_sampler import KEPT_S, SAMPLE_S, Sampler
 from dray.gateway.factory.figures import KpiPoint, points

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from gateway_kit import NOW_S, PLANT, House, atv_heartbeat, events, station_heartbeat
+from fake_bus import PLANT
+from gateway_kit import House
+from heartbeats import atv_heartbeat, events, station_heartbeat
+from wall_clock import NOW_S
 
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection.auctions.tasks import MAX_OPEN_EACH

@@ -7,7 +7,8 @@ import io
 from typing import Any
 
 import pytest
-from gateway_kit import House, events, gateway
+from gateway_kit import House, gateway
+from heartbeats import events
 
 from dray.gateway.factory import promises as promises_module
 from dray.messages import Event

@@ -7,7 +7,10 @@ import io
 from typing import Any
 
 import pytest
-from gateway_kit import NOW_S, PLANT, PRODUCT, House, atv_heartbeat, events
+from fake_bus import PLANT
+from gateway_kit import PRODUCT, House
+from heartbeats import atv_heartbeat, events
+from wall_clock import NOW_S
 
 from dray.gateway.http.csv_tables import header_of, line
 from dray.gateway.routes.orders import orders as orders_module

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from gateway_kit import PROBLEM, House, draft, gateway, problem
+from answers import PROBLEM, problem
+from gateway_kit import House, draft, gateway
 
 from dray.gateway.http.hosts import Hosts
 from dray.settings import Settings

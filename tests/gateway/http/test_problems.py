@@ -6,8 +6,9 @@ import logging
 from typing import Any, cast
 
 import pytest
+from answers import problem
 from fastapi import FastAPI
-from gateway_kit import House, draft, gateway, problem
+from gateway_kit import House, draft, gateway
 
 from dray.gateway.access.rules import PUBLIC, RULES, Rule
 from dray.store.database.insertion import Insertion

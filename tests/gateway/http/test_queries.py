@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from gateway_kit import PRODUCT, House, machine_heartbeat, problem
+from answers import problem
+from gateway_kit import PRODUCT, House
+from heartbeats import machine_heartbeat
 
 from dray.gateway.access.rules import RULES
 

@@ -11,7 +11,8 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
-from gateway_kit import atv_heartbeat, events, machine_heartbeat
+import pytest
+from heartbeats import atv_heartbeat, events, machine_heartbeat
 
 from dray.messages import (
     AtvStatus,
@@ -166,3 +167,6 @@ def secrets_of(area: str) -> set[str]:
     # The next area's vehicle is watched from here; that is all that is told of it, and not which one.
     tasks = {TASK[other] for other in AREAS if other != area}
     return vehicles | tasks | {GOAL, ORDER, str(PRICE_S), "Muster"}
+
+
+every_area = pytest.mark.parametrize("area", AREAS)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from gateway_kit import NOW_S, events
+from heartbeats import events
+from wall_clock import NOW_S
 
 from dray.gateway.live.frames import Delta
 from dray.gateway.live.projection import Projection
@@ -34,8 +35,8 @@ def wall_s(plant_s: float) -> float:
     return NOW_S + plant_s / SPEED
 
 
-def tell(projection: Projection, agent: str, *facts: AnyFact, at_s: float = 100.0) -> None:
-    for event in events(agent, *facts, at_s=at_s):
+def tell(projection: Projection, agent: str, *facts: AnyFact, at_s: float = 100.0, first: int = 1) -> None:
+    for event in events(agent, *facts, at_s=at_s, first=first):
         projection.fold(event)
 
 

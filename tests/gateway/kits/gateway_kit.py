@@ -6,19 +6,19 @@ been sent can be awaited.
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import AsyncIterator, Callable, Iterable
 from contextlib import asynccontextmanager
-from dataclasses import dataclass, field
-from typing import Any, TypeVar, cast
+from dataclasses import dataclass
+from typing import Any, cast
 
 import httpx
 from argon2 import PasswordHasher
+from fake_bus import KEYS, PLANT, FakeBus
 from fastapi import FastAPI
 from prometheus_client.registry import Collector
+from wall_clock import NOW_S, Wall
 
 from dray.adapters.security.signing import SigningKey
-from dray.errors import UnavailableError
 from dray.gateway.access.access import Access
 from dray.gateway.access.login.hasher import Hasher
 from dray.gateway.access.principal import Role, Scope
@@ -27,36 +27,18 @@ from dray.gateway.app import create_app
 from dray.gateway.factory.alerts import AlertMonitor
 from dray.gateway.factory.commands import Commands
 from dray.gateway.factory.exclusions import Exclusions
-from dray.gateway.factory.fault_injection import FaultInjector, FaultKind, FaultRefused
+from dray.gateway.factory.fault_injection import FaultInjector
 from dray.gateway.http.assets import Panels
 from dray.gateway.http.provided import provided
 from dray.gateway.live.peer import Peer
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.stream import Hub
 from dray.gateway.live.timescale import TimeScale
-from dray.gateway.live.views import FaultView
 from dray.gateway.orders.completions import Completions
 from dray.gateway.orders.outbox import Outbox
 from dray.gateway.orders.placement import OrderPlacement
-from dray.messages import (
-    AtvHeartbeat,
-    AtvStatus,
-    CommandAnswered,
-    Event,
-    EventsAsked,
-    MachineHeartbeat,
-    MachineStatus,
-    Message,
-    OrderReleased,
-    OrderTaken,
-    Pose,
-    StationHeartbeat,
-    VehicleCommand,
-)
-from dray.messages.fact import AnyFact
-from dray.messages.keys import Keys
-from dray.plant import PlantFile, default_plant
-from dray.ports import Receive
+from dray.messages import Message
+from dray.plant import PlantFile
 from dray.settings import Settings
 from dray.store import Historian, Store
 from dray.store.access.api_keys import ApiKey
@@ -65,221 +47,24 @@ from dray.store.access.people import Person
 from dray.store.database.database import Database
 from dray.store.orders.order_filter import EVERY_ORDER
 
-PLANT = default_plant().file
-KEYS = Keys(PLANT.plant)
-
 PRODUCT, OTHER_PRODUCT = "gear-unit-g1", "pump-p3"
 """Two that the default plant makes."""
 
-NOW_S = 1_900_000_000.0
-"""The wall clock at the start: 17 March 2030."""
-
-PROBLEM = "application/problem+json"
 
 AUTHORITY = SigningKey(bytes(32))
 """Grants commands in every gateway of these tests."""
 
+
 ADMIN_TOKEN = "admin-token-of-these-tests"
+
+STREAM = "/api/stream"
+"""Where the websocket is."""
 
 BEARER = {"Authorization": f"Bearer {ADMIN_TOKEN}"}
 
+
 QUICK = Hasher(PasswordHasher(time_cost=1, memory_cost=8, parallelism=1))
 """As cheap as Argon2 can be."""
-
-M = TypeVar("M", bound=Message)
-
-
-# --- the bus -------------------------------------------------------------------------------------
-
-
-def matches(pattern: str, key: str) -> bool:
-    """Whether a subscription hears a key: `*` is one chunk, `**` any number, at the end only."""
-    wanted, given = pattern.split("/"), key.split("/")
-    if wanted[-1] == "**":
-        wanted, given = wanted[:-1], given[: len(wanted) - 1]
-    return len(wanted) == len(given) and all(w in ("*", g) for w, g in zip(wanted, given, strict=True))
-
-
-@dataclass
-class FakeSession:
-    """One agent's place on the fake bus."""
-
-    bus: FakeBus
-    agent: str
-    receive: Receive
-    keys: set[str] = field(default_factory=set)
-
-    def publish(self, key: str, message: Message) -> None:
-        for session in list(self.bus.sessions.values()):
-            if any(matches(pattern, key) for pattern in session.keys):
-                session.receive(self.agent, message)
-
-    def send(self, to: str, message: Message) -> None:
-        # The gateway's questions whether the strategist is there come at any time.
-        if not isinstance(message, EventsAsked) or to != "strategist":
-            self.bus.note(self.agent, to, message)
-        if to in self.bus.sessions:
-            self.bus.sessions[to].receive(self.agent, message)
-
-    def subscribe(self, key: str) -> None:
-        self.keys.add(key)
-
-    def unsubscribe(self, key: str) -> None:
-        self.keys.discard(key)
-
-    def leave(self) -> None:
-        if self.bus.sessions.get(self.agent) is self:
-            del self.bus.sessions[self.agent]
-
-
-class FakeBus:
-    """A bus that delivers at once, and remembers what was said to one agent alone."""
-
-    def __init__(self) -> None:
-        self.sessions: dict[str, FakeSession] = {}
-        self.sent: list[tuple[str, str, Message]] = []
-        """Sender, receiver and message, in the order sent; the receiver need not exist."""
-        self._more = asyncio.Event()
-
-    def join(self, agent: str, receive: Receive, life: int = 0) -> FakeSession:
-        session = self.sessions[agent] = FakeSession(self, agent, receive)
-        return session
-
-    def note(self, sender: str, to: str, message: Message) -> None:
-        self.sent.append((sender, to, message))
-        self._more.set()
-
-    def sent_to(self, to: str, kind: type[M]) -> list[M]:
-        """All messages of one kind to one agent so far."""
-        return [message for _, there, message in self.sent if there == to and isinstance(message, kind)]
-
-    async def next_to(self, to: str, kind: type[M], after: int = 0) -> M:
-        """The message of one kind to one agent that comes after the first `after` ones, once it is sent."""
-        while len(self.sent_to(to, kind)) <= after:
-            self._more.clear()
-            await self._more.wait()
-        return self.sent_to(to, kind)[after]
-
-    def say(self, *messages: Message) -> None:
-        """Publish heartbeats and events as the agents that they name."""
-        for message in messages:
-            key, agent = _place(message)
-            FakeSession(self, agent, _deaf).publish(key, message)
-
-    def tell(self, sender: str, to: str, message: Message) -> None:
-        """Say something to one agent alone."""
-        FakeSession(self, sender, _deaf).send(to, message)
-
-    def strategist(self) -> list[OrderReleased]:
-        """Let a strategist join that takes every order; the orders that it will have been given."""
-        given: list[OrderReleased] = []
-
-        def receive(sender: str, message: Message) -> None:
-            if isinstance(message, OrderReleased):
-                given.append(message)
-                self.tell("strategist", sender, OrderTaken(order=message.order))
-
-        self.join("strategist", receive)
-        return given
-
-
-def _deaf(_sender: str, _message: Message) -> None:
-    """Hears nothing."""
-
-
-def _place(message: Message) -> tuple[str, str]:
-    match message:
-        case AtvHeartbeat(atv=agent):
-            return KEYS.atv_heartbeat(agent), agent
-        case MachineHeartbeat(machine=agent):
-            return KEYS.machine_heartbeat(agent), agent
-        case StationHeartbeat(station=agent):
-            return KEYS.station_heartbeat(agent), agent
-        case Event(agent=agent):
-            return KEYS.events(agent), agent
-        case _:
-            raise AssertionError(f"nobody publishes {message}")
-
-
-# --- what agents say -----------------------------------------------------------------------------
-
-
-def atv_heartbeat(atv: str = "ATV1", seq: int = 1, **fields: Any) -> AtvHeartbeat:
-    """A vehicle that stands somewhere; `fields` may change anything."""
-    usual: dict[str, Any] = {
-        "incarnation": 1,
-        "at_s": float(seq),
-        "status": AtvStatus.IDLE,
-        "pose": Pose(1.0, 2.0, 0.0),
-        "node": "n1",
-        "speed_mps": 0.0,
-        "battery_frac": 0.8,
-    }
-    return AtvHeartbeat(atv=atv, seq=seq, **usual | fields)
-
-
-def machine_heartbeat(machine: str = "M1", seq: int = 1, **fields: Any) -> MachineHeartbeat:
-    """A machine with nothing to do; `fields` may change anything."""
-    usual: dict[str, Any] = {"incarnation": 1, "at_s": float(seq), "status": MachineStatus.IDLE}
-    return MachineHeartbeat(machine=machine, seq=seq, **usual | fields)
-
-
-def station_heartbeat(station: str = "S1", seq: int = 1, **fields: Any) -> StationHeartbeat:
-    """The station of a storage, which tells nothing of what lies there; `fields` may change anything."""
-    usual: dict[str, Any] = {"incarnation": 1, "at_s": float(seq)}
-    return StationHeartbeat(station=station, seq=seq, **usual | fields)
-
-
-def events(agent: str, *facts: AnyFact, life: int = 1, first: int = 1, at_s: float = 100.0) -> list[Event]:
-    """An agent's numbered facts, one second apart."""
-    return [
-        Event(agent=agent, incarnation=life, number=number, at_s=at_s + number, fact=fact)
-        for number, fact in enumerate(facts, first)
-    ]
-
-
-# --- faults by hand --------------------------------------------------------------------------------
-
-
-class FakeInjector:
-    """A fault injector without a factory: it knows the agent ATV3 only."""
-
-    kinds = (FaultKind("powered_off", "Switched off.", ("agent",)),)
-
-    def __init__(self) -> None:
-        self.begun: list[dict[str, Any]] = []
-        self.ended: list[str] = []
-        self.away = False
-        """Whether the factory does not answer."""
-
-    async def begin(self, fault: dict[str, Any]) -> FaultView:
-        self._answer()
-        if fault.get("agent") != "ATV3":
-            raise FaultRefused("agent", "there is no such agent")
-        self.begun.append(fault)
-        name = f"f{len(self.begun)}"
-        return FaultView(id=name, kind=fault["kind"], fault=fault, agents=("ATV3",), began_at_s=NOW_S)
-
-    async def end(self, fault: str) -> None:
-        self._answer()
-        self.ended.append(fault)
-
-    def _answer(self) -> None:
-        if self.away:
-            raise UnavailableError("the simulated factory", "does not answer", "look at the log")
-
-
-# --- the gateway ---------------------------------------------------------------------------------
-
-
-@dataclass
-class Wall:
-    """A wall clock that goes when it is told to."""
-
-    now_s: float = NOW_S
-
-    def __call__(self) -> float:
-        return self.now_s
 
 
 PASSWORD, PIN = "four words are good", "402719"
@@ -467,37 +252,3 @@ async def gateway(
             yield House(app, bus, client, store, historian, wall)
     finally:
         await store.close()
-
-
-# --- reading answers -----------------------------------------------------------------------------
-
-
-def problem(response: httpx.Response, status: int, kind: str) -> dict[str, Any]:
-    """The body of a problem, which says what is wrong, where, and what to do."""
-    assert response.status_code == status, response.text
-    assert response.headers["content-type"] == PROBLEM
-    body = cast(dict[str, Any], response.json())
-    assert set(body) <= {"type", "title", "status", "detail", "instance", "errors"}
-    assert body["type"] == f"urn:dray:problem:{kind}"
-    assert body["status"] == status
-    assert body["title"]
-    assert body["detail"]
-    assert body["instance"] == response.request.url.path
-    for error in body.get("errors", ()):
-        assert set(error) == {"field", "reason"}
-        assert error["field"]
-        assert error["reason"]
-    return body
-
-
-def vehicle(house: House, atv: str = "ATV1", *, done: bool = True, reason: str = "") -> list[VehicleCommand]:
-    """Let a vehicle join that answers every command; the commands that it will have heard."""
-    heard: list[VehicleCommand] = []
-
-    def receive(sender: str, message: Message) -> None:
-        if isinstance(message, VehicleCommand):
-            heard.append(message)
-            house.bus.tell(atv, sender, CommandAnswered(command=message.command, done=done, reason=reason))
-
-    house.bus.join(atv, receive)
-    return heard

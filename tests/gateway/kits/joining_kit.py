@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from gateway_kit import PLANT, machine_heartbeat
+from fake_bus import PLANT
+from heartbeats import machine_heartbeat
 from msgspec.structs import replace
 
 from dray.messages import JoiningMachine, MachineHeartbeat

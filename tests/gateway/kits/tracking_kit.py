@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from datetime import UTC, datetime
 from typing import Any
 
-from gateway_kit import NOW_S, PRODUCT, House, events, machine_heartbeat
+from gateway_kit import PRODUCT, House
+from heartbeats import events, machine_heartbeat
+from wall_clock import NOW_S
 
 from dray.messages import Event, MaterialWait, Phase, Role, Transport
 from dray.messages.fact import (
@@ -21,8 +24,12 @@ from dray.messages.fact import (
 )
 from dray.messages.heartbeat import GoalBrief, MachineStatus
 
+GERMAN = {"Accept-Language": "de"}
+
 MACHINE, OTHER_MACHINE, VEHICLE = "M4", "M5", "ATV2"
+
 GOAL = "strategist.1-7"
+
 WAY_OUT = "M4.1-3"
 
 PACE_S = 10.0
@@ -138,3 +145,15 @@ class Story:
             for event in events(agent, *facts, first=first)
         ]
         await self.house.say(told)
+
+
+def assert_private(headers: Any) -> None:
+    assert headers["cache-control"] == "private, no-store"
+    assert headers["x-robots-tag"] == "noindex, nofollow"
+    assert headers["referrer-policy"] == "no-referrer"
+    assert "default-src 'self'" in headers["content-security-policy"]
+    assert "unsafe" not in headers["content-security-policy"]
+
+
+def iso(wall_s: float) -> str:
+    return datetime.fromtimestamp(wall_s, UTC).isoformat(timespec="seconds").replace("+00:00", "Z")

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from gateway_kit import NOW_S, Wall, events, gateway
+from gateway_kit import gateway
+from heartbeats import events
+from wall_clock import NOW_S, Wall
 
 from dray.messages import Event, Link, Role
 from dray.messages.fact import (

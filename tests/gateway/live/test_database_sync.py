@@ -10,7 +10,10 @@ from itertools import count
 from typing import Any
 
 import pytest
-from gateway_kit import NOW_S, PRODUCT, FakeBus, House, Wall, events, gateway, machine_heartbeat
+from fake_bus import FakeBus
+from gateway_kit import PRODUCT, House, gateway
+from heartbeats import events, machine_heartbeat
+from wall_clock import NOW_S, Wall
 
 from dray.gateway.factory.figure_sampler import Sampler
 from dray.gateway.live import database_sync

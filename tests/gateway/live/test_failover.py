@@ -1,78 +1,34 @@
-"""What panels see when something fails: carriers that change, help, lost goals, and the news of it."""
+"""What panels see when a vehicle fails: carriers that change, help, and the news of it."""
 
 from __future__ import annotations
 
 import pytest
-from gateway_kit import NOW_S, PLANT, PRODUCT, atv_heartbeat, events, machine_heartbeat
+from facts_kit import tell, wall_s
+from failover_kit import accepted, hired, opened, the_news
+from heartbeats import atv_heartbeat, machine_heartbeat
+from wall_clock import NOW_S
 
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection.auctions.carriers import MAX_CARRIERS
 from dray.gateway.live.projection.news import NEWS_KEPT
-from dray.gateway.live.timescale import TimeScale
-from dray.gateway.live.views import NewsView, OrderView, TaskView
-from dray.messages import HelpWanted, Link, Phase, Production, Role, TaskBrief, Transport
+from dray.gateway.live.views import TaskView
+from dray.messages import HelpWanted, Link, Phase, Role, TaskBrief
 from dray.messages.fact import (
-    AnyFact,
-    AwardAnswered,
     CarrierChanged,
     ContractEnded,
     ContractTaken,
-    GoalContracted,
-    GoalLost,
-    GoalWaits,
-    GoodsDelivered,
     HelpAsked,
     HelpPromised,
     LinkChanged,
-    MemoryLost,
-    OrderAccepted,
     PhaseEntered,
-    PieceMade,
     TaskClosed,
-    TaskOpened,
     TookOver,
 )
-from dray.store.orders.orders import Item, Order
-from dray.store.orders.progress import OrderStatus
-
-SPEED = 10.0
-"""Plant seconds per wall second, so that a time that was not turned is seen."""
-
-FETCH = Transport(item="steel", quantity=8, sources=("S1",), destination="M8", ability="tote", goal="G1")
 
 
 @pytest.fixture
 def projection() -> Projection:
-    """A gateway that has seen M8 hire ATV3, and ATV1 as its watch."""
-    projection = Projection(PLANT, TimeScale(0.0, NOW_S, SPEED))
-    tell(projection, "M8", opened(1), accepted("ATV3", 1), accepted("ATV1", 1, Role.SECONDARY))
-    return projection
-
-
-def wall_s(plant_s: float) -> float:
-    return NOW_S + plant_s / SPEED
-
-
-def tell(projection: Projection, agent: str, *facts: AnyFact, at_s: float = 100.0, first: int = 1) -> None:
-    for event in events(agent, *facts, at_s=at_s, first=first):
-        projection.fold(event)
-
-
-def opened(epoch: int, round: int = 1) -> TaskOpened:  # noqa: A002 - the fact's own word
-    return TaskOpened(
-        task="T1",
-        epoch=epoch,
-        role=Role.PRIMARY,
-        round=round,
-        work=FETCH,
-        radius_m=15.0,
-        deadline_s=400.0,
-        bids_until_s=101.0,
-    )
-
-
-def accepted(atv: str, epoch: int, role: Role = Role.PRIMARY) -> AwardAnswered:
-    return AwardAnswered(task="T1", epoch=epoch, role=role, bidder=atv, answer="accepted")
+    return hired()
 
 
 def took_over(epoch: int = 2, primary: str = "ATV3") -> TookOver:
@@ -103,12 +59,7 @@ def carriers(projection: Projection) -> list[tuple[str, int, bool]]:
     return [(line.carrier, line.epoch, line.confirmed) for line in task(projection).carriers]
 
 
-def the_news(projection: Projection) -> NewsView:
-    (news,) = projection.news.views()
-    return news
-
-
-# --- takeover ------------------------------------------------------------------------------------
+# --- takeover ---------------------------------------------------------------------------------------
 
 
 def test_the_first_carrier_is_the_one_that_won(projection: Projection) -> None:
@@ -209,7 +160,7 @@ def test_carriers_are_bounded_and_the_newest_stay(projection: Projection) -> Non
     assert task(projection).carriers[-1].epoch == 2 * MAX_CARRIERS - 1
 
 
-# --- trouble and help ----------------------------------------------------------------------------
+# --- trouble and help -------------------------------------------------------------------------------
 
 
 def test_a_machine_says_why_a_task_does_not_go_on_and_when_it_does(projection: Projection) -> None:
@@ -255,7 +206,7 @@ def test_a_promise_takes_the_place_of_the_wish_for_help(projection: Projection) 
     assert (promised.kind, promised.other, promised.until_at_s) == ("help_promised", "Hall 1", wall_s(200.0))
 
 
-# --- news ----------------------------------------------------------------------------------------
+# --- news -------------------------------------------------------------------------------------------
 
 
 def test_of_a_link_only_the_newest_is_kept_and_it_is_the_newest_news(projection: Projection) -> None:
@@ -287,122 +238,3 @@ def test_a_new_panel_gets_the_news_too(projection: Projection) -> None:
     tell(projection, "ATV1", took_over())
     snapshot = projection.snapshot(1, NOW_S)
     assert [line.kind for line in snapshot.news] == ["took_over"]
-
-
-# --- goals and their orders ----------------------------------------------------------------------
-
-
-def contracted(goal: str, machine: str, quantity: int = 6) -> GoalContracted:
-    return GoalContracted(
-        goal=goal, order="O-1", item=0, product=PRODUCT, quantity=quantity, machine=machine, finish_s=300.0
-    )
-
-
-def delivered(goal: str, count: int) -> GoodsDelivered:
-    return GoodsDelivered(goal=goal, order="O-1", item=0, product=PRODUCT, quantity=count, delivered=count)
-
-
-@pytest.fixture
-def ordered(projection: Projection) -> Projection:
-    """Six pieces are ordered, and M8 makes them."""
-    order = Order(
-        id="O-1",
-        customer="Hall 3",
-        status=OrderStatus.RELEASED,
-        releases=1,
-        items=(Item(PRODUCT, 6),),
-        token="t",
-        created_at_s=NOW_S,
-    )
-    projection.orders.put(order)
-    tell(projection, "strategist", OrderAccepted(order="O-1", goals=("G1",)), contracted("G1", "M8"))
-    return projection
-
-
-def order_of(projection: Projection) -> OrderView:
-    (order,) = projection.orders.views()
-    return order
-
-
-def lose(projection: Projection, arrived: int, successor: str = "G2") -> None:
-    fact = GoalLost(goal="G1", machine="M8", arrived=arrived, successor=successor)
-    tell(projection, "strategist", fact, first=3)
-
-
-def test_an_agent_that_began_without_its_memory_is_news(ordered: Projection) -> None:
-    tell(ordered, "strategist", MemoryLost(reason="it is damaged"), first=7)
-    news = the_news(ordered)
-    assert (news.kind, news.agent, news.reason) == ("memory_lost", "strategist", "it is damaged")
-
-
-def test_what_a_dead_machine_had_made_counts_only_where_it_arrived(ordered: Projection) -> None:
-    tell(ordered, "M8", PieceMade(goal="G1", product=PRODUCT, made=5), delivered("G1", 2))
-    assert (order_of(ordered).items[0].made, order_of(ordered).items[0].delivered) == (5, 2)
-    lose(ordered, arrived=3)
-    assert (order_of(ordered).items[0].made, order_of(ordered).items[0].delivered) == (3, 3)
-    news = the_news(ordered)
-    assert (news.kind, news.agent, news.goal, news.arrived) == ("goal_lost", "M8", "G1", 3)
-
-
-def test_the_rest_is_counted_once_under_its_new_name(ordered: Projection) -> None:
-    lose(ordered, arrived=2)
-    tell(ordered, "strategist", contracted("G2", "M9", 4), first=4)
-    tell(ordered, "M9", PieceMade(goal="G2", product=PRODUCT, made=4), delivered("G2", 4))
-    # The dead one is back, and tells what it had made.
-    tell(ordered, "M8", PieceMade(goal="G1", product=PRODUCT, made=6))
-    order = order_of(ordered)
-    assert (order.items[0].made, order.items[0].delivered, order.status) == (6, 6, "delivered")
-
-
-def test_a_contract_that_comes_after_its_loss_does_not_bring_the_machine_back(ordered: Projection) -> None:
-    lose(ordered, arrived=0)
-    tell(ordered, "strategist", contracted("G1", "M8"), first=2)
-    tell(ordered, "M8", PieceMade(goal="G1", product=PRODUCT, made=5))
-    assert order_of(ordered).items[0].made == 0
-
-
-def test_an_order_says_why_it_waits_until_somebody_has_taken_its_goal(ordered: Projection) -> None:
-    lose(ordered, arrived=0)
-    tell(ordered, "strategist", GoalWaits(goal="G2", order="O-1", reason="no machine can make it"), first=4)
-    assert order_of(ordered).waits == "no machine can make it"
-    ordered.discard_changes()
-    tell(ordered, "strategist", contracted("G2", "M9"), first=5)
-    assert order_of(ordered).waits == ""
-    assert [order.waits for order in ordered.delta(1, NOW_S, None).orders] == [""]
-
-
-def test_an_order_that_waits_for_many_goals_is_one_piece_of_news(ordered: Projection) -> None:
-    for number, goal in enumerate(("G2", "G3"), 4):
-        wait = GoalWaits(goal=goal, order="O-1", reason=f"nobody for {goal}")
-        tell(ordered, "strategist", wait, first=number)
-    news = the_news(ordered)
-    assert (news.kind, news.order, news.reason) == ("goal_waits", "O-1", "nobody for G3")
-    tell(ordered, "strategist", contracted("G2", "M9"), first=6)
-    assert order_of(ordered).waits == "nobody for G3"
-
-
-def test_a_wait_that_is_told_after_its_end_is_over(ordered: Projection) -> None:
-    tell(ordered, "strategist", contracted("G2", "M9"), first=5)
-    tell(ordered, "strategist", GoalWaits(goal="G2", order="O-1", reason="nobody"), first=4)
-    assert order_of(ordered).waits == ""
-
-
-def test_a_goal_that_nobody_can_make_is_a_task_in_trouble(projection: Projection) -> None:
-    work = Production(product=PRODUCT, quantity=4, order="O-1", item=0)
-    goal = TaskOpened(
-        task="G2",
-        epoch=1,
-        role=Role.PRIMARY,
-        round=1,
-        work=work,
-        radius_m=1.0,
-        deadline_s=400.0,
-        bids_until_s=101.0,
-    )
-    tell(projection, "strategist", goal, GoalWaits(goal="G2", order="O-1", reason="nobody"))
-    view = projection.tasks.view("G2")
-    assert view is not None
-    assert view.trouble == "nobody"
-    answer = AwardAnswered(task="G2", epoch=1, role=Role.PRIMARY, bidder="M9", answer="accepted")
-    tell(projection, "strategist", answer, first=3)
-    assert view.trouble == ""

@@ -6,8 +6,11 @@ import asyncio
 from typing import Any
 
 import pytest
+from answers import problem
 from databases import Postgres
-from gateway_kit import FakeBus, House, draft, events, gateway, problem
+from fake_bus import FakeBus
+from gateway_kit import House, draft, gateway
+from heartbeats import events
 
 from dray.errors import UnavailableError
 from dray.gateway.live import health, strategist_probe

@@ -6,7 +6,9 @@ import asyncio
 from collections.abc import Callable
 
 import pytest
-from gateway_kit import PRODUCT, FakeBus, events, gateway
+from fake_bus import FakeBus
+from gateway_kit import PRODUCT, gateway
+from heartbeats import events
 
 from dray.messages import Event, EventsAsked, EventsKept, Message, Role, Transport
 from dray.messages.fact import GoalContracted, GoodsDelivered, OrderAccepted, TaskClosed, TaskOpened

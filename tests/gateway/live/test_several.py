@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from gateway_kit import FakeBus, House, atv_heartbeat, gateway
+from fake_bus import FakeBus
+from gateway_kit import House, gateway
+from heartbeats import atv_heartbeat
 
 from dray.messages import CommandAnswered, Message, VehicleCommand
 

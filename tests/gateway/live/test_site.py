@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from gateway_kit import NOW_S, PLANT, gateway
+from fake_bus import PLANT
+from gateway_kit import gateway
 from joining_kit import BEFORE, SPEC, introduction
+from wall_clock import NOW_S
 
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection import site as site_module

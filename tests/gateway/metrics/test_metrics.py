@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 
 import pytest
-from gateway_kit import PRODUCT, House, atv_heartbeat, draft, events, gateway, machine_heartbeat
+from gateway_kit import PRODUCT, House, draft, gateway
+from heartbeats import atv_heartbeat, events, machine_heartbeat
 from prometheus_client.parser import text_string_to_metric_families
 
 from dray.gateway.access.principal import ADMIN

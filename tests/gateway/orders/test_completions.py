@@ -6,7 +6,9 @@ from collections.abc import Awaitable, Callable
 from typing import Any
 
 import pytest
-from gateway_kit import NOW_S, OTHER_PRODUCT, PRODUCT, House, events, gateway
+from gateway_kit import OTHER_PRODUCT, PRODUCT, House, gateway
+from heartbeats import events
+from wall_clock import NOW_S
 
 from dray.messages import OrderReleased, OrderTaken
 from dray.messages.fact import GoalContracted, GoodsDelivered, OrderAccepted

@@ -9,7 +9,8 @@ from typing import Any
 
 import msgspec
 import pytest
-from gateway_kit import OTHER_PRODUCT, PRODUCT, House, problem
+from answers import problem
+from gateway_kit import OTHER_PRODUCT, PRODUCT, House
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -6,7 +6,11 @@ from typing import Any
 
 import msgspec
 import pytest
-from gateway_kit import NOW_S, PLANT, PRODUCT, House, draft, machine_heartbeat, problem
+from answers import problem
+from fake_bus import PLANT
+from gateway_kit import PRODUCT, House, draft
+from heartbeats import machine_heartbeat
+from wall_clock import NOW_S
 
 from dray.gateway.live.views import BufferView, GoalView, MachineView, OrderItemView, OrderView, SilenceView
 from dray.gateway.orders.feasibility import OrderPreview, Situation, Wanted, preview

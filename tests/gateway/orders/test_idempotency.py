@@ -7,7 +7,9 @@ from typing import Any
 
 import httpx
 import pytest
-from gateway_kit import NOW_S, PRODUCT, House, draft, gateway, problem
+from answers import problem
+from gateway_kit import PRODUCT, House, draft, gateway
+from wall_clock import NOW_S
 
 from dray.gateway.access.principal import Scope
 from dray.gateway.orders.idempotency import KEYS_KEPT_S, alone

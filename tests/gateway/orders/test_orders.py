@@ -6,19 +6,11 @@ from typing import Any
 
 import msgspec
 import pytest
-from gateway_kit import (
-    NOW_S,
-    OTHER_PRODUCT,
-    PLANT,
-    PRODUCT,
-    FakeBus,
-    House,
-    Wall,
-    draft,
-    events,
-    gateway,
-    problem,
-)
+from answers import problem
+from fake_bus import PLANT, FakeBus
+from gateway_kit import OTHER_PRODUCT, PRODUCT, House, draft, gateway
+from heartbeats import events
+from wall_clock import NOW_S, Wall
 
 from dray.messages import OrderCancelled, OrderReleased, OrderTaken
 from dray.messages.fact import GoalContracted, GoodsDelivered, OrderAccepted, OrderDropped, PieceMade

@@ -8,7 +8,10 @@ from collections.abc import Awaitable, Callable
 from typing import Any
 
 import pytest
-from gateway_kit import NOW_S, OTHER_PRODUCT, PRODUCT, FakeBus, events, gateway
+from fake_bus import FakeBus
+from gateway_kit import OTHER_PRODUCT, PRODUCT, gateway
+from heartbeats import events
+from wall_clock import NOW_S
 
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.orders.outbox import NO_DUE_S, PAUSE_S, SAID_A_TURN, STRATEGIST, TURN_S, Outbox, Reminders

@@ -7,7 +7,10 @@ import logging
 from typing import Any
 
 import pytest
-from gateway_kit import PRODUCT, FakeBus, House, Wall, events, gateway
+from fake_bus import FakeBus
+from gateway_kit import PRODUCT, House, gateway
+from heartbeats import events
+from wall_clock import Wall
 
 from dray.gateway.orders import reconciliation
 from dray.gateway.orders.reconciliation import CANCELLED_AGAIN_S, RECONCILE_EVERY_S, Reconciliation

@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from gateway_kit import OTHER_PRODUCT, PRODUCT, House, events, gateway, problem
+from answers import problem
+from gateway_kit import OTHER_PRODUCT, PRODUCT, House, gateway
+from heartbeats import events
 
 from dray.messages import OrderReleased, OrderRevoked, OrderTaken, RevocationTaken
 from dray.messages.fact import GoalContracted, GoalWithdrawn, GoodsDelivered, OrderAccepted, PieceMade

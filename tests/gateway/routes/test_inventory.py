@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import msgspec
 import pytest
-from gateway_kit import PLANT, House, atv_heartbeat, machine_heartbeat
+from fake_bus import PLANT
+from gateway_kit import House
+from heartbeats import atv_heartbeat, machine_heartbeat
 
 from dray.gateway.access.principal import Role
 from dray.messages import BufferLevel, StationHeartbeat, StockLevel

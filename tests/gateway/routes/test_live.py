@@ -5,17 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from gateway_kit import (
-    NOW_S,
-    PLANT,
-    PRODUCT,
-    House,
-    atv_heartbeat,
-    events,
-    gateway,
-    machine_heartbeat,
-    problem,
-)
+from answers import problem
+from fake_bus import PLANT
+from gateway_kit import PRODUCT, House, gateway
+from heartbeats import atv_heartbeat, events, machine_heartbeat
+from wall_clock import NOW_S
 
 from dray.messages import (
     AtvStatus,

@@ -15,28 +15,15 @@ import pytest
 import requests
 import schemathesis
 from anyio.from_thread import BlockingPortal, start_blocking_portal
-from gateway_kit import (
-    AUTHORITY,
-    BEARER,
-    PLANT,
-    PRODUCT,
-    FakeBus,
-    FakeInjector,
-    House,
-    atv_heartbeat,
-    events,
-    gateway,
-    machine_heartbeat,
-)
+from fake_bus import PLANT, FakeBus
+from fake_injector import FakeInjector
+from gateway_kit import AUTHORITY, BEARER, PRODUCT, House, gateway
+from heartbeats import atv_heartbeat, events, machine_heartbeat
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from hypothesis.errors import Unsatisfiable
 from schemathesis import GenerationMode
-from schemathesis.specs.openapi.checks import (
-    ignored_auth,
-    negative_data_rejection,
-    positive_data_acceptance,
-)
+from schemathesis.specs.openapi.checks import ignored_auth, negative_data_rejection, positive_data_acceptance
 
 from dray.gateway.app import create_app
 from dray.gateway.live.timescale import TimeScale

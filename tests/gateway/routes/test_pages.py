@@ -7,7 +7,9 @@ from pathlib import Path
 
 import msgspec
 import pytest
-from gateway_kit import PLANT, House, gateway, problem
+from answers import problem
+from fake_bus import PLANT
+from gateway_kit import House, gateway
 
 from dray.gateway.http.assets import FOR_EVER, NotBuilt, Panels
 

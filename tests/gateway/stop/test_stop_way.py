@@ -10,7 +10,10 @@ from typing import Any
 
 import httpx
 import pytest
-from gateway_kit import ADMIN_TOKEN, AUTHORITY, BEARER, NOW_S, House, atv_heartbeat, gateway, problem
+from answers import problem
+from gateway_kit import ADMIN_TOKEN, AUTHORITY, BEARER, House, gateway
+from heartbeats import atv_heartbeat
+from wall_clock import NOW_S
 
 from dray.adapters.security.signing import TrustedKeys
 from dray.errors import UnavailableError

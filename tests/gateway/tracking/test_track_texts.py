@@ -8,7 +8,7 @@ from zoneinfo import ZoneInfo
 
 import msgspec
 import pytest
-from gateway_kit import NOW_S
+from wall_clock import NOW_S
 
 from dray.gateway.access.login.texts import TEXTS as LOGIN_TEXTS
 from dray.gateway.http.language import LANGUAGES, choose

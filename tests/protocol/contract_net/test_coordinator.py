@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from kit import Credulous, accepted, bid, declined, deeds, listening, published, sent, transport
+from credulous import Credulous
+from effects import deeds, listening, published, sent
 from office import Office, contracted, watched
+from spoken import accepted, bid, declined, transport
 
 from dray.messages import Award, Role, TaskAnnounced, Withdrawn
 from dray.protocol.contract_net.auction_rules import AuctionRules

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import pytest
 from atv1 import parked
-from kit import PLANT, SOME_TIME_S, award, bid, facts, published, rhb, sent, transport
+from defaults import PLANT, SOME_TIME_S
+from effects import facts, published, sent
 from m7 import NO_HOUSINGS, m7
 from msgspec.structs import replace
+from spoken import award, bid, rhb, transport
 
 from dray.messages import Accepted, Bid, Disbelieved, HelpWanted, Release, Role, TakenOver, TaskAnnounced
 from dray.messages.command import PROMISE_MAX_S

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 import pytest
-from kit import PLANT, bid, goal_bid, production, transport
+from defaults import PLANT
 from msgspec.structs import replace
+from spoken import bid, goal_bid, production, transport
 
 from dray.messages import Bid, Transport
 from dray.messages.base import CLOCK_WRONG_S

@@ -3,18 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from kit import (
-    PLANT,
-    MachineRig,
-    VehicleRig,
-    announcement,
-    award,
-    facts,
-    production,
-    rhb,
-    sent,
-    transport,
-)
+from defaults import PLANT
+from effects import facts, sent
+from rigs import MachineRig, VehicleRig
+from spoken import announcement, award, production, rhb, transport
 
 from dray.messages import (
     Accepted,

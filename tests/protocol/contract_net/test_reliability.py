@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from kit import PLANT, bid, facts, transport
+from defaults import PLANT
+from effects import facts
+from spoken import bid, transport
 
 from dray.messages.fact import ContractorRated
 from dray.protocol.contract_net.assessment import Assessor

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from kit import VehicleRig, award, facts, sent
+from effects import facts, sent
+from rigs import VehicleRig
 from seals import granted
+from spoken import award
 
 from dray.messages import AtvHeartbeat, CommandAnswered, CommandKind, DockOpened, Role, VehicleCommand
 from dray.messages.fact import CommandObeyed

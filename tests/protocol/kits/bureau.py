@@ -2,17 +2,10 @@
 
 from __future__ import annotations
 
-from kit import (
-    PLANT,
-    StrategistRig,
-    accepted,
-    award_number,
-    goal_bid,
-    mhb,
-    published,
-    remember,
-    sent,
-)
+from defaults import PLANT
+from effects import award_number, published, remember, sent
+from rigs import StrategistRig
+from spoken import accepted, goal_bid, mhb
 
 from dray.messages import (
     Award,

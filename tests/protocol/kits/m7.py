@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from kit import MachineRig, production, published
+from effects import published
+from rigs import MachineRig
+from spoken import production
 
 from dray.messages import (
     Docked,

@@ -5,17 +5,10 @@ from __future__ import annotations
 from typing import cast
 
 import msgspec
-from kit import (
-    KEYS,
-    Credulous,
-    accepted,
-    award_number,
-    bid,
-    declined,
-    rhb,
-    sent,
-    transport,
-)
+from credulous import Credulous
+from defaults import KEYS
+from effects import award_number, sent
+from spoken import accepted, bid, declined, rhb, transport
 
 from dray.messages import (
     AtvHeartbeat,

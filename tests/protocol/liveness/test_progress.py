@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from kit import rhb
 from msgspec.structs import replace
+from spoken import rhb
 
 from dray.messages import AtvHeartbeat, AtvStatus, HelpWanted, Phase, Pose
 from dray.protocol.liveness.progress import EXCUSED_MAX_S, OVERDUE, SLACK_MIN_S, STALL_S, STALLED, Progress

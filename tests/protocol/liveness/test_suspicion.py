@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from kit import rhb
+from spoken import rhb
 
 from dray.protocol.liveness.suspicion import (
     IDLE_INTERVAL_S,

@@ -6,21 +6,11 @@ from itertools import pairwise
 
 import msgspec
 import pytest
-from kit import (
-    PLANT,
-    MachineRig,
-    accepted,
-    bid,
-    deeds,
-    facts,
-    goal_bid,
-    mhb,
-    production,
-    published,
-    rhb,
-    sent,
-)
+from defaults import PLANT
+from effects import deeds, facts, published, sent
 from m7 import NO_HOUSINGS, m7, status, supplied_by
+from rigs import MachineRig
+from spoken import accepted, bid, goal_bid, mhb, production, rhb
 
 from dray.body import Broken, Repaired, VehicleState
 from dray.errors import ProtocolViolation

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from kit import facts, instructed, published, sent
+from effects import facts, instructed, published, sent
 from m7 import FULL, NO_HOUSINGS, docked, handover, m7, outgoing, supplied_by
 
 from dray.body import OpenDock

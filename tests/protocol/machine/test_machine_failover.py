@@ -3,22 +3,10 @@
 from __future__ import annotations
 
 import msgspec
-from kit import (
-    KEYS,
-    PLANT,
-    MachineRig,
-    accepted,
-    award_number,
-    bid,
-    committed,
-    facts,
-    instructed,
-    listening,
-    production,
-    published,
-    rhb,
-    sent,
-)
+from defaults import KEYS, PLANT
+from effects import award_number, committed, facts, instructed, listening, published, sent
+from rigs import MachineRig
+from spoken import accepted, bid, production, rhb
 
 from dray.body import CloseDock, OpenDock
 from dray.memory import Memory

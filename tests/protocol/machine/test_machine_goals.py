@@ -6,21 +6,12 @@ from itertools import pairwise
 
 import msgspec
 import pytest
-from kit import (
-    KEYS,
-    MachineRig,
-    announcement,
-    deeds,
-    facts,
-    instructed,
-    listening,
-    production,
-    published,
-    sent,
-    transport,
-)
+from defaults import KEYS
+from effects import deeds, facts, instructed, listening, published, sent
 from m7 import FULL, NO_HOUSINGS, RELEASE, counted, handover, incoming, m7, outgoing, status, transports
 from msgspec.structs import replace
+from rigs import MachineRig
+from spoken import announcement, production, transport
 
 from dray.body import Broken, OpenDock, StartCycle
 from dray.messages import (

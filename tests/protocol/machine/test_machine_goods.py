@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from kit import MachineRig, facts, instructed, production, published, sent
+from effects import facts, instructed, published, sent
 from m7 import (
     FULL,
     NO_HOUSINGS,
@@ -16,6 +16,8 @@ from m7 import (
     supplied_by,
     transports,
 )
+from rigs import MachineRig
+from spoken import production
 
 from dray.body import Broken, CycleDone, CycleFailed, Repaired, StartCycle, StockChanged
 from dray.messages import (

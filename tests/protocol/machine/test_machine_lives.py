@@ -6,19 +6,7 @@ from typing import cast
 
 import msgspec
 import pytest
-from kit import (
-    MachineRig,
-    accepted,
-    award_number,
-    bid,
-    committed,
-    facts,
-    instructed,
-    production,
-    published,
-    rhb,
-    sent,
-)
+from effects import award_number, committed, facts, instructed, published, sent
 from m7 import (
     FULL,
     NO_HOUSINGS,
@@ -32,6 +20,8 @@ from m7 import (
     status,
     supplied_by,
 )
+from rigs import MachineRig
+from spoken import accepted, bid, production, rhb
 
 from dray.body import CycleDone, StartCycle, WorkcellState
 from dray.memory import WHOLE, MachineMemory

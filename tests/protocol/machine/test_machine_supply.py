@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from kit import KEYS, PLANT, MachineRig, production, published
+from defaults import KEYS, PLANT
+from effects import published
 from m7 import FULL, NO_HOUSINGS, handover, incoming, m7, transports
+from rigs import MachineRig
+from spoken import production
 
 from dray.body import Broken, Repaired
 from dray.messages import MachineHeartbeat, TaskAnnounced, Transport

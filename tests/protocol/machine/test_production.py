@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from kit import PLANT, production
+from defaults import PLANT
+from spoken import production
 
 from dray.protocol.machine.production import Goal, GoalBook
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import pytest
 from bureau import contract_all, order, released
-from kit import MachineRig, accepted, award_number, bid, facts, instructed, production, rhb, sent
+from effects import award_number, facts, instructed, sent
 from m7 import FULL, NO_HOUSINGS, handover, m7
 from msgspec.structs import replace
+from rigs import MachineRig
+from spoken import accepted, bid, production, rhb
 
 from dray.body import Book, GoodsArrived, WorkcellState
 from dray.messages import (

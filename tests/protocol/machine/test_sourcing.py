@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from typing import cast
 
-from kit import PLANT, MachineRig, accepted, award_number, bid, facts, production, published, rhb, sent
+from defaults import PLANT
+from effects import award_number, facts, published, sent
 from m7 import NO_HOUSINGS, transports
 from msgspec.structs import replace
+from rigs import MachineRig
+from spoken import accepted, bid, production, rhb
 
 from dray.messages import (
     Award,

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import msgspec
 import pytest
-from kit import KEYS, Credulous, deeds, facts, listening, published, sent
+from credulous import Credulous
+from defaults import KEYS
+from effects import deeds, facts, listening, published, sent
 from office import Office, contracted, watched
 
 from dray.messages import Phase, Role, TaskAnnounced, Transport, Withdrawn

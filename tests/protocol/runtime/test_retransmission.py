@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from kit import accepted
 from msgspec.structs import replace
+from spoken import accepted
 
 from dray.messages import Docked, WorkSought
 from dray.protocol.runtime.events import NEVER_S, Effect, Publish, Send

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import msgspec
 import pytest
-from kit import PLANT, Rig, committed, instructed, listening, sent
+from defaults import PLANT
+from effects import committed, instructed, listening, sent
+from rigs import Rig
 
 from dray.body import CloseDock, OpenDock, Refill, StockChanged, StorageState
 from dray.memory import StationMemory

@@ -3,17 +3,10 @@
 from __future__ import annotations
 
 from bureau import announced, beats, contract, order, released
-from kit import (
-    KEYS,
-    MachineRig,
-    StrategistRig,
-    accepted,
-    declined,
-    facts,
-    goal_bid,
-    published,
-    sent,
-)
+from defaults import KEYS
+from effects import facts, published, sent
+from rigs import MachineRig, StrategistRig
+from spoken import accepted, declined, goal_bid
 
 from dray.messages import (
     Accepted,

@@ -4,22 +4,10 @@ from __future__ import annotations
 
 import pytest
 from bureau import announced, contract, contract_all, done, order, released
-from kit import (
-    KEYS,
-    PLANT,
-    StrategistRig,
-    announcement,
-    award,
-    declined,
-    deeds,
-    facts,
-    goal_bid,
-    listening,
-    mhb,
-    published,
-    rhb,
-    sent,
-)
+from defaults import KEYS, PLANT
+from effects import deeds, facts, listening, published, sent
+from rigs import StrategistRig
+from spoken import announcement, award, declined, goal_bid, mhb, rhb
 
 from dray.body import Repaired
 from dray.errors import ProtocolViolation

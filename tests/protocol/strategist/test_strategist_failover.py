@@ -5,7 +5,8 @@ from __future__ import annotations
 import msgspec
 import pytest
 from bureau import announced, beats, brief, contract, making
-from kit import facts, instructed, mhb, sent
+from effects import facts, instructed, sent
+from spoken import mhb
 
 from dray.body import Admit, GoodsArrived
 from dray.messages import MachineStatus, Withdrawn

@@ -5,7 +5,9 @@ from __future__ import annotations
 import msgspec
 import pytest
 from bureau import announced, beats, brief, contract, making, order, reborn, released
-from kit import StrategistRig, accepted, committed, facts, goal_bid, published, sent
+from effects import committed, facts, published, sent
+from rigs import StrategistRig
+from spoken import accepted, goal_bid
 
 from dray.messages import (
     Confirmed,

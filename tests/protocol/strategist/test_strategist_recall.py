@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from bureau import announced, beats, brief, contract, done, making, order, reborn, released
-from kit import StrategistRig, deeds, facts, goal_bid, instructed, mhb, sent
+from effects import deeds, facts, instructed, sent
+from rigs import StrategistRig
+from spoken import goal_bid, mhb
 
 from dray.body import Admit, GoodsArrived
 from dray.messages import (

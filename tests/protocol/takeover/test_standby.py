@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import msgspec
 import pytest
-from kit import KEYS, award, facts, listening, rhb, sent
+from defaults import KEYS
+from effects import facts, listening, sent
+from spoken import award, rhb
 
 from dray.messages import Award, Release, Resigned, Role
 from dray.messages.fact import ContractEnded, ContractTaken, PrimarySuspected

@@ -5,20 +5,10 @@ from __future__ import annotations
 import msgspec
 import pytest
 from atv1 import contracted, last_beat, parked
-from kit import (
-    PLANT,
-    VehicleRig,
-    accepted,
-    announcement,
-    award,
-    bid,
-    deeds,
-    facts,
-    mhb,
-    production,
-    rhb,
-    sent,
-)
+from defaults import PLANT
+from effects import deeds, facts, sent
+from rigs import VehicleRig
+from spoken import accepted, announcement, award, bid, mhb, production, rhb
 
 from dray.errors import ProtocolViolation
 from dray.messages import (

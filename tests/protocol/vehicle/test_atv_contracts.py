@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import pytest
 from atv1 import SETTLED_S, contracted, handing_over, last_beat, parked, unloading
-from kit import KEYS, PLANT, announcement, award, deeds, facts, instructed, listening, sent, transport
+from defaults import KEYS, PLANT
+from effects import deeds, facts, instructed, listening, sent
+from spoken import announcement, award, transport
 
 from dray.body import Drive, Drop, NodePassed, Pick, WayDone
 from dray.messages import (

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from atv1 import SETTLED_S, command, contracted, handing_over, last_beat, parked
-from kit import KEYS, PLANT, VehicleRig, award, committed, facts, instructed, listening, published
+from defaults import KEYS, PLANT
+from effects import committed, facts, instructed, listening, published
+from rigs import VehicleRig
+from spoken import award
 
 from dray.body import Charge, Drive
 from dray.messages import (

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import pytest
 from atv1 import command, contracted, last_beat, parked
-from kit import VehicleRig, announcement, award, facts, instructed, sent
+from effects import facts, instructed, sent
+from rigs import VehicleRig
 from seals import granted
+from spoken import announcement, award
 
 from dray.body import Drive, Hold, LimitSpeed, Pick, ProblemCleared, ProblemRaised, Unhold
 from dray.messages import Accepted, AtvStatus, CommandKind, Declined, Refusal, VehicleCommand

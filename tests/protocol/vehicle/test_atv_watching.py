@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from atv1 import command, last_beat, parked, secondary
-from kit import KEYS, announcement, award, deeds, facts, instructed, listening, rhb, sent
+from defaults import KEYS
+from effects import deeds, facts, instructed, listening, sent
+from spoken import announcement, award, rhb
 
 from dray.body import Drive, ProblemRaised
 from dray.messages import Accepted, AtvStatus, Bid, CommandKind, Declined, Refusal, Release, Resigned, Role

@@ -6,7 +6,9 @@ from typing import Any
 
 import msgspec
 import pytest
-from kit import PLANT, announcement, award, facts, production, sent, transport
+from defaults import PLANT
+from effects import facts, sent
+from spoken import announcement, award, production, transport
 
 from dray.messages import Bid, Refusal, Role, TransportCost, Wait
 from dray.messages.fact import BidRefused, BidSent

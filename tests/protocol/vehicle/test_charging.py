@@ -6,7 +6,7 @@ from typing import Any
 
 import msgspec
 import pytest
-from kit import PLANT
+from defaults import PLANT
 
 from dray.plant import Charging as Rules
 from dray.plant import Hours, Plant

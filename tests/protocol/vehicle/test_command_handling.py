@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from kit import PLANT, VehicleRig, committed, facts, instructed, sent
+from defaults import PLANT
+from effects import committed, facts, instructed, sent
 from msgspec.structs import replace
+from rigs import VehicleRig
 from seals import granted, seal
 
 from dray.body import Hold, LimitSpeed, Unhold

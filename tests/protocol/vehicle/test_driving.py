@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from kit import PLANT, instructed
+from defaults import PLANT
+from effects import instructed
 
 from dray.body import ActionFailed, Drive, LimitSpeed, NodePassed, VehicleState, WayDone
 from dray.messages import Pose

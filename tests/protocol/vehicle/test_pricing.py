@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from kit import PLANT, transport
+from defaults import PLANT
+from spoken import transport
 
 from dray.messages import Refusal
 from dray.protocol.vehicle.pricing import (

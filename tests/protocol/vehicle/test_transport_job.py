@@ -1,33 +1,24 @@
-"""A committed transport, as its carrier lives it."""
+"""A committed transport, as its carrier lives it: the straight way, and what is said or tried again."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import pytest
-from kit import PLANT, facts, instructed, sent, transport
+from defaults import PLANT
+from effects import instructed, sent
+from trip import GOODS, ROUTES, Trip
 
-from dray.body import Drive, Drop, Pick, VehicleState, WayDone
-from dray.memory import Contract
+from dray.body import Drive, Drop, Pick
 from dray.messages import (
     Docked,
-    DockHeld,
-    DockOpened,
     Handover,
     HandoverAccepted,
-    Message,
     Phase,
-    Pose,
     Resigned,
     Role,
-    Superseded,
     Withdrawn,
 )
-from dray.messages.fact import PhaseEntered
-from dray.protocol.runtime.events import NEVER_S, Effect
+from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.retransmission import ASK_AGAIN_S
-from dray.protocol.runtime.timers import Timers
-from dray.protocol.vehicle.driving import Driver
 from dray.protocol.vehicle.transport_job import (
     GIVE_UP_AFTER,
     HELD_ASK_AGAIN_S,
@@ -37,121 +28,7 @@ from dray.protocol.vehicle.transport_job import (
     TransportJob,
 )
 
-ROUTES = PLANT.routes("light")
-
-
-GOODS: dict[str, Any] = {
-    "item": "pump-p3",
-    "quantity": 24,
-    "sources": ("M8",),
-    "destination": "DELIVERY",
-    "goal": "G8",
-}
-
-
-class Trip:
-    """A job, the vehicle under it and the time."""
-
-    def __init__(self, node: str = "p3", source: str = "S3", **changes: Any) -> None:
-        self.out: list[Effect] = []
-        self.now_s = 0.0
-        self.timers = Timers()
-        self.driver = Driver(PLANT, "light", self.out)
-        spot = PLANT.nodes[node]
-        state = VehicleState(
-            pose=Pose(x_m=spot.x_m, y_m=spot.y_m, heading_rad=0.0),
-            node=node,
-            next_node=node,
-            next_node_s=0.0,
-            speed_mps=0.0,
-            battery_frac=0.9,
-            load="",
-            load_quantity=0,
-            held=False,
-            charging=False,
-        )
-        self.driver.sense(state)
-        self.job = TransportJob(
-            "ATV1",
-            Contract(
-                task="M8-1",
-                epoch=1,
-                work=transport(**changes),
-                coordinator="M8",
-                source=source,
-                promised_s=100.0,
-                deadline_s=300.0,
-            ),
-            plant=PLANT,
-            vehicle_type="light",
-            driver=self.driver,
-            timers=self.timers,
-            out=self.out,
-        )
-        self.load = ""
-        self.job.begin(0.0)
-
-    @property
-    def phases(self) -> list[Phase]:
-        return [fact.phase for fact in facts(self.out, PhaseEntered)]
-
-    def arrives(self, *, opens: bool = True) -> None:
-        """The newest way is driven; a storage lets the vehicle load at once, unless the test answers for it."""
-        way = instructed(self.out, Drive)[-1]
-        self.driver.on_done(WayDone(order=way.order, node=way.nodes[-1]))
-        self.job.arrived(self.now_s)
-        source = self.job.source
-        if opens and self.job.phase is Phase.LOADING and source in PLANT.storages:
-            self.opened(source)
-
-    def hears(self, message: Message) -> None:
-        self.job.on_answer(message, self.now_s)
-
-    def opened(self, station: str = "M8") -> None:
-        self.hears(DockOpened(task="M8-1", epoch=1, station=station))
-
-    def held(self, station: str = "M8") -> None:
-        self.hears(DockHeld(task="M8-1", epoch=1, station=station, reason="the buffer is full"))
-
-    def superseded(self) -> None:
-        self.hears(Superseded(task="M8-1", epoch=2))
-
-    def done(self, kind: type[Pick | Drop]) -> None:
-        self.load = self.job.work.item if kind is Pick else ""
-        self.job.action_done(instructed(self.out, kind)[-1].order, self.now_s)
-
-    def fails(self, kind: type[Pick | Drop]) -> None:
-        self.job.action_failed(instructed(self.out, kind)[-1].order, "no contact", self.now_s)
-
-    def waits(self) -> None:
-        """Until the alarm."""
-        assert self.timers.next_s < NEVER_S
-        self.now_s = self.timers.next_s
-        for _ in self.timers.due(self.now_s):
-            self.job.wake(self.load, self.now_s)
-
-    def to_loading(self) -> Trip:
-        self.arrives()
-        return self
-
-    def to_carrying(self) -> Trip:
-        self.to_loading().done(Pick)
-        return self
-
-    def to_unloading(self) -> Trip:
-        self.to_carrying().arrives()
-        return self
-
-    def to_dropping(self) -> Trip:
-        self.to_unloading().opened()
-        return self
-
-    def to_handing_over(self) -> Trip:
-        self.to_dropping().done(Drop)
-        return self
-
-
-# --- the straight way ----------------------------------------------------------------------------
+# --- the straight way -------------------------------------------------------------------------------
 
 
 def test_a_transport_goes_through_its_phases_and_ends_when_the_handover_is_accepted() -> None:
@@ -288,7 +165,7 @@ def test_the_heartbeat_names_the_phase_and_when_it_expects_to_be_done() -> None:
     )
 
 
-# --- what is lost is said again, what is doubled is ignored --------------------------------------
+# --- what is lost is said again, what is doubled is ignored -----------------------------------------
 
 
 def test_the_question_for_the_dock_is_repeated_until_it_is_answered() -> None:
@@ -362,7 +239,7 @@ def test_the_end_of_an_older_action_is_ignored() -> None:
     assert trip.phases.count(Phase.CARRYING) == 1
 
 
-# --- what fails is tried again -------------------------------------------------------------------
+# --- what fails is tried again ----------------------------------------------------------------------
 
 
 def test_a_failed_pick_is_tried_again_after_a_while() -> None:
@@ -389,163 +266,3 @@ def test_a_refused_way_is_asked_for_again_after_a_while() -> None:
     trip.waits()
     assert trip.now_s == RETRY_S
     assert [way.nodes[-1] for way in instructed(trip.out, Drive)] == ["s3", "s3"]
-
-
-# --- when the contract is void -------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("message", "reason"),
-    [
-        (Superseded(task="M8-1", epoch=2), "superseded"),
-        (Withdrawn(task="M8-1", epoch=1, reason="not needed any more"), "withdrawn"),
-    ],
-)
-def test_without_a_load_a_void_contract_just_ends(message: Message, reason: str) -> None:
-    trip = Trip()
-    trip.hears(message)
-    assert trip.job.ended == reason
-    assert trip.timers.next_s == NEVER_S
-
-
-def test_a_superseded_primary_returns_its_load_to_the_nearest_storage_that_keeps_it() -> None:
-    trip = Trip().to_carrying()
-    trip.superseded()
-    assert trip.job.phase is Phase.RETURNING
-    assert trip.job.ended == ""
-    here = trip.driver.next_node
-    keeping = PLANT.storages_of("shaft")
-    nearest = min(keeping, key=lambda each: ROUTES.duration_s(here, PLANT.node_of(each)))
-    assert instructed(trip.out, Drive)[-1].nodes[-1] == PLANT.node_of(nearest)
-    trip.arrives()
-    assert instructed(trip.out, Drop)[-1].station == nearest
-    trip.done(Drop)
-    assert trip.job.ended == "superseded"
-
-
-def test_a_superseded_primary_at_the_dock_puts_nothing_down_there() -> None:
-    trip = Trip().to_unloading()
-    trip.superseded()
-    assert trip.job.phase is Phase.RETURNING
-    trip.opened()
-    assert instructed(trip.out, Drop) == []
-
-
-def test_a_contract_that_is_void_while_it_loads_ends_after_the_load_is_back() -> None:
-    trip = Trip().to_loading()
-    trip.superseded()
-    assert trip.job.ended == ""
-    trip.done(Pick)
-    assert trip.job.phase is Phase.RETURNING
-    trip.arrives() if not instructed(trip.out, Drop) else None
-    trip.done(Drop)
-    assert trip.job.ended == "superseded"
-
-
-def test_a_contract_that_is_void_while_a_pick_fails_ends() -> None:
-    trip = Trip().to_loading()
-    trip.superseded()
-    trip.fails(Pick)
-    assert trip.job.ended == "superseded"
-
-
-def test_a_contract_that_is_void_while_a_drop_fails_ends_after_the_load_is_back() -> None:
-    trip = Trip().to_dropping()
-    trip.superseded()
-    trip.fails(Drop)
-    assert trip.job.phase is Phase.RETURNING
-    trip.arrives()
-    trip.done(Drop)
-    assert trip.job.ended == "superseded"
-
-
-def test_a_contract_that_is_void_while_it_unloads_ends_without_a_handover() -> None:
-    trip = Trip().to_dropping()
-    trip.superseded()
-    assert trip.job.ended == ""
-    trip.done(Drop)
-    assert trip.job.ended == "superseded"
-    assert sent(trip.out, Handover) == []
-    assert trip.timers.next_s == NEVER_S
-
-
-def test_goods_of_a_void_contract_are_set_aside_at_the_delivery_warehouse() -> None:
-    trip = Trip(source="M8", **GOODS).to_loading()
-    trip.opened("M8")
-    trip.done(Pick)
-    trip.superseded()
-    assert trip.job.phase is Phase.RETURNING
-    trip.arrives()
-    drop = instructed(trip.out, Drop)[-1]
-    assert (drop.station, drop.goal) == ("DELIVERY", "")
-    trip.done(Drop)
-    assert trip.job.ended == "superseded"
-
-
-def test_material_for_which_no_storage_has_room_goes_back_to_where_it_came_from() -> None:
-    trip = Trip().to_carrying()
-    trip.superseded()
-    full = []
-    for _ in PLANT.storages_of("shaft"):
-        trip.arrives()
-        full.append(instructed(trip.out, Drop)[-1].station)
-        for _ in range(TRIES - 1):
-            trip.fails(Drop)
-            trip.waits()
-        trip.fails(Drop)
-    assert sorted(full) == sorted(PLANT.storages_of("shaft"))
-    trip.arrives()
-    assert instructed(trip.out, Drop)[-1].station in PLANT.source_warehouses
-    trip.done(Drop)
-    assert trip.job.ended == "superseded"
-
-
-def test_a_load_that_could_not_be_put_back_is_tried_again_after_a_while() -> None:
-    trip = Trip().to_carrying()
-    trip.superseded()
-    trip.arrives()
-    trip.fails(Drop)
-    assert len(instructed(trip.out, Drop)) == 1
-    trip.waits()
-    assert trip.now_s == RETRY_S
-    assert len(instructed(trip.out, Drop)) == 2
-    trip.done(Drop)
-    assert trip.job.ended == "superseded"
-
-
-@pytest.mark.parametrize(
-    ("ours", "theirs", "void"), [(2, 1, False), (2, 2, True), (2, 3, True), (2, 0, True)]
-)
-def test_a_contract_is_superseded_by_its_own_epoch_a_later_one_or_the_end_of_the_task(
-    ours: int, theirs: int, void: bool
-) -> None:
-    trip = Trip()
-    trip.job.epoch = ours
-    trip.hears(Superseded(task="M8-1", epoch=theirs))
-    assert bool(trip.job.ended) is void
-
-
-def test_a_contract_that_is_void_after_unloading_ends() -> None:
-    trip = Trip().to_handing_over()
-    trip.superseded()
-    assert trip.job.ended == "superseded"
-
-
-def test_a_contract_becomes_void_once() -> None:
-    trip = Trip().to_carrying()
-    trip.superseded()
-    trip.superseded()
-    trip.hears(Withdrawn(task="M8-1", epoch=1, reason="not needed any more"))
-    assert trip.phases.count(Phase.RETURNING) == 1
-    trip.arrives()
-    trip.done(Drop)
-    assert trip.job.ended == "superseded"
-
-
-def test_a_refused_way_back_is_asked_for_again() -> None:
-    trip = Trip().to_carrying()
-    trip.superseded()
-    goal = instructed(trip.out, Drive)[-1].nodes[-1]
-    trip.job.way_refused(0.0)
-    trip.waits()
-    assert instructed(trip.out, Drive)[-1].nodes[-1] == goal

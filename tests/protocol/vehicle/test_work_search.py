@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import pytest
 from atv1 import contracted, handing_over, parked
-from kit import PLANT, MachineRig, VehicleRig, announcement, bid, production, published, sent
+from defaults import PLANT
+from effects import published, sent
+from rigs import MachineRig, VehicleRig
+from spoken import announcement, bid, production
 
 from dray.messages import (
     Award,

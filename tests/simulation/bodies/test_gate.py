@@ -12,11 +12,6 @@ from dray_sim.bodies.gate import KEPT_GOALS, NOT_ADMITTED, Gate
 
 
 @pytest.fixture
-def yard() -> Yard:
-    return Yard()
-
-
-@pytest.fixture
 def gate(yard: Yard) -> Gate:
     gate = Gate(yard.clock)
     yard.listen("strategist", gate)

@@ -13,11 +13,6 @@ from dray_sim.bodies.gate import NOT_ADMITTED, Gate
 from dray_sim.bodies.stores import NO_ROOM, NOT_KEPT, REFILL_S, TOO_LITTLE, DeliveryWarehouse, Storage
 
 
-@pytest.fixture
-def yard() -> Yard:
-    return Yard()
-
-
 def test_a_storage_begins_full_unless_told_otherwise(yard: Yard) -> None:
     assert yard.storage.stock == {"shaft": 60, "seal": 15}
     begun = Storage(PLANT.storages["S1"], yard.clock, yard.source, stock={"shaft": 40})

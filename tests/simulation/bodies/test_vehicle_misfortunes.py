@@ -36,16 +36,6 @@ PICK = Pick(order=5, station="S1", item="shaft", quantity=20)
 DROP = Drop(order=6, station="M1")
 
 
-@pytest.fixture
-def yard() -> Yard:
-    return Yard()
-
-
-@pytest.fixture
-def vehicle(yard: Yard) -> SimVehicle:
-    return yard.vehicle()
-
-
 def place(vehicle: SimVehicle) -> tuple[float, float]:
     pose = vehicle.sense().pose
     return round(pose.x_m, 6), round(pose.y_m, 6)

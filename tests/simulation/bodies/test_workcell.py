@@ -35,11 +35,6 @@ def cell(yard: Yard, **stock: int) -> SimWorkcell:
     return workcell
 
 
-@pytest.fixture
-def yard() -> Yard:
-    return Yard()
-
-
 def test_a_new_workcell_senses_every_material_and_product(yard: Yard) -> None:
     assert yard.workcell.sense() == WorkcellState(
         stock={"shaft": 0, "seal": 0, "gear": 0, "pump": 0}, seq=0, cycling="", broken=""

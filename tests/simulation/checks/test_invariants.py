@@ -1,142 +1,41 @@
-"""Every check of an invariant can fail: it is shown what it must not accept."""
+"""Invariants of tasks, pieces and orders: every check can fail; it is shown what it must not accept."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from random import Random
-from typing import Any
 
 import msgspec
 import pytest
 from msgspec.structs import replace
+from watched import OPENED, Watched
 
-from dray.adapters.security.signing import SigningKey
-from dray.body import Admit, Drive
 from dray.messages import (
-    AtvHeartbeat,
-    AtvStatus,
-    CommandKind,
-    Event,
     HandoverAccepted,
     MachineHeartbeat,
     MachineStatus,
-    Message,
     OrderItem,
     OrderReleased,
     OrderTaken,
-    Pose,
     Production,
     Role,
-    Transport,
-    VehicleCommand,
 )
 from dray.messages.fact import (
-    AtvStatusChanged,
     AwardAnswered,
     CarrierChanged,
-    CommandObeyed,
     ContractEnded,
     ContractTaken,
-    Fact,
-    GoodsDelivered,
     OrderDropped,
     OrderFulfilled,
     TaskClosed,
-    TaskOpened,
 )
-from dray.plant import default_plant
-from dray_sim.bodies.vehicle import SimVehicle
-from dray_sim.checks.invariants import Invariants
-from dray_sim.clock.loop import VirtualClock
 from dray_sim.factory.sim_factory import SimFactory
 
-WORK = Transport(item="shaft", quantity=40, sources=("S3",), destination="M8", ability="tote")
-OPENED = TaskOpened(
-    task="M8-1",
-    epoch=1,
-    role=Role.PRIMARY,
-    round=1,
-    work=WORK,
-    radius_m=25.0,
-    deadline_s=100.0,
-    bids_until_s=1.0,
-)
 CLOSED = TaskClosed(task="M8-1", epoch=1, outcome="delivered", carrier="ATV2")
-
-
-class Watched:
-    """A factory that does not run, its invariants, and what is said to them."""
-
-    def __init__(self) -> None:
-        self.factory = SimFactory(default_plant(), VirtualClock(), seed=1)
-        self.checks = Invariants(self.factory)
-        self._at_s = 0.0
-        self._counted: dict[str, int] = {}
-
-    def say(self, sender: str, said: Fact | Message, address: str = "*") -> None:
-        self._at_s += 1.0
-        message = said
-        if isinstance(said, Fact):
-            message = Event(agent=sender, incarnation=1, number=1, at_s=self._at_s, fact=said)
-        assert isinstance(message, Message)
-        self.checks.on_message(self._at_s, sender, address, message)
-
-    def put_up(self, goal: str, quantity: int) -> None:
-        """The strategist asks who makes pumps for order O1."""
-        work = Production(product="pump-p3", quantity=quantity, order="O1", item=0)
-        self.say("strategist", replace(OPENED, task=goal, work=work))
-
-    def bring(self, goal: str, pieces: int) -> None:
-        """Pumps of a goal get in at the gate, and the strategist counts them."""
-        gate = self.factory.gate
-        gate.instruct(Admit(goal=goal, quantity=1000))
-        assert gate.enter(goal, pieces) == ""
-        self.count(goal, pieces)
-
-    def count(self, goal: str, pieces: int) -> None:
-        total = self._counted[goal] = self._counted.get(goal, 0) + pieces
-        fact = GoodsDelivered(
-            goal=goal, order="O1", item=0, product="pump-p3", quantity=pieces, delivered=total
-        )
-        self.say("strategist", fact)
-
-    @property
-    def broken(self) -> int:
-        """The number of the broken invariant; 0 while all hold."""
-        return self.checks.broken.number if self.checks.broken is not None else 0
-
-
-@pytest.fixture
-def watched() -> Watched:
-    return Watched()
 
 
 def machine_heartbeat() -> MachineHeartbeat:
     return MachineHeartbeat(machine="M8", incarnation=1, seq=1, at_s=0.0, status=MachineStatus.IDLE)
-
-
-def command(what: str) -> CommandObeyed:
-    return CommandObeyed(command=what, what=what, done=True)
-
-
-def give(
-    watched: Watched,
-    atv: str,
-    *kinds: str,
-    key: SigningKey | None = None,
-    areas: tuple[str, ...] | None = None,
-    valid_until_s: float = 1e6,
-) -> None:
-    """Somebody commands a vehicle, with a grant."""
-    for kind in kinds:
-        granted = (key or watched.factory.authority).grant(
-            atv,
-            VehicleCommand(command=kind, kind=CommandKind(kind)),
-            person="operator",
-            areas=areas,
-            valid_until_s=valid_until_s,
-        )
-        watched.say("operator", granted, f">{atv}")
 
 
 def test_a_whole_task_breaks_nothing(watched: Watched) -> None:
@@ -314,124 +213,6 @@ def test_an_order_that_was_dropped_is_not_counted(ordered: Watched) -> None:
     ordered.say("strategist", OrderDropped(order="O1"))
     ordered.say("strategist", OrderFulfilled(order="O1"))
     assert ordered.broken == 0
-
-
-def test_a_resume_without_an_acknowledge_is_noticed(watched: Watched) -> None:
-    give(watched, "ATV2", "stop", "resume")
-    watched.say("ATV2", command("stop"))
-    watched.say("ATV2", command("resume"))
-    assert watched.broken == 5
-
-
-def test_a_stop_that_ends_by_itself_is_noticed(watched: Watched) -> None:
-    give(watched, "ATV2", "stop")
-    watched.say("ATV2", command("stop"))
-    watched.say("ATV2", AtvStatusChanged(status=AtvStatus.WORKING))
-    assert watched.broken == 5
-
-
-def stopped_heartbeat(vehicle: SimVehicle) -> AtvHeartbeat:
-    return AtvHeartbeat(
-        atv=vehicle.id,
-        incarnation=1,
-        seq=1,
-        at_s=0.0,
-        status=AtvStatus.STOPPED,
-        pose=Pose(x_m=0.0, y_m=0.0, heading_rad=0.0),
-        node=vehicle.sense().node,
-        speed_mps=0.0,
-        battery_frac=1.0,
-    )
-
-
-def stop(watched: Watched, vehicle: SimVehicle) -> None:
-    """Stop it, and let it stand for longer than braking takes."""
-    give(watched, vehicle.id, "stop")
-    watched.say(vehicle.id, command("stop"))
-    for _ in range(15):
-        watched.say(vehicle.id, stopped_heartbeat(vehicle))
-
-
-def drive_off(watched: Watched, vehicle: SimVehicle) -> None:
-    here = vehicle.sense().node
-    way = watched.factory.plant.routes("heavy").way(here, "c3")
-    vehicle.instruct(Drive(order=1, nodes=way.nodes, released=len(way.nodes)))
-    watched.factory.clock.time_s += 5.0
-    watched.say(vehicle.id, stopped_heartbeat(vehicle))
-
-
-def test_a_stopped_vehicle_that_moves_is_noticed(watched: Watched) -> None:
-    vehicle = watched.factory.vehicles["ATV2"]
-    stop(watched, vehicle)
-    assert watched.broken == 0
-    drive_off(watched, vehicle)
-    assert watched.broken == 5
-
-
-def test_a_stop_is_not_forgotten_with_the_power(watched: Watched) -> None:
-    vehicle = watched.factory.vehicles["ATV2"]
-    stop(watched, vehicle)
-    vehicle.power_off()
-    vehicle.power_on()
-    drive_off(watched, vehicle)
-    assert watched.broken == 5
-
-
-def test_people_may_carry_a_stopped_vehicle(watched: Watched) -> None:
-    vehicle = watched.factory.vehicles["ATV2"]
-    stop(watched, vehicle)
-    vehicle.place_at("c3")
-    watched.say(vehicle.id, stopped_heartbeat(vehicle))
-    assert watched.broken == 0
-
-
-ATV1_IN = "AREA2"
-
-
-def test_a_command_that_was_granted_for_here_and_now_breaks_nothing(watched: Watched) -> None:
-    give(watched, "ATV1", "stop", areas=(ATV1_IN,))
-    watched.say("ATV1", command("stop"))
-    assert watched.broken == 0
-
-
-def test_a_refused_command_breaks_nothing(watched: Watched) -> None:
-    watched.say("ATV1", replace(command("stop"), done=False))
-    assert watched.broken == 0
-
-
-def test_a_command_that_nobody_has_given_is_noticed(watched: Watched) -> None:
-    watched.say("ATV1", command("stop"))
-    assert watched.broken == 9
-
-
-def test_a_command_without_a_grant_is_noticed(watched: Watched) -> None:
-    watched.say("operator", VehicleCommand(command="stop", kind=CommandKind.STOP), ">ATV1")
-    watched.say("ATV1", command("stop"))
-    assert watched.broken == 9
-
-
-@pytest.mark.parametrize(
-    "grant",
-    [
-        {"areas": ("AREA4",)},
-        {"areas": ()},
-        {"valid_until_s": 1.0},
-        {"key": SigningKey(b"a stranger's key, 32 bytes long.")},
-    ],
-    ids="".join,
-)
-def test_a_grant_for_another_place_or_time_or_by_a_stranger_is_noticed(
-    watched: Watched, grant: dict[str, Any]
-) -> None:
-    give(watched, "ATV1", "stop", **grant)
-    watched.say("ATV1", command("stop"))
-    assert watched.broken == 9
-
-
-def test_a_grant_for_another_vehicle_is_noticed(watched: Watched) -> None:
-    give(watched, "ATV3", "stop")
-    watched.say("ATV1", command("stop"))
-    assert watched.broken == 9
 
 
 def test_the_chances_of_a_factory_do_not_depend_on_one_another() -> None:

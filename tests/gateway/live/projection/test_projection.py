@@ -6,7 +6,9 @@ from typing import Any
 
 import pytest
 from facts_kit import bid, closed, delta, opened, order, tell, wall_s
-from gateway_kit import NOW_S, PLANT, atv_heartbeat, machine_heartbeat
+from fake_bus import PLANT
+from heartbeats import atv_heartbeat, machine_heartbeat
+from wall_clock import NOW_S
 
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection import atvs as atvs_module

@@ -5,7 +5,9 @@ from __future__ import annotations
 from random import Random
 
 from facts_kit import SPEED, arrived, contracted, delta, made, order, seen, tell, wall_s
-from gateway_kit import NOW_S, PLANT, events, machine_heartbeat
+from fake_bus import PLANT
+from heartbeats import events, machine_heartbeat
+from wall_clock import NOW_S
 
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection.orders import ENDED_KEPT

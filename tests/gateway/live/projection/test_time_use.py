@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 
 import pytest
-from gateway_kit import atv_heartbeat, events, machine_heartbeat
+from heartbeats import atv_heartbeat, events, machine_heartbeat
 from hypothesis import given
 from hypothesis import strategies as st
 

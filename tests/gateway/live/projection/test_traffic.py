@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from gateway_kit import PLANT, House, atv_heartbeat
+from fake_bus import PLANT
+from gateway_kit import House
+from heartbeats import atv_heartbeat
 
 from dray.gateway.live.projection.figures.traffic import WINDOW_S, Traffic
 from dray.messages import AtvHeartbeat

@@ -5,7 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from gateway_kit import NOW_S, PLANT, House, events, machine_heartbeat
+from facts_kit import answer as answered
+from facts_kit import award as asked
+from facts_kit import refused
+from fake_bus import PLANT
+from gateway_kit import House
+from heartbeats import events, machine_heartbeat
+from wall_clock import NOW_S
 
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection.auctions.bids import MAX_BIDS
@@ -24,10 +30,7 @@ from dray.messages import (
 )
 from dray.messages.fact import (
     AnyFact,
-    AwardAnswered,
-    AwardGiven,
     BidReceived,
-    BidRefused,
     CarrierChanged,
     ContractEnded,
     ContractTaken,
@@ -93,20 +96,6 @@ def bid(bidder: str, total_s: float, round: int = 1, epoch: int = 1, **fields: A
         "finish_s": 100 + total_s,
     }
     return BidReceived(task="T1", epoch=epoch, round=round, bidder=bidder, total_s=total_s, **usual | fields)
-
-
-def asked(bidder: str, epoch: int = 1) -> AwardGiven:
-    return AwardGiven(task="T1", epoch=epoch, role=Role.PRIMARY, bidder=bidder, rank=1)
-
-
-def answered(
-    bidder: str, answer: str = "accepted", epoch: int = 1, role: Role = Role.PRIMARY
-) -> AwardAnswered:
-    return AwardAnswered(task="T1", epoch=epoch, role=role, bidder=bidder, answer=answer)
-
-
-def refused(reason: Refusal, epoch: int = 1) -> BidRefused:
-    return BidRefused(task="T1", epoch=epoch, role=Role.PRIMARY, reason=reason)
 
 
 def failed(bids: int = 0, round: int = 1) -> RoundFailed:  # noqa: A002

@@ -1,4 +1,4 @@
-"""What the tests of agents share: rigs that run one agent as a plain function, with a body of paper.
+"""Rigs that run one agent as a plain function, with a body of paper.
 
 A rig stands for the worker and for the world. It keeps the time, wakes its agent when the agent wants to
 be woken, and keeps everything that the agent wants done until a test asks for it. Nothing moves by itself:
@@ -7,11 +7,14 @@ a test says when a vehicle has arrived, a cycle has ended, an answer has come.
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
+from typing import Any
 
-import msgspec
 import plentiful
+from credulous import believing
+from defaults import PLANT
+from effects import T, award_number, instructed, published, sent
 from seals import trusts_seals
+from spoken import accepted, bid
 
 from dray.body import (
     ActionDone,
@@ -36,276 +39,31 @@ from dray.body import (
 from dray.memory import Memory
 from dray.messages import (
     Accepted,
-    AtvHeartbeat,
-    AtvStatus,
     Award,
-    Bid,
-    Brief,
     Confirmed,
-    Declined,
-    GoalBrief,
-    Handover,
-    MachineHeartbeat,
-    MachineStatus,
     Message,
     Pose,
     Production,
-    ProductionCost,
-    Refusal,
     Role,
-    TaskAnnounced,
-    Transport,
-    TransportCost,
-    Work,
 )
-from dray.messages.keys import Keys
-from dray.plant import default_plant
-from dray.protocol.contract_net.assessment import Assessor
-from dray.protocol.liveness.progress import Progress
 from dray.protocol.machine.machine import Machine
 from dray.protocol.runtime.events import (
-    NEVER_S,
     Agent,
-    Commit,
     Effect,
     Event,
     Heard,
-    Ignore,
-    Instruct,
     Leave,
     Leaving,
-    Publish,
-    Record,
     Reported,
     Send,
     Started,
-    Subscribe,
-    Unsubscribe,
     Woke,
 )
 from dray.protocol.strategist.strategist import Strategist
 from dray.protocol.vehicle.atv import Atv
 
-PLANT = default_plant()
-KEYS = Keys(PLANT.id)
-
 WAKES_PER_INSTANT = 100
 """More than any agent has alarms: one that wants to be woken more often without time passing spins."""
-
-SOME_TIME_S = 1e6
-"""When a paper vehicle says to be done: later than any test lasts, so that it is no bid for the impossible."""
-
-T = TypeVar("T")
-
-
-class Credulous(Assessor):
-    """Believes every bid, and gives every carrier all the time: for tests in which prices are plain numbers."""
-
-    def __init__(self) -> None:
-        super().__init__(PLANT, [])
-
-    def refuses(self, bidder: str, work: Work, bid: Bid, now_s: float) -> bool:
-        """Nothing is said against it."""
-        return False
-
-    def progress(self, promised_s: float, now_s: float) -> Progress:
-        """None is asked for."""
-        return Progress(SOME_TIME_S, SOME_TIME_S, now_s)
-
-
-def believing(machine: Machine) -> Machine:
-    """Let a machine believe its bidders and its carriers: a load is down when its carrier says so."""
-    tasks, handle = machine._flow.tasks, machine._message_handlers[Handover]
-    credulous = Credulous()
-    tasks._auctions._assessor = tasks.failover._assessor = credulous
-    credulous.reliability = tasks.reliability
-
-    def on_handover(sender: str, message: Handover, now_s: float) -> None:
-        task = tasks.get(message.task)
-        if task is not None:
-            task.witnessed = False
-            goal = machine._goals.get(task.work.goal) if isinstance(task.work, Transport) else None
-            if goal is not None:
-                goal.arrived = goal.delivered + message.quantity
-        handle(sender, message, now_s)
-
-    machine._message_handlers = {**machine._message_handlers, Handover: on_handover}
-    return machine
-
-
-# --- reading effects -----------------------------------------------------------------------------
-
-
-def deeds(effects: list[Effect]) -> list[Effect]:
-    """Everything but the counting of what changed nothing."""
-    return [effect for effect in effects if not isinstance(effect, Ignore)]
-
-
-def sent(effects: list[Effect], kind: type[T], to: str | None = None) -> list[T]:
-    """Messages of one kind that were sent to one agent, or to anybody."""
-    return [
-        effect.message
-        for effect in effects
-        if isinstance(effect, Send) and isinstance(effect.message, kind) and to in (None, effect.to)
-    ]
-
-
-def published(effects: list[Effect], kind: type[T]) -> list[T]:
-    """Messages of one kind that were published; one that went to several keys counts once."""
-    found: list[T] = []
-    for effect in effects:
-        if isinstance(effect, Publish) and isinstance(effect.message, kind) and effect.message not in found:
-            found.append(effect.message)
-    return found
-
-
-def facts(effects: list[Effect], kind: type[T]) -> list[T]:
-    """Facts of one kind that were recorded."""
-    return [effect.fact for effect in effects if isinstance(effect, Record) and isinstance(effect.fact, kind)]
-
-
-def instructed(effects: list[Effect], kind: type[T]) -> list[T]:
-    """Instructions of one kind that the body was given."""
-    return [
-        effect.instruction
-        for effect in effects
-        if isinstance(effect, Instruct) and isinstance(effect.instruction, kind)
-    ]
-
-
-def remember(memory: Memory, effects: list[Effect]) -> Memory:
-    """What a journal holds after these effects."""
-    notes = dict(memory)
-    for effect in effects:
-        if isinstance(effect, Commit) and effect.note is None:
-            notes.pop(effect.name, None)
-        elif isinstance(effect, Commit) and effect.note is not None:
-            notes[effect.name] = effect.note
-    return notes
-
-
-def committed(effects: list[Effect]) -> Memory:
-    """What was written down by these effects, and is not forgotten again; empty when nothing was."""
-    return remember({}, effects)
-
-
-def listening(effects: list[Effect]) -> set[str]:
-    """The keys that were subscribed and not unsubscribed again."""
-    keys: set[str] = set()
-    for effect in effects:
-        if isinstance(effect, Subscribe):
-            keys.add(effect.key)
-        elif isinstance(effect, Unsubscribe):
-            keys.discard(effect.key)
-    return keys
-
-
-def award_number(effects: list[Effect], to: str, task: str = "T1", role: Role = Role.PRIMARY) -> int:
-    """The number of the newest award of a task to one agent, which its answer carries; 1 when none was."""
-    numbers = [
-        given.number for given in sent(effects, Award, to=to) if (given.task, given.role) == (task, role)
-    ]
-    return numbers[-1] if numbers else 1
-
-
-# --- things to say -------------------------------------------------------------------------------
-
-
-def transport(**changes: Any) -> Transport:
-    """Forty shafts from S3 to M8, unless told otherwise."""
-    work = Transport(item="shaft", quantity=40, sources=("S3",), destination="M8", ability="tote")
-    return msgspec.structs.replace(work, **changes)
-
-
-def production(**changes: Any) -> Production:
-    """A lot of pumps for order O1, unless told otherwise."""
-    return msgspec.structs.replace(Production(product="pump-p3", quantity=24, order="O1", item=0), **changes)
-
-
-def announcement(**changes: Any) -> TaskAnnounced:
-    """M8 asks the whole plant for a carrier of `transport()`, unless told otherwise."""
-    x_m, y_m = PLANT.position_of("M8")
-    message = TaskAnnounced(
-        task="M8-1",
-        epoch=1,
-        role=Role.PRIMARY,
-        coordinator="M8",
-        work=transport(),
-        deadline_s=3600.0,
-        x_m=x_m,
-        y_m=y_m,
-        radius_m=PLANT.diameter_m,
-    )
-    return msgspec.structs.replace(message, **changes)
-
-
-def award(**changes: Any) -> Award:
-    """M8 awards M8-1 to a primary, unless told otherwise."""
-    message = Award(task="M8-1", epoch=1, role=Role.PRIMARY, work=transport(), deadline_s=3600.0)
-    return msgspec.structs.replace(message, **changes)
-
-
-def bid(
-    cost_s: float,
-    *,
-    task: str = "T1",
-    epoch: int = 1,
-    role: Role = Role.PRIMARY,
-    round: int = 1,  # noqa: A002
-    finish_s: float = SOME_TIME_S,
-    source: str = "S3",
-) -> Bid:
-    """A bid for a transport at a price, all of it for the loaded way."""
-    cost = TransportCost(empty_way_s=0.0, loaded_way_s=cost_s, energy_s=0.0, suitability_s=0.0)
-    return Bid(task=task, epoch=epoch, role=role, round=round, cost=cost, finish_s=finish_s, source=source)
-
-
-def goal_bid(goal: str, cost_s: float, *, epoch: int = 1) -> Bid:
-    """A machine's bid for a goal at a price."""
-    cost = ProductionCost(queue_s=0.0, material_s=0.0, making_s=cost_s)
-    return Bid(task=goal, epoch=epoch, role=Role.PRIMARY, round=1, cost=cost, finish_s=SOME_TIME_S)
-
-
-def accepted(task: str = "T1", *, epoch: int = 1, role: Role = Role.PRIMARY, number: int = 1) -> Accepted:
-    return Accepted(task=task, epoch=epoch, role=role, finish_s=100.0, number=number)
-
-
-def declined(
-    task: str = "T1",
-    *,
-    epoch: int = 1,
-    role: Role = Role.PRIMARY,
-    reason: Refusal = Refusal.BUSY,
-    number: int = 1,
-) -> Declined:
-    return Declined(task=task, epoch=epoch, role=role, reason=reason, number=number)
-
-
-def rhb(atv: str, seq: int, at_s: float, *, task: str = "", coordinator: str = "M8") -> AtvHeartbeat:
-    """A vehicle's heartbeat: working at a task, or idle."""
-    brief = Brief(task=task, epoch=1, role=Role.PRIMARY, coordinator=coordinator) if task else None
-    return AtvHeartbeat(
-        atv=atv,
-        incarnation=1,
-        seq=seq,
-        at_s=at_s,
-        status=AtvStatus.WORKING if task else AtvStatus.IDLE,
-        pose=Pose(x_m=0.0, y_m=0.0, heading_rad=0.0),
-        node="a1",
-        speed_mps=0.0,
-        battery_frac=0.9,
-        task=brief,
-    )
-
-
-def mhb(machine: str, *goals: GoalBrief, seq: int = 1) -> MachineHeartbeat:
-    """A machine's heartbeat that tells of its goals."""
-    return MachineHeartbeat(
-        machine=machine, incarnation=1, seq=seq, at_s=0.0, status=MachineStatus.PRODUCING, goals=goals
-    )
-
-
-# --- rigs ----------------------------------------------------------------------------------------
 
 
 class Rig:
@@ -558,32 +316,3 @@ class StrategistRig(Rig):
         """The gate says how many pieces of a goal are in."""
         arrived = GoodsArrived(goal=goal, arrived=self.arrived.get(goal, 0), admitted=self.admitted(goal))
         return self.report(arrived)
-
-
-__all__ = [
-    "KEYS",
-    "NEVER_S",
-    "PLANT",
-    "MachineRig",
-    "Rig",
-    "StrategistRig",
-    "VehicleRig",
-    "accepted",
-    "announcement",
-    "award",
-    "award_number",
-    "bid",
-    "committed",
-    "declined",
-    "deeds",
-    "facts",
-    "goal_bid",
-    "instructed",
-    "listening",
-    "mhb",
-    "production",
-    "published",
-    "rhb",
-    "sent",
-    "transport",
-]

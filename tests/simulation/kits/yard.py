@@ -12,7 +12,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from heapq import heappop
 
-from dray.body import Drive, Instruction, OpenDock, Report
+from dray.body import (
+    Drive,
+    Hold,
+    Instruction,
+    NodePassed,
+    OpenDock,
+    Pick,
+    Report,
+    Unhold,
+)
 from dray.plant import (
     BillLine,
     Box,
@@ -41,6 +50,7 @@ from dray_sim.clock.loop import VirtualClock
 
 BOX = Box(5.0, 5.0, 1.0, 1.0)
 
+
 LIGHT = VehicleType(
     id="light",
     name="Light",
@@ -53,6 +63,7 @@ LIGHT = VehicleType(
     idle_w=36.0,
 )
 """One metre per second after one metre; the battery loses a ten-thousandth per second of standing."""
+
 
 TO_CORNER = ("west", "middle", "east", "north", "corner")
 
@@ -169,3 +180,19 @@ class Yard:
 def drive(*nodes: str, order: int = 1, released: int | None = None) -> Drive:
     """A way, all of it released unless told otherwise."""
     return Drive(order=order, nodes=nodes, released=len(nodes) if released is None else released)
+
+
+HOLD, UNHOLD = Hold(), Unhold()
+
+
+def passed(yard: Yard) -> list[tuple[float, str]]:
+    """When which node was passed, in hundredths of a second."""
+    return [(round(at_s, 2), said.node) for at_s, _, said in yard.said if isinstance(said, NodePassed)]
+
+
+def place(vehicle: SimVehicle) -> tuple[float, float]:
+    pose = vehicle.sense().pose
+    return round(pose.x_m, 6), round(pose.y_m, 6)
+
+
+PICK = Pick(order=5, station="S1", item="shaft", quantity=20)

@@ -25,7 +25,7 @@ from dray.plant import Plant, default_plant, plant_yaml, shipped_plant
 from dray.settings import PREFIX, Settings, host_and_port
 from dray_sim.plants.generator import generate_plant
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 SECRETS = "/run/secrets/"
 
 VARIABLES = {f"{PREFIX}{field.upper()}" for field in Settings.model_fields}

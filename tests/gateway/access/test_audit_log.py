@@ -1,0 +1,181 @@
+"""The audit log: who has done what, and what was refused to whom."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+import httpx
+import pytest
+from answers import problem, vehicle
+from gateway_kit import House, draft
+from heartbeats import atv_heartbeat
+from sqlalchemy.exc import OperationalError
+from wall_clock import NOW_S
+
+from dray.errors import UnavailableError
+from dray.gateway.access.principal import Role, Scope
+from dray.store.access.audit import Audit
+from dray.store.database.database import Database
+
+pytestmark = pytest.mark.anyio
+
+
+async def test_who_did_what_is_written_down_with_what_came_of_it(house: House) -> None:
+    boss = await house.log_in("boss")
+    house.bus.say(atv_heartbeat("ATV1"))
+    vehicle(house, done=False, reason="acknowledge first")
+    placed = (await boss.post("/api/orders", json=draft())).json()
+    await boss.post(f"/api/orders/{placed['id']}/cancel")
+    await boss.post("/api/orders", json=draft(customer=""))
+    await boss.post("/api/atvs/ATV1/commands", json={"kind": "resume"})
+    await boss.post("/api/atvs/ATV99/commands", json={"kind": "stop"})
+    rows = [row for row in await house.audit(who="boss") if row.action != "login"][::-1]
+    assert [(row.action, row.target, row.result) for row in rows] == [
+        ("order.place", placed["id"], "done"),
+        ("order.cancel", placed["id"], "done"),
+        ("order.place", "", "refused"),
+        ("vehicle.command", "ATV1", "refused"),
+        ("vehicle.command", "ATV99", "refused"),
+    ]
+    assert len({row.session for row in rows}) == 1
+    told = (await boss.get("/api/audit", params={"target": "ATV1"})).json()["items"][0]
+    assert told["detail"]["kind"] == "resume"
+    assert told["detail"]["reason"] == "acknowledge first"
+    assert (told["who"], told["who_kind"], told["from_ip"]) == ("boss", "person", "127.0.0.1")
+
+
+async def test_what_the_rules_refuse_is_written_down_too(house: House, visitor: httpx.AsyncClient) -> None:
+    ana = await house.log_in("ana", Role.OPERATOR, "AREA1")
+    await ana.post("/api/orders", json=draft())
+    _, header = await house.key(Scope.ORDERS_READ)
+    await visitor.post("/api/orders", json=draft(), headers=header)
+    await visitor.post("/api/orders", json=draft())
+    rows = await house.audit(action="order.place")
+    assert [(row.who_kind, row.result) for row in rows] == [("key", "refused"), ("person", "refused")]
+
+
+async def test_reading_is_not_written_down(house: House) -> None:
+    for path in ("/api/orders", "/api/atvs", "/api/audit"):
+        await house.get(path)
+    assert await house.audit() == []
+
+
+async def test_a_line_is_on_disk_before_its_answer_leaves(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun, written = asyncio.Event(), asyncio.Event()
+    add = Audit.add
+
+    async def slowly(audit: Audit, row: Any) -> int:
+        begun.set()
+        await written.wait()
+        return await add(audit, row)
+
+    order = await house.place()
+    monkeypatch.setattr(Audit, "add", slowly)
+    asking = asyncio.create_task(house.client.post(f"/api/orders/{order['id']}/cancel"))
+    await begun.wait()
+    assert not asking.done()
+    written.set()
+    assert (await asking).status_code == 200
+    assert len(await house.audit(action="order.cancel")) == 1
+
+
+async def test_an_order_and_its_line_are_on_disk_together_before_the_answer_leaves(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun, go_on = asyncio.Event(), asyncio.Event()
+    do = Database.do
+
+    async def slowly(database: Database, *work: Any) -> Any:
+        begun.set()
+        await go_on.wait()
+        return await do(database, *work)
+
+    monkeypatch.setattr(Database, "do", slowly)
+    asking = asyncio.create_task(house.client.post("/api/orders", json=draft()))
+    await begun.wait()
+    assert not asking.done()
+    assert (await house.orders_kept(), await house.audit(action="order.place")) == (0, [])
+    go_on.set()
+    placed = await asking
+    assert placed.status_code == 201
+    lines = await house.audit(action="order.place")
+    assert [(line.result, line.target) for line in lines] == [("done", placed.json()["id"])]
+    assert await house.orders_kept() == 1
+
+
+async def test_a_stop_waits_for_no_disk_and_its_line_is_written_when_there_is_one(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    house.bus.say(atv_heartbeat("ATV1"))
+    vehicle(house)
+
+    async def fail(_audit: Audit, _row: Any) -> int:
+        raise OperationalError("INSERT", {}, Exception("disk full"))
+
+    with monkeypatch.context() as broken:
+        broken.setattr(Audit, "add", fail)
+        for _ in range(2):
+            assert (
+                await house.client.post("/api/atvs/ATV1/commands", json={"kind": "stop"})
+            ).status_code == 200
+            house.wall.now_s += 1.0
+        trail = house.access.audit_log
+        with pytest.raises(UnavailableError):
+            await trail.catch_up()
+        assert trail.waiting == 2
+    lines = await house.audit(action="vehicle.command")
+    assert [(line.target, line.result, line.at_s) for line in lines] == [
+        ("ATV1", "done", NOW_S + 1.0),
+        ("ATV1", "done", NOW_S),
+    ]
+
+
+async def test_an_action_that_cannot_be_written_down_is_done_and_said_so(
+    house: House, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    house.bus.say(atv_heartbeat("ATV1"))
+    heard = vehicle(house)
+
+    async def fail(_audit: Audit, _row: Any) -> int:
+        raise OperationalError("INSERT", {}, Exception("disk full"))
+
+    monkeypatch.setattr(Audit, "add", fail)
+    answer = await house.client.post("/api/atvs/ATV1/commands", json={"kind": "resume"})
+    problem(answer, 503, "not-recorded")
+    assert len(heard) == 1
+    assert "not in the audit log: vehicle.command by admin, about ATV1" in caplog.text
+
+
+async def test_a_bug_is_written_down_as_failed(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_all: Any, **_more: Any) -> None:
+        raise RuntimeError
+
+    monkeypatch.setattr("dray.gateway.routes.orders.orders.order_answer", broken)
+    problem(await house.client.post("/api/orders", json=draft()), 500, "bug")
+    (row,) = await house.audit()
+    assert (row.action, row.result) == ("order.place", "failed")
+
+
+async def test_the_log_is_read_in_pages_and_as_a_table_without_formulas(house: House) -> None:
+    for _ in range(5):
+        await house.client.post("/api/atvs/=HYPERLINK(1)/commands", json={"kind": "stop"})
+    first = await house.get("/api/audit", limit=3)
+    assert len(first["items"]) == 3
+    rest = await house.get("/api/audit", limit=3, cursor=first["next_cursor"])
+    assert (len(rest["items"]), rest["next_cursor"]) == (2, None)
+    assert await house.get("/api/audit", since=NOW_S + 1) == {"items": [], "next_cursor": None}
+    assert len((await house.get("/api/audit", until=NOW_S + 1, result="refused"))["items"]) == 5
+    table = await house.client.get("/api/audit", params={"format": "csv"})
+    assert table.headers["content-type"].startswith("text/csv")
+    lines = table.text.splitlines()
+    assert lines[0].startswith("position,at,who,who_kind,from_ip,session,action,target,result,detail")
+    assert len(lines) == 6
+    assert "'=HYPERLINK(1)" in lines[1]
+
+
+@pytest.mark.parametrize("query", ["since=-1", "since=x", "until=nan", "result=lost", "who=" + "x" * 129])
+async def test_a_question_to_the_log_that_cannot_be_answered_is_refused(house: House, query: str) -> None:
+    problem(await house.client.get(f"/api/audit?{query}"), 422, "unusable-fields")

@@ -1,0 +1,14 @@
+"""The plant in which agents are tested, and its keys."""
+
+from __future__ import annotations
+
+from dray.messages.keys import Keys
+from dray.plant import default_plant
+
+PLANT = default_plant()
+
+KEYS = Keys(PLANT.id)
+
+
+SOME_TIME_S = 1e6
+"""When a paper vehicle says to be done: later than any test lasts, so that it is no bid for the impossible."""

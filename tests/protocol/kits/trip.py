@@ -1,0 +1,137 @@
+"""A transport job with nobody around it, for tests."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from defaults import PLANT
+from effects import facts, instructed
+from spoken import transport
+
+from dray.body import Drive, Drop, Pick, VehicleState, WayDone
+from dray.memory import Contract
+from dray.messages import (
+    DockHeld,
+    DockOpened,
+    Message,
+    Phase,
+    Pose,
+    Superseded,
+)
+from dray.messages.fact import PhaseEntered
+from dray.protocol.runtime.events import NEVER_S, Effect
+from dray.protocol.runtime.timers import Timers
+from dray.protocol.vehicle.driving import Driver
+from dray.protocol.vehicle.transport_job import TransportJob
+
+ROUTES = PLANT.routes("light")
+
+GOODS: dict[str, Any] = {
+    "item": "pump-p3",
+    "quantity": 24,
+    "sources": ("M8",),
+    "destination": "DELIVERY",
+    "goal": "G8",
+}
+
+
+class Trip:
+    """A job, the vehicle under it and the time."""
+
+    def __init__(self, node: str = "p3", source: str = "S3", **changes: Any) -> None:
+        self.out: list[Effect] = []
+        self.now_s = 0.0
+        self.timers = Timers()
+        self.driver = Driver(PLANT, "light", self.out)
+        spot = PLANT.nodes[node]
+        state = VehicleState(
+            pose=Pose(x_m=spot.x_m, y_m=spot.y_m, heading_rad=0.0),
+            node=node,
+            next_node=node,
+            next_node_s=0.0,
+            speed_mps=0.0,
+            battery_frac=0.9,
+            load="",
+            load_quantity=0,
+            held=False,
+            charging=False,
+        )
+        self.driver.sense(state)
+        self.job = TransportJob(
+            "ATV1",
+            Contract(
+                task="M8-1",
+                epoch=1,
+                work=transport(**changes),
+                coordinator="M8",
+                source=source,
+                promised_s=100.0,
+                deadline_s=300.0,
+            ),
+            plant=PLANT,
+            vehicle_type="light",
+            driver=self.driver,
+            timers=self.timers,
+            out=self.out,
+        )
+        self.load = ""
+        self.job.begin(0.0)
+
+    @property
+    def phases(self) -> list[Phase]:
+        return [fact.phase for fact in facts(self.out, PhaseEntered)]
+
+    def arrives(self, *, opens: bool = True) -> None:
+        """The newest way is driven; a storage lets the vehicle load at once, unless the test answers for it."""
+        way = instructed(self.out, Drive)[-1]
+        self.driver.on_done(WayDone(order=way.order, node=way.nodes[-1]))
+        self.job.arrived(self.now_s)
+        source = self.job.source
+        if opens and self.job.phase is Phase.LOADING and source in PLANT.storages:
+            self.opened(source)
+
+    def hears(self, message: Message) -> None:
+        self.job.on_answer(message, self.now_s)
+
+    def opened(self, station: str = "M8") -> None:
+        self.hears(DockOpened(task="M8-1", epoch=1, station=station))
+
+    def held(self, station: str = "M8") -> None:
+        self.hears(DockHeld(task="M8-1", epoch=1, station=station, reason="the buffer is full"))
+
+    def superseded(self) -> None:
+        self.hears(Superseded(task="M8-1", epoch=2))
+
+    def done(self, kind: type[Pick | Drop]) -> None:
+        self.load = self.job.work.item if kind is Pick else ""
+        self.job.action_done(instructed(self.out, kind)[-1].order, self.now_s)
+
+    def fails(self, kind: type[Pick | Drop]) -> None:
+        self.job.action_failed(instructed(self.out, kind)[-1].order, "no contact", self.now_s)
+
+    def waits(self) -> None:
+        """Until the alarm."""
+        assert self.timers.next_s < NEVER_S
+        self.now_s = self.timers.next_s
+        for _ in self.timers.due(self.now_s):
+            self.job.wake(self.load, self.now_s)
+
+    def to_loading(self) -> Trip:
+        self.arrives()
+        return self
+
+    def to_carrying(self) -> Trip:
+        self.to_loading().done(Pick)
+        return self
+
+    def to_unloading(self) -> Trip:
+        self.to_carrying().arrives()
+        return self
+
+    def to_dropping(self) -> Trip:
+        self.to_unloading().opened()
+        return self
+
+    def to_handing_over(self) -> Trip:
+        self.to_dropping().done(Drop)
+        return self

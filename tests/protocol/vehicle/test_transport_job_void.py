@@ -1,0 +1,176 @@
+"""A committed transport whose contract is void: what becomes of the load."""
+
+from __future__ import annotations
+
+import pytest
+from defaults import PLANT
+from effects import instructed, sent
+from trip import GOODS, ROUTES, Trip
+
+from dray.body import Drive, Drop, Pick
+from dray.messages import (
+    Handover,
+    Message,
+    Phase,
+    Superseded,
+    Withdrawn,
+)
+from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.vehicle.transport_job import RETRY_S, TRIES
+
+
+@pytest.mark.parametrize(
+    ("message", "reason"),
+    [
+        (Superseded(task="M8-1", epoch=2), "superseded"),
+        (Withdrawn(task="M8-1", epoch=1, reason="not needed any more"), "withdrawn"),
+    ],
+)
+def test_without_a_load_a_void_contract_just_ends(message: Message, reason: str) -> None:
+    trip = Trip()
+    trip.hears(message)
+    assert trip.job.ended == reason
+    assert trip.timers.next_s == NEVER_S
+
+
+def test_a_superseded_primary_returns_its_load_to_the_nearest_storage_that_keeps_it() -> None:
+    trip = Trip().to_carrying()
+    trip.superseded()
+    assert trip.job.phase is Phase.RETURNING
+    assert trip.job.ended == ""
+    here = trip.driver.next_node
+    keeping = PLANT.storages_of("shaft")
+    nearest = min(keeping, key=lambda each: ROUTES.duration_s(here, PLANT.node_of(each)))
+    assert instructed(trip.out, Drive)[-1].nodes[-1] == PLANT.node_of(nearest)
+    trip.arrives()
+    assert instructed(trip.out, Drop)[-1].station == nearest
+    trip.done(Drop)
+    assert trip.job.ended == "superseded"
+
+
+def test_a_superseded_primary_at_the_dock_puts_nothing_down_there() -> None:
+    trip = Trip().to_unloading()
+    trip.superseded()
+    assert trip.job.phase is Phase.RETURNING
+    trip.opened()
+    assert instructed(trip.out, Drop) == []
+
+
+def test_a_contract_that_is_void_while_it_loads_ends_after_the_load_is_back() -> None:
+    trip = Trip().to_loading()
+    trip.superseded()
+    assert trip.job.ended == ""
+    trip.done(Pick)
+    assert trip.job.phase is Phase.RETURNING
+    trip.arrives() if not instructed(trip.out, Drop) else None
+    trip.done(Drop)
+    assert trip.job.ended == "superseded"
+
+
+def test_a_contract_that_is_void_while_a_pick_fails_ends() -> None:
+    trip = Trip().to_loading()
+    trip.superseded()
+    trip.fails(Pick)
+    assert trip.job.ended == "superseded"
+
+
+def test_a_contract_that_is_void_while_a_drop_fails_ends_after_the_load_is_back() -> None:
+    trip = Trip().to_dropping()
+    trip.superseded()
+    trip.fails(Drop)
+    assert trip.job.phase is Phase.RETURNING
+    trip.arrives()
+    trip.done(Drop)
+    assert trip.job.ended == "superseded"
+
+
+def test_a_contract_that_is_void_while_it_unloads_ends_without_a_handover() -> None:
+    trip = Trip().to_dropping()
+    trip.superseded()
+    assert trip.job.ended == ""
+    trip.done(Drop)
+    assert trip.job.ended == "superseded"
+    assert sent(trip.out, Handover) == []
+    assert trip.timers.next_s == NEVER_S
+
+
+def test_goods_of_a_void_contract_are_set_aside_at_the_delivery_warehouse() -> None:
+    trip = Trip(source="M8", **GOODS).to_loading()
+    trip.opened("M8")
+    trip.done(Pick)
+    trip.superseded()
+    assert trip.job.phase is Phase.RETURNING
+    trip.arrives()
+    drop = instructed(trip.out, Drop)[-1]
+    assert (drop.station, drop.goal) == ("DELIVERY", "")
+    trip.done(Drop)
+    assert trip.job.ended == "superseded"
+
+
+def test_material_for_which_no_storage_has_room_goes_back_to_where_it_came_from() -> None:
+    trip = Trip().to_carrying()
+    trip.superseded()
+    full = []
+    for _ in PLANT.storages_of("shaft"):
+        trip.arrives()
+        full.append(instructed(trip.out, Drop)[-1].station)
+        for _ in range(TRIES - 1):
+            trip.fails(Drop)
+            trip.waits()
+        trip.fails(Drop)
+    assert sorted(full) == sorted(PLANT.storages_of("shaft"))
+    trip.arrives()
+    assert instructed(trip.out, Drop)[-1].station in PLANT.source_warehouses
+    trip.done(Drop)
+    assert trip.job.ended == "superseded"
+
+
+def test_a_load_that_could_not_be_put_back_is_tried_again_after_a_while() -> None:
+    trip = Trip().to_carrying()
+    trip.superseded()
+    trip.arrives()
+    trip.fails(Drop)
+    assert len(instructed(trip.out, Drop)) == 1
+    trip.waits()
+    assert trip.now_s == RETRY_S
+    assert len(instructed(trip.out, Drop)) == 2
+    trip.done(Drop)
+    assert trip.job.ended == "superseded"
+
+
+@pytest.mark.parametrize(
+    ("ours", "theirs", "void"), [(2, 1, False), (2, 2, True), (2, 3, True), (2, 0, True)]
+)
+def test_a_contract_is_superseded_by_its_own_epoch_a_later_one_or_the_end_of_the_task(
+    ours: int, theirs: int, void: bool
+) -> None:
+    trip = Trip()
+    trip.job.epoch = ours
+    trip.hears(Superseded(task="M8-1", epoch=theirs))
+    assert bool(trip.job.ended) is void
+
+
+def test_a_contract_that_is_void_after_unloading_ends() -> None:
+    trip = Trip().to_handing_over()
+    trip.superseded()
+    assert trip.job.ended == "superseded"
+
+
+def test_a_contract_becomes_void_once() -> None:
+    trip = Trip().to_carrying()
+    trip.superseded()
+    trip.superseded()
+    trip.hears(Withdrawn(task="M8-1", epoch=1, reason="not needed any more"))
+    assert trip.phases.count(Phase.RETURNING) == 1
+    trip.arrives()
+    trip.done(Drop)
+    assert trip.job.ended == "superseded"
+
+
+def test_a_refused_way_back_is_asked_for_again() -> None:
+    trip = Trip().to_carrying()
+    trip.superseded()
+    goal = instructed(trip.out, Drive)[-1].nodes[-1]
+    trip.job.way_refused(0.0)
+    trip.waits()
+    assert instructed(trip.out, Drive)[-1].nodes[-1] == goal
