@@ -25,7 +25,8 @@ from dray.protocol.liveness.suspicion import (
     bound_s,
 )
 from dray.protocol.runtime.retransmission import ASK_AGAIN_S
-from dray.protocol.vehicle import dwell_points, idle_positioning, pricing, transport_job
+from dray.protocol.vehicle import dwell_points, idle_positioning, pricing
+from dray.protocol.vehicle.job import job_messages, job_moves, transport_job
 from dray.store.history import gaps
 
 ROOT = Path(__file__).parents[2]
@@ -124,9 +125,9 @@ IN_TYPESCRIPT: dict[str, dict[str, Any]] = {
     "vehicle.ts": {"WORKING_BEAT_S": WORKING_INTERVAL_S, "IDLE_BEAT_S": IDLE_INTERVAL_S},
     "transport-job.ts": {
         "ASK_AGAIN_S": ASK_AGAIN_S,
-        "HELD_ASK_AGAIN_S": transport_job.HELD_ASK_AGAIN_S,
+        "HELD_ASK_AGAIN_S": job_messages.HELD_ASK_AGAIN_S,
         "WAITS_AT_LEAST_S": transport_job.WAITS_AT_LEAST_S,
-        "RETRY_S": transport_job.RETRY_S,
+        "RETRY_S": job_moves.RETRY_S,
     },
     "rest.ts": {
         "SETTLE_S": idle_positioning.SETTLE_S,
@@ -150,5 +151,5 @@ def test_the_documentation_for_other_agents_tells_the_same_figures() -> None:
     assert f"{WORKING_INTERVAL_S:g} s with a task, {IDLE_INTERVAL_S:g} s without" in text
     assert f"Clocks must agree within {CLOCKS_AGREE_S:g} s" in text
     assert f"silent for {bound_s(WORKING_INTERVAL_S):g} s" in text
-    assert f"`Docked` after `DockHeld` | {transport_job.HELD_ASK_AGAIN_S:g} s" in text
+    assert f"`Docked` after `DockHeld` | {job_messages.HELD_ASK_AGAIN_S:g} s" in text
     assert f"it is yours after {dwell_points.CONTEST_S:g} s" in text

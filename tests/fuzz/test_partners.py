@@ -38,7 +38,7 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.protocol.contract_net.parties import Word, contract_of
-from dray.protocol.machine.transports import ADOPT_S
+from dray.protocol.machine.transports.transports import ADOPT_S
 from dray.protocol.runtime.events import Ignore, Send
 
 CALM_S = 60.0

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from dray.errors import PlantError, PlantErrors
 from dray.plant import default_plant, load_plant, parse_plant, plant_yaml, sum_up
-from dray.plant.file import MAX_BYTES, MAX_FAULTS
+from dray.plant.file.file import MAX_BYTES, MAX_FAULTS
 
 Break = Callable[..., list[tuple[str, str]]]
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from dray.errors import SettingsError
 from dray.plant import Plant, default_plant, parse_plant, plant_yaml
-from dray.plant.check import faults
+from dray.plant.file.check import faults
 from dray_sim.plants.generator import generate_plant
 
 

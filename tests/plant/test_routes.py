@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from dray.errors import NoWay
 from dray.plant import Lane, Node, Plant, Roads, Routes, VehicleType, bends, default_plant, parse_plant
 from dray.plant import routes as routes_module
-from dray_sim.bodies.motion import Stretch, plan
+from dray_sim.bodies.vehicle.motion import Stretch, plan
 
 FAST = VehicleType(id="fast", name="Fast", max_speed_mps=1.5, acceleration_mps2=0.6, turn_speed_mps=0.5)
 

@@ -20,8 +20,9 @@ from dray.messages import DockHeld, DockOpened, HandoverAccepted, Phase, Pose, S
 from dray.protocol.runtime.events import NEVER_S, Effect
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.vehicle.driving import Driver
-from dray.protocol.vehicle.job_state import LOADED, MANOEUVRES, TRANSITIONS, VOID, JobState, JobStates
-from dray.protocol.vehicle.transport_job import GIVE_UP_AFTER, TRIES, TransportJob
+from dray.protocol.vehicle.job.job_messages import GIVE_UP_AFTER
+from dray.protocol.vehicle.job.job_state import LOADED, MANOEUVRES, TRANSITIONS, VOID, JobState, JobStates
+from dray.protocol.vehicle.job.transport_job import TRIES, TransportJob
 
 MATERIAL: dict[str, Any] = {}
 GOODS: dict[str, Any] = {
@@ -60,7 +61,6 @@ class Walk:
         )
         carried = transport(**work)
         self.job = TransportJob(
-            "ATV1",
             Contract(
                 task="M8-1",
                 epoch=1,

@@ -6,7 +6,7 @@ import msgspec
 import pytest
 from history import a_day, accepted, delivered, keep, made, order, same_clock, tell
 
-from dray.messages.fact import HISTORY_KEPT
+from dray.messages.history import HISTORY_KEPT
 from dray.store import Store
 from dray.store.history.events import EventFilter, EventRow
 from dray.store.history.gaps import LIVES, Known

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from itertools import pairwise
 
 from dray.messages import EventsAsked, EventsKept
-from dray.messages.fact import EVENTS_PER_ANSWER, HISTORY_KEPT
+from dray.messages.history import EVENTS_PER_ANSWER, HISTORY_KEPT
 from dray.store.history.gaps import AGAIN_S, ASKED_AT_ONCE, LIVES, SETTLE_S, SILENCE_S, TAIL_S, Gaps, Known
 
 

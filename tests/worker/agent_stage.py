@@ -18,7 +18,7 @@ from dray.protocol.runtime.events import (
     Heard,
     Woke,
 )
-from dray.worker import Worker
+from dray.worker.worker import Worker
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.journal import HeldJournal
 from dray_sim.network.sim_network import SimNetwork

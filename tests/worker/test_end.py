@@ -25,7 +25,7 @@ from dray.protocol.runtime.events import (
     Started,
     Woke,
 )
-from dray.worker import Worker
+from dray.worker.worker import Worker
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.journal import HeldJournal
 

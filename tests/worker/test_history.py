@@ -12,7 +12,8 @@ from dray.body import Instruction, StartCycle
 from dray.errors import ProtocolViolation
 from dray.memory import WHOLE, AtvMemory, EndedOrder
 from dray.messages import EventsAsked, EventsKept
-from dray.messages.fact import EVENTS_PER_ANSWER, OrderFulfilled
+from dray.messages.fact import OrderFulfilled
+from dray.messages.history import EVENTS_PER_ANSWER
 from dray.protocol.runtime.events import (
     Commit,
     Effect,

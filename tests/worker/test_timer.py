@@ -15,7 +15,7 @@ from dray.protocol.runtime.events import (
     Heard,
     Woke,
 )
-from dray.worker import Worker
+from dray.worker.worker import Worker
 from dray_sim.clock.loop import clock
 from dray_sim.factory.journal import HeldJournal
 

@@ -2,7 +2,7 @@
 
 `heartbeat` is what everybody may hear at any time, `contract` the negotiation, `order` and `command` what
 comes from people, `shutout` whom people let nobody hear, `dwell_point` how vehicles share places to stand, `stock` how
-material in storages is reserved, `fact` what each writes into its history.
+material in storages is reserved, `fact` what each writes into its `history`.
 How messages become bytes is `dray.codec`; when they are said is `dray.protocol`.
 """
 
@@ -41,7 +41,7 @@ from dray.messages.contract import (
     WorkSought,
 )
 from dray.messages.dwell_point import DwellPointClaimed
-from dray.messages.fact import AnyFact, Event, EventsAsked, EventsKept, Fact
+from dray.messages.fact import AnyFact, Fact
 from dray.messages.heartbeat import (
     AtvHeartbeat,
     AtvStatus,
@@ -62,6 +62,7 @@ from dray.messages.heartbeat import (
     StockLevel,
     TaskBrief,
 )
+from dray.messages.history import Event, EventsAsked, EventsKept
 from dray.messages.order import (
     CancellationTaken,
     OrderCancelled,

@@ -46,9 +46,6 @@ from dray.messages.fact import (
     ContractEnded,
     ContractorRated,
     ContractTaken,
-    Event,
-    EventsAsked,
-    EventsKept,
     Fact,
     GoalContracted,
     GoalLost,
@@ -78,6 +75,7 @@ from dray.messages.fact import (
     WordDisbelieved,
 )
 from dray.messages.heartbeat import AtvHeartbeat, MachineHeartbeat, StationHeartbeat
+from dray.messages.history import Event, EventsAsked, EventsKept
 from dray.messages.keys import owner_of
 from dray.messages.order import (
     CancellationTaken,

@@ -7,7 +7,7 @@ it, `routes` finds ways.
 
 from __future__ import annotations
 
-from dray.plant.file import (
+from dray.plant.file.file import (
     SHIPPED,
     default_plant,
     is_shipped,

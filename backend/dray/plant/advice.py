@@ -1,6 +1,6 @@
 """What a plant file may say, and what will starve all the same: warnings, each with a figure and what to do.
 
-Faults (`dray.plant.check`) say that a plant cannot be run at all. A warning says that it can, and how far: which
+Faults (`dray.plant.file.check`) say that a plant cannot be run at all. A warning says that it can, and how far: which
 resource is full before the machines are (`dray.plant.flow`), who cannot be replaced, where nobody gets away.
 """
 

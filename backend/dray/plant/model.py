@@ -1,6 +1,6 @@
 """The plant as it is written down: immutable, in metres, seconds and pieces.
 
-Only shapes live here. `dray.plant.file` reads and checks a plant file, `dray.plant.routes` finds
+Only shapes live here. `dray.plant.file.file` reads and checks a plant file, `dray.plant.routes` finds
 ways, and `dray.plant` ties them together as `Plant`.
 """
 

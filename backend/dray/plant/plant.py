@@ -1,6 +1,6 @@
 """The plant as agents ask for it: every question about what stands where, answered by lookup.
 
-`Plant` trusts its file: `dray.plant.file` has checked it, or whoever built it in code.
+`Plant` trusts its file: `dray.plant.file.file` has checked it, or whoever built it in code.
 All orders are those of the file, so that two processes with one file decide alike.
 """
 
@@ -46,7 +46,7 @@ class Plant:
     """An immutable plant with its indexes.
 
     Args:
-        file: a plant file without faults (`dray.plant.check.faults` finds none).
+        file: a plant file without faults (`dray.plant.file.check.faults` finds none).
 
     Every method that takes an id raises `KeyError` for one that the plant does not have.
     """

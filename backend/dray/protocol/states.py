@@ -7,12 +7,12 @@ from typing import Any
 
 from dray.protocol.contract_net import task_state
 from dray.protocol.runtime.states import Transitions, diagram
-from dray.protocol.vehicle import job_state
+from dray.protocol.vehicle.job import job_state
 
 TABLES: dict[str, tuple[str, str, Transitions[Any]]] = {
     "A task": ("contract_net/task_state.py", "as its coordinator knows it", task_state.TRANSITIONS),
     "A transport job": (
-        "vehicle/job_state.py",
+        "vehicle/job/job_state.py",
         "as the vehicle that carries it lives it",
         job_state.TRANSITIONS,
     ),

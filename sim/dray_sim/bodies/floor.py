@@ -20,7 +20,7 @@ from dray.ports import Body, Clock
 from dray_sim.bodies.chargers import Chargers
 from dray_sim.bodies.gate import Gate
 from dray_sim.bodies.stores import DeliveryWarehouse, Place, SourceWarehouse, Storage
-from dray_sim.bodies.vehicle import SimVehicle
+from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.bodies.workcell import SimWorkcell
 
 FIRST_STOCK_FRAC = (0.4, 1.0)

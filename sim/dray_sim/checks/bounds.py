@@ -21,7 +21,7 @@ from dray.plant import Plant
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, LATENESS_MAX_S, bound_s
 from dray.protocol.vehicle.assistance import PATIENCE_MAX_S
-from dray_sim.bodies.battery import Battery
+from dray_sim.bodies.vehicle.battery import Battery
 from dray_sim.people.habits import Habits
 from dray_sim.people.operators import LOOK_S
 from dray_sim.people.tablet import ANSWER_S, TRIES

@@ -10,7 +10,7 @@ from dray.adapters.system_clock import SLEW_FRAC
 from dray.errors import DrayError
 from dray.messages import AtvHeartbeat, Event, Message
 from dray.messages.fact import TaskClosed, TookOver
-from dray_sim.bodies.condition import BATTERY_EMPTY
+from dray_sim.bodies.vehicle.condition import BATTERY_EMPTY
 from dray_sim.checks.bounds import Bounds
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.checks.fault_attribution import FaultAttribution

@@ -26,9 +26,9 @@ from dray.protocol.station.station import Station
 from dray.protocol.strategist.strategist import Strategist
 from dray.protocol.vehicle.atv import Atv
 from dray.protocol.vehicle.command_authorisation import Trusts
-from dray.worker import Worker
+from dray.worker.worker import Worker
 from dray_sim.bodies.floor import FIRST_STOCK_FRAC, Floor
-from dray_sim.bodies.vehicle import SimVehicle
+from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.bodies.workcell import SimWorkcell
 from dray_sim.clock.computer import ComputerClock
 from dray_sim.clock.loop import VirtualClock

@@ -12,7 +12,7 @@ from dray.plant import Plant
 from dray.plant.model import VehicleSpec
 from dray.ports import Body, Clock
 from dray_sim.bodies.chargers import Chargers
-from dray_sim.bodies.vehicle import SimVehicle
+from dray_sim.bodies.vehicle.vehicle import SimVehicle
 
 
 class _Nowhere:

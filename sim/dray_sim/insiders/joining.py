@@ -9,7 +9,7 @@ from dray.plant import Plant
 from dray.plant.model import VehicleSpec
 from dray.ports import Bus
 from dray.protocol.vehicle.atv import Atv
-from dray.worker import Worker
+from dray.worker.worker import Worker
 from dray_sim.factory.journal import HeldJournal
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.insiders.behaviour import Behaviour

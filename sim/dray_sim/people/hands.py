@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dray_sim.bodies.condition import BATTERY_EMPTY
+from dray_sim.bodies.vehicle.condition import BATTERY_EMPTY
 
 if TYPE_CHECKING:
     from dray_sim.factory.sim_factory import SimFactory

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from dray.messages import AtvHeartbeat, AtvStatus, Event, Message, Phase, Role
 from dray.messages.fact import BidReceived
 from dray.plant import Plant
-from dray_sim.bodies.condition import BATTERY_EMPTY
+from dray_sim.bodies.vehicle.condition import BATTERY_EMPTY
 
 BEYOND_PROMISE_S = 120.0
 """A carrier may wait so long beyond its promise."""

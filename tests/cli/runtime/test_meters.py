@@ -17,7 +17,7 @@ from dray.cli.simulation.factory_meter import FactoryMeter
 from dray.messages.keys import Keys
 from dray.plant import default_plant
 from dray.protocol.machine.machine import Machine
-from dray.worker import Worker
+from dray.worker.worker import Worker
 from dray_sim.bodies.floor import Floor
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.sim_factory import SimFactory

@@ -12,7 +12,7 @@ from fake_injector import FakeInjector
 from gateway_kit import House, gateway
 from wall_clock import NOW_S
 
-from dray.gateway.routes import faults as route
+from dray.gateway.routes.factory import faults as route
 
 pytestmark = pytest.mark.anyio
 

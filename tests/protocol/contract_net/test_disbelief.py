@@ -13,10 +13,10 @@ from spoken import award, bid, rhb, transport
 from dray.messages import Accepted, Bid, Disbelieved, HelpWanted, Release, Role, TakenOver, TaskAnnounced
 from dray.messages.command import PROMISE_MAX_S
 from dray.messages.fact import CarrierChanged, NotBelieved, WordDisbelieved
-from dray.protocol.contract_net.assessment import Assessor
-from dray.protocol.contract_net.disbelief import TOLD_EVERY_S
-from dray.protocol.contract_net.plausibility import CLOCK
 from dray.protocol.contract_net.task import StandbyContract
+from dray.protocol.contract_net.trust.assessment import Assessor
+from dray.protocol.contract_net.trust.disbelief import TOLD_EVERY_S
+from dray.protocol.contract_net.trust.plausibility import CLOCK
 from dray.protocol.liveness.failure_detector import IN_ERROR, FailureDetector
 from dray.protocol.runtime.events import Effect, Ignore
 

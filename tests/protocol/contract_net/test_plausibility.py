@@ -12,7 +12,7 @@ from spoken import bid, goal_bid, production, transport
 from dray.messages import Bid, Transport
 from dray.messages.base import CLOCK_WRONG_S
 from dray.plant import Plant
-from dray.protocol.contract_net.plausibility import (
+from dray.protocol.contract_net.trust.plausibility import (
     BEFORE_NOW,
     CLOCK,
     LATE_S,

@@ -23,7 +23,7 @@ from dray.messages import (
     Superseded,
 )
 from dray.messages.fact import BidRefused
-from dray.protocol.contract_net.probation import PASSED_OVER_ROUNDS, SHORT_S, Probation
+from dray.protocol.contract_net.trust.probation import PASSED_OVER_ROUNDS, SHORT_S, Probation
 
 SHORT = transport()
 """S3 is near p3, and M8 is not far from it: 80 s."""

@@ -7,9 +7,9 @@ from effects import facts
 from spoken import bid, transport
 
 from dray.messages.fact import ContractorRated
-from dray.protocol.contract_net.assessment import Assessor
-from dray.protocol.contract_net.probation import PASSED_OVER_ROUNDS, SHORT_S
-from dray.protocol.contract_net.reliability import (
+from dray.protocol.contract_net.trust.assessment import Assessor
+from dray.protocol.contract_net.trust.probation import PASSED_OVER_ROUNDS, SHORT_S
+from dray.protocol.contract_net.trust.reliability import (
     DOUBT_MAX,
     DROPPED_KEPT,
     DROPPED_S,

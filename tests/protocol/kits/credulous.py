@@ -5,7 +5,7 @@ from __future__ import annotations
 from defaults import PLANT, SOME_TIME_S
 
 from dray.messages import Bid, Handover, Transport, Work
-from dray.protocol.contract_net.assessment import Assessor
+from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.progress import Progress
 from dray.protocol.machine.machine import Machine
 

@@ -22,7 +22,7 @@ from dray.messages.fact import PhaseEntered
 from dray.protocol.runtime.events import NEVER_S, Effect
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.vehicle.driving import Driver
-from dray.protocol.vehicle.transport_job import TransportJob
+from dray.protocol.vehicle.job.transport_job import TransportJob
 
 ROUTES = PLANT.routes("light")
 
@@ -58,7 +58,6 @@ class Trip:
         )
         self.driver.sense(state)
         self.job = TransportJob(
-            "ATV1",
             Contract(
                 task="M8-1",
                 epoch=1,

@@ -28,7 +28,7 @@ from dray.messages import (
 )
 from dray.messages.fact import CarrierChanged, TaskClosed
 from dray.protocol.liveness.suspicion import LATENESS_MAX_S
-from dray.protocol.machine.transports import ADOPT_S
+from dray.protocol.machine.transports.transports import ADOPT_S
 from dray.protocol.runtime.events import Woke
 
 STOCK = {"housing": 0, "impeller": 90, "seal-kit": 120}

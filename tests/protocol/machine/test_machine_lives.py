@@ -42,7 +42,7 @@ from dray.messages import (
     TaskAnnounced,
 )
 from dray.messages.fact import PieceMade, TaskClosed
-from dray.protocol.machine.transports import ADOPT_S
+from dray.protocol.machine.transports.transports import ADOPT_S
 from dray.protocol.runtime.events import Commit
 
 

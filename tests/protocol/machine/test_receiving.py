@@ -24,7 +24,7 @@ from dray.messages import (
 )
 from dray.messages.fact import ContractorRated, HandoverDisputed, TaskClosed
 from dray.protocol.liveness.progress import NOT_COUNTED
-from dray.protocol.machine.receiving import COUNT_S
+from dray.protocol.machine.transports.receiving import COUNT_S
 from dray.protocol.runtime.events import Effect
 
 LOT = 24

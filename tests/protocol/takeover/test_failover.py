@@ -19,7 +19,7 @@ from dray.messages import (
 from dray.messages.fact import CarrierChanged, TaskClosed
 from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.liveness.failure_detector import UNNAMED_S
-from dray.protocol.machine.transports import ADOPT_S
+from dray.protocol.machine.transports.transports import ADOPT_S
 from dray.protocol.takeover.failover import LOST_IN_TRANSIT_S, TAKEOVER_TIMEOUT_S
 
 

@@ -21,9 +21,7 @@ from dray.messages import (
     Role,
 )
 from dray.protocol.runtime.retransmission import ASK_AGAIN_S
-from dray.protocol.vehicle.transport_job import GIVE_UP_AFTER
-
-# --- the radio mesh ---------------------------------------------------------------------------------
+from dray.protocol.vehicle.job.job_messages import GIVE_UP_AFTER
 
 
 def test_a_vehicle_on_the_mesh_keeps_its_task_and_takes_nothing_else() -> None:

@@ -12,7 +12,7 @@ from spoken import announcement, award, production, transport
 
 from dray.messages import Bid, Refusal, Role, TransportCost, Wait
 from dray.messages.fact import BidRefused, BidSent
-from dray.protocol.contract_net.probation import Probation
+from dray.protocol.contract_net.trust.probation import Probation
 from dray.protocol.contract_net.waits import Waits
 from dray.protocol.runtime.events import Effect, Record, Send
 from dray.protocol.vehicle.bidding import MAX_WATCHES, PLACES_TOLD, Bidder, Standing

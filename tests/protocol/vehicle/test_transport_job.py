@@ -19,16 +19,9 @@ from dray.messages import (
 )
 from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.retransmission import ASK_AGAIN_S
-from dray.protocol.vehicle.transport_job import (
-    GIVE_UP_AFTER,
-    HELD_ASK_AGAIN_S,
-    RETRY_S,
-    TRIES,
-    WAITS_AT_LEAST_S,
-    TransportJob,
-)
-
-# --- the straight way -------------------------------------------------------------------------------
+from dray.protocol.vehicle.job.job_messages import GIVE_UP_AFTER, HELD_ASK_AGAIN_S
+from dray.protocol.vehicle.job.job_moves import RETRY_S
+from dray.protocol.vehicle.job.transport_job import TRIES, WAITS_AT_LEAST_S, TransportJob
 
 
 def test_a_transport_goes_through_its_phases_and_ends_when_the_handover_is_accepted() -> None:
@@ -138,7 +131,6 @@ def test_goods_that_the_gate_refuses_are_given_up_after_as_many_tries_over_all_l
         trip.fails(Drop)
         trip.waits()
     trip.job = TransportJob(
-        "ATV1",
         trip.job.memory(),
         plant=PLANT,
         vehicle_type="light",

@@ -16,7 +16,8 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.protocol.runtime.events import NEVER_S
-from dray.protocol.vehicle.transport_job import RETRY_S, TRIES
+from dray.protocol.vehicle.job.job_moves import RETRY_S
+from dray.protocol.vehicle.job.transport_job import TRIES
 
 
 @pytest.mark.parametrize(

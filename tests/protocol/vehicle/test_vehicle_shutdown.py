@@ -32,7 +32,7 @@ from dray.messages.fact import BidRefused, ContractEnded
 from dray.protocol.runtime.events import Leave
 from dray.protocol.runtime.retransmission import ASK_AGAIN_S
 from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S, GRACEFUL_SHUTDOWN
-from dray.protocol.vehicle.transport_job import GIVE_UP_AFTER
+from dray.protocol.vehicle.job.job_messages import GIVE_UP_AFTER
 
 GOODS = transport(item="pump-p3", quantity=24, sources=("M8",), destination="DELIVERY", goal="G8")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from yard import Yard
 
-from dray_sim.bodies.vehicle import SimVehicle
+from dray_sim.bodies.vehicle.vehicle import SimVehicle
 
 
 @pytest.fixture

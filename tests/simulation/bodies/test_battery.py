@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dray.plant import VehicleType
-from dray_sim.bodies.battery import Battery, runs_out_s
+from dray_sim.bodies.vehicle.battery import Battery, runs_out_s
 
 TYPE = VehicleType(id="t", name="T", battery_wh=500.0, charge_w=600.0, charge_taper_frac=0.8, idle_w=30.0)
 BATTERY = Battery(TYPE)

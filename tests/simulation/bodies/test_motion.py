@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dray.plant import Plant, VehicleType, default_plant
-from dray_sim.bodies.motion import STANDSTILL, Profile, Stretch, brake, plan
-from dray_sim.bodies.way import Way, join
+from dray_sim.bodies.vehicle.motion import STANDSTILL, Profile, Stretch, brake, plan
+from dray_sim.bodies.vehicle.way import Way, join
 
 RATE_MPS2 = 0.6
 ROUNDING_MPS = 1e-4

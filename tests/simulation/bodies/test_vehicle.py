@@ -14,11 +14,9 @@ from dray.body import (
     ReleaseWay,
     WayDone,
 )
-from dray_sim.bodies.condition import BATTERY_EMPTY
-from dray_sim.bodies.odometer import Activity
-from dray_sim.bodies.vehicle import SimVehicle
-
-# --- breakdowns -------------------------------------------------------------------------------------
+from dray_sim.bodies.vehicle.condition import BATTERY_EMPTY
+from dray_sim.bodies.vehicle.odometer import Activity
+from dray_sim.bodies.vehicle.vehicle import SimVehicle
 
 
 def test_a_breakdown_stops_the_vehicle_and_a_repair_lets_it_go_on(yard: Yard, vehicle: SimVehicle) -> None:

@@ -16,9 +16,9 @@ from dray.body import (
     ProblemRaised,
     WayDone,
 )
-from dray_sim.bodies.condition import BATTERY_EMPTY
-from dray_sim.bodies.odometer import Activity
-from dray_sim.bodies.vehicle import SimVehicle
+from dray_sim.bodies.vehicle.condition import BATTERY_EMPTY
+from dray_sim.bodies.vehicle.odometer import Activity
+from dray_sim.bodies.vehicle.vehicle import SimVehicle
 
 
 def test_metres_and_seconds_empty_the_battery(yard: Yard, vehicle: SimVehicle) -> None:

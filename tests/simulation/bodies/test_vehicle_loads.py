@@ -19,7 +19,7 @@ from dray.body import (
 )
 from dray_sim.bodies.docks import SHUT
 from dray_sim.bodies.stores import NO_ROOM, NOT_KEPT, TOO_LITTLE
-from dray_sim.bodies.vehicle import SimVehicle
+from dray_sim.bodies.vehicle.vehicle import SimVehicle
 
 
 def test_a_load_changes_hands_at_the_end_of_the_manoeuvre(yard: Yard, vehicle: SimVehicle) -> None:

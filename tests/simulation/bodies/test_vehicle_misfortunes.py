@@ -27,9 +27,9 @@ from dray.body import (
 )
 from dray.messages import Link
 from dray_sim.bodies.gate import NOT_ADMITTED, Gate
-from dray_sim.bodies.odometer import Activity
 from dray_sim.bodies.stores import DeliveryWarehouse
-from dray_sim.bodies.vehicle import LOAD_SHIFTED, MOVED_BY_HAND, SimVehicle
+from dray_sim.bodies.vehicle.odometer import Activity
+from dray_sim.bodies.vehicle.vehicle import LOAD_SHIFTED, MOVED_BY_HAND, SimVehicle
 
 HOLD, UNHOLD = Hold(), Unhold()
 PICK = Pick(order=5, station="S1", item="shaft", quantity=20)

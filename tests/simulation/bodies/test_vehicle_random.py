@@ -28,8 +28,8 @@ from dray.body import (
     WayDone,
 )
 from dray.messages.base import Part
-from dray_sim.bodies.odometer import Activity
-from dray_sim.bodies.vehicle import SimVehicle
+from dray_sim.bodies.vehicle.odometer import Activity
+from dray_sim.bodies.vehicle.vehicle import SimVehicle
 
 ROUNDING = 1e-9
 NODES = st.sampled_from(sorted(PLANT.nodes))

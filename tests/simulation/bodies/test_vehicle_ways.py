@@ -16,9 +16,7 @@ from dray.body import (
     WayDone,
 )
 from dray.messages import Pose
-from dray_sim.bodies.vehicle import SimVehicle
-
-# --- ways -------------------------------------------------------------------------------------------
+from dray_sim.bodies.vehicle.vehicle import SimVehicle
 
 
 def test_a_standing_vehicle_passes_the_first_node_at_once_and_every_other_in_its_time(

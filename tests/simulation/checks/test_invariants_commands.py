@@ -18,7 +18,7 @@ from dray.messages import (
     VehicleCommand,
 )
 from dray.messages.fact import AtvStatusChanged, CommandObeyed
-from dray_sim.bodies.vehicle import SimVehicle
+from dray_sim.bodies.vehicle.vehicle import SimVehicle
 
 
 def command(what: str) -> CommandObeyed:

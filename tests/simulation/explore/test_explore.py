@@ -13,7 +13,7 @@ import msgspec
 import pytest
 
 from dray.errors import UnavailableError
-from dray.plant.check import faults as plant_faults
+from dray.plant.file.check import faults as plant_faults
 from dray.protocol.strategist.strategist import Strategist
 from dray_sim.checks.bounds import Bounds
 from dray_sim.explore.outcome import Outcome

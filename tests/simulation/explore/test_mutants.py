@@ -32,8 +32,8 @@ from dray.protocol.contract_net.task import CarrierContract, OpenTask
 from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.liveness.progress import Progress
 from dray.protocol.machine.dock import Dock
-from dray.protocol.machine.handovers import Handovers
-from dray.protocol.machine.transports import Transports
+from dray.protocol.machine.transports.handovers import Handovers
+from dray.protocol.machine.transports.transports import Transports
 from dray.protocol.runtime.events import Instruct, Send
 from dray.protocol.strategist.order_book import OrderInWork
 from dray.protocol.strategist.strategist import Strategist

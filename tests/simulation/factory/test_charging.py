@@ -19,7 +19,7 @@ from dray.messages.speakers import Kind
 from dray.plant import Plant, VehicleSpec, default_plant
 from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.dwell_points import BLOCKED_S
-from dray_sim.bodies.condition import BATTERY_EMPTY
+from dray_sim.bodies.vehicle.condition import BATTERY_EMPTY
 from dray_sim.explore.play import play as play_run
 from dray_sim.explore.run import draw
 from dray_sim.explore.small_plant import with_scarce_power

@@ -11,7 +11,7 @@ from typing import cast
 import pytest
 
 from dray.messages import AtvHeartbeat, Event, Heartbeat, Message
-from dray.messages.fact import HISTORY_KEPT
+from dray.messages.history import HISTORY_KEPT
 from dray.messages.keys import STRATEGIST
 from dray.plant import default_plant
 from dray.ports import Receive, Session

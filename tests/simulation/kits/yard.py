@@ -44,7 +44,7 @@ from dray.plant.model import Storage as StorageSpec
 from dray.ports import Body
 from dray_sim.bodies.chargers import Chargers
 from dray_sim.bodies.stores import DeliveryWarehouse, Place, SourceWarehouse, Storage
-from dray_sim.bodies.vehicle import SimVehicle
+from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.bodies.workcell import SimWorkcell
 from dray_sim.clock.loop import VirtualClock
 

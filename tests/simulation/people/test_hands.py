@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from people_floor import PLANT
 
-from dray_sim.bodies.condition import BATTERY_EMPTY
+from dray_sim.bodies.vehicle.condition import BATTERY_EMPTY
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.people.hands import Hands

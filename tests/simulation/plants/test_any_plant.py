@@ -10,7 +10,7 @@ import pytest
 from plants import EXTREMES, plant_file
 
 from dray.plant import Plant
-from dray.plant.check import faults
+from dray.plant.file.check import faults
 from dray_sim.faults import play as begin_and_end
 from dray_sim.faults import random_schedule
 from dray_sim.insiders import BEHAVIOURS

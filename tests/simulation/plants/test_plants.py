@@ -7,7 +7,7 @@ import pytest
 from dray.messages import AtvHeartbeat, AtvStatus, Brief, Event, Phase, Pose, Role, TransportCost
 from dray.messages.fact import BidReceived
 from dray.plant import default_plant, parse_plant, plant_yaml
-from dray_sim.bodies.condition import BATTERY_EMPTY
+from dray_sim.bodies.vehicle.condition import BATTERY_EMPTY
 from dray_sim.plants.draw import draw_plant
 from dray_sim.plants.many import play_seeds
 from dray_sim.plants.play import draw

@@ -25,7 +25,7 @@ from dray.adapters.journal.quarantine import set_aside
 from dray.errors import UnavailableError
 from dray.memory import Changes, Memory, Note
 from dray.messages import Event
-from dray.messages.fact import HISTORY_KEPT
+from dray.messages.history import HISTORY_KEPT
 
 BUSY_S = 5.0
 """Wait for another process that has the file open: a backup, or this agent's last life as it ends."""

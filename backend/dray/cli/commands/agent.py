@@ -173,7 +173,7 @@ def _joining(plant: Plant, name: str, type_: str | None, node: str | None) -> Ve
     """
     from dray.cli.runtime.output import one_of
     from dray.errors import SettingsError
-    from dray.plant.check import RESERVED
+    from dray.plant.file.check import RESERVED
     from dray.plant.model import ID_RULE, VehicleSpec, is_id
 
     if type_ is None and node is None:

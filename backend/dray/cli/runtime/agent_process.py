@@ -20,7 +20,7 @@ from dray.cli.runtime.telemetry.traces import traced, watched
 from dray.errors import UnavailableError
 from dray.messages.keys import Keys
 from dray.protocol.runtime.events import Agent
-from dray.worker import Worker
+from dray.worker.worker import Worker
 
 MakeAgent = Callable[[int], Agent]
 """Makes an agent for one life, from its number."""

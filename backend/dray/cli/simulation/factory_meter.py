@@ -13,7 +13,7 @@ from prometheus_client.registry import Collector
 
 from dray.adapters.telemetry.metric_families import counter, counters
 from dray.cli.runtime.telemetry.agent_meter import Counts, counted, families_of
-from dray.worker import Worker
+from dray.worker.worker import Worker
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.network.bridge import BridgedBus
 

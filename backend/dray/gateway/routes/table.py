@@ -4,21 +4,8 @@ from __future__ import annotations
 
 from fastapi import FastAPI
 
-from dray.gateway.routes import (
-    agents,
-    alerts,
-    atvs,
-    faults,
-    health,
-    inventory,
-    machines,
-    me,
-    plant,
-    products,
-    stream,
-    tasks,
-    traffic,
-)
+from dray.gateway.routes import health, me, plant, products, stream
+from dray.gateway.routes.factory import agents, alerts, atvs, faults, inventory, machines, tasks, traffic
 from dray.gateway.routes.history import audit, events, kpis, promises
 from dray.gateway.routes.orders import imports, orders, track
 from dray.gateway.routes.pages import customer, docs, login, panels

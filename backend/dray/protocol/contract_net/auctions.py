@@ -6,10 +6,10 @@ from collections.abc import Callable
 from itertools import count
 
 from dray.messages import Bid, Wait, Work
-from dray.protocol.contract_net.assessment import Assessor
 from dray.protocol.contract_net.auction import Auction
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.terms import Place, Terms
+from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.suspicion import ArrivalStatistics
 from dray.protocol.runtime.events import NEVER_S, Effect
 from dray.protocol.runtime.timers import Timers

@@ -25,14 +25,14 @@ from dray.messages import (
     Work,
 )
 from dray.messages.fact import TaskClosed
-from dray.protocol.contract_net.assessment import Assessor
 from dray.protocol.contract_net.auction import Auction
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.auctions import Auctions
-from dray.protocol.contract_net.plausibility import CLOCK, by_our_clock
 from dray.protocol.contract_net.task import CarrierContract, ClosedTask, OpenTask, Outcome
 from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.contract_net.terms import Place, Terms
+from dray.protocol.contract_net.trust.assessment import Assessor
+from dray.protocol.contract_net.trust.plausibility import CLOCK, by_our_clock
 from dray.protocol.liveness.suspicion import ArrivalStatistics
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Effect, Ignore, Record, Send

@@ -13,7 +13,7 @@ from dray.messages import Docked, Handover, HandoverAccepted, Transport
 from dray.protocol.contract_net.dock import Door
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.machine.supply import Supply
-from dray.protocol.machine.transports import Transports
+from dray.protocol.machine.transports.transports import Transports
 from dray.protocol.runtime.events import NEVER_S, Effect, Send
 
 

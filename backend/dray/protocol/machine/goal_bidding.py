@@ -17,8 +17,8 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import ContractEnded, ContractTaken
-from dray.protocol.contract_net.probation import ON_PROBATION, Probation
 from dray.protocol.contract_net.replies import Refusals, decline, offer
+from dray.protocol.contract_net.trust.probation import ON_PROBATION, Probation
 from dray.protocol.machine.production import Goal, GoalBook
 from dray.protocol.machine.supply import Supply
 from dray.protocol.runtime.bounded_map import BoundedMap

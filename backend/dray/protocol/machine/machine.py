@@ -44,9 +44,9 @@ from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.plant.model import MachineSpec
 from dray.protocol.contract_net.auction_rules import AuctionRules
-from dray.protocol.contract_net.disbelief import Reproach
 from dray.protocol.contract_net.parties import objection
-from dray.protocol.contract_net.probation import Probation
+from dray.protocol.contract_net.trust.disbelief import Reproach
+from dray.protocol.contract_net.trust.probation import Probation
 from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.machine.cycle import Cycle
 from dray.protocol.machine.goal_bidding import GoalBidder

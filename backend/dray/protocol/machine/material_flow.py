@@ -33,19 +33,19 @@ from dray.messages import (
 )
 from dray.messages.keys import Keys
 from dray.plant import Plant
-from dray.protocol.contract_net.assessment import Assessor
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.task import OpenTask, Outcome
 from dray.protocol.contract_net.terms import Place
+from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.machine.dock import Dock
 from dray.protocol.machine.finished_goods import FinishedGoods
-from dray.protocol.machine.handovers import Handovers
 from dray.protocol.machine.production import Goal, GoalBook
-from dray.protocol.machine.recovery import ADOPT, Recovery
 from dray.protocol.machine.sourcing import Need, Sourcing
 from dray.protocol.machine.supply import Supply
-from dray.protocol.machine.transports import Transports
+from dray.protocol.machine.transports.handovers import Handovers
+from dray.protocol.machine.transports.recovery import ADOPT, Recovery
+from dray.protocol.machine.transports.transports import Transports
 from dray.protocol.runtime.events import Effect, Ignore
 from dray.protocol.runtime.timers import Timers
 

@@ -13,11 +13,11 @@ from dray.errors import ProtocolViolation
 from dray.messages import Accepted, Brought, Confirmed, GoalBrief, GoalClosed, Production, Withdrawn, Work
 from dray.messages.fact import GoalContracted, GoalWaits, TaskClosed
 from dray.messages.keys import Keys
-from dray.protocol.contract_net.assessment import Assessor
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.coordinator import Coordinator
 from dray.protocol.contract_net.task import OpenTask, Outcome
 from dray.protocol.contract_net.terms import Place
+from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
 from dray.protocol.runtime.events import Effect, Record, Send
 from dray.protocol.runtime.shutdown import GracefulShutdown

@@ -52,8 +52,8 @@ from dray.messages.fact import (
 )
 from dray.messages.keys import STRATEGIST, Keys
 from dray.plant import Plant
-from dray.protocol.contract_net.assessment import Assessor
 from dray.protocol.contract_net.task import Outcome
+from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.events import Commit, Ignore, Instruct, Record, Send, Subscribe

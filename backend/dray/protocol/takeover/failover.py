@@ -26,9 +26,9 @@ from typing import Protocol, cast
 from dray.messages import AtvHeartbeat, Phase, TakenOver
 from dray.messages.fact import CarrierChanged, PrimarySuspected
 from dray.messages.heartbeat import GOODS_ABOARD
-from dray.protocol.contract_net.assessment import Assessor
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.task_state import TaskState
+from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.failure_detector import (
     UNNAMED_S,
     FailureDetector,

@@ -46,8 +46,8 @@ from dray.messages import (
 from dray.messages.fact import AtvStatusChanged, LinkChanged
 from dray.messages.keys import Keys
 from dray.plant import Plant
-from dray.protocol.contract_net.disbelief import Reproach
 from dray.protocol.contract_net.parties import objection
+from dray.protocol.contract_net.trust.disbelief import Reproach
 from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.events import Publish, Record

@@ -6,8 +6,8 @@ import msgspec
 
 from dray.messages import Award, Refusal, Role, TaskAnnounced, Transport, Work
 from dray.plant import Plant
-from dray.protocol.contract_net.probation import ON_PROBATION, SHORT_S, Probation
 from dray.protocol.contract_net.replies import Refusals, offer
+from dray.protocol.contract_net.trust.probation import ON_PROBATION, SHORT_S, Probation
 from dray.protocol.contract_net.waits import Waits
 from dray.protocol.runtime.events import Effect
 from dray.protocol.vehicle.charging import Charging

@@ -33,8 +33,8 @@ from dray.messages.fact import HANDED_OVER, ContractEnded, ContractTaken, TookOv
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.parties import NO_PARTY
-from dray.protocol.contract_net.probation import Probation
 from dray.protocol.contract_net.replies import accept, decline
+from dray.protocol.contract_net.trust.probation import Probation
 from dray.protocol.contract_net.waits import Waits
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.events import Effect, Ignore, Record
@@ -44,8 +44,10 @@ from dray.protocol.takeover.standby import WATCHED_SILENCE, Standby
 from dray.protocol.vehicle.bidding import Bidder, Standing
 from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.driving import Driver
+from dray.protocol.vehicle.job.job_messages import ASK, CLAIM_TASK
+from dray.protocol.vehicle.job.job_moves import RETRY
+from dray.protocol.vehicle.job.transport_job import TransportJob
 from dray.protocol.vehicle.pricing import Quote, Unable
-from dray.protocol.vehicle.transport_job import ASK, CLAIM_TASK, RETRY, TransportJob
 from dray.protocol.vehicle.work_search import ASK_FOR_WORK, SEEK, WorkSearch
 
 
@@ -162,10 +164,8 @@ class Contracts:
         plant = self._plant
         refuges = plant.storages_of(load) if load in plant.materials else tuple(plant.delivery_warehouses)
         work = Transport(item=load, quantity=quantity, sources=refuges, destination=refuges[0], ability="")
-        nobodys = Contract(
-            f"{self._atv}-found", 0, work, self._atv, refuges[0], promised_s=0.0, deadline_s=0.0
-        )
-        contract = replace(nobodys, cancelled="nobody knows of this load")
+        task, why = f"{self._atv}-found", "nobody knows of this load"
+        contract = Contract(task, 0, work, self._atv, refuges[0], 0.0, 0.0, cancelled=why)
         self.standby.resign("has a load to bring back")
         self._owner.stop_resting()
         self.bind(contract)
@@ -280,8 +280,7 @@ class Contracts:
             source=quote.source,
         )
         self.standby.end(task, "taken over")
-        contract = _contract(award, watch.coordinator, quote)
-        contract = replace(contract, epoch=epoch, number=0, claim=claim)
+        contract = replace(_contract(award, watch.coordinator, quote), epoch=epoch, number=0, claim=claim)
         self._take(contract, Record(took), lambda job: job.take_over(now_s), now_s)
 
     def _take(
@@ -307,15 +306,7 @@ class Contracts:
         self.go_on(begin, now_s)
 
     def bind(self, contract: Contract) -> None:
-        self.job = TransportJob(
-            self._atv,
-            contract,
-            plant=self._plant,
-            vehicle_type=self._type,
-            driver=self._driver,
-            timers=self._timers,
-            out=self._out,
-        )
+        self.job = TransportJob(contract, self._plant, self._type, self._driver, self._timers, self._out)
         self._owner.commit()
 
     def _on_release(self, _sender: str, message: Release, now_s: float) -> None:
@@ -324,14 +315,14 @@ class Contracts:
                 self._out.append(Ignore("released from a watch that it does not keep"))
             return
         job = self.job
-        if job is None or not self._concerns(job, message) or message.number != job.number:
+        if job is None or not job.is_meant_by(message) or message.number != job.number:
             self._out.append(Ignore("released from a contract that it does not have"))
             return
         self.go_on(lambda job: job.cancel("released", now_s), now_s)
 
     def _on_of_contract(self, _sender: str, message: Any, now_s: float) -> None:
         job = self.job
-        if job is None or not self._concerns(job, message):
+        if job is None or not job.is_meant_by(message):
             self._out.append(Ignore("an answer about another contract"))
             return
         self.go_on(lambda job: job.on_answer(message, now_s), now_s)
@@ -348,11 +339,6 @@ class Contracts:
             return self.standby.coordinator_of(task)
         job = self.job
         return job.coordinator if job is not None and job.task == task else ""
-
-    @staticmethod
-    def _concerns(job: TransportJob, message: Any) -> bool:
-        """Whether its coordinator speaks of this contract; a Superseded speaks of another epoch."""
-        return job.task == message.task and (type(message) is Superseded or message.epoch == job.epoch)
 
     def _wake_job(self, _about: str | None, now_s: float) -> None:
         self.go_on(lambda job: job.wake(self._owner.load[0], now_s), now_s)

@@ -11,7 +11,8 @@ from sqlalchemy import ColumnElement, delete, func, select, union
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dray.messages import Event, Production, Transport
-from dray.messages.fact import HISTORY_KEPT, TaskOpened
+from dray.messages.fact import TaskOpened
+from dray.messages.history import HISTORY_KEPT
 from dray.store.database.dialect import insert_new
 from dray.store.history.clocks import ToWall
 from dray.store.history.gaps import LIVES, Known

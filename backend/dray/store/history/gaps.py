@@ -22,7 +22,7 @@ from collections.abc import Iterable
 import msgspec
 
 from dray.messages import EventsAsked, EventsKept
-from dray.messages.fact import EVENTS_PER_ANSWER, HISTORY_KEPT
+from dray.messages.history import EVENTS_PER_ANSWER, HISTORY_KEPT
 
 LIVES = 4
 """Lives of one agent that are followed, the last ones; an agent that starts more often than this in a

@@ -19,7 +19,7 @@ from dray.codec import decode, encode
 from dray.messages import AtvHeartbeat, AtvStatus, Brief, Message, Phase, Pose, Role
 from dray.messages.keys import Keys
 from dray.protocol.runtime.events import NEVER_S, Effect, Event, Publish, Subscribe, Woke
-from dray.worker import Worker
+from dray.worker.worker import Worker
 from dray_sim.bench.row import Row, rates
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.journal import HeldJournal

@@ -11,7 +11,7 @@ from prometheus_client.registry import Collector
 
 from dray.adapters.journal.sqlite_journal import SqliteJournal
 from dray.adapters.telemetry.metric_families import counter, counters, gauge
-from dray.worker import Worker
+from dray.worker.worker import Worker
 
 HANDLED, IGNORED, DROPPED = "handled", "ignored", "dropped"
 
@@ -33,7 +33,7 @@ class AgentMeter(Collector):
     def collect(self) -> Iterator[Metric]:
         """Everything as of now."""
         yield from families_of(counted(self._worker))
-        yield gauge("agent_events_waiting", "Events in an agent's inbox.", self._worker.waiting)
+        yield gauge("agent_events_waiting", "Events in an agent's inbox.", len(self._worker.inbox))
         yield SummaryMetricFamily(
             "dray_journal_write_seconds",
             "Time until what an agent is bound by is on its disk.",
@@ -48,8 +48,8 @@ def counted(worker: Worker) -> Counts:
     return Counter(
         {
             (HANDLED, ""): worker.handled,
-            (DROPPED, "heartbeat"): worker.dropped_heartbeats,
-            (DROPPED, "other"): worker.dropped_messages,
+            (DROPPED, "heartbeat"): worker.inbox.dropped_heartbeats,
+            (DROPPED, "other"): worker.inbox.dropped_messages,
             **ignored,
         }
     )

@@ -8,7 +8,7 @@ import msgspec
 
 from dray.messages import Event
 from dray.messages.fact import HandoverDisputed, WordDisbelieved
-from dray.protocol.contract_net.reliability import HALF_LIFE_S
+from dray.protocol.contract_net.trust.reliability import HALF_LIFE_S
 
 AGENTS_KEPT = 1_000
 """More than anybody could look at."""

@@ -10,18 +10,15 @@ Whoever is limited to areas is shown less of an entity, and `*` in place of a ve
 
 from __future__ import annotations
 
+from dray.gateway.live.views.agent import ClockView, ProbationView, ShutOutView, SilenceView
 from dray.gateway.live.views.alert import AlertKind, AlertResponse, AlertView
 from dray.gateway.live.views.atv import AtvView, BriefView, HelpView
 from dray.gateway.live.views.base import View
-from dray.gateway.live.views.clock import ClockView
 from dray.gateway.live.views.command import CommandState, CommandView
 from dray.gateway.live.views.factory import AudienceView, FactoryView, FaultView, UseView
 from dray.gateway.live.views.machine import BufferView, GoalView, MachineView, OpenTaskView
 from dray.gateway.live.views.news import NewsView
 from dray.gateway.live.views.order import OrderItemView, OrderView
-from dray.gateway.live.views.probation import ProbationView
-from dray.gateway.live.views.shutout import ShutOutView
-from dray.gateway.live.views.silence import SilenceView
 from dray.gateway.live.views.station import StationView, StockView
 from dray.gateway.live.views.task import BidView, CarrierView, RefusalView, TaskView
 from dray.gateway.live.views.why import PassedView, RefusedView, WhyView

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
+from dray.gateway.live.views.agent import ClockView, ProbationView, ShutOutView, SilenceView
 from dray.gateway.live.views.base import View
-from dray.gateway.live.views.clock import ClockView
-from dray.gateway.live.views.probation import ProbationView
-from dray.gateway.live.views.shutout import ShutOutView
-from dray.gateway.live.views.silence import SilenceView
 
 
 class BufferView(View, kw_only=True):

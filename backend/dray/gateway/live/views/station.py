@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
+from dray.gateway.live.views.agent import ClockView, ShutOutView, SilenceView
 from dray.gateway.live.views.base import View
-from dray.gateway.live.views.clock import ClockView
-from dray.gateway.live.views.shutout import ShutOutView
-from dray.gateway.live.views.silence import SilenceView
 
 
 class StockView(View, kw_only=True):

@@ -17,16 +17,16 @@ from dray.gateway.http.problems import ProblemDetails
 from dray.gateway.live.frames import Delta, Snapshot
 from dray.gateway.live.views import AlertView, AtvView, FactoryView, FaultView, MachineView, TaskView
 from dray.gateway.orders.feasibility import OrderPreview
-from dray.gateway.routes.atvs import CommandAnswer
-from dray.gateway.routes.faults import FaultsAnswer
+from dray.gateway.routes.factory.atvs import CommandAnswer
+from dray.gateway.routes.factory.faults import FaultsAnswer
+from dray.gateway.routes.factory.inventory import InventoryLine, MaterialAnswer, StorageAnswer
+from dray.gateway.routes.factory.traffic import TrafficAnswer
 from dray.gateway.routes.history.events import EventAnswer
-from dray.gateway.routes.inventory import InventoryLine, MaterialAnswer, StorageAnswer
 from dray.gateway.routes.me import MeAnswer
 from dray.gateway.routes.openapi.examples import examples
 from dray.gateway.routes.orders.imports import ImportAnswer
 from dray.gateway.routes.orders.orders import OrderAnswer
 from dray.gateway.routes.products import ProductAnswer
-from dray.gateway.routes.traffic import TrafficAnswer
 from dray.gateway.tracking.answer import TrackAnswer
 from dray.plant.model import PlantFile
 from dray.store.access.audit import AuditRow

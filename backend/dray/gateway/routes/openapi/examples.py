@@ -25,10 +25,10 @@ from dray.gateway.live.views import (
     UseView,
 )
 from dray.gateway.orders.feasibility import MachineOffer, MaterialNeed, OrderPreview, StorageShare
-from dray.gateway.routes.agents import EXAMPLE as EXCLUSION
-from dray.gateway.routes.alerts import EXAMPLE as ALERT
+from dray.gateway.routes.factory.agents import EXAMPLE as EXCLUSION
+from dray.gateway.routes.factory.alerts import EXAMPLE as ALERT
+from dray.gateway.routes.factory.inventory import InventoryLine, MaterialAnswer, StorageAnswer, StoredMaterial
 from dray.gateway.routes.history.events import EventAnswer
-from dray.gateway.routes.inventory import InventoryLine, MaterialAnswer, StorageAnswer, StoredMaterial
 from dray.gateway.routes.orders.imports import ImportAnswer, ImportedOrder
 from dray.gateway.routes.orders.orders import EXAMPLE as ORDER
 from dray.gateway.routes.products import ProductAnswer

@@ -31,17 +31,17 @@ from dray.messages import (
     Wait,
     Work,
 )
-from dray.protocol.contract_net.assessment import Assessor
 from dray.protocol.contract_net.auction_rules import AuctionRules, prolonged_s
 from dray.protocol.contract_net.coordinator import PRIMARY_AUCTION, Coordinator
-from dray.protocol.contract_net.plausibility import CLOCK, by_our_clock
 from dray.protocol.contract_net.task import CarrierContract, OpenTask, Outcome
 from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.contract_net.terms import Place
+from dray.protocol.contract_net.trust.assessment import Assessor
+from dray.protocol.contract_net.trust.plausibility import CLOCK, by_our_clock
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
-from dray.protocol.machine.backlog import most_urgent, stands_back
-from dray.protocol.machine.carrier_waits import CarrierWaits
+from dray.protocol.machine.transports.backlog import most_urgent, stands_back
+from dray.protocol.machine.transports.carrier_waits import CarrierWaits
 from dray.protocol.runtime.events import Effect, Ignore, Send
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.takeover.failover import Failover

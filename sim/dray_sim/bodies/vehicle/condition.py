@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from dray.body import ProblemCleared, ProblemRaised
-from dray_sim.bodies.power import Power
 from dray_sim.bodies.reporter import Reporter
+from dray_sim.bodies.vehicle.power import Power
 
 BATTERY_EMPTY = "battery empty"
 

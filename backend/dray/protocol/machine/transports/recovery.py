@@ -10,7 +10,7 @@ from dray.messages import AtvHeartbeat, Brief, Phase, Transport
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.machine.supply import Supply
-from dray.protocol.machine.transports import ADOPT_S, Transports
+from dray.protocol.machine.transports.transports import ADOPT_S, Transports
 from dray.protocol.runtime.events import Effect, Subscribe, Unsubscribe
 from dray.protocol.runtime.timers import Timers
 

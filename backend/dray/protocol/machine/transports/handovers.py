@@ -13,8 +13,8 @@ from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.liveness.progress import NOT_COUNTED
 from dray.protocol.machine.dock import Dock
 from dray.protocol.machine.production import Goal, GoalBook
-from dray.protocol.machine.receiving import Verdict, verdict_on
-from dray.protocol.machine.transports import Transports
+from dray.protocol.machine.transports.receiving import Verdict, verdict_on
+from dray.protocol.machine.transports.transports import Transports
 from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Instruct, Record
 
 

@@ -11,7 +11,7 @@ from itertools import pairwise
 
 from dray.messages import Pose
 from dray.plant import DirectedLane, Plant, Roads, bends
-from dray_sim.bodies.motion import Stretch
+from dray_sim.bodies.vehicle.motion import Stretch
 
 
 class Way:

@@ -3,7 +3,7 @@
 A way is a row of straight lanes. `plan` makes the fastest profile over it that keeps every limit;
 `brake` stops as soon as possible. A `Profile` answers where the vehicle is at a time and when it
 reaches a place without stepping through time, so a simulated vehicle needs no ticks. Which lanes
-the way has and what happens at its nodes is left to `dray_sim.bodies.way` and `dray_sim.bodies.vehicle`.
+the way has and what happens at its nodes is left to `dray_sim.bodies.vehicle.way` and `dray_sim.bodies.vehicle.vehicle`.
 
 Theory of operation: under a constant acceleration `a` the square of the speed grows by `2 a` per
 metre. A backward pass over the lanes' ends lowers each speed so that the vehicle can brake for

@@ -44,14 +44,14 @@ from dray.plant import Plant
 from dray.plant.model import VehicleSpec, VehicleType
 from dray.ports import Clock
 from dray_sim.bodies.chargers import Chargers
-from dray_sim.bodies.condition import Condition
-from dray_sim.bodies.handling import Action, Handling
-from dray_sim.bodies.odometer import Activity, Odometer
-from dray_sim.bodies.power import Power
 from dray_sim.bodies.reporter import Reporter
 from dray_sim.bodies.stores import Place
-from dray_sim.bodies.travel import NEVER_S, Travel
-from dray_sim.bodies.way import Way
+from dray_sim.bodies.vehicle.condition import Condition
+from dray_sim.bodies.vehicle.handling import Action, Handling
+from dray_sim.bodies.vehicle.odometer import Activity, Odometer
+from dray_sim.bodies.vehicle.power import Power
+from dray_sim.bodies.vehicle.travel import NEVER_S, Travel
+from dray_sim.bodies.vehicle.way import Way
 
 LOAD_SHIFTED = "the load has shifted"
 MOVED_BY_HAND = "moved by hand"

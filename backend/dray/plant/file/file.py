@@ -18,8 +18,8 @@ import msgspec
 from msgspec.structs import replace
 
 from dray.errors import PlantError, PlantErrors
-from dray.plant.check import faults
-from dray.plant.document import Document, read_document, write_document
+from dray.plant.file.check import faults
+from dray.plant.file.document import Document, read_document, write_document
 from dray.plant.model import MachineSpec, PlantFile
 from dray.plant.plant import Plant
 

@@ -1,6 +1,6 @@
 """A vehicle's power in use: what its battery holds at any moment, and the call that comes before it is empty.
 
-`dray_sim.bodies.battery` is the arithmetic; here it meets time and movement. The level is known as of one moment
+`dray_sim.bodies.vehicle.battery` is the arithmetic; here it meets time and movement. The level is known as of one moment
 (`settled_s`), and every later one follows from it in closed form until something changes; then it is settled anew.
 """
 
@@ -11,9 +11,9 @@ from functools import partial
 
 from dray.plant.model import VehicleType
 from dray.ports import Clock
-from dray_sim.bodies.battery import Battery, runs_out_s
-from dray_sim.bodies.handling import Handling
-from dray_sim.bodies.travel import NEVER_S, Travel
+from dray_sim.bodies.vehicle.battery import Battery, runs_out_s
+from dray_sim.bodies.vehicle.handling import Handling
+from dray_sim.bodies.vehicle.travel import NEVER_S, Travel
 
 EMPTY_FRAC = 1e-9
 """Below this the battery is empty: milliseconds of an idle vehicle, and far above rounding."""

@@ -15,12 +15,12 @@ somebody missed is: the worker itself answers from the journal (`EventsAsked`), 
 from __future__ import annotations
 
 import asyncio
-from collections import Counter, deque
+from collections import Counter
 from typing import TYPE_CHECKING, assert_never, cast
 
 from dray import messages
 from dray.errors import ProtocolViolation
-from dray.messages.fact import EVENTS_PER_ANSWER
+from dray.messages.history import EVENTS_PER_ANSWER
 from dray.protocol.runtime.events import (
     NEVER_S,
     Agent,
@@ -41,51 +41,15 @@ from dray.protocol.runtime.events import (
     Unsubscribe,
     Woke,
 )
+from dray.worker.inbox import Inbox
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterator
 
     from dray.body import BodyState, Instruction, Report
     from dray.memory import Note
     from dray.messages.keys import Keys
     from dray.ports import Body, Bus, Clock, Journal, Session
-
-INBOX = 4096
-"""Events that wait for an agent. Ten seconds of a plant of 300 agents that all talk to this one; an agent
-that is further behind has lost touch anyway, and its peers repeat what matters."""
-
-CROWDED = INBOX // 8
-"""From this filling on it is counted whose messages wait: below, nobody is in anybody's way. Of every sender only
-the newest heartbeat waits from then on: it says all that the older ones have said."""
-
-SENDER_ROOM = INBOX // 4
-"""Messages of one sender that wait in a crowded inbox. What is beyond that is the sender's own loss: nobody fills
-an inbox alone, and nobody pushes out what others have said."""
-
-
-class _Newest:
-    """A heartbeat that waits; a newer one of the same sender takes its place."""
-
-    __slots__ = ("heard",)
-
-    def __init__(self, heard: Heard) -> None:
-        self.heard = heard
-
-
-class _Crowd:
-    """Whose messages wait in a crowded inbox.
-
-    Args:
-        inbox: what waits already.
-    """
-
-    __slots__ = ("beats", "count")
-
-    def __init__(self, inbox: Iterable[Event | _Newest]) -> None:
-        self.count: Counter[str] = Counter(event.sender for event in inbox if type(event) is Heard)
-        self.beats: dict[str, _Newest] = {}
-        """The heartbeats that have come since it is crowded, by sender."""
-
 
 _WOKEN = Woke(None)
 """Stands in the inbox for a wake-up: the body is sensed when the agent's turn comes, not before."""
@@ -104,8 +68,7 @@ class Worker:
 
     Attributes:
         handled: events handled so far.
-        dropped_heartbeats: heartbeats that a newer one of their sender has replaced, or that found the inbox full.
-        dropped_messages: other messages that were beyond their sender's room, or pushed out of a full inbox.
+        inbox: what has come and waits; it tells what it has dropped.
         ignored: messages that changed nothing, by the agent's reason; reasons are few and fixed.
     """
 
@@ -121,8 +84,7 @@ class Worker:
     ) -> None:
         self.agent = agent
         self.handled = 0
-        self.dropped_heartbeats = 0
-        self.dropped_messages = 0
+        self.inbox = Inbox()
         self.ignored: Counter[str] = Counter()
         self._bus = bus
         self._clock = clock
@@ -130,9 +92,6 @@ class Worker:
         self._body = body
         self._journal = journal
         self._facts = 0
-        self._inbox: deque[Event | _Newest] = deque()
-        self._crowd: _Crowd | None = None
-        """Who fills the inbox, once it is crowded; None until then, and when the agent's turn comes."""
         self._wakes_s: list[float] = []
         """When the clock will call: each time is earlier than the one before it, so the last is next."""
         self._woken = False
@@ -161,11 +120,11 @@ class Worker:
                 self._body.attach(self._report)
             self._handle(Started(self._sense(), self._journal.memory, self._journal.lost), session)
             while not self._stopping:
-                if not self._inbox:
+                if not self.inbox:
                     self._waiter = loop.create_future()
                     await self._waiter
                 self._handle_inbox(session)
-                if self._inbox:
+                if self.inbox:
                     # Let others have their turn before whatever came in meanwhile.
                     await asyncio.sleep(0)
         finally:
@@ -173,7 +132,7 @@ class Worker:
 
     def leave(self) -> None:
         """Ask the agent to leave in order; `run` returns when nothing holds it any more. Twice is harmless."""
-        self._inbox.append(Leaving())
+        self.inbox.put(Leaving())
         if self._waiter is not None:
             self._wake_task()
 
@@ -181,11 +140,6 @@ class Worker:
         """Let `run` return after the event in hand. Twice is harmless."""
         self._stopping = True
         self._wake_task()
-
-    @property
-    def waiting(self) -> int:
-        """Events that have come in and wait for the agent."""
-        return len(self._inbox)
 
     @property
     def ended(self) -> bool:
@@ -214,18 +168,13 @@ class Worker:
     # --- what comes in ---------------------------------------------------------------------------
 
     def _on_message(self, sender: str, message: messages.Message) -> None:
-        event: Heard | _Newest | None = Heard(sender, message)
-        if len(self._inbox) >= CROWDED:
-            event = self._queue_up(cast(Heard, event))
-        if event is None:
-            return
-        self._inbox.append(event)
+        self.inbox.put_heard(Heard(sender, message))
         if self._waiter is not None:
             self._wake_task()
 
     def _report(self, report: Report) -> None:
         # Never dropped: a body says things once. It cannot flood either, for it answers to instructions.
-        self._inbox.append(Reported(report))
+        self.inbox.put(Reported(report))
         if self._waiter is not None:
             self._wake_task()
 
@@ -240,47 +189,9 @@ class Worker:
             self._arm()
         elif not self._woken:
             self._woken = True
-            self._inbox.append(_WOKEN)
+            self.inbox.put(_WOKEN)
             if self._waiter is not None:
                 self._wake_task()
-
-    def _queue_up(self, heard: Heard) -> Heard | _Newest | None:
-        """Decide what a crowded inbox does with a message that has just come; None where it does not wait in its own place."""
-        crowd = self._crowd
-        if crowd is None:
-            crowd = self._crowd = _Crowd(self._inbox)
-        if isinstance(heard.message, messages.Heartbeat):
-            return self._queue_heartbeat(heard, crowd)
-        if crowd.count[heard.sender] >= SENDER_ROOM:
-            self.dropped_messages += 1
-            return None
-        if len(self._inbox) >= INBOX and not self._push_out(crowd):
-            return None
-        crowd.count[heard.sender] += 1
-        return heard
-
-    def _queue_heartbeat(self, heard: Heard, crowd: _Crowd) -> _Newest | None:
-        waiting = crowd.beats.get(heard.sender)
-        if waiting is None and len(self._inbox) < INBOX:
-            newest = crowd.beats[heard.sender] = _Newest(heard)
-            return newest
-        self.dropped_heartbeats += 1
-        if waiting is not None and _is_newer(heard.message, waiting.heard.message):
-            waiting.heard = heard
-        return None
-
-    def _push_out(self, crowd: _Crowd) -> bool:
-        """Drop the oldest message of whoever has most of them here; False when nobody has any."""
-        self.dropped_messages += 1
-        if not crowd.count:
-            return False
-        greediest = max(crowd.count, key=lambda sender: crowd.count[sender])
-        for place, event in enumerate(self._inbox):
-            if type(event) is Heard and event.sender == greediest:
-                del self._inbox[place]
-                crowd.count[greediest] -= 1
-                return True
-        return False
 
     def _wake_task(self) -> None:
         waiter, self._waiter = self._waiter, None
@@ -290,25 +201,26 @@ class Worker:
     # --- the agent's turn ------------------------------------------------------------------------
 
     def _handle_inbox(self, session: Session) -> None:
-        inbox = self._inbox
-        self._crowd = None
-        for _ in range(len(inbox)):
-            event = inbox.popleft()
-            if type(event) is _Newest:
-                event = event.heard
+        for event in self.inbox.turn():
             if event is _WOKEN:
                 self._woken = False
-                event, self._late_s = Woke(self._sense(), self._late_s), 0.0
+                late_s, self._late_s = self._late_s, 0.0
+                self._handle(Woke(self._sense(), late_s), session)
             elif type(event) is Heard:
-                kind = type(event.message)
-                if kind is messages.EventsAsked:
-                    self._tell_again(event.sender, cast(messages.EventsAsked, event.message), session)
-                    continue
-                if kind is messages.VehicleCommand:
-                    event = Heard(event.sender, event.message, self._sense())
-            self._handle(cast("Event", event), session)
+                self._handle_heard(event, session)
+            else:
+                self._handle(event, session)
             if self._stopping:
                 return
+
+    def _handle_heard(self, heard: Heard, session: Session) -> None:
+        kind = type(heard.message)
+        if kind is messages.EventsAsked:
+            self._tell_again(heard.sender, cast(messages.EventsAsked, heard.message), session)
+        elif kind is messages.VehicleCommand:
+            self._handle(Heard(heard.sender, heard.message, self._sense()), session)
+        else:
+            self._handle(heard, session)
 
     def _handle(self, event: Event, session: Session) -> None:
         effects = self.agent.handle(event, self._clock.now_s())
@@ -398,12 +310,6 @@ class Worker:
             # What is past already is asked for now: nothing was late then but the agent's own wish.
             self._wakes_s.append(max(wake_s, self._clock.now_s()))
             self._clock.call_at(wake_s, self._wake)
-
-
-def _is_newer(heartbeat: messages.Message, other: messages.Message) -> bool:
-    """Whether a heartbeat was said after another one of the same agent."""
-    said, before = cast("messages.AtvHeartbeat", heartbeat), cast("messages.AtvHeartbeat", other)
-    return (said.incarnation, said.seq) > (before.incarnation, before.seq)
 
 
 def _turn_a_deaf_ear(report: Report) -> None:

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from dray.messages import Accepted, Bid, TakenOver, Work
 from dray.plant import Plant
-from dray.protocol.contract_net.disbelief import Disbelief
-from dray.protocol.contract_net.plausibility import CLOCK, Plausibility, clock_ahead_s, is_clock_wrong
-from dray.protocol.contract_net.probation import SHORT_S, is_barred
-from dray.protocol.contract_net.reliability import Reliability
+from dray.protocol.contract_net.trust.disbelief import Disbelief
+from dray.protocol.contract_net.trust.plausibility import CLOCK, Plausibility, clock_ahead_s, is_clock_wrong
+from dray.protocol.contract_net.trust.probation import SHORT_S, is_barred
+from dray.protocol.contract_net.trust.reliability import Reliability
 from dray.protocol.liveness.progress import STALL_S, Progress
 from dray.protocol.runtime.events import Effect, Ignore
 

@@ -8,8 +8,8 @@ from enum import StrEnum
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from dray_sim.bodies.power import Power
-    from dray_sim.bodies.travel import Travel
+    from dray_sim.bodies.vehicle.power import Power
+    from dray_sim.bodies.vehicle.travel import Travel
 
 
 class Activity(StrEnum):

@@ -1,6 +1,6 @@
 """What a vehicle does where it stands: it loads, unloads and charges; and what it has on board.
 
-The counterpart of `dray_sim.bodies.travel`: no clock of its own. Whoever holds it tells how much time has passed, and calls
+The counterpart of `dray_sim.bodies.vehicle.travel`: no clock of its own. Whoever holds it tells how much time has passed, and calls
 `finish` when the manoeuvre ends; what came of an action is reported here. What the battery takes is left to the holder.
 """
 

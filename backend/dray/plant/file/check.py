@@ -2,7 +2,7 @@
 
 A fault is a pair of the field, as ``machines[3].node``, and the reason with what to do about it.
 All faults are found in one go; what depends on something faulty is not reported a second time.
-Where things stand and how they are joined is looked at by `dray.plant.check_floor`.
+Where things stand and how they are joined is looked at by `dray.plant.file.check_floor`.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from difflib import get_close_matches
 
-from dray.plant.check_floor import floor_faults
+from dray.plant.file.check_floor import floor_faults
 from dray.plant.model import MachineSpec, Material, PlantFile, Product
 
 Fault = tuple[str, str]

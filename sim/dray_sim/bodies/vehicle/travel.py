@@ -15,8 +15,8 @@ from dray.errors import ProtocolViolation
 from dray.messages import Pose
 from dray.plant import Plant
 from dray.plant.model import VehicleType
-from dray_sim.bodies.motion import SHORT_M, STANDSTILL, brake, plan
-from dray_sim.bodies.way import Way, join
+from dray_sim.bodies.vehicle.motion import SHORT_M, STANDSTILL, brake, plan
+from dray_sim.bodies.vehicle.way import Way, join
 
 NEVER_S = float("inf")
 

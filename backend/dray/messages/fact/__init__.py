@@ -1,0 +1,142 @@
+"""Facts: what an agent writes into its own numbered history. A file of this room holds what one kind of speaker tells.
+
+A fact says what the agent itself did, decided or saw, and nothing about what others might think of it. How facts are numbered
+and asked for again is in `dray.messages.history`.
+"""
+
+from __future__ import annotations
+
+from dray.messages.fact.base import (
+    Fact,
+    MemoryLost,
+)
+from dray.messages.fact.contractor import (
+    HANDED_OVER,
+    BidRefused,
+    BidSent,
+    ContractEnded,
+    ContractTaken,
+    NotBelieved,
+    TookOver,
+)
+from dray.messages.fact.coordinator import (
+    AwardAnswered,
+    AwardGiven,
+    BidReceived,
+    CarrierChanged,
+    ContractorRated,
+    HandoverDisputed,
+    PrimarySuspected,
+    RoundFailed,
+    TaskClosed,
+    TaskOpened,
+    WatchLost,
+    WordDisbelieved,
+)
+from dray.messages.fact.machine import (
+    MachineStatusChanged,
+    PieceMade,
+)
+from dray.messages.fact.strategist import (
+    GoalContracted,
+    GoalLost,
+    GoalWaits,
+    GoalWithdrawn,
+    GoodsDelivered,
+    OrderAccepted,
+    OrderDropped,
+    OrderFulfilled,
+    OrderProgressed,
+    OrderReturned,
+)
+from dray.messages.fact.vehicle import (
+    AtvStatusChanged,
+    CommandObeyed,
+    HelpAsked,
+    HelpPromised,
+    LinkChanged,
+    PhaseEntered,
+)
+
+AnyFact = (
+    TaskOpened
+    | BidReceived
+    | AwardGiven
+    | AwardAnswered
+    | RoundFailed
+    | WatchLost
+    | TaskClosed
+    | PrimarySuspected
+    | CarrierChanged
+    | ContractorRated
+    | WordDisbelieved
+    | HandoverDisputed
+    | NotBelieved
+    | TookOver
+    | LinkChanged
+    | HelpAsked
+    | HelpPromised
+    | BidSent
+    | BidRefused
+    | ContractTaken
+    | ContractEnded
+    | PhaseEntered
+    | AtvStatusChanged
+    | CommandObeyed
+    | MachineStatusChanged
+    | PieceMade
+    | GoodsDelivered
+    | OrderAccepted
+    | GoalContracted
+    | GoalLost
+    | GoalWithdrawn
+    | GoalWaits
+    | OrderProgressed
+    | OrderFulfilled
+    | OrderDropped
+    | OrderReturned
+    | MemoryLost
+)
+
+__all__ = [
+    "HANDED_OVER",
+    "AnyFact",
+    "AtvStatusChanged",
+    "AwardAnswered",
+    "AwardGiven",
+    "BidReceived",
+    "BidRefused",
+    "BidSent",
+    "CarrierChanged",
+    "CommandObeyed",
+    "ContractEnded",
+    "ContractTaken",
+    "ContractorRated",
+    "Fact",
+    "GoalContracted",
+    "GoalLost",
+    "GoalWaits",
+    "GoalWithdrawn",
+    "GoodsDelivered",
+    "HandoverDisputed",
+    "HelpAsked",
+    "HelpPromised",
+    "LinkChanged",
+    "MachineStatusChanged",
+    "MemoryLost",
+    "NotBelieved",
+    "OrderAccepted",
+    "OrderDropped",
+    "OrderFulfilled",
+    "OrderProgressed",
+    "OrderReturned",
+    "PhaseEntered",
+    "PieceMade",
+    "PrimarySuspected",
+    "RoundFailed",
+    "TaskClosed",
+    "TaskOpened",
+    "TookOver",
+    "WatchLost",
+    "WordDisbelieved",
+]

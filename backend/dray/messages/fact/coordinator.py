@@ -1,0 +1,151 @@
+"""What a coordinator tells: its tasks, their auctions, and what it has learned of contractors."""
+
+from __future__ import annotations
+
+from dray.messages.base import Count, Id, IdOrNone, Metres, Seconds, Text
+from dray.messages.contract import Cost, Work
+from dray.messages.fact.base import Fact
+from dray.messages.heartbeat import Role
+
+
+class TaskOpened(Fact, frozen=True):
+    """A round of bidding began (round 1 of epoch 1 is the birth of the task)."""
+
+    task: Id
+    epoch: Count
+    role: Role
+    round: Count
+    work: Work
+    radius_m: Metres
+    deadline_s: Seconds
+    bids_until_s: Seconds
+
+
+class BidReceived(Fact, frozen=True):
+    """A bid came in time."""
+
+    task: Id
+    epoch: Count
+    role: Role
+    round: Count
+    bidder: Id
+    cost: Cost
+    total_s: Seconds
+    finish_s: Seconds
+    source: IdOrNone = ""
+    surcharge_s: Seconds = 0.0
+    """What its coordinator adds before it ranks, for what it has seen of the bidder (`ContractorRated`)."""
+
+
+class AwardGiven(Fact, frozen=True):
+    """A bidder was asked to take the contract; `rank` is 1 for the cheapest."""
+
+    task: Id
+    epoch: Count
+    role: Role
+    bidder: Id
+    rank: Count
+
+
+class AwardAnswered(Fact, frozen=True):
+    """What became of an award: accepted, declined with a reason, or silent."""
+
+    task: Id
+    epoch: Count
+    role: Role
+    bidder: Id
+    answer: Text
+    """`accepted`, `silent`, or the reason of the decline."""
+
+
+class RoundFailed(Fact, frozen=True):
+    """Nobody was contracted in this round; the next one begins at `next_round_s`."""
+
+    task: Id
+    epoch: Count
+    role: Role
+    round: Count
+    bids: Count
+    next_round_s: Seconds
+
+
+class WatchLost(Fact, frozen=True):
+    """A task has no secondary any more; another one is sought."""
+
+    task: Id
+    epoch: Count
+    secondary: IdOrNone
+    reason: Text
+
+
+class TaskClosed(Fact, frozen=True):
+    """A task ended: `delivered` or `withdrawn` (invariant 1)."""
+
+    task: Id
+    epoch: Count
+    outcome: Text
+    carrier: IdOrNone
+    promised_s: Seconds = 0.0
+    """When the carrier had promised to be done (plant clock); 0 when nobody had."""
+
+
+class PrimarySuspected(Fact, frozen=True):
+    """Nothing was heard of a task's primary for longer than the suspicion bound."""
+
+    task: Id
+    epoch: Count
+    primary: Id
+    silent_s: Seconds
+
+
+class CarrierChanged(Fact, frozen=True):
+    """A task has another carrier, or is without one and put up for auction again."""
+
+    task: Id
+    epoch: Count
+    """The new one."""
+    replaced: Id
+    carrier: IdOrNone
+    """The secondary that has taken over; empty when the task is announced anew."""
+    reason: Text
+    silent_s: Seconds = 0.0
+    """How long nothing had been heard of the one that was replaced."""
+
+
+class ContractorRated(Fact, frozen=True):
+    """What a coordinator has learned of a contractor, from its own contracts with it."""
+
+    contractor: Id
+    task: Id
+    """What it was learned from."""
+    reason: Text
+    """`kept`, how late it was, or why it was dropped."""
+    surcharge_s: Seconds
+    """Added to its bids from now on; half of it is forgotten in half an hour."""
+    restricted: bool
+    """It is given short tasks only."""
+
+
+class WordDisbelieved(Fact, frozen=True):
+    """A coordinator does not believe what a contractor has said: it cannot be. Told once a minute of each."""
+
+    contractor: Id
+    task: Id
+    reason: Text
+    clock_ahead_s: Seconds = 0.0
+    """How far the contractor's clock is ahead of the coordinator's, behind if negative; 0 where that is not the reason."""
+
+
+class HandoverDisputed(Fact, frozen=True):
+    """A contractor says that a load is down, and the dock where it was to go has counted something else."""
+
+    task: Id
+    epoch: Count
+    contractor: Id
+    item: Id
+    said: Count
+    """Pieces, by the contractor's word."""
+    counted: Count
+    """Pieces, by the dock's count: these are there, and no others."""
+    where: Id
+    """The place whose dock has counted."""

@@ -1,0 +1,54 @@
+"""What a vehicle tells: how its transport goes, its link, its problems, and people's commands."""
+
+from __future__ import annotations
+
+from dray.messages.base import Count, Id, IdOrNone, Seconds, Text
+from dray.messages.fact.base import Fact
+from dray.messages.heartbeat import AtvStatus, Link, Phase
+
+
+class LinkChanged(Fact, frozen=True):
+    """The vehicle is on the WLAN again, or left with its radio (paper, case 3)."""
+
+    link: Link
+
+
+class HelpAsked(Fact, frozen=True):
+    """The vehicle has a problem that a person can solve (paper, case 4)."""
+
+    task: IdOrNone
+    reason: Text
+    until_s: Seconds
+
+
+class HelpPromised(Fact, frozen=True):
+    """A person is on the way, and the takeover is held back until then."""
+
+    until_s: Seconds
+    promised_by: Text
+
+
+class PhaseEntered(Fact, frozen=True):
+    """A transport went one step further."""
+
+    task: Id
+    epoch: Count
+    phase: Phase
+    station: IdOrNone = ""
+
+
+class AtvStatusChanged(Fact, frozen=True):
+    """The vehicle's state machine took a step."""
+
+    status: AtvStatus
+    reason: Text = ""
+
+
+class CommandObeyed(Fact, frozen=True):
+    """A person's command was carried out, or refused with a reason."""
+
+    command: Id
+    what: Text
+    done: bool
+    reason: Text = ""
+    issued_by: Text = ""

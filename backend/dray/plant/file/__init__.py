@@ -1,0 +1,1 @@
+"""The plant file: its text, the shapes in it, and every fault by line and field."""

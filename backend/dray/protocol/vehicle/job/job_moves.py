@@ -1,0 +1,141 @@
+"""What a carrier does for its transport: ways between its places, picks and drops. The moves alone: when is for `transport_job`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from dray.body import Drop, Pick
+from dray.errors import NoWay
+from dray.memory import Contract
+from dray.plant import Plant
+from dray.protocol.contract_net.dock import dock_of
+from dray.protocol.runtime.timers import Timers
+from dray.protocol.vehicle.driving import Driver, limited_s
+
+RETRY = "retry"
+"""The alarm for another try of a way or a manoeuvre, which is no message."""
+
+RETRY_S = 5.0
+"""After a failed manoeuvre."""
+
+
+class JobMoves:
+    """The moves of one transport.
+
+    Args:
+        contract: says what is carried, and from where.
+        plant, vehicle_type: for ways and handling times.
+        driver: the vehicle's place on the lanes.
+        timers: the vehicle's alarms; this class uses `RETRY`.
+    """
+
+    def __init__(
+        self, contract: Contract, plant: Plant, vehicle_type: str, driver: Driver, timers: Timers
+    ) -> None:
+        self._work = contract.work
+        self._source = contract.source
+        self._plant = plant
+        self._type = plant.vehicle_types[vehicle_type]
+        self._routes = plant.routes(vehicle_type)
+        self._driver = driver
+        self._timers = timers
+        self._order = 0
+        """The number of the newest pick or drop."""
+        self._full: set[str] = set()
+        """Stations that did not take the load back. Only ever asked for membership."""
+
+    # --- ways ---
+
+    def drive(self, place: str, now_s: float) -> float | None:
+        """Set off for the dock of a place.
+
+        Returns:
+            When the vehicle should be there; None when it stands there already.
+        """
+        return self._driver.arrives_s if self._driver.go(self._dock(place), now_s) else None
+
+    def halt(self, now_s: float) -> None:
+        """Stand at the end of the present lane."""
+        if self._driver.way:
+            self._driver.go(self._driver.next_node, now_s)
+
+    def try_later(self, now_s: float) -> None:
+        """A way or a manoeuvre has failed: another try is due after `RETRY_S`."""
+        self._timers.set(RETRY, now_s + RETRY_S)
+
+    def try_no_more(self) -> None:
+        """No other try is wanted."""
+        self._timers.clear(RETRY)
+
+    # --- how long they take ---
+
+    def from_source_s(self) -> float:
+        """How long loading, the way to the destination and unloading take."""
+        loaded_s = self._routes.duration_s(self._dock(self._source), self._dock(self._work.destination))
+        return self._type.load_s + limited_s(loaded_s, self._driver.speed_frac) + self._type.unload_s
+
+    def unloading_s(self) -> float:
+        """How long unloading takes."""
+        return self._type.unload_s
+
+    # --- manoeuvres ---
+
+    def pick(self) -> None:
+        """Load at the source."""
+        self._order = self._driver.next_order()
+        self._driver.act(
+            Pick(
+                order=self._order,
+                station=self._source,
+                item=self._work.item,
+                quantity=self._work.quantity,
+            )
+        )
+
+    def drop(self, place: str, goal: str) -> None:
+        """Unload at a place.
+
+        Args:
+            place: where the vehicle stands.
+            goal: for which goal; empty when the load is only set aside.
+        """
+        self._order = self._driver.next_order()
+        self._driver.act(Drop(order=self._order, station=place, goal=goal))
+
+    def is_newest(self, order: int) -> bool:
+        """Whether this number is that of the newest pick or drop."""
+        return order == self._order
+
+    @property
+    def is_gated(self) -> bool:
+        """Whether a gate decides about the load, and not the coordinator."""
+        return self._work.destination in self._plant.delivery_warehouses
+
+    # --- where to with a load that nobody wants ---
+
+    def refuge(self) -> str:
+        """The nearest storage that keeps the load; goods are set aside at the delivery warehouse.
+
+        Where every storage is full, and stays so since nobody can fetch with this vehicle's load in the way, material goes back
+        to where it came from, a source warehouse.
+        """
+        is_material = self._work.item in self._plant.materials
+        storages = self._plant.storages_of(self._work.item) if is_material else (self._work.destination,)
+        here = self._driver.next_node
+        for refuges in (storages, self._plant.source_warehouses if is_material else ()):
+            try:
+                return self._routes.nearest(here, self._not_full(refuges))[0]
+            except NoWay:
+                continue
+        self._full.clear()
+        return self._routes.nearest(here, storages)[0]
+
+    def note_full(self, place: str) -> None:
+        """This place did not take the load."""
+        self._full.add(place)
+
+    def _not_full(self, places: Iterable[str]) -> tuple[str, ...]:
+        return tuple(place for place in places if place not in self._full)
+
+    def _dock(self, place: str) -> str:
+        return dock_of(self._plant, self._work, place)

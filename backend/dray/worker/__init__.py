@@ -1,0 +1,1 @@
+"""The asyncio shell of one agent, and the inbox of what waits for it."""
