@@ -1,16 +1,16 @@
 import { t } from "../text/manager";
 import { AlertsView } from "./alerts/AlertsView";
-import { AuditView } from "./audit/AuditView";
-import { FleetView } from "./fleet/FleetView";
-import { KpiView } from "./kpis/KpiView";
+import { AuditView } from "./pages/audit/AuditView";
+import { FleetView } from "./pages/FleetView";
+import { KpiView } from "./pages/kpis/KpiView";
 import { OrdersView } from "./orders/OrdersView";
-import { PlantView } from "./plantview/PlantView";
-import { PromisesView } from "./promises/PromisesView";
-import { TasksView } from "./tasks/TasksView";
-import { NewsBanner } from "./topbar/NewsBanner";
-import { TopBar } from "./topbar/TopBar";
+import { PlantView } from "./pages/PlantView";
+import { PromisesView } from "./pages/promises/PromisesView";
+import { TasksView } from "./pages/tasks/TasksView";
+import { NewsBanner } from "./shell/NewsBanner";
+import { TopBar } from "./shell/TopBar";
 import { view } from "./views";
-import { WatchView } from "./watch/WatchView";
+import { WatchView } from "./pages/watch/WatchView";
 
 const SHOWN = {
   plant: PlantView,

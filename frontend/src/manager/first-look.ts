@@ -4,7 +4,7 @@ import type { TaskView } from "../api/types";
 import { NOTHING, selection } from "../selection/selection";
 import { world } from "../stream/stream";
 import type { World } from "../stream/world";
-import { latestBids, newest } from "./auction/auction";
+import { latestBids, newest } from "./cards/auction/auction";
 
 export function chooseAtFirst(): void {
   const stop = effect(() => {

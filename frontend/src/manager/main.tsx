@@ -18,7 +18,7 @@ import { followTheme } from "../theme/theme";
 import { App } from "./App";
 import { chooseAtFirst } from "./first-look";
 import { problemText } from "./problem-text";
-import { learnWho } from "./session/session";
+import { learnWho } from "./shell/session";
 import { plant, plantFailed } from "./state";
 import { followAddress } from "./views";
 

@@ -3,14 +3,14 @@ import { Problem, problemOf } from "../api/problem";
 import type { OrderView, PlantFile, TaskView } from "../api/types";
 import { NOTHING, withChosen } from "../selection/selection";
 import type { World } from "../stream/world";
-import { sparkPoints } from "./factory/spark";
+import { sparkPoints } from "./cards/factory/spark";
 import { firstLook } from "./first-look";
-import { placeOf } from "./machine/place";
+import { placeOf } from "./cards/machine/place";
 import { namesOf } from "../plant/names";
 import { canBeTakenBack, inOrder, isLate, progressOf, stateOf } from "./orders/progress";
 import { problemText } from "./problem-text";
-import { checkDraft, type Draft, fieldOf, makersOf, needsOf, orderOf } from "./publish/draft";
-import { isAskable } from "./publish/preview";
+import { checkDraft, type Draft, fieldOf, makersOf, needsOf, orderOf } from "./cards/publish/draft";
+import { isAskable } from "./cards/publish/preview";
 import { viewFrom } from "./views";
 
 const plant = {

@@ -5,7 +5,7 @@ import { Table } from "../../parts/Table";
 import { Tag } from "../../parts/Tag";
 import { nowS, world } from "../../stream/stream";
 import { format, t } from "../../text/manager";
-import { NewsList } from "../news/NewsList";
+import { NewsList } from "../cards/news/NewsList";
 import { alerts } from "../state";
 import { showSubject, subjectOf } from "./subject";
 import { failed } from "./take";

@@ -1,5 +1,5 @@
 import { format, n, t } from "../../text/manager";
-import { Sheet } from "../Sheet";
+import { Sheet } from "../parts/Sheet";
 import { busy, choose, failed, fileName, found, place, placed, ready } from "./import";
 
 const ID = "orders-import";

@@ -3,7 +3,7 @@ import { cancelOrder, releaseOrder, revokeOrder } from "../../api/client";
 import type { OrderView } from "../../api/types";
 import { t } from "../../text/manager";
 import { problemText } from "../problem-text";
-import { Sure } from "../Sure";
+import { Sure } from "../parts/Sure";
 import { canBeTakenBack, isClosed } from "./progress";
 
 /** What can be done about an order. */

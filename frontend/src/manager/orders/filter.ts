@@ -1,6 +1,6 @@
 /** Which orders are wanted. Pure. */
 import type { OrderView } from "../../api/types";
-import { holds } from "../filters/match";
+import { holds } from "../parts/filters/match";
 import type { Names } from "../../plant/names";
 import { isClosed, isLate } from "./progress";
 

@@ -1,0 +1,22 @@
+import { useId } from "preact/hooks";
+import type { ClockView } from "../../../api/types";
+import { Tag } from "../../../parts/Tag";
+import { format, t } from "../../../text/manager";
+
+/** Nothing is told more exactly: a heartbeat tells its time in hundredths. */
+const LEAST_BOUND_S = 0.1;
+
+/** That an agent's clock is wrong; how that is known and what to do about it, on hover and focus. */
+export function ClockMark({ clock }: { clock: ClockView | null | undefined }) {
+  const id = useId();
+  if (!clock?.wrong) return null;
+  const by = format.duration(Math.abs(clock.ahead_s));
+  return (
+    <span class="clock-mark" tabIndex={0} aria-describedby={id}>
+      <Tag tone="warn">{t(clock.ahead_s < 0 ? "clock.behind" : "clock.ahead", { by })}</Tag>
+      <span id={id} role="tooltip" class="clock-why">
+        {t("clock.why", { bound: format.price(Math.max(LEAST_BOUND_S, clock.bound_s)) })}
+      </span>
+    </span>
+  );
+}

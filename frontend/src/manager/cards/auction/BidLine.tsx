@@ -1,0 +1,47 @@
+import { Link } from "../../../parts/Link";
+import { format, t, word } from "../../../text/manager";
+import type { BidView } from "../../../api/types";
+import type { BidRow } from "./auction";
+
+interface Props {
+  row: BidRow;
+  parts: readonly string[];
+  mostS: number;
+}
+
+/** One bid: its parts to the scale of the dearest one, its total, what came of it. */
+export function BidLine({ row, parts, mostS }: Props) {
+  const { bid, standing } = row;
+  const spoken = parts.map((part) => `${word("part", part)} ${format.duration(bid.parts_s[part] ?? 0)}`);
+  const label = t("auction.bidLabel", {
+    bidder: bid.bidder,
+    total: format.duration(bid.total_s),
+    parts: format.list(spoken),
+  });
+  const note = noteOf(row);
+  return (
+    <li class={`bid ${standing === "primary" ? "bid-won" : ""}`}>
+      <Link kind="atv" id={bid.bidder} />
+      <span class="bid-bar" role="img" aria-label={label} title={label}>
+        {parts.map((part) => (
+          <i key={part} class={`part-${part}`} style={{ width: `${((bid.parts_s[part] ?? 0) / mostS) * 100}%` }} />
+        ))}
+      </span>
+      <span class="num">{format.duration(bid.total_s)}</span>
+      <span class="bid-note" title={note}>
+        {note}
+      </span>
+    </li>
+  );
+}
+
+function noteOf({ bid, standing }: BidRow): string {
+  return standing ? t(`auction.role.${standing}`) : answerText(bid);
+}
+
+/** What the bidder said when it was asked; empty where it was not. */
+export function answerText({ answer }: BidView): string {
+  if (answer === "" || answer === "accepted") return "";
+  if (answer === "asked" || answer === "silent") return t(`auction.answer.${answer}`);
+  return t("auction.answer.declined", { reason: word("reason", answer) });
+}

@@ -1,0 +1,86 @@
+import type { StockView, TaskView } from "../../../api/types";
+import { Card } from "../../../parts/Card";
+import { Fact, Facts } from "../../../parts/Facts";
+import { Link } from "../../../parts/Link";
+import { Tag } from "../../../parts/Tag";
+import { isLost } from "../../../plant/silence";
+import { nowS, presentS, world } from "../../../stream/stream";
+import { format, t } from "../../../text/manager";
+import { ClockMark } from "../agents/ClockMark";
+import { ShutOutNote } from "../agents/ShutOutNote";
+import { isOpen } from "../auction/auction";
+import { names } from "../../state";
+import type { PlaceInfo } from "./place";
+
+/** A storage, warehouse or charger: what it keeps, and who comes. */
+export function PlaceCard({ place }: { place: PlaceInfo }) {
+  const atvs = [...(world.value?.atvs.values() ?? [])].filter((atv) => atv.dwell_point === place.id);
+  const tasks = [...(world.value?.tasks.values() ?? [])].filter(isOpen);
+  const charger = place.kind === "charger";
+  const station = place.kind === "storage" ? world.value?.stations.get(place.id) : undefined;
+  const lost = station !== undefined && isLost(station, presentS.value, world.value?.factory.speed ?? 1);
+  return (
+    <Card
+      title={place.name}
+      aside={lost ? <Tag tone="alarm">{t(station.shut_out ? "machine.shut_out" : "machine.lost")}</Tag> : <Tag>{t(`place.${place.kind}`)}</Tag>}
+      class={`place ${lost ? "silent" : ""}`}
+    >
+      {station?.shut_out && <ShutOutNote agent={place.id} kind="machine" out={station.shut_out} />}
+      <Facts>
+        {place.kind === "storage" && (
+          <Fact name={t("machine.heartbeat")}>
+            <span class={lost ? "tone-alarm" : ""}>
+              {station ? t("machine.ago", { age: format.age(nowS.value - station.seen_at_s) }) : t("machine.never")}
+            </span>{" "}
+            <ClockMark clock={station?.clock} />
+          </Fact>
+        )}
+        {charger ? (
+          <Fact name={t("place.charging")}>
+            {atvs.length === 0 ? t("place.free") : atvs.map((atv) => <Link key={atv.id} kind="atv" id={atv.id} />)}
+          </Fact>
+        ) : (
+          <>
+            <Transports name={t("place.fetching")} tasks={tasks.filter((task) => task.source === place.id)} />
+            <Transports name={t("place.bringing")} tasks={tasks.filter((task) => task.destination === place.id)} />
+          </>
+        )}
+      </Facts>
+      {place.stocks.length > 0 && (
+        <div class="stock">
+          <h3>{t("place.keeps")}</h3>
+          <Facts>
+            {place.stocks.map(({ capacity, material }) => (
+              <Fact key={material} name={names.value(material)}>
+                <Kept stock={station?.stocks.find((stock) => stock.item === material)} capacity={capacity} />
+              </Fact>
+            ))}
+          </Facts>
+        </div>
+      )}
+    </Card>
+  );
+}
+
+/** What lies there, as the station has told, and who waits for more; without a word of it, what finds room there. */
+function Kept({ stock, capacity }: { stock: StockView | undefined; capacity: number }) {
+  if (!stock) return <>{t("place.upTo", { quantity: format.count(capacity) })}</>;
+  return (
+    <>
+      {t("place.stock", { level: format.count(stock.level), capacity: format.count(stock.capacity) })}
+      {stock.promised > 0 && <small>{t("place.promised", { quantity: format.count(stock.promised) })}</small>}
+      {stock.wanted > 0 && <small class="tone-warn">{t("place.wanted", { quantity: format.count(stock.wanted) })}</small>}
+    </>
+  );
+}
+
+/** More would push the vehicle's card away; the view Tasks has them all. */
+const MOST = 4;
+
+function Transports({ name, tasks }: { name: string; tasks: readonly TaskView[] }) {
+  return (
+    <Fact name={name}>
+      {tasks.length === 0 ? t("factory.none") : tasks.slice(0, MOST).map(({ id }) => <Link key={id} kind="task" id={id} />)}
+    </Fact>
+  );
+}

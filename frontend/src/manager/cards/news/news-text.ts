@@ -1,0 +1,50 @@
+/** News in words. */
+import type { NewsView } from "../../../api/types";
+import { failureText } from "../../../text/failure";
+import { format, t } from "../../../text/manager";
+
+/** What people call what agents know by ids of their own. */
+export interface Called {
+  /** As "24 Gear unit G2". */
+  readonly goal: (id: string) => string;
+  /** The customer's reference. */
+  readonly order: (id: string) => string;
+}
+
+export function newsText(news: NewsView, nowS: number, called: Called): string {
+  const { agent, arrived, confirmed, other, successor, task } = news;
+  const goal = called.goal(news.goal);
+  const silence = format.age(news.silent_s);
+  const reason = failureText(news.reason);
+  const until = format.due(news.until_at_s ?? nowS, nowS);
+  const names = { agent, task, other };
+  switch (news.kind) {
+    case "took_over":
+      if (isSilence(news)) return t(confirmed ? "news.tookSilent" : "news.takingSilent", { ...names, silence });
+      return t(confirmed ? "news.took" : "news.taking", { ...names, reason });
+    case "takeover_refused":
+      return t("news.refused", names);
+    case "announced_anew":
+      return isSilence(news) ? t("news.anewSilent", { ...names, silence }) : t("news.anew", { ...names, reason });
+    case "link_lost":
+      return t("news.linkLost", { agent });
+    case "link_back":
+      return t("news.linkBack", { agent });
+    case "help_asked":
+      return t("news.helpAsked", { agent, reason, until });
+    case "help_promised":
+      return t("news.helpPromised", { agent, by: other, until });
+    case "goal_lost":
+      if (successor === "") return t("news.goalLostWhole", { agent, goal });
+      return t("news.goalLost", { agent, goal, arrived: format.count(arrived) });
+    case "goal_waits":
+      return t("news.goalWaits", { order: called.order(news.order), reason });
+    case "memory_lost":
+      return t("news.memoryLost", { agent, reason });
+  }
+}
+
+/** Whether silence was the reason: how long it was then says it best. */
+export function isSilence(change: { reason: string; silent_s: number }): boolean {
+  return change.reason === "silent" && change.silent_s > 0;
+}

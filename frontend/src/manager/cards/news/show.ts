@@ -1,0 +1,28 @@
+/** What a piece of news is about, in names that people know, and the way there. */
+import type { NewsView } from "../../../api/types";
+import { choose } from "../../../selection/selection";
+import { world } from "../../../stream/stream";
+import { format, t } from "../../../text/manager";
+import { names } from "../../state";
+import { go } from "../../views";
+import { subjectOf } from "./news";
+import type { Called } from "./news-text";
+
+export function showNews(news: NewsView): void {
+  const known = world.value;
+  const subject = known && subjectOf(news, known);
+  // The new carrier's card first, then its task below the map.
+  if (known?.atvs.has(news.agent)) choose({ kind: "atv", id: news.agent });
+  if (subject) choose(subject);
+  go(news.kind === "goal_waits" && !subject ? "orders" : "plant");
+}
+
+/** As the stream knows them; by their own names where they have left it. */
+export const CALLED: Called = {
+  goal: (id) => {
+    const task = world.value?.tasks.get(id);
+    if (!task) return id;
+    return t("auction.what", { quantity: format.count(task.quantity), item: names.value(task.item) });
+  },
+  order: (id) => world.value?.orders.get(id)?.reference ?? id,
+};

@@ -1,0 +1,78 @@
+/** The form's state, and the sending of it. */
+import { computed, signal } from "@preact/signals";
+import { newKey, placeOrder } from "../../../api/client";
+import { Problem } from "../../../api/problem";
+import { nowS } from "../../../stream/stream";
+import { format, t } from "../../../text/manager";
+import { problemText } from "../../problem-text";
+import { plant } from "../../state";
+import { checkDraft, type Complaint, type Draft, type Field, fieldOf, MOST_PIECES, orderOf } from "./draft";
+
+const written = signal<Draft>({ product: "", quantity: "40", customer: "", reference: "", due: "" });
+
+/** The first product is chosen until a person chooses another. */
+export const draft = computed<Draft>(() => ({
+  ...written.value,
+  product: written.value.product || (plant.value?.products[0]?.id ?? ""),
+}));
+export const complaints = signal<Partial<Record<Field, string>>>({});
+export const sending = signal(false);
+export const outcome = signal<{ good: boolean; text: string } | null>(null);
+
+/** One key per order, kept over failed tries; a changed order is another one. */
+let key = newKey();
+let keyFor = "";
+
+export function edit(field: Field, value: string): void {
+  written.value = { ...written.value, [field]: value };
+  complaints.value = { ...complaints.value, [field]: undefined };
+  outcome.value = null;
+}
+
+export async function send(release: boolean): Promise<void> {
+  if (sending.value) return;
+  outcome.value = null;
+  complaints.value = inWords(checkDraft(draft.value, nowS.value));
+  const firstWrong = Object.keys(complaints.value)[0];
+  if (firstWrong !== undefined) {
+    document.getElementById(`publish-${firstWrong}`)?.focus();
+    return;
+  }
+  const order = orderOf(draft.value, release);
+  const body = JSON.stringify(order);
+  if (body !== keyFor) [key, keyFor] = [newKey(), body];
+  sending.value = true;
+  try {
+    const { id } = await placeOrder(order, key);
+    keyFor = "";
+    written.value = { ...written.value, reference: "" };
+    outcome.value = { good: true, text: t(release ? "publish.published" : "publish.defined", { id }) };
+  } catch (error) {
+    complain(error);
+  } finally {
+    sending.value = false;
+  }
+}
+
+function complain(error: unknown): void {
+  const atFields: Partial<Record<Field, string>> = {};
+  const elsewhere: string[] = [];
+  for (const each of error instanceof Problem ? error.errors : []) {
+    const field = fieldOf(each);
+    if (field) atFields[field] = each.reason;
+    else elsewhere.push(`${each.field}: ${each.reason}`);
+  }
+  complaints.value = atFields;
+  if (Object.keys(atFields).length > 0 && elsewhere.length === 0) return;
+  const reason = elsewhere.join("; ") || problemText(error);
+  outcome.value = { good: false, text: t("publish.failed", { reason }) };
+}
+
+function inWords(found: Partial<Record<Field, Complaint>>): Partial<Record<Field, string>> {
+  const words: Record<Complaint, string> = {
+    needQuantity: t("publish.needQuantity", { most: format.count(MOST_PIECES) }),
+    needCustomer: t("publish.needCustomer"),
+    needFuture: t("publish.needFuture"),
+  };
+  return Object.fromEntries(Object.entries(found).map(([field, complaint]) => [field, words[complaint]]));
+}

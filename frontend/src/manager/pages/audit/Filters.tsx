@@ -1,0 +1,56 @@
+import { t, word } from "../../../text/manager";
+import { Choice } from "../../parts/filters/Choice";
+import { CsvLink } from "../../parts/filters/CsvLink";
+import { ACTIONS, NOTHING, RESULTS, tableOf } from "./filter";
+import { filter, lookAgain, narrow } from "./log";
+
+/** What is wanted of the log; a table of just that may be downloaded. */
+export function Filters() {
+  return (
+    <>
+      <Moment name="since" />
+      <Moment name="until" />
+      <Words name="who" />
+      <Words name="target" />
+      <Choice
+        label={t("audit.action")}
+        any={t("filter.any")}
+        value={filter.value.action}
+        options={ACTIONS.map((id) => ({ id, name: word("audit.did", id) }))}
+        onChosen={(action) => { narrow({ action }); }}
+      />
+      <Choice
+        label={t("audit.result")}
+        any={t("filter.any")}
+        value={filter.value.result}
+        options={RESULTS.map((id) => ({ id, name: word("audit.came", id) }))}
+        onChosen={(result) => { narrow({ result }); }}
+      />
+      <button type="button" class="button" onClick={() => { narrow(NOTHING); }}>
+        {t("audit.clear")}
+      </button>
+      <button type="button" class="button" onClick={lookAgain}>
+        {t("audit.again")}
+      </button>
+      <CsvLink href={tableOf(filter.value)} />
+    </>
+  );
+}
+
+function Moment({ name }: { name: "since" | "until" }) {
+  return (
+    <label class="narrow">
+      <span>{t(`audit.${name}`)}</span>
+      <input type="datetime-local" value={filter.value[name]} onChange={(event) => { narrow({ [name]: event.currentTarget.value }); }} />
+    </label>
+  );
+}
+
+function Words({ name }: { name: "who" | "target" }) {
+  return (
+    <label class="narrow">
+      <span>{t(`audit.${name}`)}</span>
+      <input type="search" size={10} value={filter.value[name]} onChange={(event) => { narrow({ [name]: event.currentTarget.value }); }} />
+    </label>
+  );
+}

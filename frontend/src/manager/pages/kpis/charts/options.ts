@@ -1,0 +1,102 @@
+/** How uPlot draws a chart, in the colours of the page. */
+import uPlot from "uplot";
+import type { Palette } from "../../../../plant/draw/palette";
+import { format } from "../../../../text/manager";
+import type { Chart } from "../charts";
+import { type Column, stacked } from "../history";
+import { shownValue } from "./shown";
+
+/** Longer ranges than this name the day. */
+const DAY_S = 86_400;
+const LABEL_PX = 12;
+/** A chart that is zoomed begins here, or below its lowest figure. */
+const ZOOMED_FROM = 0.9;
+
+/** The columns as uPlot takes them. A stack is drawn from the top down, each part over what is above it. */
+export function dataOf(chart: Chart, steps: readonly number[], columns: readonly Column[]): uPlot.AlignedData {
+  const drawn = chart.kind === "stack" ? stacked(columns).reverse() : columns;
+  return [[...steps], ...drawn.map((column) => [...column])];
+}
+
+export function optionsOf(
+  chart: Chart,
+  palette: Palette,
+  size: { width: number; height: number },
+  point: (step: number | null) => void,
+): uPlot.Options {
+  const lines = chart.kind === "stack" ? [...chart.lines].reverse() : chart.lines;
+  const font = `${LABEL_PX}px ${palette.font}`;
+  const axis = { stroke: palette["ink-2"], font, ticks: { show: false }, border: { show: false } };
+  return {
+    ...size,
+    legend: { show: false },
+    padding: [8, 18, 0, 0],
+    cursor: {
+      y: false,
+      drag: { x: false, y: false },
+      points: { show: chart.kind !== "stack", size: 6 },
+    },
+    scales: { x: { time: true }, y: { range: rangeOf(chart) } },
+    axes: [
+      {
+        ...axis,
+        size: 26,
+        gap: 4,
+        space: 72,
+        grid: { show: false },
+        values: (drawn, splits) => {
+          const { min = 0, max = 0 } = drawn.scales.x ?? {};
+          const long = max - min > DAY_S;
+          return splits.map((atS) => (long ? format.day(atS) : format.hour(atS)));
+        },
+      },
+      {
+        ...axis,
+        size: 60,
+        gap: 6,
+        space: 34,
+        grid: { stroke: palette.line, width: 1 },
+        values: (_drawn, splits) => splits.map((value) => axisValue(chart, value)),
+      },
+    ],
+    series: [
+      {},
+      ...lines.map((line) => ({
+        ...strokeOf(chart, palette[line.ink], palette.panel, line.dashed === true),
+        // Shares of a few orders a day are far apart; a line between them is better than nothing.
+        spanGaps: line.figure === "on_time_frac",
+      })),
+    ],
+    hooks: {
+      setCursor: [
+        (drawn) => {
+          point(drawn.cursor.idx ?? null);
+        },
+      ],
+    },
+  };
+}
+
+/** @param rim between the parts of a stack, whose greys are not far apart */
+function strokeOf(chart: Chart, colour: string, rim: string, dashed: boolean): uPlot.Series {
+  if (chart.kind === "stack") return { fill: colour, stroke: rim, width: 1, points: { show: false } };
+  const series: uPlot.Series = { stroke: colour, width: 1.75, points: { size: 4, fill: colour } };
+  if (dashed) series.dash = [5, 4];
+  const steps = chart.kind === "steps" ? uPlot.paths.stepped?.({ align: 1 }) : undefined;
+  if (steps) Object.assign(series, { paths: steps, points: { show: false } });
+  return series;
+}
+
+/** From nothing to all, or to a little more than there is. */
+function rangeOf(chart: Chart): uPlot.Range.Function {
+  // Of nothing but gaps uPlot knows no bounds, whatever its types say: null counts as 0 here.
+  return (_drawn, min, max) => {
+    if (chart.zoomed === true) return [Math.min(ZOOMED_FROM, Math.floor(min * 10) / 10), 1];
+    if (chart.unit === "percent") return [0, 1];
+    return [0, Math.max(chart.unit === "duration" ? 10 : 4, max * 1.1)];
+  };
+}
+
+function axisValue(chart: Chart, value: number): string {
+  return chart.unit === "percent" ? format.percent(value) : shownValue(chart, value);
+}

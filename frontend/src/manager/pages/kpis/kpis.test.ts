@@ -1,0 +1,66 @@
+import { describe, expect, test } from "vitest";
+import type { KpiHistory, KpiPoint } from "../../../api/types";
+import { CHARTS } from "./charts";
+import { stepFor } from "./charts/keys";
+import { shownValue } from "./charts/shown";
+import { columnOf, lastOf, stacked, stepsOf } from "./history";
+
+const point = (at_s: number, more: Partial<KpiPoint>): KpiPoint => ({ at_s, ...more }) as KpiPoint;
+const history: KpiHistory = {
+  since_at_s: 600,
+  until_at_s: 1800,
+  step_s: 300,
+  items: [point(600, { moving_frac: 0.25, commands: 2 }), point(1200, { moving_frac: null, commands: 0 })],
+};
+
+describe("a column of the history", () => {
+  test("has a place for every step and gaps where nothing was seen", () => {
+    expect(stepsOf(history)).toEqual([600, 900, 1200, 1500]);
+    expect(columnOf(history, "commands")).toEqual([2, null, 0, null]);
+    expect(columnOf(history, "moving_frac")).toEqual([0.25, null, null, null]);
+  });
+
+  test("tells its newest figure, past the gaps", () => {
+    expect(lastOf(columnOf(history, "commands"))).toBe(0);
+    expect(lastOf([null, null])).toBeNull();
+  });
+});
+
+describe("a stack", () => {
+  test("adds each part to those below it", () => {
+    expect(stacked([[1, 2], [10, 20], [100, 200]])).toEqual([[1, 2], [11, 22], [111, 222]]);
+  });
+
+  test("has a gap wherever one of its parts is unknown", () => {
+    expect(stacked([[1, 2], [null, 20], [100, 200]])).toEqual([[1, 2], [null, 22], [null, 222]]);
+  });
+});
+
+describe("the charts", () => {
+  test("draw no figure twice, and tell lines of one chart apart without colour", () => {
+    const figures = CHARTS.flatMap(({ lines }) => lines.map(({ figure }) => figure));
+    expect(new Set(figures).size).toBe(figures.length);
+    for (const { kind, lines } of CHARTS) {
+      if (kind !== "stack") expect(lines.filter(({ dashed }) => dashed !== true).length).toBeLessThanOrEqual(1);
+    }
+  });
+
+  test("say a figure in its unit, and nothing of what nobody knows", () => {
+    expect(shownValue({ unit: "percent" }, 0.974)).toBe("97.4\u202f%");
+    expect(shownValue({ unit: "duration" }, 220)).toBe("3:40\u202fmin");
+    expect(shownValue({ unit: "count" }, 1234.4)).toBe("1,234");
+    expect(shownValue({ unit: "count" }, null)).toBe("–");
+  });
+});
+
+describe("arrow keys", () => {
+  test("begin at the newest step, stay inside, and let go with Escape", () => {
+    expect(stepFor("ArrowLeft", null, 5)).toBe(4);
+    expect(stepFor("ArrowLeft", 0, 5)).toBe(0);
+    expect(stepFor("ArrowRight", 3, 5)).toBe(4);
+    expect(stepFor("ArrowRight", 4, 5)).toBe(4);
+    expect([stepFor("Home", 3, 5), stepFor("End", 3, 5)]).toEqual([0, 4]);
+    expect(stepFor("Escape", 3, 5)).toBeNull();
+    expect(stepFor("Tab", 3, 5)).toBeUndefined();
+  });
+});

@@ -1,0 +1,24 @@
+/** Leads from a table to the plant, with this one chosen. */
+import { go } from "../views";
+import { choose, type Chosen } from "../../selection/selection";
+
+interface Props {
+  chosen: Chosen;
+  label: string;
+}
+
+export function ShowLink({ chosen, label }: Props) {
+  return (
+    <button
+      type="button"
+      class="link"
+      aria-label={label}
+      onClick={() => {
+        choose(chosen);
+        go("plant");
+      }}
+    >
+      {chosen.id}
+    </button>
+  );
+}
