@@ -213,14 +213,14 @@ def url(request: pytest.FixtureRequest) -> str:
 
 # --- `dray up` as a process --------------------------------------------------------------------------
 
-READY_S = 60.0
+READY_S = 180.0
 """Longest wait for the line that names the panel: a cold start on a slow machine takes some 5 s."""
 
-STOP_S = 20.0
+STOP_S = 60.0
 """Longest wait for a clean stop: connections get 3 s, the simulation one instant."""
 
 
-ANSWER_S = 10.0
+ANSWER_S = 60.0
 """Longest wait for one answer."""
 
 SESSION = "dray_session"

@@ -24,8 +24,8 @@ from gateway_kit import House, gateway
 
 T = TypeVar("T")
 
-PATIENCE_S = 30.0
-"""Longest wait for the house to open or close, and for one call: ten times what a slow machine takes."""
+PATIENCE_S = 90.0
+"""Longest wait for the house to open or close, and for one call: thirty times what a slow machine takes."""
 
 
 class OpenHouse:

@@ -44,12 +44,6 @@ TOUCH_PX, THUMB_PX = 64.0, 118.0
 HOLD_MS = 1200
 """Longer than Resume has to be held."""
 
-PAST_MS = 12_000
-"""A picture is one of the past after five seconds."""
-
-NOT_CONFIRMED_MS = 8_000
-"""A vehicle has three seconds to answer."""
-
 
 @pytest.fixture
 def house(sqlite_url: str) -> Iterator[OpenHouse]:

@@ -16,16 +16,13 @@ from playwright.sync_api import Page, expect
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
 
-SPEED = 3
-"""Slow enough that a transport lasts as long as people need to act, some ten seconds."""
+SPEED = 2
+"""Slow enough that a vehicle waits for a promise, and a transport lasts, as long as people need to act."""
 
-LOADED_MS = 90_000
+LOADED_MS = 180_000
 """The first vehicle has a load after a minute of the factory's time."""
 
-HEARD_MS = 20_000
-"""A vehicle says at once that something is wrong; a slow machine may take longer to paint."""
-
-DELIVERED_MS = 150_000
+DELIVERED_MS = 300_000
 """What is left of a transport takes less than two minutes of the factory's time, and twice that at half speed."""
 
 TABLET = {"width": 1024, "height": 768}
@@ -84,14 +81,14 @@ def test_a_load_shifts_and_an_operator_stops_puts_right_acknowledges_and_resumes
     overview = manager.locator(".card.atv")
     overview.get_by_role("button", name="Faults").click()
     manager.get_by_role("button", name="Shift its load").click()
-    expect(overview).to_contain_text("the load has shifted", timeout=HEARD_MS)
+    expect(overview).to_contain_text("the load has shifted")
 
     card = operator.locator(f"#vehicle-{atv}")
     expect(card).to_contain_text("asks for help")
     expect(card).to_contain_text("the load has shifted")
     card.get_by_role("button", name="I am on my way").last.tap()
     expect(card).to_contain_text("is on the way")
-    expect(overview).to_contain_text("is on the way", timeout=HEARD_MS)
+    expect(overview).to_contain_text("is on the way")
 
     operator.locator(f"#stop-{atv}").tap()
     expect(card.locator(".command")).to_contain_text("confirmed by the vehicle")
@@ -99,7 +96,7 @@ def test_a_load_shifts_and_an_operator_stops_puts_right_acknowledges_and_resumes
     expect(acknowledge).to_be_disabled()
     screenshot(operator, "case-5-stopped")
     manager.get_by_role("button", name="Bring back: load shifted").click()
-    expect(acknowledge).to_be_enabled(timeout=HEARD_MS)
+    expect(acknowledge).to_be_enabled()
     expect(resume).to_be_disabled()
     card.get_by_role("button", name="At most 50").tap()
     acknowledge.tap()

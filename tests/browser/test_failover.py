@@ -17,13 +17,10 @@ Screenshot = Callable[[Page, str], Path]
 SPEED = 4
 """Slow enough that a transport lasts as long as a person needs to act, some ten seconds."""
 
-WATCHED_MS = 90_000
+WATCHED_MS = 180_000
 """The first transports with a watch are contracted within a minute of the factory's time."""
 
-TAKEN_OVER_MS = 20_000
-"""The suspicion bound is some seconds; a slow machine may take longer to paint."""
-
-DELIVERED_MS = 90_000
+DELIVERED_MS = 180_000
 """A whole transport takes some two minutes of the factory's time."""
 
 
@@ -75,7 +72,7 @@ def test_a_vehicle_that_is_switched_off_is_taken_over_from_and_its_load_delivere
     expect(card).to_contain_text("switched off")
 
     news = page.get_by_role("log")
-    expect(news).to_contain_text(f"over {task} from {primary} after", timeout=TAKEN_OVER_MS)
+    expect(news).to_contain_text(f"over {task} from {primary} after")
     expect(card).to_contain_text("silent")
     screenshot(page, "failover")
     news.get_by_role("button", name=f"over {task} from {primary}").click()
@@ -91,7 +88,7 @@ def test_a_vehicle_that_is_switched_off_is_taken_over_from_and_its_load_delivere
 
     choose(page, primary)
     page.get_by_role("button", name="Bring back: switched off").click()
-    expect(card).not_to_contain_text("silent", timeout=TAKEN_OVER_MS)
+    expect(card).not_to_contain_text("silent")
     assert factory.ask("/api/faults")["items"] == []
 
 
@@ -103,11 +100,11 @@ def test_a_vehicle_without_wlan_is_seen_over_its_neighbours(
     card = page.locator(".card.atv")
     card.get_by_role("button", name="Faults").click()
     page.get_by_role("button", name="Cut its WLAN").click()
-    expect(card).to_contain_text("mesh via ATV", timeout=TAKEN_OVER_MS)
+    expect(card).to_contain_text("mesh via ATV")
     screenshot(page, "mesh")
     page.get_by_role("button", name="Bring back: WLAN cut").click()
-    expect(card).to_contain_text("WLAN", timeout=TAKEN_OVER_MS)
-    expect(card).not_to_contain_text("mesh", timeout=TAKEN_OVER_MS)
+    expect(card).to_contain_text("WLAN")
+    expect(card).not_to_contain_text("mesh")
 
 
 def test_faults_are_reached_and_left_by_keyboard(factory: Any, open_page: OpenPage) -> None:

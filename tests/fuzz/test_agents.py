@@ -78,9 +78,10 @@ def spoken(effects: list[Effect]) -> list[Message]:
     return messages
 
 
+@pytest.mark.parametrize("examples", [2, pytest.param(20, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("kind", MESSAGE_TYPES, ids=lambda kind: kind.__name__)
-def test_no_message_of_any_type_ends_an_agent_in_any_situation(kind: type[Message]) -> None:
-    @settings(max_examples=5)
+def test_no_message_of_any_type_ends_an_agent_in_any_situation(kind: type[Message], examples: int) -> None:
+    @settings(max_examples=examples)
     @given(
         st.lists(st.tuples(UTTERANCES.sender(), UTTERANCES.message(kind), WAITS_S), min_size=1, max_size=3)
     )

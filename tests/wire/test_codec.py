@@ -51,7 +51,7 @@ def wire(message: dict[str, Any], v: Any = 2, sender: Any = "ATV-07") -> bytes:
 TAKEN = {"type": "OrderTaken", "order": "o-1", "release": 1, "fulfilled": False}
 
 
-patiently = settings(deadline=None)
+patiently = settings(deadline=None, max_examples=40)
 """How long one example takes says nothing about the codec on a busy machine."""
 
 # --- any message: strategies built from the struct types themselves --------------------------------
