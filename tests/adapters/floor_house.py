@@ -7,14 +7,14 @@ from collections.abc import Callable, Coroutine
 from random import Random
 from typing import Any
 
-from zenoh_kit import PATIENCE_S, Row
+from zenoh_kit import PATIENCE_S, Row, run_patiently
 
 from dray.adapters.remote_body import RemoteBody
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.body import Report
 from dray.plant import default_plant
 from dray_sim.bodies.floor import Floor
-from dray_sim.clock.loop import clock, paced, run
+from dray_sim.clock.loop import clock
 from dray_sim.remote import FloorServer
 
 PLANT = default_plant()
@@ -68,7 +68,7 @@ def in_a_house(test: Callable[[House], Coroutine[Any, Any, None]]) -> None:
         finally:
             row.close()
 
-    run(main(), paced(SPEED))
+    run_patiently(main(), SPEED)
 
 
 class Listener:

@@ -19,7 +19,7 @@ from dray.adapters.telemetry import metrics_port as module
 from dray.adapters.telemetry.metrics_port import metrics_port, new_registry
 from dray.errors import UnavailableError
 
-PATIENCE_S = 30.0
+PATIENCE_S = 90.0
 """For an answer that takes milliseconds."""
 
 

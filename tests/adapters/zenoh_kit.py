@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import selectors
 import socket
-from collections.abc import Sequence
+import time
+from collections.abc import Coroutine, Sequence
 from contextlib import suppress
-from typing import Any
+from typing import Any, TypeVar
 
 import zenoh
 from zenoh.handlers import Callback
@@ -15,8 +17,11 @@ from dray.adapters.security.identity import Identity
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.adapters.zenoh.links import Links
 from dray.errors import UnavailableError
+from dray_sim.clock.loop import VirtualLoop, paced
 
-PATIENCE_S = 30.0
+T = TypeVar("T")
+
+PATIENCE_S = 90.0
 """For what takes milliseconds on a machine with nothing else to do."""
 
 AGAIN_S = 0.1
@@ -114,3 +119,37 @@ def _listening(plant: str, peers: tuple[str, ...], identity: Identity | None) ->
     with suppress(UnavailableError):  # somebody else was quicker
         return listen(free_address())
     return listen(free_address())
+
+
+LONGEST_STEP_S = 0.02
+"""By which real time goes on at once, where it is patient: less than half a second of such a factory."""
+
+
+class ShortSleeps(selectors.DefaultSelector):
+    """Wakes up so often that no sleep is taken for a pause of the computer."""
+
+    def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
+        return super().select(LONGEST_STEP_S if timeout is None else min(timeout, LONGEST_STEP_S))
+
+
+class PatientTime:
+    """Real time without the moments in which the computer was busy elsewhere: its pauses are nobody's silence."""
+
+    def __init__(self) -> None:
+        self._now_s, self._looked_s = 0.0, time.monotonic()
+
+    def __call__(self) -> float:
+        looked_s = time.monotonic()
+        self._now_s += min(looked_s - self._looked_s, LONGEST_STEP_S)
+        self._looked_s = looked_s
+        return self._now_s
+
+
+def run_patiently(main: Coroutine[Any, Any, T], speed: float) -> T:
+    """Run this to its end at so many virtual seconds per real one, or slower on a computer that is busy."""
+
+    def loop() -> VirtualLoop:
+        return VirtualLoop(paced(speed), selector=ShortSleeps(), wall_s=PatientTime())
+
+    with asyncio.Runner(loop_factory=loop) as runner:
+        return runner.run(main)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-import time
 from collections.abc import Callable, Coroutine
 from itertools import cycle
 from typing import Any
 
 import pytest
-from zenoh_kit import Row
+from zenoh_kit import Row, run_patiently
 
 from dray.messages import Event, Message, OrderItem, Phase
 from dray.messages.fact import (
@@ -23,7 +22,7 @@ from dray.messages.fact import (
 from dray.plant import default_plant
 from dray.ports import Bus, Receive, Session
 from dray_sim.checks.invariants import Invariants
-from dray_sim.clock.loop import VirtualLoop, clock, paced, run
+from dray_sim.clock.loop import clock, run
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.insiders import BEHAVIOURS
 from dray_sim.insiders.joining import INSIDER, bring_in
@@ -36,9 +35,6 @@ PLANT = default_plant()
 SPEED = 25.0
 """Factory seconds per real one: an order takes some real seconds."""
 
-LONGEST_STEP_S = 0.02
-"""By which the factory's real time goes on at once, half a second of the factory's: no bound of silence is that short."""
-
 LATEST_S = 3600.0
 """No story takes so long (plant clock)."""
 
@@ -46,19 +42,6 @@ SESSIONS = 3
 """In a row, so that a third of the agents hear another third by relay."""
 
 ORDER = Order("O-1", 0.0, LATEST_S, (OrderItem("gear-unit-g1", 2),))
-
-
-class Patience:
-    """Real time without the moments in which the computer was busy elsewhere: a pause of it is no silence of anybody."""
-
-    def __init__(self) -> None:
-        self._now_s, self._looked_s = 0.0, time.monotonic()
-
-    def __call__(self) -> float:
-        looked_s = time.monotonic()
-        self._now_s += min(looked_s - self._looked_s, LONGEST_STEP_S)
-        self._looked_s = looked_s
-        return self._now_s
 
 
 class Overheard:
@@ -163,8 +146,7 @@ def on_zenoh(story: Story) -> object:
         finally:
             row.close()
 
-    with asyncio.Runner(loop_factory=lambda: VirtualLoop(paced(SPEED), wall_s=Patience())) as runner:
-        return runner.run(main())
+    return run_patiently(main(), SPEED)
 
 
 async def an_order_is_delivered(stage: Stage) -> object:

@@ -29,7 +29,7 @@ from dray_sim.plants.generator import generate_plant
 
 Dray = Callable[..., tuple[int, str]]
 
-PATIENCE_S = 30.0
+PATIENCE_S = 90.0
 """For what takes milliseconds on a computer with nothing else to do."""
 
 
