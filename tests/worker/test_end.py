@@ -1,4 +1,4 @@
-"""How a worker ends: by itself, by its agent, by its body, and by a later life."""
+"""How a worker ends: asked to leave, killed or by a bug, and what is still done then."""
 
 from __future__ import annotations
 

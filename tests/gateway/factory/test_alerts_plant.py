@@ -1,4 +1,4 @@
-"""Alerts of the plant as a whole: too much work, and nobody to do it."""
+"""Alerts of the plant as a whole: it cannot keep up, a clock is ahead, or more is asked for than vehicles can carry."""
 
 from __future__ import annotations
 

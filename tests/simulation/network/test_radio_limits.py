@@ -1,4 +1,4 @@
-"""The limits of the radio mesh: range, room and chance, the same for the same seed."""
+"""The limits of the radio mesh: cut radios, frames, rates, losses and hops, the same for the same seed."""
 
 from __future__ import annotations
 
