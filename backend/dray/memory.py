@@ -79,7 +79,7 @@ class GoalMemory(Part, frozen=True):
     deadline_s: float
     made: int
     delivered: int
-    astray: int
+    lost_in_transit: int
     """Pieces that were made and lost on the way."""
     epoch: int = 1
     number: int = 1

@@ -120,7 +120,7 @@ GOAL = GoalMemory(
     deadline_s=99.0,
     made=3,
     delivered=2,
-    astray=1,
+    lost_in_transit=1,
     epoch=2,
 )
 TASK = TaskMemory(

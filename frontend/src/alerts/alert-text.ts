@@ -39,6 +39,7 @@ function kindText(alert: AlertView, nowS: number, speed: number): string {
     case "atv_promised":
       return t("alerts.what.atv_promised", { by, left: format.duration(Math.max(0, leftS)) });
     case "machine_shut_out":
+    case "station_shut_out":
     case "atv_shut_out":
       return t("alerts.what.shut_out", { by });
     case "clock_wrong": {

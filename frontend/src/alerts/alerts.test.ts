@@ -74,6 +74,7 @@ describe("an alert says", () => {
     const out = { by: "Maria", problem: "does not move" };
     expect(said({ ...out, kind: "atv_shut_out" })).toBe("Shut out by Maria: does not move");
     expect(said({ ...out, kind: "machine_shut_out" })).toBe("Shut out by Maria: does not move");
+    expect(said({ ...out, kind: "station_shut_out", agent: "S3" })).toBe("Shut out by Maria: does not move");
     expect(chosenOf(alert({ ...out, kind: "machine_shut_out", agent: "M8" }), new Map())).toEqual({ kind: "machine", id: "M8" });
   });
 

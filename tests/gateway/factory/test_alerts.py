@@ -139,7 +139,7 @@ def test_a_station_that_is_shut_out_or_stands_nowhere_is_not_called_silent(proje
     projection.fold(station_heartbeat("S99", 1, at_s=1.0))
     projection.shut_out([Exclusion("S3", "lies", "Maria Weber", NOW_S)])
     (alert,) = alerts(projection, 60.0)
-    assert (alert.kind, alert.agent) == ("machine_shut_out", "S3")
+    assert (alert.kind, alert.agent) == ("station_shut_out", "S3")
     (view,) = projection.stations.views()
     assert (view.id, view.shut_out is not None) == ("S3", True)
 

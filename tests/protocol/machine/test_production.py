@@ -160,11 +160,11 @@ def test_spare_pieces_make_a_quote_cheaper() -> None:
     assert goals.quote(production(quantity=20), {}, lead_time_s=90.0).total_s == 0.0
 
 
-def sent_away(made: int, *, delivered: int = 0, astray: int = 0, on_the_way: int = 0) -> Goal:
+def sent_away(made: int, *, delivered: int = 0, lost_in_transit: int = 0, on_the_way: int = 0) -> Goal:
     """A goal of 24 pieces, some of which have left the machine."""
     some = goal("A")
-    some.made, some.delivered, some.astray = made, delivered, astray
-    some.committed = delivered + astray + on_the_way
+    some.made, some.delivered, some.lost_in_transit = made, delivered, lost_in_transit
+    some.committed = delivered + lost_in_transit + on_the_way
     return some
 
 
@@ -181,24 +181,24 @@ def test_the_gates_count_is_believed_once_nothing_is_on_the_way() -> None:
     assert (some.delivered, some.on_the_way) == (4, 10)
     some.lose(10)
     assert some.note_arrived(14) == 0
-    assert (some.delivered, some.astray, some.to_make, some.ready) == (14, 0, 0, 10)
+    assert (some.delivered, some.lost_in_transit, some.to_make, some.ready) == (14, 0, 0, 10)
 
 
 def test_pieces_that_were_believed_in_and_are_not_are_made_once_more() -> None:
     some = sent_away(24, delivered=24)
     some.note_arrived(14)
-    assert (some.delivered, some.astray, some.to_make) == (14, 10, 10)
+    assert (some.delivered, some.lost_in_transit, some.to_make) == (14, 10, 10)
 
 
 def test_pieces_that_were_made_anew_and_are_not_needed_are_left_over() -> None:
-    some = sent_away(44, delivered=4, astray=20)
+    some = sent_away(44, delivered=4, lost_in_transit=20)
     assert some.ready == 20
     assert some.note_arrived(24) == 20
     assert (some.to_make, some.ready, some.brief().made) == (0, 0, 24)
 
 
 def test_a_goal_comes_back_from_memory_as_it_was() -> None:
-    some = sent_away(20, delivered=4, astray=3)
+    some = sent_away(20, delivered=4, lost_in_transit=3)
     again = book().restore(some.memory())
     assert again.memory() == some.memory()
     assert (again.to_make, again.ready, again.on_the_way) == (some.to_make, some.ready, 0)

@@ -179,7 +179,7 @@ def test_goods_that_the_gate_has_not_counted_are_disputed_and_made_anew() -> Non
     assert sent(effects, HandoverAccepted) == []
     assert sent(effects, Withdrawn, to="ATV2")
     goal = rig.agent._goals.get("G1")
-    assert (goal.delivered, goal.astray, goal.to_make) == (0, LOT, 2 * LOT)
+    assert (goal.delivered, goal.lost_in_transit, goal.to_make) == (0, LOT, 2 * LOT)
 
 
 def test_nobody_is_credited_with_what_another_one_has_brought() -> None:

@@ -144,11 +144,11 @@ class GoalBidder:
             return False
         # Also when it was confirmed before: a doubled award has made the machine ask again.
         self._unconfirmed.settle(goal.id)
-        before = (goal.confirmed, goal.delivered, goal.astray)
+        before = (goal.confirmed, goal.delivered, goal.lost_in_transit)
         goal.confirmed = True
         goal.on_count(message, now_s)
         self._goals.add_spare(goal.work.product, goal.note_arrived(message.arrived))
-        if before == (goal.confirmed, goal.delivered, goal.astray):
+        if before == (goal.confirmed, goal.delivered, goal.lost_in_transit):
             return False
         self._commit()
         return True

@@ -11,7 +11,7 @@ from dray.protocol.runtime.events import NEVER_S
 
 
 class Goal:
-    """One production goal of a machine. `delivered + astray <= committed <= made` at all times.
+    """One production goal of a machine. `delivered + lost_in_transit <= committed <= made` at all times.
 
     Args:
         goal: its name.
@@ -23,7 +23,6 @@ class Goal:
 
     __slots__ = (
         "arrived",
-        "astray",
         "brought",
         "committed",
         "confirmed",
@@ -33,6 +32,7 @@ class Goal:
         "epoch",
         "heard_s",
         "id",
+        "lost_in_transit",
         "made",
         "number",
         "strategist",
@@ -61,7 +61,7 @@ class Goal:
         """Pieces that a transport was announced for."""
         self.delivered = 0
         """Pieces that were handed over at the delivery warehouse."""
-        self.astray = 0
+        self.lost_in_transit = 0
         """Pieces that were sent and will not arrive: they are made once more."""
         self.arrived = 0
         """Pieces that the gate has counted, by the strategist's last word."""
@@ -74,7 +74,7 @@ class Goal:
 
     @property
     def to_make(self) -> int:
-        return self.work.quantity - self.made + self.astray
+        return self.work.quantity - self.made + self.lost_in_transit
 
     @property
     def ready(self) -> int:
@@ -84,11 +84,11 @@ class Goal:
     @property
     def on_the_way(self) -> int:
         """Pieces of transports that have not ended."""
-        return self.committed - self.delivered - self.astray
+        return self.committed - self.delivered - self.lost_in_transit
 
     def lose(self, pieces: int) -> None:
         """Pieces on the way will not arrive."""
-        self.astray += pieces
+        self.lost_in_transit += pieces
 
     def on_count(self, confirmed: Confirmed, now_s: float) -> None:
         """The strategist tells what the gate has counted; counts only ever grow."""
@@ -111,7 +111,7 @@ class Goal:
     def deliver(self, vehicle: str, sent: int, counted: int) -> None:
         """A handover was accepted: so many of the pieces that were sent have arrived."""
         self.delivered += counted
-        self.astray += sent - counted
+        self.lost_in_transit += sent - counted
         self.credited[vehicle] = self.credited.get(vehicle, 0) + counted
 
     def note_arrived(self, arrived: int) -> int:
@@ -126,7 +126,7 @@ class Goal:
             return 0
         # Whatever was sent has either arrived or will not: no piece is in between.
         self.delivered = min(arrived, self.committed)
-        self.astray = self.committed - self.delivered
+        self.lost_in_transit = self.committed - self.delivered
         surplus = min(self.ready, max(0, -self.to_make))
         self.made -= surplus
         return surplus
@@ -148,7 +148,7 @@ class Goal:
             deadline_s=self.deadline_s,
             made=self.made,
             delivered=self.delivered,
-            astray=self.astray,
+            lost_in_transit=self.lost_in_transit,
             epoch=self.epoch,
             number=self.number,
             confirmed=self.confirmed,
@@ -198,8 +198,12 @@ class GoalBook:
             memory.goal, memory.work, memory.deadline_s, memory.strategist, memory.epoch, memory.number
         )
         goal.confirmed = memory.confirmed
-        goal.made, goal.delivered, goal.astray = memory.made, memory.delivered, memory.astray
-        goal.committed = memory.delivered + memory.astray
+        goal.made, goal.delivered, goal.lost_in_transit = (
+            memory.made,
+            memory.delivered,
+            memory.lost_in_transit,
+        )
+        goal.committed = memory.delivered + memory.lost_in_transit
         self.add(goal)
         return goal
 

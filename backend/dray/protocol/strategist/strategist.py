@@ -64,7 +64,7 @@ from dray.protocol.strategist.order_book import OpenGoal, OrderBook, OrderInWork
 
 TAKEN_BACK = "its order was taken back"
 
-GOAL_VIGIL = "goal detector"
+GOAL_CHECK = "goal check"
 """The alarm for looking whether a goal is still made, by goal."""
 
 
@@ -106,7 +106,7 @@ class Strategist(AgentBase):
             OrderRevoked: self._on_revoked,
         }
         self._report_handlers = {GoodsArrived: self._on_arrived}
-        self._alarm_handlers = {GOAL_VIGIL: self._check_goal, **self._auctions.alarms}
+        self._alarm_handlers = {GOAL_CHECK: self._check_goal, **self._auctions.alarms}
 
     # --- from life to life ---
 
@@ -253,7 +253,7 @@ class Strategist(AgentBase):
         goal.named_s = now_s
         if admit:
             self._out.append(Instruct(Admit(goal=goal.id, quantity=goal.work.quantity)))
-        self._timers.set((GOAL_VIGIL, goal.id), now_s + GOAL_SILENCE_S)
+        self._timers.set((GOAL_CHECK, goal.id), now_s + GOAL_SILENCE_S)
 
     def _on_machine(self, _sender: str, heartbeat: MachineHeartbeat, now_s: float) -> None:
         machine = heartbeat.machine
@@ -319,7 +319,7 @@ class Strategist(AgentBase):
 
     def _end(self, goal: OpenGoal, outcome: Outcome) -> None:
         """Follow a goal no longer."""
-        self._timers.clear((GOAL_VIGIL, goal.id))
+        self._timers.clear((GOAL_CHECK, goal.id))
         self._auctions.end(goal, outcome)
 
     # --- when a machine fails ---
@@ -340,7 +340,7 @@ class Strategist(AgentBase):
         else:
             self._auctions.say_waits(goal, now_s)
         look_s = now_s if failure else goal.named_s
-        self._timers.set((GOAL_VIGIL, goal.id), look_s + GOAL_SILENCE_S)
+        self._timers.set((GOAL_CHECK, goal.id), look_s + GOAL_SILENCE_S)
 
     def _failure(self, goal: OpenGoal, now_s: float) -> str:
         """Why a goal is not made any more; empty while it is."""

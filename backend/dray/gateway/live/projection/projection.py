@@ -186,7 +186,7 @@ class Projection:
         wrong = (
             *alert_rules.of_the_plant(now),
             *alert_rules.of_demand(self._overload, self.tasks, len(heard), now),
-            *alert_rules.of_outsiders(self.outsiders, self.atvs),
+            *alert_rules.of_outsiders(self.outsiders, self.atvs, self.site.plant.storages),
             *alert_rules.of_clocks(clocks.items()),
             *alert_rules.of_disputes(self.disputes, clocks.keys(), now),
             *alert_rules.of_strangers(self.atvs.strangers + self.machines.strangers),

@@ -19,6 +19,7 @@ AlertKind = Literal[
     "order_late",
     "overloaded",
     "machine_shut_out",
+    "station_shut_out",
     "atv_shut_out",
     "machine_starved",
     "machine_blocked",

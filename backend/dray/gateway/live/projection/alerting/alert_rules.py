@@ -75,10 +75,14 @@ def of_demand(overload: Overload, tasks: Tasks, vehicles: int, now: Moment) -> I
         )
 
 
-def of_outsiders(exclusions: Iterable[Exclusion], atvs: Container[str]) -> Iterator[Condition]:
+def of_outsiders(
+    exclusions: Iterable[Exclusion], atvs: Container[str], storages: Container[str]
+) -> Iterator[Condition]:
     """What is wrong with agents that are shut out: nothing else, since what they have said counts no more."""
     for each in exclusions:
         kind: AlertKind = "atv_shut_out" if each.agent in atvs else "machine_shut_out"
+        if each.agent in storages:
+            kind = "station_shut_out"
         yield Condition(kind=kind, agent=each.agent, problem=each.reason, by=each.by)
 
 

@@ -24,6 +24,7 @@ RESPONSES: Mapping[AlertKind, tuple[Literal["alarm", "warning"], AlertResponse]]
     "station_lost": ("alarm", "look_at_station"),
     "machine_error": ("alarm", "repair"),
     "machine_shut_out": ("warning", "put_right_and_readmit"),
+    "station_shut_out": ("warning", "put_right_and_readmit"),
     "atv_shut_out": ("warning", "put_right_and_readmit"),
     "machine_starved": ("warning", "see_to_supply"),
     "machine_blocked": ("warning", "see_to_removal"),
