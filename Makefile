@@ -59,7 +59,7 @@ test: setup ## All checks, without the tests of `test-long`
 	@$(MAKE) --no-print-directory --jobs 2 $(SYNC) lint types imports frontend
 	@$(MAKE) --no-print-directory pytest
 
-test-long: setup programs ## The tests that take minutes: fleets as processes, shifts, packaging
+test-long: setup programs ## What takes minutes: fleets as processes, shifts, searches, fuzz at length, packaging
 	$(call stage,pytest of what takes long)
 	$(PYTEST) -n $(WORKERS) --dist worksteal --durations 20 -m slow $(ARGS)
 
