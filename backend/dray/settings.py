@@ -250,7 +250,7 @@ class Settings(BaseSettings):
     """Where agents write down what binds them; in service a folder that outlives an update."""
 
     leave_s: Annotated[float, Field(ge=0, le=3600)] = 330.0
-    """Real seconds in which an agent may leave in order (SIGTERM); then it ends at once. A vehicle with a load
+    """Real seconds in which an agent may shut down gracefully (SIGTERM); then it ends at once. A vehicle with a load
     needs up to 300, at real time; the service manager's own patience must be longer."""
 
     trusted_keys: Several = ()

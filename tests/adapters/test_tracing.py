@@ -41,7 +41,7 @@ from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.network.latency import WLAN
 from dray_sim.network.sim_network import SimNetwork
 from dray_sim.people.demand import Order
-from dray_sim.people.desk import Desk
+from dray_sim.people.order_client import OrderClient
 
 PLANT = default_plant()
 
@@ -107,7 +107,7 @@ def carry_goods(provider: TracerProvider) -> tuple[str, str, str, str]:
         )
         async with asyncio.timeout(LATEST_S):
             life = asyncio.create_task(factory.run())
-            await Desk(factory.bus, factory.clock).order(ORDER)
+            await OrderClient(factory.bus, factory.clock).order(ORDER)
             machine, opened = await facts.until(
                 lambda fact: (
                     isinstance(fact, TaskOpened) and isinstance(fact.work, Transport) and fact.work.goal != ""

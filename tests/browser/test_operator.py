@@ -116,7 +116,7 @@ def test_a_stop_holds_until_two_acts_in_two_places_end_it(
     assert CommandKind.RESUME not in kinds(vehicles["ATV2"]), "a touch alone resumes nothing"
     press_and_hold(page, resume)
     expect(stopped.locator(".act")).to_have_count(0)
-    screenshot(page, f"operator-calm-{look}")
+    screenshot(page, f"operator-idle-{look}")
     assert kinds(vehicles["ATV2"]) == [CommandKind.STOP, CommandKind.ACKNOWLEDGE, CommandKind.RESUME]
     assert kinds(vehicles["ATV6"]) == []
 

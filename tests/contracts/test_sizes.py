@@ -1,4 +1,4 @@
-"""What a newcomer sees: no file of Python is longer than 400 lines, and no kit of the tests hides another."""
+"""Sizes: no file of Python is longer than 400 lines, and no kit of the tests hides another."""
 
 from __future__ import annotations
 

@@ -74,8 +74,8 @@ def test_beats_go_on_when_the_clock_is_set_back() -> None:
         st.tuples(st.integers(1, 120), st.floats(-1e5, 1e5, allow_nan=False)), min_size=1, max_size=20
     )
 )
-def test_no_step_makes_a_vigil_fail_over_somebody_who_beats(steps: list[tuple[int, float]]) -> None:
-    """Beats come once a second by the time that passes; the vigil is kept by the clock."""
+def test_no_step_makes_a_failure_detector_suspect_somebody_who_beats(steps: list[tuple[int, float]]) -> None:
+    """Beats come once a second by the time that passes; the failure detector keeps the time by the clock."""
 
     async def main() -> None:
         computer = Computer()

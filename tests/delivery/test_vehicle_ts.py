@@ -239,7 +239,7 @@ def test_it_joins_with_tls_and_all_that_is_ordered_arrives(tmp_path: Path, stack
             )
             assert dict(bus.refused) == {}
 
-            # It leaves in order, and says so.
+            # It shuts down gracefully, and says so.
             vehicle.terminate()
             await gateway.until(lambda said: isinstance(said, AtvHeartbeat) and said.draining)
             assert await asyncio.to_thread(vehicle.wait) == 0

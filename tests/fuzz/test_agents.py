@@ -22,7 +22,7 @@ from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S
 
 UTTERANCES = Utterances(NAMES)
 
-CALM_S = 40.0
+SETTLE_S = 40.0
 """After the talk: longer than every question is repeated, every watch lasts and every dwell point is sought."""
 
 MOST_EFFECTS = 400
@@ -45,7 +45,7 @@ def listen(actor: Played, talk: Talk) -> None:
         if wait_s:
             actor.run(actor.now_s + wait_s)
             check(actor)
-    actor.run(actor.now_s + CALM_S)
+    actor.run(actor.now_s + SETTLE_S)
     check(actor)
 
 

@@ -41,7 +41,7 @@ from dray.protocol.contract_net.parties import Word, contract_of
 from dray.protocol.machine.transports.transports import ADOPT_S
 from dray.protocol.runtime.events import Ignore, Send
 
-CALM_S = 60.0
+SETTLE_S = 60.0
 """Longer than everything that a word could set off at once."""
 
 STRANGERS = ("ATV7", "M5", "strategist-2")
@@ -105,7 +105,7 @@ def from_now_on(actor: Played) -> list[str]:
     """All that an agent does from this moment on, in any order: what is due at one instant is done in either."""
     actor.effects.clear()
     actor._steps = 0
-    actor.run(actor.now_s + CALM_S)
+    actor.run(actor.now_s + SETTLE_S)
     return sorted(map(repr, actor.effects))
 
 

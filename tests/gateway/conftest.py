@@ -35,9 +35,9 @@ async def house(url: str) -> AsyncIterator[House]:
 
 
 @pytest.fixture(scope="module")
-async def calm_house(files: Files, tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[House]:
+async def quiet_house(files: Files, tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[House]:
     """One gateway for all tests of a module that leave nothing behind in it, with a fault injector."""
-    async with gateway(files.new(tmp_path_factory.mktemp("calm")), faults=FakeInjector()) as house:
+    async with gateway(files.new(tmp_path_factory.mktemp("quiet")), faults=FakeInjector()) as house:
         yield house
 
 

@@ -11,8 +11,8 @@ from typing import Any
 
 import msgspec
 import pytest
-from office import Office
 from spoken import rhb
+from transports_rig import TransportsRig
 
 from dray.messages import Phase, Resigned, Role, TakenOver, Transport
 from dray.protocol.contract_net.task import OpenTask
@@ -27,7 +27,7 @@ SILENT_S = LATENESS_MAX_S + 8.0
 FIRST, SECOND = "ATV1", "ATV2"
 
 
-class Walk(Office):
+class Walk(TransportsRig):
     """A coordinator's one task at one point of its way, and the changes of its state so far.
 
     Args:
@@ -49,7 +49,7 @@ class Walk(Office):
                 self.seen.add((before, state))
 
         monkey.setattr(States, "enter", note)
-        self.desk.failover._is_missing = lambda _task: True
+        self.transports.failover._is_missing = lambda _task: True
         self.open_work()
         if restored:
             memory = msgspec.structs.replace(
@@ -57,9 +57,9 @@ class Walk(Office):
                 primary="" if restored == "nobody" else FIRST,
                 loaded=restored == "loaded",
             )
-            self.desk._open.clear()
+            self.transports._open.clear()
             self.timers.clear(("primary auction", "T1"))
-            self.desk.restore(memory, self.now_s)
+            self.transports.restore(memory, self.now_s)
 
     def open_work(self) -> OpenTask:
         task = self.open()
@@ -70,7 +70,7 @@ class Walk(Office):
 
     @property
     def ended(self) -> bool:
-        return self.desk.get("T1") is None
+        return self.transports.get("T1") is None
 
     # --- what can happen ---
 
@@ -127,30 +127,30 @@ class Walk(Office):
             briefs = [msgspec.structs.replace(each, epoch=self.task.epoch) for each in said.watches]
             carried = said.task and msgspec.structs.replace(said.task, epoch=self.task.epoch)
             said = msgspec.structs.replace(said, task=carried, watches=tuple(briefs))
-            self.desk.on_heartbeat(said, self.now_s)
+            self.transports.on_heartbeat(said, self.now_s)
 
     def secondary_takes_over(self) -> None:
         if self.task.secondary:
             said = TakenOver("T1", self.task.epoch + 1, self.task.primary, "silent", self.now_s + 90.0)
             said = msgspec.structs.replace(said, at_s=self.now_s)
-            self.desk.on_taken_over(self.task.secondary, said, self.now_s)
+            self.transports.on_taken_over(self.task.secondary, said, self.now_s)
 
     def primary_gives_back(self) -> None:
         if self.task.primary:
             said = Resigned(task="T1", epoch=self.task.epoch, role=Role.PRIMARY, reason="leaves")
-            self.desk.on_resigned(self.task.primary, said, self.now_s)
+            self.transports.on_resigned(self.task.primary, said, self.now_s)
 
     def secondary_gives_back(self) -> None:
         if self.task.secondary:
             said = Resigned(task="T1", epoch=self.task.epoch, role=Role.SECONDARY, reason="busy")
-            self.desk.on_resigned(self.task.secondary, said, self.now_s)
+            self.transports.on_resigned(self.task.secondary, said, self.now_s)
 
     def primary_has_forgotten(self) -> None:
         for _ in range(int(UNNAMED_S) + 2):
             if not self.ended and self.task.primary:
                 self.now_s += 1.0
                 self.seq += 1
-                self.desk.on_heartbeat(rhb(self.task.primary, self.seq, self.now_s), self.now_s)
+                self.transports.on_heartbeat(rhb(self.task.primary, self.seq, self.now_s), self.now_s)
 
     def goods_leave(self) -> None:
         if self.task.primary and self.goods:
@@ -158,26 +158,26 @@ class Walk(Office):
             beat = rhb(self.task.primary, self.seq, self.now_s, task="T1")
             assert beat.task is not None
             brief = msgspec.structs.replace(beat.task, epoch=self.task.epoch, phase=Phase.CARRYING)
-            self.desk.on_heartbeat(msgspec.structs.replace(beat, task=brief), self.now_s)
+            self.transports.on_heartbeat(msgspec.structs.replace(beat, task=brief), self.now_s)
 
     def goods_leave_unheard(self) -> None:
         """The machine's own senses tell, while the carrier is silent."""
         if self.task.primary and self.goods:
-            self.desk.failover.note_loaded(self.task)
+            self.transports.failover.note_loaded(self.task)
 
     def goods_come_back(self) -> None:
         if self.task.is_loaded:
-            self.desk.reopen(self.task, "the goods are back", self.now_s)
+            self.transports.reopen(self.task, "the goods are back", self.now_s)
 
     def load_is_counted(self) -> None:
         if self.task.primary and not self.goods and not self.task.is_counted:
             self.task.states.enter(TaskState.COUNTED)
 
     def load_is_handed_over(self) -> None:
-        self.desk.close(self.task, "delivered")
+        self.transports.close(self.task, "delivered")
 
     def is_not_needed(self) -> None:
-        self.desk.close(self.task, "withdrawn")
+        self.transports.close(self.task, "withdrawn")
 
 
 HAPPENINGS: tuple[Callable[[Walk], None], ...] = (

@@ -113,7 +113,7 @@ class Carrying(RuleBasedStateMachine):
         if isinstance(question, Docked):
             self.opened = 1
             opened = DockOpened(task=TASK, epoch=1, station=question.station)
-            self.told(self.keeper(question.station), opened)
+            self.told(self.dock_owner(question.station), opened)
         elif isinstance(question, Handover):
             self.told("M8", HandoverAccepted(task=TASK, epoch=1))
 
@@ -122,7 +122,7 @@ class Carrying(RuleBasedStateMachine):
         if self.questions and isinstance(self.questions[-1], Docked):
             station = self.questions[-1].station
             held = DockHeld(task=TASK, epoch=1, station=station, reason="the buffer is full")
-            self.told(self.keeper(station), held)
+            self.told(self.dock_owner(station), held)
 
     @rule(message=st.sampled_from(STALE), sender=st.sampled_from(["M8", "M7"]))
     def hears_what_is_stale(self, message: Callable[[], Message], sender: str) -> None:
@@ -205,7 +205,7 @@ class Carrying(RuleBasedStateMachine):
     def told(self, sender: str, message: Message) -> None:
         self.actor.on_message(sender, message, self.now_s)
 
-    def keeper(self, station: str) -> str:
+    def dock_owner(self, station: str) -> str:
         """Who opens a dock: a storage's own station, and the coordinator everywhere else."""
         return station if station == "S3" else "M8"
 
@@ -226,7 +226,7 @@ class Carrying(RuleBasedStateMachine):
     def see(self, effect: Effect) -> None:
         if isinstance(effect, Send) and isinstance(effect.message, Docked | Handover):
             docks = isinstance(effect.message, Docked)
-            assert effect.to == (self.keeper(effect.message.station) if docks else "M8")
+            assert effect.to == (self.dock_owner(effect.message.station) if docks else "M8")
             self.questions.append(effect.message)
             self.handovers += isinstance(effect.message, Handover)
         elif isinstance(effect, Instruct) and isinstance(effect.instruction, Pick | Drop):

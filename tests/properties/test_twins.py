@@ -169,7 +169,7 @@ def _replaced(beat: AtvHeartbeat, changes: dict[str, object]) -> AtvHeartbeat:
     return AtvHeartbeat(**(fields | changes))
 
 
-class NaiveVigil:
+class NaiveFailureDetector:
     """The twin of `FailureDetector`: every heartbeat that ever came, and what follows from all of them."""
 
     def __init__(self, ear: NaiveEar, now_s: float) -> None:
@@ -219,17 +219,23 @@ def test_a_detector_suspects_exactly_when_its_naive_twin_does(
     before: list[Beat], beats: list[Beat], looks: list[float]
 ) -> None:
     prior, ear, now_s = ArrivalStatistics(), NaiveEar(), 100.0
-    first, naive_first = FailureDetector("ATV2", WORKING_INTERVAL_S, now_s, prior), NaiveVigil(ear, now_s)
+    first, naive_first = (
+        FailureDetector("ATV2", WORKING_INTERVAL_S, now_s, prior),
+        NaiveFailureDetector(ear, now_s),
+    )
     now_s = _play(first, naive_first, before, now_s)
     ear.notes = naive_first.notes()
-    detector, twin = FailureDetector("ATV2", WORKING_INTERVAL_S, now_s, prior), NaiveVigil(ear, now_s)
+    detector, twin = (
+        FailureDetector("ATV2", WORKING_INTERVAL_S, now_s, prior),
+        NaiveFailureDetector(ear, now_s),
+    )
     now_s = _play(detector, twin, beats, now_s)
     for look_s in [*looks, detector.fails_at_s - now_s - 1e-6, detector.fails_at_s - now_s + 1e-6]:
         at_s = now_s + max(0.0, look_s)
         assert detector.failure(at_s) == twin.failure(at_s)
 
 
-def _play(detector: FailureDetector, twin: NaiveVigil, beats: list[Beat], now_s: float) -> float:
+def _play(detector: FailureDetector, twin: NaiveFailureDetector, beats: list[Beat], now_s: float) -> float:
     """Let both hear the same; returns when that is over."""
     seq = 10
     for life, step, pause_s, delay_s, status in beats:

@@ -22,7 +22,7 @@ AGENTS = st.sampled_from([*sorted(VEHICLES), "M7", STRATEGIST])
 
 COMMANDS = (CommandKind.STOP, CommandKind.ACKNOWLEDGE, CommandKind.RESUME)
 
-CALM_S = 4000.0
+SETTLE_S = 4000.0
 """Longer than goods on board of a silent vehicle are waited for, and then made and carried anew."""
 
 SHOWN = 150
@@ -141,14 +141,14 @@ class Adversary(RuleBasedStateMachine):
             return
         world = self.world
         try:
-            self.make_calm()
-            done = world.run_until(lambda: world.fulfilled == {"O1"} and not world.open_tasks(), CALM_S)
+            self.end_faults()
+            done = world.run_until(lambda: world.fulfilled == {"O1"} and not world.open_tasks(), SETTLE_S)
             assert done, f"open: {world.open_tasks()}, fulfilled: {sorted(world.fulfilled)}"
             world.check_sums({"O1": self.quantity})
         finally:
             note("\n".join(world.log[-SHOWN:]))
 
-    def make_calm(self) -> None:
+    def end_faults(self) -> None:
         """All faults end."""
         world = self.world
         world.network.heal()

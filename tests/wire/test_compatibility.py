@@ -22,7 +22,7 @@ from dray.wire.documents import RELEASED, current
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.people import demand
-from dray_sim.people.desk import Desk
+from dray_sim.people.order_client import OrderClient
 from dray_sim.run.trace import Trace
 
 FOLDER = Path(__file__).parents[2] / "docs" / "wire"
@@ -152,7 +152,7 @@ def day(monkeypatch: pytest.MonkeyPatch, newer: Callable[[str], bool]) -> str:
         async with asyncio.TaskGroup() as group:
             tasks = [
                 group.create_task(factory.run()),
-                group.create_task(Desk(factory.bus, clock()).place(orders)),
+                group.create_task(OrderClient(factory.bus, clock()).place(orders)),
             ]
             await asyncio.sleep(SPAN_S)
             for task in tasks:

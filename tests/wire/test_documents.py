@@ -26,7 +26,7 @@ from dray.wire.schemas import message_schema
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.people import demand
-from dray_sim.people.desk import Desk
+from dray_sim.people.order_client import OrderClient
 
 FOLDER = Path(__file__).parents[2] / "docs" / "wire"
 
@@ -113,7 +113,7 @@ def test_everything_is_said_on_the_channel_that_is_published_for_it() -> None:
         async with asyncio.TaskGroup() as group:
             tasks = [
                 group.create_task(factory.run()),
-                group.create_task(Desk(factory.bus, clock()).place(orders)),
+                group.create_task(OrderClient(factory.bus, clock()).place(orders)),
             ]
             await asyncio.sleep(SPAN_S)
             for task in tasks:

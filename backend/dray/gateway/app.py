@@ -27,7 +27,7 @@ from dray.gateway.live.timescale import TimeScale
 from dray.gateway.metrics import Stopwatch
 from dray.gateway.routes.openapi import document
 from dray.gateway.routes.table import add_routes
-from dray.gateway.services import Beside, measure, open_services, recall, running
+from dray.gateway.services import Beside, measure, open_services, restore, running
 from dray.plant.model import PlantFile
 from dray.ports import Bus
 from dray.settings import Settings
@@ -67,7 +67,7 @@ def create_app(
         collectors: of metrics that others in this process have.
         wall_s: the wall clock.
         hasher: of secrets, when not the usual one.
-        beside: runs as long as the application does: the way for stops.
+        beside: runs as long as the application does: the stop path.
     """
 
     @asynccontextmanager
@@ -87,7 +87,7 @@ def create_app(
             wall_s=wall_s,
             hasher=hasher,
         )
-        await recall(services)
+        await restore(services)
         measure(services)
         provide(app, services.by_type(), wall_s)
         async with running(services, beside):

@@ -52,7 +52,7 @@ from dray.store import Historian, Store
 from dray.store.orders.placing import Placing
 
 Beside = Callable[[Commands, Access], AbstractAsyncContextManager[None]]
-"""Runs as long as a gateway does: the way for stops."""
+"""Runs as long as a gateway does: the stop path."""
 
 
 @dataclass(frozen=True)
@@ -186,7 +186,7 @@ def open_services(
     )
 
 
-async def recall(services: Services) -> None:
+async def restore(services: Services) -> None:
     """Read from SQL what must be known before anybody is heard or answered.
 
     Raises:
@@ -194,11 +194,11 @@ async def recall(services: Services) -> None:
     """
     async with services.store.write() as work:
         await work.products.replace(services.plant.products)
-    await services.database_sync.recall()
+    await services.database_sync.restore()
     async with services.store.read() as work:
         await backfill_news(work, services.projection.news, services.time)
-    await services.alerts.recall()
-    await services.exclusions.recall()
+    await services.alerts.restore()
+    await services.exclusions.restore()
 
 
 def measure(services: Services) -> None:

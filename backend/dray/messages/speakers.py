@@ -104,14 +104,14 @@ class Kind(StrEnum):
 STOP_SUFFIX = "-stop"
 
 
-def stop_desk_of(gateway: str) -> str:
+def stop_sender_of(gateway: str) -> str:
     """The name of the agent by which a gateway says stops, beside its own."""
     return gateway + STOP_SUFFIX
 
 
 def names_of(agent: str, kind: Kind) -> dict[str, Kind]:
     """Whom the process of an agent speaks for, as its certificate says."""
-    names = (agent, stop_desk_of(agent)) if kind is Kind.GATEWAY else (agent,)
+    names = (agent, stop_sender_of(agent)) if kind is Kind.GATEWAY else (agent,)
     return dict.fromkeys(names, kind)
 
 

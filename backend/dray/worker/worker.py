@@ -131,7 +131,7 @@ class Worker:
             self._end()
 
     def leave(self) -> None:
-        """Ask the agent to leave in order; `run` returns when nothing holds it any more. Twice is harmless."""
+        """Ask the agent to shut down gracefully; `run` returns when nothing holds it any more. Twice is harmless."""
         self.inbox.put(Leaving())
         if self._waiter is not None:
             self._wake_task()

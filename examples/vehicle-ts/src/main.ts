@@ -1,4 +1,4 @@
-/** Runs one vehicle until a signal: SIGTERM lets it leave in order, Ctrl-C ends it at once. See README.md. */
+/** Runs one vehicle until a signal: SIGTERM lets it shut down gracefully, Ctrl-C ends it at once. See README.md. */
 
 import { mkdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';

@@ -22,7 +22,7 @@ from dray_sim.bench.row import Row
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.people import demand
-from dray_sim.people.desk import Desk
+from dray_sim.people.order_client import OrderClient
 from dray_sim.plants.generator import generate_plant
 
 SEED = 1
@@ -141,7 +141,7 @@ async def _play(plant: Plant, span_s: float) -> Measured:
 async def _live(factory: SimFactory, orders: Iterable[demand.Order]) -> None:
     async with asyncio.TaskGroup() as group:
         group.create_task(factory.run())
-        group.create_task(Desk(factory.bus, factory.clock).place(orders))
+        group.create_task(OrderClient(factory.bus, factory.clock).place(orders))
 
 
 def _events(factory: SimFactory) -> int:

@@ -91,14 +91,14 @@ class FaultAttribution:
             absence = self._absences.get(fault.agent)
             if absence is None or at_s > absence.back_s + HEARD_S:
                 absence = self._absences[fault.agent] = _Absence(at_s)
-                # A process that was about to leave in order, and crashes before it has, stays away as long.
+                # A process that was about to shut down gracefully, and crashes before it has, stays away as long.
                 absence.held_by.update(self._sending_away(fault.agent))
             absence.held_by.add(name)
             absence.back_s = float("inf")
         elif not isinstance(fault, ClockSet):
             self._touched_s[_touched(fault)] = float("inf")
             if isinstance(fault, SentAway):
-                # A process that is down already cannot leave in order: it stays away as it went.
+                # A process that is down already cannot shut down gracefully: it stays away as it went.
                 absence = self._absences.get(fault.agent)
                 if absence is not None and absence.held_by:
                     absence.held_by.add(name)
@@ -178,7 +178,7 @@ class FaultAttribution:
                 raise InvariantBroken(6, at_s, seen)
 
     def _sending_away(self, agent: str) -> Iterator[str]:
-        """The faults by which an agent is to be away in order now."""
+        """The faults by which an agent is to be away now after a graceful shutdown."""
         for name, spell in self._spells.items():
             if (
                 isinstance(spell.fault, SentAway)
@@ -207,7 +207,7 @@ class FaultAttribution:
 
 
 def _away(agent: str) -> str:
-    """What stands for an agent's being away in order: that is trouble to those only who rely on its answers."""
+    """What stands for an agent's being away after a graceful shutdown: that is trouble to those only who rely on its answers."""
     return f"{agent} away"
 
 

@@ -31,8 +31,8 @@ from dray_sim.insiders import BEHAVIOURS
 from dray_sim.insiders.joining import INSIDER, bring_in
 from dray_sim.network.listeners import Listeners
 from dray_sim.people.canceller import Canceller
-from dray_sim.people.desk import Desk
 from dray_sim.people.operators import hire
+from dray_sim.people.order_client import OrderClient
 from dray_sim.people.random_operator import RandomOperator
 from dray_sim.people.revoker import Revoker
 from dray_sim.run.trace import Trace
@@ -200,7 +200,7 @@ class _Game:
         run = self._run
         async with asyncio.TaskGroup() as group:
             group.create_task(factory.run())
-            group.create_task(Desk(factory.bus, factory.clock).place(run.orders))
+            group.create_task(OrderClient(factory.bus, factory.clock).place(run.orders))
             if run.cancelled:
                 group.create_task(Canceller(factory.bus, factory.clock).cancel(run.cancelled))
             if run.revocations:

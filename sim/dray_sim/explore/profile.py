@@ -33,7 +33,7 @@ class Profile:
         battery_frac: of the vehicles at the beginning.
         intensity: faults in a minute.
         weights: which kinds of faults, and how often each against the others.
-        leaving_frac: the part of the runs in which agents leave in order and come back.
+        leaving_frac: the part of the runs in which agents shut down gracefully and come back.
         leaving: how many of them in a minute.
         waves_frac: the part of the runs in which whole sets of agents are restarted, in any order.
         waves: how many times in a minute.

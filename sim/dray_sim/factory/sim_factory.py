@@ -44,7 +44,7 @@ that it has to do well on probation."""
 
 
 @dataclass(slots=True)
-class Post:
+class Installation:
     """What of an agent outlives its process.
 
     Attributes:
@@ -124,7 +124,7 @@ class SimFactory:
         self.storages, self.workcells, self.vehicles = floor.storages, floor.workcells, floor.vehicles
         self.in_hands = floor.in_hands
         self.workers: dict[str, Worker] = {}
-        self._posts: dict[str, Post] = {}
+        self._installations: dict[str, Installation] = {}
         self._lives: dict[str, asyncio.Task[None]] = {}
         """What runs the workers, by agent id."""
         self._incarnation = incarnation
@@ -139,7 +139,7 @@ class SimFactory:
 
     @property
     def journals(self) -> Mapping[str, HeldJournal]:
-        return {agent: post.journal for agent, post in self._posts.items()}
+        return {agent: installed.journal for agent, installed in self._installations.items()}
 
     async def run(self) -> None:
         """Run all agents until cancelled.
@@ -167,7 +167,7 @@ class SimFactory:
         return not self.workers[agent].ended
 
     def ask_to_leave(self, agent: str) -> None:
-        """Let an agent leave in order, in its own time; its body and its journal stay. Twice is harmless.
+        """Let an agent shut down gracefully, in its own time; its body and its journal stay. Twice is harmless.
 
         Raises:
             KeyError: there is no such agent.
@@ -175,7 +175,7 @@ class SimFactory:
         self.workers[agent].leave()
 
     async def leave(self, agent: str) -> None:
-        """Let an agent leave in order, and wait until it has left.
+        """Let an agent shut down gracefully, and wait until it has left.
 
         Raises:
             KeyError: there is no such agent, or it was never started.
@@ -202,12 +202,12 @@ class SimFactory:
         Raises:
             KeyError: there is no such agent.
         """
-        post = self._posts[agent]
-        post.software = software or post.software
+        installed = self._installations[agent]
+        installed.software = software or installed.software
         self.workers[agent].kill()
         if agent == STRATEGIST or agent in self.storages or not self._powered(agent).off:
-            post.journal.begin_life()
-            post.clock.begin_life()
+            installed.journal.begin_life()
+            installed.clock.begin_life()
             self._enliven(agent, probation)
             self._start(agent)
 
@@ -218,7 +218,7 @@ class SimFactory:
             KeyError: there is no such agent.
         """
         self.crash(agent)
-        self._posts[agent].journal.lose("the disk has failed")
+        self._installations[agent].journal.lose("the disk has failed")
 
     def set_clock(self, agent: str, by_s: float) -> None:
         """Set the clock of an agent's computer forward, or back if negative.
@@ -226,11 +226,11 @@ class SimFactory:
         Raises:
             KeyError: there is no such agent.
         """
-        self._posts[agent].clock.step(by_s)
+        self._installations[agent].clock.step(by_s)
 
     def clock_error_s(self) -> float:
         """How far the clock of any agent is off at most (s)."""
-        return max((abs(post.clock.ahead_s) for post in self._posts.values()), default=0.0)
+        return max((abs(installed.clock.ahead_s) for installed in self._installations.values()), default=0.0)
 
     def clock_of(self, agent: str) -> Clock:
         """The clock that an agent goes by.
@@ -238,7 +238,7 @@ class SimFactory:
         Raises:
             KeyError: there is no such agent.
         """
-        return self._posts[agent].clock
+        return self._installations[agent].clock
 
     def power_off(self, agent: str) -> None:
         """Switch a vehicle or a machine off, its agent with it. Twice is harmless.
@@ -270,7 +270,7 @@ class SimFactory:
         Raises:
             ValueError: there is an agent of this id.
         """
-        if spec.id in self._posts:
+        if spec.id in self._installations:
             raise ValueError(f"{spec.id} is there already; give the new vehicle another id")
         vehicle = self.floor.add_vehicle(spec)
         self._man(spec, make)
@@ -330,19 +330,19 @@ class SimFactory:
     def _employ(self, agent: str, kind: Kind, make: MakeAgent, body: Body | None) -> None:
         self.bus.kinds[agent] = kind
         journal = HeldJournal(incarnation=self._incarnation)
-        self._posts[agent] = Post(make, body, journal, ComputerClock(self.clock), __version__)
+        self._installations[agent] = Installation(make, body, journal, ComputerClock(self.clock), __version__)
         self._enliven(agent)
 
     def _enliven(self, agent: str, probation: int = 0) -> None:
         """Give an agent its worker, which is not started yet."""
-        post = self._posts[agent]
+        installed = self._installations[agent]
         self.workers[agent] = Worker(
-            post.make(post.journal.incarnation, post.software, probation),
+            installed.make(installed.journal.incarnation, installed.software, probation),
             bus=self._meet,
-            clock=post.clock,
+            clock=installed.clock,
             keys=self.keys,
-            body=post.body,
-            journal=post.journal,
+            body=installed.body,
+            journal=installed.journal,
         )
 
     def _start(self, agent: str) -> None:

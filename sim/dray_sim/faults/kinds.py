@@ -41,7 +41,7 @@ class ClockSet(FaultKind, frozen=True):
 
 
 class SentAway(FaultKind, frozen=True):
-    """An agent was asked to leave in order, for other software say; it is started again at the end.
+    """An agent was asked to shut down gracefully, for other software say; it is started again at the end.
 
     Who has not left by then is ended.
     """

@@ -30,7 +30,7 @@ from dray.ports import Bus, Clock
 from dray_sim.bodies.vehicle.vehicle import LOAD_SHIFTED
 from dray_sim.people.habits import Habits, Range
 from dray_sim.people.hands import Hands
-from dray_sim.people.tablet import Sight, Tablet
+from dray_sim.people.tablet import LastHeard, Tablet
 
 if TYPE_CHECKING:
     from dray_sim.factory.sim_factory import SimFactory
@@ -109,7 +109,7 @@ class Operator:
         own = None if area == EVERYWHERE else (area,)
         keys = Keys(plant.id)
         self._tablet = Tablet(self.name, own, keys=keys, bus=bus, clock=clock, authority=authority)
-        self._sights = self._tablet.sights
+        self._heard = self._tablet.heard
         """All that is known of vehicles from afar."""
         self._stops: dict[str, float] = {}
         """Vehicles that a stop may hold which is this person's to end, and since when."""
@@ -143,24 +143,24 @@ class Operator:
         """What to do next, and for which vehicle; what is equally urgent in the order of names."""
         now_s = self._clock.now_s()
         alarms: list[tuple[Duty, float, str]] = []
-        for atv, sight in self._sights.items():
-            alarm = self._alarm(atv, sight, now_s)
-            if alarm is not None and (alarm[0] in OWN or self._is_here(sight)):
+        for atv, heard in self._heard.items():
+            alarm = self._alarm(atv, heard, now_s)
+            if alarm is not None and (alarm[0] in OWN or self._is_here(heard)):
                 alarms.append((*alarm, atv))
         if not alarms:
             return None
         duty, _, atv = min(alarms)
         return duty, atv
 
-    def _alarm(self, atv: str, sight: Sight, now_s: float) -> tuple[Duty, float] | None:
+    def _alarm(self, atv: str, heard: LastHeard, now_s: float) -> tuple[Duty, float] | None:
         """What a vehicle needs, and by when."""
-        heartbeat = sight.heartbeat
-        if now_s - sight.at_s > self._habits.silent_s:
-            return Duty.RECOVER, sight.at_s
+        heartbeat = heard.heartbeat
+        if now_s - heard.at_s > self._habits.silent_s:
+            return Duty.RECOVER, heard.at_s
         since_s = self._stops.get(atv)
-        if since_s is not None and _is_later(sight, since_s):
+        if since_s is not None and _is_later(heard, since_s):
             if heartbeat.status is AtvStatus.STOPPED:
-                return Duty.RELEASE, sight.at_s
+                return Duty.RELEASE, heard.at_s
             del self._stops[atv]
         if heartbeat.problem:
             return Duty.HELP, heartbeat.help.until_s if heartbeat.help is not None else float("inf")
@@ -168,12 +168,12 @@ class Operator:
             return Duty.SPEED_UP, now_s
         return None
 
-    def _is_here(self, sight: Sight) -> bool:
-        return self._whose(sight) == self._area
+    def _is_here(self, heard: LastHeard) -> bool:
+        return self._whose(heard) == self._area
 
-    def _whose(self, sight: Sight) -> str:
+    def _whose(self, heard: LastHeard) -> str:
         """The area that the vehicle is in."""
-        pose = sight.heartbeat.pose
+        pose = heard.heartbeat.pose
         return area_at(self._plant, pose.x_m, pose.y_m)
 
     # --- doing -----------------------------------------------------------------------------------
@@ -196,12 +196,12 @@ class Operator:
         walk_s, mend_s = self._draw(self._habits.walk_s), self._draw(self._habits.mend_s)
         promises = self._random.random() < self._habits.promises_frac
         estimate_s = (walk_s + mend_s) * self._draw(self._habits.estimate)
-        if promises and self._sights[atv].heartbeat.help is not None:
+        if promises and self._heard[atv].heartbeat.help is not None:
             await self._tablet.say(atv, CommandKind.PROMISE, wait_s=estimate_s)
         await asyncio.sleep(walk_s)
         problem = self._hands.problem(atv)
         # Who else has stopped it lets it go, too.
-        if problem == LOAD_SHIFTED and self._sights[atv].heartbeat.status is not AtvStatus.STOPPED:
+        if problem == LOAD_SHIFTED and self._heard[atv].heartbeat.status is not AtvStatus.STOPPED:
             await self._secure(atv, mend_s)
         elif problem:
             await asyncio.sleep(mend_s)
@@ -236,21 +236,21 @@ class Operator:
 
     async def _recover(self, atv: str) -> None:
         """Look for a silent vehicle, clear up after it and bring it back to life."""
-        sight = self._sights[atv]
+        heard = self._heard[atv]
         await self._spend(self._habits.walk_s)
         if self._hands.is_off(atv):
             item, quantity = self._hands.unload(atv)
             if item:
                 await self._spend(self._habits.carry_s)
-                task = sight.heartbeat.task
+                task = heard.heartbeat.task
                 machine = task.coordinator if task is not None else ""
-                self._hands.put_down(item, quantity, sight.heartbeat.node, machine)
+                self._hands.put_down(item, quantity, heard.heartbeat.node, machine)
             await self._spend(self._habits.push_s)
             if self._hands.is_off(atv):
                 self._hands.bring_home(atv)
         # One that lives has only lost its voice, which hands cannot mend. Heard again, it is seen again.
-        if self._sights[atv] is sight:
-            del self._sights[atv]
+        if self._heard[atv] is heard:
+            del self._heard[atv]
 
     async def _speed_up(self, atv: str) -> None:
         """Take an own limit back, or leave that to whoever's area the vehicle has come to."""
@@ -263,7 +263,7 @@ class Operator:
 
     def _colleague(self, atv: str) -> Operator:
         """The operator of the area where a vehicle is now."""
-        return self.colleagues.get(self._whose(self._sights[atv]), self)
+        return self.colleagues.get(self._whose(self._heard[atv]), self)
 
     # --- chance ----------------------------------------------------------------------------------
 
@@ -326,7 +326,7 @@ def hire(
     return tuple(crew.values())
 
 
-def _is_later(sight: Sight, since_s: float) -> bool:
+def _is_later(heard: LastHeard, since_s: float) -> bool:
     """Whether a heartbeat was said after a moment. A vehicle whose clock is ahead says times that have not come yet."""
-    said_s = sight.heartbeat.at_s
-    return since_s < said_s <= sight.at_s or since_s + LATEST_S < sight.at_s < said_s
+    said_s = heard.heartbeat.at_s
+    return since_s < said_s <= heard.at_s or since_s + LATEST_S < heard.at_s < said_s

@@ -92,16 +92,16 @@ class RandomOperator:
                 group.create_task(self._let_go(atv))
 
     async def _let_go(self, atv: str) -> None:
-        await self._insist(atv, CommandKind.SET_SPEED)
+        await self._repeat_until_answered(atv, CommandKind.SET_SPEED)
         while True:
-            await self._insist(atv, CommandKind.ACKNOWLEDGE)
-            resumed = await self._insist(atv, CommandKind.RESUME)
+            await self._repeat_until_answered(atv, CommandKind.ACKNOWLEDGE)
+            resumed = await self._repeat_until_answered(atv, CommandKind.RESUME)
             if resumed.done or resumed.reason == NOT_STOPPED:
                 return
             # What is broken refuses to be acknowledged until it was mended.
             await asyncio.sleep(AGAIN_S)
 
-    async def _insist(self, atv: str, kind: CommandKind) -> CommandAnswered:
+    async def _repeat_until_answered(self, atv: str, kind: CommandKind) -> CommandAnswered:
         """Give a command until it is answered."""
         command = self._command(kind, speed_frac=1.0)
         with self._answers.to(command.command) as answer:

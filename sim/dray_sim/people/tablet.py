@@ -24,7 +24,7 @@ GRANT_S = 60.0
 
 
 @dataclass(frozen=True, slots=True)
-class Sight:
+class LastHeard:
     """A vehicle as the tablet shows it."""
 
     heartbeat: AtvHeartbeat
@@ -44,7 +44,7 @@ class Tablet:
         authority: grants the commands.
 
     Attributes:
-        sights: the last heartbeat of every vehicle, wherever it is.
+        heard: the last heartbeat of every vehicle, wherever it is.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class Tablet:
         clock: Clock,
         authority: SigningKey,
     ) -> None:
-        self.sights: dict[str, Sight] = {}
+        self.heard: dict[str, LastHeard] = {}
         self._person = person
         self._areas = areas
         self._keys = keys
@@ -113,6 +113,6 @@ class Tablet:
 
     def _on_message(self, _sender: str, message: Message) -> None:
         if isinstance(message, AtvHeartbeat):
-            self.sights[message.atv] = Sight(message, self._clock.now_s())
+            self.heard[message.atv] = LastHeard(message, self._clock.now_s())
         elif isinstance(message, CommandAnswered):
             self._answers.take(message)

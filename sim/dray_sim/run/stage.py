@@ -23,9 +23,9 @@ from dray_sim.faults import Faults
 from dray_sim.network.latency import WLAN, Latency
 from dray_sim.network.listeners import Listeners
 from dray_sim.people import demand
-from dray_sim.people.desk import Desk
 from dray_sim.people.habits import Habits
 from dray_sim.people.operators import hire
+from dray_sim.people.order_client import OrderClient
 from dray_sim.run.evidence import HELD
 from dray_sim.run.observer import Observer
 from dray_sim.run.report import Report, make_report
@@ -127,7 +127,7 @@ class Stage:
         self.checks = Invariants(self.factory)
         self.shortfall = Shortfall(plant, self.factory.storages)
         listeners.add(self.trace, self.observer, self.checks, self.witness, self.shortfall)
-        self._desk = Desk(self.factory.bus, self.factory.clock)
+        self._customers = OrderClient(self.factory.bus, self.factory.clock)
         self._demand = tuple(self.orders)
         self._placing: list[asyncio.Task[None]] = []
 
@@ -172,7 +172,7 @@ class Stage:
     def place(self, order: demand.Order) -> None:
         """Place an order now, whatever its time says."""
         self.orders.append(order)
-        self._placing.append(asyncio.create_task(self._desk.order(order)))
+        self._placing.append(asyncio.create_task(self._customers.order(order)))
 
     async def live(self) -> None:
         """Run the factory and its demand until cancelled.
@@ -183,7 +183,7 @@ class Stage:
         try:
             async with asyncio.TaskGroup() as group:
                 group.create_task(self.factory.run())
-                group.create_task(self._desk.place(self._demand))
+                group.create_task(self._customers.place(self._demand))
                 for operator in self.people:
                     group.create_task(operator.run(), name=operator.name)
         finally:

@@ -16,14 +16,14 @@ from dray.adapters.security.signing import SigningKey
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.gateway.access.principal import ADMIN
 from dray.gateway.live.timescale import TimeScale
-from dray.gateway.stop.desk import StopDesk
+from dray.gateway.stop.sender import StopSender
 from dray.messages import CommandAnswered, Message, VehicleCommand
-from dray.messages.speakers import Kind, names_of, stop_desk_of
+from dray.messages.speakers import Kind, names_of, stop_sender_of
 
 
 @pytest.fixture
 def row_of(tmp_path: Path) -> list[Identity]:
-    """The certificates of a vehicle and of a gateway, which has its desk's name as well."""
+    """The certificates of a vehicle and of a gateway, which has its sender's name as well."""
     authority = Authority.make("p")
     authority.write(tmp_path)
     authority.issue(tmp_path, "p", names_of("ATV1", Kind.ATV))
@@ -42,14 +42,14 @@ def obeying(bus: ZenohBus) -> None:
 
 
 def desk_on(bus: ZenohBus, begun: Future[asyncio.AbstractEventLoop], go: threading.Event) -> bool:
-    """On a thread of its own: a desk that says one stop when it may, and the vehicle's word on it."""
+    """On a thread of its own: a sender that says one stop when it may, and the vehicle's word on it."""
 
     async def live() -> bool:
         loop = asyncio.get_running_loop()
         with bus.beside() as beside:
-            desk = StopDesk(
+            sender = StopSender(
                 beside,
-                name=stop_desk_of("gateway"),
+                name=stop_sender_of("gateway"),
                 incarnation=1,
                 authority=SigningKey(bytes(32)),
                 time=TimeScale(0.0, 0.0),
@@ -60,8 +60,8 @@ def desk_on(bus: ZenohBus, begun: Future[asyncio.AbstractEventLoop], go: threadi
             )
             begun.set_result(loop)
             await asyncio.to_thread(go.wait, PATIENCE_S)
-            answer = await desk.stop("ATV1", ADMIN, "127.0.0.1")
-            desk.leave()
+            answer = await sender.stop("ATV1", ADMIN, "127.0.0.1")
+            sender.leave()
             return answer.done
 
     return asyncio.run(live())

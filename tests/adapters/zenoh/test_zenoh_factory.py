@@ -29,7 +29,7 @@ from dray_sim.insiders import BEHAVIOURS
 from dray_sim.insiders.joining import INSIDER, bring_in
 from dray_sim.network.listeners import Listener, Listeners
 from dray_sim.people.demand import Order
-from dray_sim.people.desk import Desk
+from dray_sim.people.order_client import OrderClient
 
 PLANT = default_plant()
 
@@ -75,7 +75,7 @@ class Stage:
     """A factory in which a story is told."""
 
     def __init__(self, factory: SimFactory, bus: Bus) -> None:
-        self.factory, self.bus, self.desk = factory, bus, Desk(bus, factory.clock)
+        self.factory, self.bus, self.customers = factory, bus, OrderClient(bus, factory.clock)
         self.facts: list[tuple[str, AnyFact]] = []
         self.heard: set[str] = set()
         """Who has said anything to all."""
@@ -152,7 +152,7 @@ def on_zenoh(story: Story) -> object:
 
 async def an_order_is_delivered(stage: Stage) -> object:
     """What was delivered, and how each of its transports ended."""
-    await stage.desk.order(ORDER)
+    await stage.customers.order(ORDER)
     _, fulfilled = await stage.until(lambda _, fact: isinstance(fact, OrderFulfilled))
     arrived = {name: dict(warehouse.arrived) for name, warehouse in stage.factory.delivery.items()}
     ends = {fact.outcome for _, fact in stage.facts if isinstance(fact, TaskClosed)}
@@ -161,7 +161,7 @@ async def an_order_is_delivered(stage: Stage) -> object:
 
 async def a_vehicle_dies_on_its_way(stage: Stage) -> object:
     """What was delivered, though the first vehicle that had set off for the order has died at once."""
-    await stage.desk.order(ORDER)
+    await stage.customers.order(ORDER)
     dead, entered = await stage.until(
         lambda _, fact: isinstance(fact, PhaseEntered) and fact.phase is Phase.APPROACHING
     )
@@ -191,7 +191,7 @@ async def more_orders_until_it_is_dropped(stage: Stage) -> None:
         if any(was_dropped(*each) for each in stage.facts):
             return
         order = replace(ORDER, id=f"O-{number}")
-        await stage.desk.order(order)
+        await stage.customers.order(order)
         await stage.until(
             lambda agent, fact, order=order: (
                 was_dropped(agent, fact) or (isinstance(fact, OrderFulfilled) and fact.order == order.id)

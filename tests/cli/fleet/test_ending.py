@@ -68,7 +68,7 @@ def test_whoever_has_the_number_of_one_that_has_ended_is_left_alone(tmp_path: Pa
     assert left.process.poll() is None
 
 
-def test_a_fleet_that_is_kept_is_ended_by_its_keeper(tmp_path: Path, left: Left) -> None:
+def test_a_fleet_that_is_kept_is_ended_by_its_supervisor(tmp_path: Path, left: Left) -> None:
     supervisor = Process.of(left.process.pid)
     write_registry(tmp_path, supervisor, supervisor)
     assert asyncio.run(end_fleet(tmp_path)) == 1
@@ -90,7 +90,7 @@ def test_somebody_elses_fleet_is_told_of_in_one_error(
     assert (tmp_path / REGISTRY).exists()
 
 
-def test_a_fleet_whose_keeper_ends_without_its_processes_is_ended_all_the_same(
+def test_a_fleet_whose_supervisor_ends_without_its_processes_is_ended_all_the_same(
     tmp_path: Path, left: Left
 ) -> None:
     with subprocess.Popen(["sleep", "60"]) as supervisor:

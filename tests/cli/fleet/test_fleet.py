@@ -21,7 +21,7 @@ from dray.messages.keys import STRATEGIST
 from dray.plant import plant_yaml
 from dray_sim.clock.loop import VirtualClock
 from dray_sim.people.demand import Order
-from dray_sim.people.desk import Desk
+from dray_sim.people.order_client import OrderClient
 
 JOINING = "ATV99"
 
@@ -70,7 +70,7 @@ def test_an_order_is_delivered_whoever_is_killed_and_a_joining_agent_joins_and_l
                     pass
             assert_each_tells_its_own(await asyncio.to_thread(fleet.metrics))
             async with asyncio.timeout(DELIVERED_S):
-                await Desk(witness.bus, VirtualClock()).order(order)
+                await OrderClient(witness.bus, VirtualClock()).order(order)
                 for name in (atv, STRATEGIST):
                     await asyncio.to_thread(fleet.run, "kill", name)
                 await witness.until(

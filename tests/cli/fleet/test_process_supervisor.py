@@ -325,7 +325,7 @@ def test_kinds_that_know_no_probation_are_not_put_on_one(tmp_path: Path) -> None
     asyncio.run(story())
 
 
-def test_other_commands_reach_the_keeper_by_a_socket_for_its_owner_alone(tmp_path: Path) -> None:
+def test_other_commands_reach_the_supervisor_by_a_socket_for_its_owner_alone(tmp_path: Path) -> None:
     deep = tmp_path / ("a" * 100) / ("b" * 100)
     deep.mkdir(parents=True)
     old, new = make_actor(tmp_path, "1.0"), make_actor(tmp_path, "2.0")

@@ -17,7 +17,7 @@ Call = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture
-def mustered(monkeypatch: pytest.MonkeyPatch) -> list[FleetOptions]:
+def supervised(monkeypatch: pytest.MonkeyPatch) -> list[FleetOptions]:
     """The fleets that were to be started; none is."""
     asked: list[FleetOptions] = []
 
@@ -29,14 +29,14 @@ def mustered(monkeypatch: pytest.MonkeyPatch) -> list[FleetOptions]:
 
 
 def test_the_database_is_the_options_the_environments_or_the_folders(
-    call: Call, mustered: list[FleetOptions], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    call: Call, supervised: list[FleetOptions], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.delenv("DRAY_DATABASE_URL", raising=False)
     call("fleet", "up", "--folder", tmp_path)
     monkeypatch.setenv("DRAY_DATABASE_URL", "postgresql://dray@db/factory")
     call("fleet", "up", "--folder", tmp_path)
     call("fleet", "up", "--folder", tmp_path, "--db", "sqlite:///other.db")
-    assert [each.settings.database_url for each in mustered] == [
+    assert [each.settings.database_url for each in supervised] == [
         f"sqlite+aiosqlite:///{tmp_path / 'dray.db'}",
         "postgresql+asyncpg://dray@db/factory",
         "sqlite+aiosqlite:///other.db",

@@ -1,4 +1,4 @@
-"""How a process ends: asked in order first, and made to when that is not enough."""
+"""How a process ends: asked to shut down gracefully first, and made to when that is not enough."""
 
 from __future__ import annotations
 

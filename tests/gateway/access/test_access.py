@@ -40,9 +40,9 @@ async def ask(client: httpx.AsyncClient, method: str, path: str, **more: Any) ->
 
 
 @pytest.fixture
-async def stranger(calm_house: House) -> AsyncIterator[httpx.AsyncClient]:
+async def stranger(quiet_house: House) -> AsyncIterator[httpx.AsyncClient]:
     """The browser of somebody who has not logged in, at a gateway that is the same for every route."""
-    async with calm_house.visitor() as client:
+    async with quiet_house.visitor() as client:
         yield client
 
 
@@ -75,16 +75,16 @@ async def test_what_is_public_asks_nobody(stranger: httpx.AsyncClient, method: s
 
 @pytest.mark.parametrize(("method", "path"), [each for each in EVERYWHERE if each[1] != STREAM])
 async def test_a_key_without_the_scope_is_refused_and_one_with_it_is_not(
-    calm_house: House, stranger: httpx.AsyncClient, method: str, path: str
+    quiet_house: House, stranger: httpx.AsyncClient, method: str, path: str
 ) -> None:
     scope = RULES[method, path].scope
     if scope is None:
         return
     others = set(Scope) - {scope, Scope.VEHICLES_COMMAND if scope is Scope.VEHICLES_STOP else scope}
-    _, without = await calm_house.key(*others)
+    _, without = await quiet_house.key(*others)
     told = problem(await ask(stranger, method, path, headers=without), 403, "not-allowed")
     assert scope.value in told["detail"]
-    _, wanted = await calm_house.key(scope)
+    _, wanted = await quiet_house.key(scope)
     answer = await ask(stranger, method, path, headers=wanted)
     assert answer.status_code not in {401, 403}, answer.text
 

@@ -122,10 +122,10 @@ async def test_a_stop_waits_for_no_disk_and_its_line_is_written_when_there_is_on
                 await house.client.post("/api/atvs/ATV1/commands", json={"kind": "stop"})
             ).status_code == 200
             house.wall.now_s += 1.0
-        trail = house.access.audit_log
+        audit_log = house.access.audit_log
         with pytest.raises(UnavailableError):
-            await trail.catch_up()
-        assert trail.waiting == 2
+            await audit_log.catch_up()
+        assert audit_log.waiting == 2
     lines = await house.audit(action="vehicle.command")
     assert [(line.target, line.result, line.at_s) for line in lines] == [
         ("ATV1", "done", NOW_S + 1.0),

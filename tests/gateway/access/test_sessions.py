@@ -11,7 +11,7 @@ from gateway_kit import PASSWORD, PIN, House
 from login_kit import BROWSER, COOKIE, set_cookies, try_in
 from wall_clock import NOW_S
 
-from dray.gateway.access.login.redirect import onward
+from dray.gateway.access.login.redirect import redirect_target
 from dray.gateway.access.principal import Over, Role, Scope
 from dray.gateway.access.sessions import HOUR_S, IDLE_S, LIFE_S, MAY_STILL_STOP_S
 
@@ -165,12 +165,12 @@ async def test_a_session_that_ended_otherwise_may_not_even_stop(house: House, ho
     assert await house.access.sessions.recognise(token) is None
 
 
-# --- onward --------------------------------------------------------------------------------------
+# --- redirect_target --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("path", ["/", "/operator", "/?lang=de", "/#orders", "/operator?x=1&y=%2F"])
 def test_the_login_leads_on_to_our_own_pages(path: str) -> None:
-    assert onward(path, Role.OPERATOR) == path
+    assert redirect_target(path, Role.OPERATOR) == path
 
 
 @pytest.mark.parametrize(
@@ -196,8 +196,8 @@ def test_the_login_leads_on_to_our_own_pages(path: str) -> None:
     ],
 )
 def test_the_login_leads_nowhere_else(path: str) -> None:
-    assert onward(path, Role.MANAGER) == "/"
-    assert onward(path, Role.OPERATOR) == "/operator"
+    assert redirect_target(path, Role.MANAGER) == "/"
+    assert redirect_target(path, Role.OPERATOR) == "/operator"
 
 
 async def test_a_header_cannot_be_smuggled_in(house: House, visitor: httpx.AsyncClient) -> None:

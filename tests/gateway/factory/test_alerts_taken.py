@@ -43,7 +43,7 @@ def test_what_comes_again_is_acknowledged_by_nobody(projection: Projection) -> N
 
 def test_what_was_acknowledged_before_a_start_is_so_after_it(projection: Projection) -> None:
     known = Acknowledgement("machine_error-M8", NOW_S - 600, "Day shift", NOW_S - 500)
-    projection.alerts.recall([known], NOW_S)
+    projection.alerts.restore([known], NOW_S)
     assert alerts(projection) == []
     projection.fold(machine_heartbeat("M8", status=MachineStatus.ERROR))
     alert = the_alert(projection)
@@ -51,7 +51,7 @@ def test_what_was_acknowledged_before_a_start_is_so_after_it(projection: Project
 
 
 def test_what_is_not_wrong_again_soon_after_a_start_has_ended(projection: Projection) -> None:
-    projection.alerts.recall([Acknowledgement("machine_error-M8", NOW_S - 600, "Day shift", NOW_S)], NOW_S)
+    projection.alerts.restore([Acknowledgement("machine_error-M8", NOW_S - 600, "Day shift", NOW_S)], NOW_S)
     assert projection.look(NOW_S + REMEMBERED_S - 1) == []
     assert projection.look(NOW_S + REMEMBERED_S) == ["machine_error-M8"]
     assert projection.look(NOW_S + REMEMBERED_S + 1) == []

@@ -13,9 +13,9 @@ pytestmark = pytest.mark.anyio
 
 
 @pytest.fixture
-def house(calm_house: House) -> House:
+def house(quiet_house: House) -> House:
     """What is refused changes nothing, so one gateway refuses it all."""
-    return calm_house
+    return quiet_house
 
 
 # --- addresses and methods --------------------------------------------------------------------------

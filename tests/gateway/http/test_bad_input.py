@@ -33,9 +33,9 @@ JSON = {"Content-Type": "application/json"}
 
 
 @pytest.fixture
-def house(calm_house: House) -> House:
+def house(quiet_house: House) -> House:
     """What is refused changes nothing, so one gateway refuses it all."""
-    return calm_house
+    return quiet_house
 
 
 async def nothing_stored(house: House) -> bool:

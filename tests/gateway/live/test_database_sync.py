@@ -299,7 +299,7 @@ async def test_a_look_reads_what_has_changed_lately_and_not_all_that_is_open(
             await first.place()
             first.wall.now_s += 60
         look = DatabaseSync(second.store, second.projection, second.outbox.follow)
-        await look.recall()
+        await look.restore()
         marks, read = Orders.marks, []
 
         async def noted(orders: Orders, since_s: float | None = None) -> dict[str, Mark]:

@@ -8,9 +8,9 @@ import msgspec
 import pytest
 from defaults import PLANT
 from effects import award_number, facts, published, sent
-from office import Office, watched
 from rigs import MachineRig
 from spoken import announcement, production, rhb
+from transports_rig import TransportsRig, watched
 
 from dray.messages import (
     Award,
@@ -32,84 +32,84 @@ from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S, GRACEFUL
 # --- its coordinator --------------------------------------------------------------------------------
 
 
-def gives_back(office: Office, atv: str = "ATV2", epoch: int = 1) -> None:
+def gives_back(rig: TransportsRig, atv: str = "ATV2", epoch: int = 1) -> None:
     resigned = Resigned(task="T1", epoch=epoch, role=Role.PRIMARY, reason=GRACEFUL_SHUTDOWN)
-    office.desk.on_resigned(atv, resigned, office.now_s)
+    rig.transports.on_resigned(atv, resigned, rig.now_s)
 
 
 def test_in_a_planned_takeover_the_secondary_is_asked_and_nobody_else() -> None:
-    office = watched()
-    gives_back(office)
-    assert sent(office.out, Superseded, to="ATV2") == [Superseded(task="T1", epoch=2)]
-    [asked] = sent(office.out, Award, to="ATV1")[-1:]
+    rig = watched()
+    gives_back(rig)
+    assert sent(rig.out, Superseded, to="ATV2") == [Superseded(task="T1", epoch=2)]
+    [asked] = sent(rig.out, Award, to="ATV1")[-1:]
     assert (asked.task, asked.epoch, asked.role) == ("T1", 2, Role.PRIMARY)
-    office.accepts("ATV1", epoch=2)
-    assert (office.task.primary, office.task.epoch) == ("ATV1", 2)
-    assert office.asked(Role.PRIMARY) == ["ATV2", "ATV1"]
-    announced = published(office.out, TaskAnnounced)
+    rig.accepts("ATV1", epoch=2)
+    assert (rig.task.primary, rig.task.epoch) == ("ATV1", 2)
+    assert rig.asked(Role.PRIMARY) == ["ATV2", "ATV1"]
+    announced = published(rig.out, TaskAnnounced)
     assert [said.epoch for said in announced if said.role is Role.PRIMARY] == [1]
-    [changed] = facts(office.out, CarrierChanged)
+    [changed] = facts(rig.out, CarrierChanged)
     assert (changed.replaced, changed.carrier, changed.reason) == ("ATV2", "", GRACEFUL_SHUTDOWN)
 
 
 def test_a_secondary_that_declines_lets_the_task_be_announced() -> None:
-    office = watched()
-    gives_back(office)
+    rig = watched()
+    gives_back(rig)
     declined = Declined(
-        task="T1", epoch=2, role=Role.PRIMARY, reason=Refusal.BUSY, number=award_number(office.out, "ATV1")
+        task="T1", epoch=2, role=Role.PRIMARY, reason=Refusal.BUSY, number=award_number(rig.out, "ATV1")
     )
-    office.desk.on_declined("ATV1", declined, office.now_s)
-    office.run(office.now_s + 1.0)
-    assert published(office.out, TaskAnnounced)[-1].epoch == 2
+    rig.transports.on_declined("ATV1", declined, rig.now_s)
+    rig.run(rig.now_s + 1.0)
+    assert published(rig.out, TaskAnnounced)[-1].epoch == 2
 
 
 def test_a_secondary_that_is_silent_is_released_and_the_task_announced() -> None:
-    office = watched()
-    gives_back(office)
-    office.run(office.now_s + 2.0)
-    assert office.released()[-1] == ("ATV1", Role.PRIMARY)
-    assert published(office.out, TaskAnnounced)[-1].epoch == 2
+    rig = watched()
+    gives_back(rig)
+    rig.run(rig.now_s + 2.0)
+    assert rig.released()[-1] == ("ATV1", Role.PRIMARY)
+    assert published(rig.out, TaskAnnounced)[-1].epoch == 2
 
 
 def test_without_a_secondary_the_task_is_announced_at_once() -> None:
-    office = watched()
-    office.resigns("ATV1")
-    gives_back(office)
-    [announced] = [said for said in published(office.out, TaskAnnounced) if said.epoch == 2]
+    rig = watched()
+    rig.resigns("ATV1")
+    gives_back(rig)
+    [announced] = [said for said in published(rig.out, TaskAnnounced) if said.epoch == 2]
     assert (announced.role, announced.round) == (Role.PRIMARY, 1)
 
 
 def test_who_did_not_hear_that_it_was_relieved_is_told_again() -> None:
-    office = watched()
-    gives_back(office)
-    gives_back(office)
-    assert sent(office.out, Superseded, to="ATV2") == [Superseded(task="T1", epoch=2)] * 2
-    assert len(facts(office.out, CarrierChanged)) == 1
+    rig = watched()
+    gives_back(rig)
+    gives_back(rig)
+    assert sent(rig.out, Superseded, to="ATV2") == [Superseded(task="T1", epoch=2)] * 2
+    assert len(facts(rig.out, CarrierChanged)) == 1
 
 
 @pytest.mark.parametrize("answers", [False, True])
 def test_who_has_given_it_back_is_not_acknowledged_by_an_older_heartbeat(answers: bool) -> None:
-    office = watched()
-    gives_back(office)
+    rig = watched()
+    gives_back(rig)
     if answers:
         declined = Declined(
             task="T1",
             epoch=2,
             role=Role.PRIMARY,
             reason=Refusal.BUSY,
-            number=award_number(office.out, "ATV1"),
+            number=award_number(rig.out, "ATV1"),
         )
-        office.desk.on_declined("ATV1", declined, office.now_s)
+        rig.transports.on_declined("ATV1", declined, rig.now_s)
     brief = Brief(task="T1", epoch=1, role=Role.PRIMARY, coordinator="M8", phase=Phase.RETURNING)
-    office.desk.adopt("ATV2", brief, office.now_s)
-    assert (office.task.primary, office.task.epoch) == ("", 2)
+    rig.transports.adopt("ATV2", brief, rig.now_s)
+    assert (rig.task.primary, rig.task.epoch) == ("", 2)
 
 
 def test_who_gives_back_what_has_ended_is_told_so() -> None:
-    office = watched()
-    office.desk.close(office.task, "delivered")
-    gives_back(office)
-    assert sent(office.out, Superseded, to="ATV2") == [Superseded(task="T1", epoch=1)]
+    rig = watched()
+    rig.transports.close(rig.task, "delivered")
+    gives_back(rig)
+    assert sent(rig.out, Superseded, to="ATV2") == [Superseded(task="T1", epoch=1)]
 
 
 # --- a machine --------------------------------------------------------------------------------------

@@ -170,7 +170,7 @@ class Stage:
         heapq.heappush(self._heap, (at_s, number, to, Heard(sender, message)))
 
     def ask_to_leave(self, agent: str, *, at_s: float) -> None:
-        """Let an agent leave in order."""
+        """Let an agent shut down gracefully."""
         heapq.heappush(self._heap, (at_s, next(self._numbers), agent, Leaving()))
 
     def report(self, agent: str, after_s: float, report: Report) -> None:

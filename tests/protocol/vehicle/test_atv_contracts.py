@@ -38,7 +38,7 @@ def test_a_vehicle_listens_to_the_announcements_for_its_own_cell() -> None:
     assert KEYS.transports(cell) in listening(rig.all)
 
 
-def test_a_vehicle_takes_its_ears_along() -> None:
+def test_a_vehicle_takes_its_cell_subscriptions_along() -> None:
     rig = contracted(node="p8")
     before = {key for key in listening(rig.all) if "/task/" in key}
     rig.arrive()

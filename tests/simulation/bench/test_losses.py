@@ -93,7 +93,7 @@ while true; do sleep 0.1; done
 
 
 def write_fleet(folder: Path, *pids: int) -> None:
-    """A fleet's folder whose keeper has ended and whose processes have not."""
+    """A fleet's folder whose supervisor has ended and whose processes have not."""
     write_registry(folder, NOBODY, *map(Process.of, pids))
     write_settings(folder, {"DRAY_PORT": "4711", "DRAY_DATABASE_URL": f"sqlite:///{folder / 'fleet.db'}"}, ())
     (folder / LOGS).mkdir()

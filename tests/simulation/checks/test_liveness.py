@@ -36,7 +36,7 @@ class Watched:
             self.say("M1", heartbeat("ATV8"))
 
 
-def test_before_the_calm_nothing_is_asked() -> None:
+def test_before_faults_have_ended_nothing_is_asked() -> None:
     watched = Watched()
     watched.say("M8", opened())
     watched.wait(10_000.0)
@@ -78,7 +78,7 @@ def test_an_order_for_which_nothing_happens_is_noticed() -> None:
         watched.wait(20.0)
 
 
-def test_the_calm_is_over_when_everything_has_ended() -> None:
+def test_the_check_is_over_when_everything_has_ended() -> None:
     watched = Watched()
     watched.say("desk", OrderReleased(order="D1", items=(), due_s=0.0))
     watched.say("M8", opened())

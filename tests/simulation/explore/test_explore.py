@@ -45,7 +45,7 @@ def test_runs_have_plants_without_faults() -> None:
         assert list(plant_faults(draw(seed).plant.file)) == []
 
 
-def test_runs_last_twenty_minutes_and_end_in_calm() -> None:
+def test_runs_last_twenty_minutes_and_end_without_faults() -> None:
     for seed in range(20):
         run = draw(seed)
         assert run.duration_s >= 1200.0

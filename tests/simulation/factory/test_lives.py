@@ -26,12 +26,12 @@ from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.network.listeners import Listener, Listeners
 from dray_sim.network.sim_network import SimNetwork
 from dray_sim.people import demand
-from dray_sim.people.desk import Desk
+from dray_sim.people.order_client import OrderClient
 
 SPAN_S = 1800.0
 """Of trouble: some hundred lives end in it."""
 
-CALM_S = 300.0
+SETTLE_S = 300.0
 """After it. By then the historian has asked everybody about everything."""
 
 FETCHED_S = 2 * TAIL_S
@@ -191,7 +191,7 @@ async def attend(shelf: Shelf, factory: SimFactory, chance: Random) -> Historian
             await asyncio.sleep(chance.uniform(0.0, 200.0))
         await asyncio.sleep(chance.uniform(0.0, 100.0))
     async with historian(shelf, factory, chance) as last:
-        await asyncio.sleep(CALM_S)
+        await asyncio.sleep(SETTLE_S)
     return last
 
 
@@ -205,7 +205,7 @@ def test_agents_end_and_begin_at_any_moment_and_the_history_has_no_holes(seed: i
         orders = demand.orders(plant, Random(f"{seed} demand"), load=0.9, until_s=SPAN_S)
         async with asyncio.TaskGroup() as group:
             life = group.create_task(factory.run())
-            desk = group.create_task(Desk(factory.bus, factory.clock).place(orders))
+            customers = group.create_task(OrderClient(factory.bus, factory.clock).place(orders))
             group.create_task(trouble(factory, Random(f"{seed} trouble")))
             last = await attend(shelf, factory, Random(f"{seed} historian"))
             assert checks.broken is None
@@ -219,7 +219,7 @@ def test_agents_end_and_begin_at_any_moment_and_the_history_has_no_holes(seed: i
             assert {key(event): event for event in told if event.at_s < until_s} == {
                 name: event for name, event in shelf.kept.items() if event.at_s < until_s
             }
-            for task in (life, desk):
+            for task in (life, customers):
                 task.cancel()
 
     run(main())

@@ -49,7 +49,7 @@ class Ended:
             self.dropped[message.fact.order] += 1
 
 
-class Office:
+class OrderPeer:
     """A gateway with its database, as far as orders go: it has never heard what became of any.
 
     So every life of it sends everything again, and hears only four of five answers.
@@ -117,11 +117,11 @@ class Office:
             self.fulfilled.add(message.order)
 
 
-async def gateways(office: Office, chance: Random) -> None:
+async def gateways(peer: OrderPeer, chance: Random) -> None:
     while clock().now_s() < TROUBLE_S:
-        await office.live(chance.uniform(0.0, 120.0))
+        await peer.live(chance.uniform(0.0, 120.0))
         await asyncio.sleep(chance.choice((0.0, chance.uniform(0.0, 60.0))))
-    await office.live(SPAN_S - clock().now_s())
+    await peer.live(SPAN_S - clock().now_s())
 
 
 async def strategists(factory: SimFactory, chance: Random) -> None:
@@ -132,19 +132,19 @@ async def strategists(factory: SimFactory, chance: Random) -> None:
         factory.restart(STRATEGIST)
 
 
-async def customers(office: Office, chance: Random) -> None:
+async def customers(peer: OrderPeer, chance: Random) -> None:
     plant = default_plant()
     async with asyncio.TaskGroup() as group:
         for order in demand.orders(plant, chance, load=0.8, until_s=ORDERS_S):
             await asyncio.sleep(max(0.0, order.at_s - clock().now_s()))
-            office.place(order)
+            peer.place(order)
             if chance.random() < 0.2:
-                group.create_task(cancel_later(office, order.id, chance.expovariate(1 / 60.0)))
+                group.create_task(cancel_later(peer, order.id, chance.expovariate(1 / 60.0)))
 
 
-async def cancel_later(office: Office, order: str, wait_s: float) -> None:
+async def cancel_later(peer: OrderPeer, order: str, wait_s: float) -> None:
     await asyncio.sleep(wait_s)
-    office.cancel(order)
+    peer.cancel(order)
 
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 4))])
@@ -154,24 +154,24 @@ def test_every_order_is_delivered_once_or_dropped(seed: int) -> None:
         factory = SimFactory(default_plant(), clock(), seed=seed, listener=listeners)
         checks = Invariants(factory)
         listeners.add(checks, ended)
-        office = Office(factory, Random(f"{seed} loss"))
+        peer = OrderPeer(factory, Random(f"{seed} loss"))
         life = asyncio.create_task(factory.run())
         async with asyncio.TaskGroup() as group:
-            group.create_task(gateways(office, Random(f"{seed} gateways")))
+            group.create_task(gateways(peer, Random(f"{seed} gateways")))
             group.create_task(strategists(factory, Random(f"{seed} strategists")))
-            group.create_task(customers(office, Random(f"{seed} customers")))
+            group.create_task(customers(peer, Random(f"{seed} customers")))
         assert not life.done()
         life.cancel()
         assert checks.broken is None
-        wanted = {order for order in office.orders if order not in office.cancelled}
+        wanted = {order for order in peer.orders if order not in peer.cancelled}
         assert wanted
         assert {order: ended.fulfilled[order] for order in wanted} == dict.fromkeys(wanted, 1)
         assert not wanted & ended.dropped.keys()
-        assert office.fulfilled
-        assert all(ended.fulfilled[order] == 1 for order in office.fulfilled)
+        assert peer.fulfilled
+        assert all(ended.fulfilled[order] == 1 for order in peer.fulfilled)
         # A cancelled order may have been delivered before; never both, and neither when it never came.
-        assert all(ended.fulfilled[order] + ended.dropped[order] <= 1 for order in office.cancelled)
-        assert [goal for goal in goals_held(factory) if goal in office.cancelled] == []
+        assert all(ended.fulfilled[order] + ended.dropped[order] <= 1 for order in peer.cancelled)
+        assert [goal for goal in goals_held(factory) if goal in peer.cancelled] == []
 
     run(main())
 

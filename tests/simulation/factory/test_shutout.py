@@ -16,7 +16,7 @@ from dray.plant import default_plant
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.people import demand
-from dray_sim.people.desk import Desk
+from dray_sim.people.order_client import OrderClient
 
 KEYS = Keys(default_plant().id)
 
@@ -49,7 +49,7 @@ def in_a_busy_factory(story: Callable[[SimFactory, Listener], Coroutine[Any, Any
         async with asyncio.TaskGroup() as group:
             tasks = [
                 group.create_task(factory.run()),
-                group.create_task(Desk(factory.bus, clock()).place(orders)),
+                group.create_task(OrderClient(factory.bus, clock()).place(orders)),
             ]
             await asyncio.sleep(BUSY_S)
             await story(factory, listener)

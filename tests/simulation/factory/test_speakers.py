@@ -13,7 +13,7 @@ from dray.plant import default_plant
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.people import demand
-from dray_sim.people.desk import Desk
+from dray_sim.people.order_client import OrderClient
 
 SPAN_S = 7200.0
 """Of work and trouble: by then takeovers, lost goals and new elections have all been seen."""
@@ -72,7 +72,7 @@ def test_nobody_says_in_a_troubled_factory_what_it_may_not() -> None:
 
     async def main() -> None:
         factory = SimFactory(plant, clock(), seed=1, listener=listener)
-        customers = Desk(factory.bus, clock())
+        customers = OrderClient(factory.bus, clock())
         orders = demand.orders(plant, Random(1), load=0.8, until_s=SPAN_S)
         refused.append(factory.bus.refused)
         async with asyncio.TaskGroup() as group:

@@ -16,7 +16,7 @@ from dray_sim.clock.loop import clock, run
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.network.listeners import Listeners
 from dray_sim.people import demand
-from dray_sim.people.desk import Desk
+from dray_sim.people.order_client import OrderClient
 
 ANSWER_S = 10.0
 """Virtual: long enough on this network that a missing answer is a fault."""
@@ -57,7 +57,7 @@ async def _stop_everybody_once(seed: int) -> tuple[Invariants, int]:
     stops = 0
     async with asyncio.TaskGroup() as group:
         life = group.create_task(factory.run())
-        desk = group.create_task(Desk(factory.bus, factory.clock).place(orders))
+        customers = group.create_task(OrderClient(factory.bus, factory.clock).place(orders))
         await asyncio.sleep(300.0)
         for atv in list(factory.vehicles) * 3:
             assert (await tablet.order(atv, CommandKind.STOP)).done
@@ -73,7 +73,7 @@ async def _stop_everybody_once(seed: int) -> tuple[Invariants, int]:
             stops += 1
         await asyncio.sleep(600.0)
         life.cancel()
-        desk.cancel()
+        customers.cancel()
     checks.check_end(factory.clock.now_s())
     return checks, stops
 

@@ -16,9 +16,9 @@ from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.faults import Faults, LinkTrouble
 from dray_sim.network.listeners import Listeners
 from dray_sim.people import demand
-from dray_sim.people.desk import Desk
 from dray_sim.people.habits import Habits
 from dray_sim.people.operators import Duty, area_at, hire
+from dray_sim.people.order_client import OrderClient
 
 # --- silence ----------------------------------------------------------------------------------------
 
@@ -111,7 +111,7 @@ async def _misfortunes(
     chance = Random(seed)
     async with asyncio.TaskGroup() as group:
         lives = [group.create_task(factory.run())]
-        lives += [group.create_task(Desk(factory.bus, factory.clock).place(orders))]
+        lives += [group.create_task(OrderClient(factory.bus, factory.clock).place(orders))]
         lives += [group.create_task(operator.run()) for operator in crew]
         await asyncio.sleep(200.0)
         for turn in range(turns):

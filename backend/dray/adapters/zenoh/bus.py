@@ -98,7 +98,7 @@ class ZenohSession:
         self._others = inner.liveliness().declare_subscriber(
             bus.tokens.all_of(agent), _on_zenohs_thread(self._see_other), history=True
         )
-        self._presence = inner.liveliness().declare_token(bus.tokens.key(self._token))
+        self._alive = inner.liveliness().declare_token(bus.tokens.key(self._token))
 
     def publish(self, key: str, message: Message) -> None:
         """Say it to all that listen on `key`."""
@@ -131,7 +131,7 @@ class ZenohSession:
         if self._left:
             return
         self._left = True
-        self._presence.undeclare()
+        self._alive.undeclare()
         self._others.undeclare()
         self._own.undeclare()
         for pattern in tuple(self._patterns):

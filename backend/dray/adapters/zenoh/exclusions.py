@@ -36,7 +36,7 @@ class Exclusions:
     def __init__(self, bus: ZenohBus, file: Path) -> None:
         self._bus, self._file = bus, file
         self._lock = threading.Lock()
-        self._list = self._recall()
+        self._list = self._read_list()
         bus.shut_out = frozenset(self._list.agents)
         self._ear = bus.inner.declare_subscriber(bus.keys.shut_out, Callback(self._on_sample, indirect=False))
 
@@ -60,7 +60,7 @@ class Exclusions:
         for agent in sorted(before.symmetric_difference(said.agents)):
             log.warning("%s is %s, says %s", agent, "readmitted" if agent in before else "shut out", gateway)
 
-    def _recall(self) -> ShutOut:
+    def _read_list(self) -> ShutOut:
         try:
             return _read(self._file.read_bytes())
         except FileNotFoundError:

@@ -45,7 +45,7 @@ def machine(
     probation: Probation = 0,
     settings: SettingsFile = None,
 ) -> None:
-    """Run the agent of a machine; one that joins takes part as soon as it is there. SIGTERM lets it leave in order."""
+    """Run the agent of a machine; one that joins takes part as soon as it is there. SIGTERM lets it shut down gracefully."""
     import asyncio
 
     from dray import __version__
@@ -80,7 +80,7 @@ def atv(
     probation: Probation = 0,
     settings: SettingsFile = None,
 ) -> None:
-    """Run the agent of a vehicle; one that joins takes part as soon as it is there. SIGTERM lets it leave in order."""
+    """Run the agent of a vehicle; one that joins takes part as soon as it is there. SIGTERM lets it shut down gracefully."""
     import asyncio
 
     from dray import __version__
@@ -112,7 +112,7 @@ def station(
     name: Annotated[str, typer.Argument(help="The id of its storage in the plant, as S3.")],
     settings: SettingsFile = None,
 ) -> None:
-    """Run the station of a storage, without which nobody fetches anything there. SIGTERM lets it leave in order."""
+    """Run the station of a storage, without which nobody fetches anything there. SIGTERM lets it shut down gracefully."""
     import asyncio
 
     from dray import __version__

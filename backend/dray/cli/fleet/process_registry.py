@@ -25,10 +25,10 @@ OBSERVER_LINKS = 5
 """Of somebody who looks at a fleet. Every new link is told to everybody, so one to each process would keep a large
 fleet busy; with so many, a few processes that are away cut nobody off."""
 
-PRESENCE_S = 3.0
+ALIVE_S = 3.0
 """For the links of whoever asks who is there; they take milliseconds when the computer is not busy."""
 
-PRESENCE_AGAIN_S = 0.1
+ALIVE_AGAIN_S = 0.1
 
 _log = logging.getLogger(__name__)
 
@@ -121,10 +121,10 @@ async def present_agents(registry: ProcessRegistry, folder: Path) -> frozenset[s
     present: frozenset[str] = frozenset()
     try:
         with contextlib.suppress(TimeoutError):
-            async with asyncio.timeout(PRESENCE_S):
+            async with asyncio.timeout(ALIVE_S):
                 present = await bus.roll_call()
                 while not expected <= present:
-                    await asyncio.sleep(PRESENCE_AGAIN_S)
+                    await asyncio.sleep(ALIVE_AGAIN_S)
                     present = await bus.roll_call()
     finally:
         bus.close()
@@ -142,7 +142,7 @@ class RegistryWriter:
 
     def __init__(self, folder: Path, plant: str, *, plain: bool) -> None:
         self._file, self._plant, self._plain = folder / REGISTRY, plant, plain
-        self._keeper = Process.of(os.getpid())
+        self._supervisor = Process.of(os.getpid())
         self._members: dict[str, Member] = {}
         self._grown = asyncio.Event()
 
@@ -182,7 +182,7 @@ class RegistryWriter:
         self._file.unlink(missing_ok=True)
 
     def _write(self) -> None:
-        registry = ProcessRegistry(self._plant, self._plain, self._keeper, tuple(self._members.values()))
+        registry = ProcessRegistry(self._plant, self._plain, self._supervisor, tuple(self._members.values()))
         # Replaced as a whole: a reader sees the old list or the new one.
         fresh = self._file.with_suffix(".new")
         try:

@@ -74,7 +74,7 @@ class ProcessSupervisor:
         spec: what is to be kept.
         registry: where every start is written down.
         turns: held from a start until the process takes part: how many may begin at once.
-        leave_s: real seconds in which a process that is asked to leave in order does so.
+        leave_s: real seconds in which a process that is asked to shut down gracefully does so.
         filling: how the process is started at first.
     """
 

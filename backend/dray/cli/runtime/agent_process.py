@@ -29,7 +29,7 @@ MakeAgent = Callable[[int], Agent]
 async def run_agent(
     surroundings: Surroundings, name: str, make: MakeAgent, added: BodySpec | None = None
 ) -> None:
-    """Run one agent until a signal: SIGTERM asks it to leave in order, Ctrl-C ends it at once.
+    """Run one agent until a signal: SIGTERM asks it to shut down gracefully, Ctrl-C ends it at once.
 
     Args:
         surroundings: what it begins with.

@@ -20,7 +20,7 @@ from dray.cli.runtime.service import (
     with_stop_port,
 )
 from dray.cli.runtime.serving import address_of, listen, stopped_by_signals
-from dray.cli.runtime.stop_way import StopWay, listen_for_stops
+from dray.cli.runtime.stop_path import StopPath, listen_for_stops
 from dray.cli.runtime.surroundings import Surroundings
 from dray.cli.runtime.telemetry.bus_meter import BusMeter
 from dray.cli.runtime.telemetry.clock_meter import ClockMeter
@@ -72,7 +72,7 @@ async def run_gateway(where: Surroundings, customers: Customers | None = None) -
                     incarnation=incarnation,
                     collectors=(BusMeter(bus), ClockMeter(wall)),
                     wall_s=wall.now_s,
-                    beside=StopWay(
+                    beside=StopPath(
                         stops, port, settings, bus.beside, authority, where.time, incarnation
                     ).beside,
                 )

@@ -228,7 +228,7 @@ def asked_by_signals(leave: Callable[[], None], stop: Callable[[], None], within
     """Call `leave` on the running loop at SIGTERM, and `stop` when that is not enough.
 
     Args:
-        leave: let it end in order.
+        leave: let it end gracefully.
         stop: let it end at once: at Ctrl-C, at a second SIGTERM, or when its time is over. The next signal
             ends the process.
         within_s: that time, from the first SIGTERM (real seconds).
@@ -237,16 +237,16 @@ def asked_by_signals(leave: Callable[[], None], stop: Callable[[], None], within
     waiting: list[asyncio.TimerHandle] = []
 
     def ask() -> None:
-        loop.add_signal_handler(signal.SIGTERM, insist)
-        waiting.append(loop.call_later(within_s, insist))
+        loop.add_signal_handler(signal.SIGTERM, stop_now)
+        waiting.append(loop.call_later(within_s, stop_now))
         leave()
 
-    def insist() -> None:
+    def stop_now() -> None:
         _leave_signals_alone(loop)
         stop()
 
     loop.add_signal_handler(signal.SIGTERM, ask)
-    loop.add_signal_handler(signal.SIGINT, insist)
+    loop.add_signal_handler(signal.SIGINT, stop_now)
     try:
         yield
     finally:

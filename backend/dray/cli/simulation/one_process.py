@@ -28,7 +28,7 @@ from dray.cli.runtime.service import (
     with_stop_port,
 )
 from dray.cli.runtime.serving import address_of, listen
-from dray.cli.runtime.stop_way import StopWay, listen_for_stops
+from dray.cli.runtime.stop_path import StopPath, listen_for_stops
 from dray.cli.runtime.telemetry.logs import prepare_logs
 from dray.cli.runtime.telemetry.traces import traced, watched
 from dray.cli.simulation.factory_meter import FactoryMeter
@@ -161,5 +161,5 @@ def _app(
         historian=historian,
         collectors=(FactoryMeter(inside.factory, bus),),
         faults=SimFaultInjector(inside.faults, factory.loop, time.time),
-        beside=StopWay(*stops, settings, beside, authority, inside.time, incarnation).beside,
+        beside=StopPath(*stops, settings, beside, authority, inside.time, incarnation).beside,
     )

@@ -32,11 +32,11 @@ class AlertMonitor:
         """Acknowledged alerts that have ended and are still in SQL, and when that was seen: bounded as alerts
         are."""
 
-    async def recall(self) -> None:
-        """Recall what was acknowledged before the gateway was started."""
+    async def restore(self) -> None:
+        """Restore what was acknowledged before the gateway was started."""
         async with self._store.read() as work:
             known = await work.acknowledgements.all()
-        self._projection.alerts.recall(known, self._wall_s())
+        self._projection.alerts.restore(known, self._wall_s())
 
     async def acknowledge(self, alert: str, by: str) -> AlertView | None:
         """Somebody takes an alert on; it is on disk when this returns.

@@ -56,8 +56,8 @@ class Exclusions:
         self._looking = asyncio.Lock()
         """An older look must not end after a newer one."""
 
-    async def recall(self) -> None:
-        """Recall what was decided before the gateway was started.
+    async def restore(self) -> None:
+        """Restore what was decided before the gateway was started.
 
         Raises:
             UnavailableError: the database cannot be read.

@@ -24,7 +24,7 @@ def public_url(settings: Settings, request: Request) -> str:
 
 
 def stop_url(settings: Settings, request: Request) -> str:
-    """Where a panel reaches the way for stops; empty where its browser cannot."""
+    """Where a panel reaches the stop path; empty where its browser cannot."""
     if settings.stop_url or not settings.stop_port:
         return settings.stop_url
     # A page that came by https may ask nothing by http: then there is a proxy, and the settings must say where.

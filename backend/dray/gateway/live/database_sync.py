@@ -48,7 +48,7 @@ class DatabaseSync:
         """Of the orders that had not ended at the last look."""
         self._looks, self._newest_s = 0, 0.0
 
-    async def recall(self) -> None:
+    async def restore(self) -> None:
         """Learn all orders that have not ended, and the last that have.
 
         Raises:
@@ -62,7 +62,7 @@ class DatabaseSync:
             self._newest_s = await work.orders.newest_change_s()
         self._marks = {order.id: order.mark for order in unended}
         # Oldest first, so that the oldest ended one leaves first.
-        self._projection.orders.recall([(order, goals[order.id]) for order in reversed(orders)], totals)
+        self._projection.orders.restore([(order, goals[order.id]) for order in reversed(orders)], totals)
 
     async def look(self) -> None:
         """Show what has changed since the last look; what has come and ended since then, lists alone tell.

@@ -58,7 +58,12 @@ class Health:
     def __init__(
         self, store: Store, peer: Peer, strategist_probe: StrategistProbe, historian: Historian | None
     ) -> None:
-        self._store, self._peer, self._presence, self._historian = store, peer, strategist_probe, historian
+        self._store, self._peer, self._strategist_probe, self._historian = (
+            store,
+            peer,
+            strategist_probe,
+            historian,
+        )
         self.database_s: float | None = None
 
     async def examine(self) -> dict[str, Part]:
@@ -86,11 +91,11 @@ class Health:
         return Part(ok=True) if self._peer.joined else Part(ok=False, reason="the gateway is not on it")
 
     def _strategist(self) -> Part:
-        silent_s = self._presence.silent_s
+        silent_s = self._strategist_probe.silent_s
         if silent_s is None:
             return Part(ok=False, reason="nothing was heard of it yet")
         silent_s = round(silent_s, 1)
-        if self._presence.there:
+        if self._strategist_probe.there:
             return Part(ok=True, silent_s=silent_s)
         return Part(ok=False, reason="nothing is heard of it; orders wait for it", silent_s=silent_s)
 

@@ -109,7 +109,7 @@ class FinishedGoods:
 
     def _dispatch(self, goal: Goal, now_s: float) -> None:
         product = self._plant.products[goal.work.product]
-        # FinishedGoods of goals that more urgent ones have interrupted must not fill the machine for ever.
+        # Finished goods of goals that more urgent ones have interrupted must not fill the machine for ever.
         whole = goal.to_make > 0 and not self.full
         while goal.ready >= product.lot or (goal.ready > 0 and not whole):
             quantity = min(goal.ready, product.lot)

@@ -67,7 +67,7 @@ class Reported(Value, frozen=True):
 
 
 class Leaving(Value, frozen=True):
-    """The agent is asked to leave in order; see `dray.protocol.runtime.shutdown`. Twice is harmless."""
+    """The agent is asked to shut down gracefully; see `dray.protocol.runtime.shutdown`. Twice is harmless."""
 
 
 Event = Started | Heard | Woke | Reported | Leaving

@@ -133,7 +133,7 @@ class Failover:
         task.trouble = ""
 
     def note_loaded(self, task: OpenTask) -> None:
-        """FinishedGoods have left with their carrier: nobody else could fetch them, so nobody needs to watch."""
+        """Finished goods have left with their carrier: nobody else could fetch them, so nobody needs to watch."""
         if not task.is_loaded:
             task.states.enter(TaskState.IN_TRANSIT)
             self._secondaries.drop(task, "the load is on board")

@@ -48,7 +48,7 @@ RIVALS = 256
 """Claims of others that are remembered: those of forty vehicles on half a dozen chargers."""
 
 COMPARED = 4
-"""DwellPoints whose ways are compared: the nearest by way is among the nearest as the crow flies."""
+"""Dwell points whose ways are compared: the nearest by way is among the nearest as the crow flies."""
 
 
 class Hold(Enum):

@@ -1,7 +1,7 @@
 """Benchmark `losses`: what is lost, and what it costs, when processes of a factory are killed under load.
 
 A whole fleet runs on this computer, orders come in over REST, and one process after the other is killed with
-signal 9: every kind in turn, then whoever chance names. Its keeper starts each again, as a service manager
+signal 9: every kind in turn, then whoever chance names. Its supervisor starts each again, as a service manager
 does; a few vehicles and machines stay away for long. The database is a PostgreSQL of the benchmark's own, of
 which all processes are killed at once. In the end all orders must be delivered, and the judgement is over what
 histories, database and floor hold. The baseline is the same fleet before the first kill.

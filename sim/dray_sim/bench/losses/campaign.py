@@ -270,7 +270,7 @@ class _Field:
                 lasting = STAYS_AWAY.get(victim.kind)
                 if victim.work and lasting is not None and lasting not in kinds:
                     yield replace(victim, kind=lasting)
-        # Without a database these two do not start: their keeper would be measured, and nothing else.
+        # Without a database these two do not start: their supervisor would be measured, and nothing else.
         if self._breaker is not None and gone.isdisjoint({GATEWAY, HISTORIAN}):
             yield DATABASE
 

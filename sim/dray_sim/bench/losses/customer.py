@@ -28,14 +28,14 @@ PATIENCE_S = 120.0
 """For one order: a gateway is started again in some seconds."""
 
 _LATER = frozenset({HTTPStatus.CONFLICT, HTTPStatus.TOO_MANY_REQUESTS, HTTPStatus.SERVICE_UNAVAILABLE})
-"""Answers that ask for patience."""
+"""Answers after which the customer tries again later."""
 
 
 NO_ANSWER = "no answer"
 
 
 @dataclass(frozen=True, slots=True)
-class Patience:
+class Placing:
     """What it took to place an order.
 
     Attributes:
@@ -103,10 +103,10 @@ class Customer:
         return True
 
     async def _place(self, order: Order) -> None:
-        patience = await self.order(order)
-        self.waited_s = max(self.waited_s, patience.waited_s)
+        placing = await self.order(order)
+        self.waited_s = max(self.waited_s, placing.waited_s)
 
-    async def order(self, order: Order) -> Patience:
+    async def order(self, order: Order) -> Placing:
         """Place one order now, and send it until it is answered."""
         began_s = time.time()
         due_s = began_s + (order.due_s - order.at_s) / self._time.speed
@@ -124,7 +124,7 @@ class Customer:
                 self.refused[order.id] = f"not answered in {PATIENCE_S:.0f} s"
                 break
             await asyncio.sleep(AGAIN_S)
-        return Patience(time.time() - began_s, before)
+        return Placing(time.time() - began_s, before)
 
     def _send(self, reference: str, body: bytes) -> str:
         """What came instead of an answer, so that the order should be sent again; empty when it was answered."""

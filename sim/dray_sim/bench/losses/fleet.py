@@ -27,7 +27,7 @@ START_S = 600.0
 """For dozens of processes with their imports, on a computer that is busy elsewhere."""
 
 STOP_S = 60.0
-"""To end in order, on the same; then it is killed."""
+"""To end gracefully, on the same; then it is killed."""
 
 STARTED = " processes; "
 """In the line that tells that all of them were started."""
@@ -137,7 +137,7 @@ async def running(
 
 
 async def _end(process: asyncio.subprocess.Process, folder: Path) -> None:
-    """Let it end in order, or else at once; and with it all that it has started."""
+    """Let it end gracefully, or else at once; and with it all that it has started."""
     if process.returncode is None:
         process.terminate()
     try:
@@ -146,7 +146,7 @@ async def _end(process: asyncio.subprocess.Process, folder: Path) -> None:
     except TimeoutError:
         process.kill()
         await process.wait()
-    # One that has ended in order has left no fleet.
+    # One that has ended gracefully has left no fleet.
     with suppress(UnavailableError):
         await end_fleet(folder)
 

@@ -25,7 +25,7 @@ from dray.messages.speakers import Kind
 from dray.plant import Plant, plant_yaml
 from dray.plant.model import BillLine
 from dray_sim.bench.network.computers import RADIO_NETWORK, Computers
-from dray_sim.bench.network.probe import AGENTS, PROBE, Post, read, write
+from dray_sim.bench.network.probe import AGENTS, PROBE, ProbeSpec, read, write
 from dray_sim.bench.network.speaker import Speaker
 from dray_sim.run.witness import Seen, Witness
 from dray_sim.scenarios.paper.laboratory import MACHINE, PRODUCT, START_NODES, laboratory
@@ -144,14 +144,14 @@ class Field:
         for name in COMMANDS:
             # It says that it is ready.
             self._processes[name].line()
-        post = Post(
+        spec = ProbeSpec(
             plant=self._plant.id,
             certificates=str(self._certificates),
             peers=self._called(*WIRED),
             lease_s=LEASE_S,
             order=OrderItem(PRODUCT, PIECES),
         )
-        self._run(PROBE, "dray_sim.bench.network.probe", write(post))
+        self._run(PROBE, "dray_sim.bench.network.probe", write(spec))
 
     def _end(self) -> None:
         for process in self._processes.values():

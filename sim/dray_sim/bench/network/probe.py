@@ -2,7 +2,7 @@
 
 It runs as a process of its own, wherever the network is that it is to look at:
 
-    python -m dray_sim.bench.network.probe '{"plant": ...}'       a `Post`
+    python -m dray_sim.bench.network.probe '{"plant": ...}'       a `ProbeSpec`
 
 and writes every message to its standard output, a line each, with the moment at which it came.
 """
@@ -24,19 +24,19 @@ from dray.codec import decode, encode
 from dray.messages import Message, OrderItem
 from dray.messages.keys import STRATEGIST, Keys
 from dray_sim.people.demand import Order
-from dray_sim.people.desk import DESK, Desk
+from dray_sim.people.order_client import ORDER_CLIENT, OrderClient
 
 AGAIN_S = 0.1
 """Who is there is asked so often."""
 
 PROBE = "probe"
-"""Its name on the bus, and of its certificate, which names the desk too."""
+"""Its name on the bus, and of its certificate, which names the order client too."""
 
-AGENTS = (PROBE, DESK)
+AGENTS = (PROBE, ORDER_CLIENT)
 
 
-class Post(msgspec.Struct, frozen=True):
-    """Where a probe stands.
+class ProbeSpec(msgspec.Struct, frozen=True):
+    """What a probe is started with.
 
     Attributes:
         plant: the plant's id.
@@ -53,9 +53,9 @@ class Post(msgspec.Struct, frozen=True):
     order: OrderItem
 
 
-def write(post: Post) -> str:
-    """The argument of a probe for this post."""
-    return msgspec.json.encode(post).decode()
+def write(spec: ProbeSpec) -> str:
+    """The argument of a probe for this spec."""
+    return msgspec.json.encode(spec).decode()
 
 
 def read(line: bytes) -> tuple[float, str, Message]:
@@ -64,21 +64,21 @@ def read(line: bytes) -> tuple[float, str, Message]:
     return float(at_s), *decode(data)
 
 
-async def observe(post: Post) -> None:
+async def observe(spec: ProbeSpec) -> None:
     """Order, and tell what is heard, until cancelled."""
-    identity = Identity.in_folder(Path(post.certificates), PROBE)
-    bus = ZenohBus(Links(peers=post.peers, identity=identity, lease_s=post.lease_s), post.plant)
+    identity = Identity.in_folder(Path(spec.certificates), PROBE)
+    bus = ZenohBus(Links(peers=spec.peers, identity=identity, lease_s=spec.lease_s), spec.plant)
     try:
         session = bus.join(PROBE, _tell)
-        for key in (Keys(post.plant).all_heartbeats, Keys(post.plant).all_events):
+        for key in (Keys(spec.plant).all_heartbeats, Keys(spec.plant).all_events):
             session.subscribe(key)
-        desk = Desk(bus, SystemClock(asyncio.get_running_loop()))
+        customers = OrderClient(bus, SystemClock(asyncio.get_running_loop()))
         # Else the first order would be said to nobody, and the next one seconds later.
         present = await bus.roll_call()
         while STRATEGIST not in present:
             await asyncio.sleep(AGAIN_S)
             present = await bus.roll_call()
-        await desk.order(Order("O-1", 0.0, 1e10, (post.order,)))
+        await customers.order(Order("O-1", 0.0, 1e10, (spec.order,)))
         await asyncio.Event().wait()
     finally:
         bus.close()
@@ -90,4 +90,4 @@ def _tell(sender: str, message: Message) -> None:
 
 
 if __name__ == "__main__":
-    asyncio.run(observe(msgspec.json.decode(sys.argv[1], type=Post)))
+    asyncio.run(observe(msgspec.json.decode(sys.argv[1], type=ProbeSpec)))

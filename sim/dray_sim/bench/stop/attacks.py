@@ -50,7 +50,7 @@ class Target:
 
     Attributes:
         port: the gateway's.
-        stop_port: that of the way for stops.
+        stop_port: that of the stop path.
         token: the administrator's.
         cookie: of a manager's session.
     """
@@ -80,7 +80,7 @@ async def half_open(target: Target) -> None:
 
 
 async def half_open_stops(target: Target) -> None:
-    """The same, on the way for stops itself."""
+    """The same, on the stop path itself."""
     await _each(HALF_OPEN, lambda _: _hold(target.stop_port))
 
 
@@ -177,7 +177,7 @@ async def lists_flood(target: Target) -> None:
 
 
 async def strange_stops(target: Target) -> None:
-    """Stops of strangers, on the way for stops itself."""
+    """Stops of strangers, on the stop path itself."""
     body = b'{"kind": "stop"}'
     stranger = Target(target.stop_port, target.stop_port, "dray_guess", "")
     await _each(WORKERS, lambda _: _ask_all(stranger, [("POST", "/api/atvs/ATV1/commands", body)]))

@@ -44,7 +44,7 @@ class Walk:
     top_mps: float
 
 
-class Passer:
+class Unauthorised:
     """Somebody who walks by, may command everywhere, and says too early that all is well and to go on."""
 
     def __init__(self, stage: Stage) -> None:
@@ -72,7 +72,7 @@ async def shift(stage: Stage) -> tuple[Check, ...]:
     if contract is None:
         return ()
     witness = stage.witness
-    passer = Passer(stage)
+    stranger = Unauthorised(stage)
     await reached(stage, contract, Phase.LOADING)
     await asyncio.sleep(LOADING_S)
     try:
@@ -83,7 +83,7 @@ async def shift(stage: Stage) -> tuple[Check, ...]:
     stopped = await _obeyed(stage, contract, "stop")
     if stopped is None:
         return (Check("An operator stops the vehicle", False, f"not within {ANSWER_S:.0f} s"),)
-    passer.say_go_on(contract.primary)
+    stranger.say_go_on(contract.primary)
     await _obeyed(stage, contract, "set_speed")
     limited_s = stage.now_s()
     resumed = await _obeyed(stage, contract, "resume")
@@ -122,8 +122,8 @@ async def shift(stage: Stage) -> tuple[Check, ...]:
         ),
         Check(
             "An acknowledge is refused as long as the fault is there, and a resume before it, whoever gives them",
-            len(passer.answers) == 2 and not any(answer.done for answer in passer.answers),
-            "; ".join(answer.reason for answer in passer.answers) or "no answer",
+            len(stranger.answers) == 2 and not any(answer.done for answer in stranger.answers),
+            "; ".join(answer.reason for answer in stranger.answers) or "no answer",
         ),
         Check(
             f"Then it drives on with at most half its speed, {limit_mps:.2f} m/s, as it was told",

@@ -286,7 +286,7 @@ CASE_6 = Scenario(
         "area of it has to stop."
     ),
     story=(
-        f"The default plant at {SHIFT.load:.0%} load. A vehicle leaves in order, comes back with another software version, "
+        f"The default plant at {SHIFT.load:.0%} load. A vehicle shuts down gracefully, comes back with another software version, "
         f"and drives with it alone until it has done {FIRST_PROBATION} short transports. Then the other vehicles, the machines "
         f"and the strategist follow: each leaves when the one before has done a transport on probation, or has had none to do "
         f"in {PATIENCE_S / 60:.0f} minutes. Every vehicle is asked to leave when it has a task: the first on its way to the "

@@ -18,7 +18,7 @@ from dray.messages import Event, Message, OrderItem
 from dray.messages.fact import OrderFulfilled
 from dray_sim.clock.loop import VirtualClock
 from dray_sim.people.demand import Order
-from dray_sim.people.desk import Desk
+from dray_sim.people.order_client import OrderClient
 
 OPEN = 4
 """Orders at a time, of one piece each: machines and vehicles always have something to do, and soon have done it."""
@@ -45,7 +45,7 @@ class Customers:
     def __init__(self, witness: Witness) -> None:
         self.placed: list[str] = []
         self._witness = witness
-        self._desk = Desk(witness.bus, VirtualClock())
+        self._customers = OrderClient(witness.bus, VirtualClock())
 
     async def order(self) -> None:
         products = [each for each in PLANT.products if PLANT.machines_for(each)]
@@ -53,7 +53,7 @@ class Customers:
             product = products[number % len(products)]
             items = (OrderItem(product, 1),)
             self.placed.append(f"O-{number}")
-            await self._desk.order(Order(self.placed[-1], 0.0, 1e10, items))
+            await self._customers.order(Order(self.placed[-1], 0.0, 1e10, items))
             if number >= OPEN:
                 await self.got(self.placed[number - OPEN])
 

@@ -55,7 +55,7 @@ def test_facts_of_an_order_in_any_order_and_twice_end_the_same(projection: Proje
 
 
 def test_what_is_delivered_after_its_due_time_is_not_on_time(projection: Projection) -> None:
-    projection.orders.recall([], OrderTotals(delivered=3, on_time=3))
+    projection.orders.restore([], OrderTotals(delivered=3, on_time=3))
     projection.orders.put(order(due_at_s=wall_s(50.0)))
     tell(projection, "M1", arrived(4), at_s=100.0)
     assert projection.factory(NOW_S).on_time_frac == 0.75
@@ -90,7 +90,7 @@ def test_after_a_restart_orders_stand_where_sql_left_them(projection: Projection
     kept = order(status=OrderStatus.IN_DELIVERY, incarnation=1)
     kept.items[0].made = kept.items[0].delivered = 2
     goal = Goal("G1", "O-1", 0, "P1", 4, "M1", incarnation=1, made=2, delivered=2)
-    projection.orders.recall([(kept, [goal])], OrderTotals(delivered=7, on_time=7))
+    projection.orders.restore([(kept, [goal])], OrderTotals(delivered=7, on_time=7))
     assert seen(projection) == ("in_delivery", [(2, 2)])
     for event in events(
         "strategist", OrderAccepted(order="O-1", goals=("Gr2",)), contracted("Gr2", 0, 2), life=2

@@ -1,6 +1,6 @@
 """The update of a running fleet: agents are replaced one at a time, each a canary, and all go back when one fails.
 
-    leaves in order -> ends -> the new one starts -> is on the bus -> is a canary -> has passed -> the next agent
+    shuts down gracefully -> ends -> the new one starts -> is on the bus -> is a canary -> has passed -> the next agent
                                     |                    |               |
                                     +-- ends, is not there in time, says another version, does badly
                                                          |

@@ -12,7 +12,7 @@ _OURS = re.compile(r"/(?![/\\])[^\\\x00-\x20\x7f]*", re.ASCII)
 """A path of this host: browsers take two slashes, or a backslash, for the beginning of another one's name."""
 
 
-def onward(wanted: str, role: Role) -> str:
+def redirect_target(wanted: str, role: Role) -> str:
     """The page to go on to.
 
     Args:

@@ -76,7 +76,7 @@ class Orders:
         """How many of those that are kept here have which status."""
         return Counter(order.status for order in self._orders.values())
 
-    def recall(self, orders: Iterable[tuple[Order, Iterable[Goal]]], totals: OrderTotals) -> None:
+    def restore(self, orders: Iterable[tuple[Order, Iterable[Goal]]], totals: OrderTotals) -> None:
         """Start from what SQL knows."""
         for order, goals in orders:
             self._keep(order)

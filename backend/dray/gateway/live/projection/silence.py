@@ -24,7 +24,7 @@ from dray.protocol.liveness.suspicion import (
     silence_bound_s,
 )
 
-COMPANY = 4
+LEAST_AGENTS = 4
 """Of fewer agents it cannot be told whether they are silent or nobody can be heard."""
 
 WITNESSES = 2
@@ -106,7 +106,7 @@ def heard_until_s(told_s: Iterable[float], now_s: float) -> float:
         told_s: of every agent, the time of its newest heartbeat.
         now_s: the present time on the plant's clock.
     """
-    newest = nlargest(COMPANY, told_s)
-    if len(newest) < COMPANY:
+    newest = nlargest(LEAST_AGENTS, told_s)
+    if len(newest) < LEAST_AGENTS:
         return now_s
     return min(newest[WITNESSES - 1], now_s)

@@ -23,7 +23,7 @@ from dray.gateway.access.gate import COOKIE, wants_page
 from dray.gateway.access.login import cookies
 from dray.gateway.access.login.login import LinkUsedUp, WrongLogin
 from dray.gateway.access.login.page import login_form, page, refused
-from dray.gateway.access.login.redirect import onward
+from dray.gateway.access.login.redirect import redirect_target
 from dray.gateway.access.login.stations import stations_in
 from dray.gateway.access.principal import Role
 from dray.gateway.access.sessions import principal_of
@@ -70,7 +70,7 @@ async def login_page(
     """Who are you?"""
     caller = await access.sessions.recognise(request.cookies.get(COOKIE, ""))
     if caller is not None and caller.role is not None and not caller.over:
-        return _go(onward(wanted, caller.role))
+        return _go(redirect_target(wanted, caller.role))
     return login_form(panels, request, HTTPStatus.OK, {"next": wanted, "as": role})
 
 
@@ -133,7 +133,7 @@ async def take_station(
     if station not in {machine.id for machine in stations_in(projection.site.plant.file, caller.areas or ())}:
         raise unusable(FieldError("station", "it is no machine in your areas"))
     await access.sessions.place(caller.session, station)
-    answer = _go(onward(form.get("next", ""), Role.OPERATOR))
+    answer = _go(redirect_target(form.get("next", ""), Role.OPERATOR))
     cookies.remember_station(answer, request, station)
     return answer
 
@@ -214,7 +214,7 @@ async def _welcome(
     note.who = principal_of(person, session)
     if station:
         note.detail["station"] = station
-    target = onward(wanted, role)
+    target = redirect_target(wanted, role)
     if role is Role.OPERATOR and not station and stations_in(plant, person.areas):
         target = f"/login/station?{urlencode({'next': target})}"
     answer = _go(target)

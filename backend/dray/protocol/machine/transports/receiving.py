@@ -4,7 +4,7 @@
     waits       the dock may still tell: its count may come later than the carrier's word
     short       the dock has told something else by COUNT_S: the difference is disputed, and what is missing is missing
 
-Material is counted by the machine's own body, and taken by its carrier's name (`StockChanged`). FinishedGoods are counted as
+Material is counted by the machine's own body, and taken by its carrier's name (`StockChanged`). Finished goods are counted as
 they leave by the machine's own body, and as they arrive by the gate of the delivery warehouses: the strategist tells
 whose pieces have come in (`Confirmed`). While the strategist says nothing at all, the carrier is let go on its word, and the
 pieces are compared with the gate's count as soon as it is heard again.

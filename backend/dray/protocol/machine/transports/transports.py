@@ -155,7 +155,7 @@ class Transports(Coordinator):
         self._contracted(task, now_s)
 
     def give_up(self, task: OpenTask, now_s: float) -> None:
-        """FinishedGoods are lost with their carrier, or it has left nothing that others could go on with."""
+        """Finished goods are lost with their carrier, or it has left nothing that others could go on with."""
         self.close(task, "withdrawn")
         self._lost(task, now_s)
 

@@ -65,7 +65,7 @@ class Alerts:
         self._forget_at_s = 0.0
         self.changes = Changes("alert")
 
-    def recall(self, acknowledged: Iterable[Acknowledgement], wall_s: float) -> None:
+    def restore(self, acknowledged: Iterable[Acknowledgement], wall_s: float) -> None:
         """Start from what SQL knows."""
         self._remembered = {each.alert: each for each in acknowledged}
         self._forget_at_s = wall_s + REMEMBERED_S

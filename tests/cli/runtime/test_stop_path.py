@@ -1,4 +1,4 @@
-"""The way for stops on a thread of its own."""
+"""The stop path on a thread of its own."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import pytest
 
 from dray.adapters.security.signing import SigningKey
 from dray.cli.runtime.serving import listen
-from dray.cli.runtime.stop_way import StopWay, listen_for_stops
+from dray.cli.runtime.stop_path import StopPath, listen_for_stops
 from dray.gateway.app import create_app
 from dray.gateway.http.provided import provided
 from dray.gateway.live.projection import Projection
@@ -63,7 +63,7 @@ class Bus:
 
 @contextlib.asynccontextmanager
 async def running(folder: Path) -> AsyncIterator[tuple[int, Projection, Store]]:
-    """A gateway whose way for stops is open; its port."""
+    """A gateway whose stop path is open; its port."""
     settings = Settings.load(
         database_url=f"sqlite:///{folder / 'stop.db'}", admin_token="secret", port=0, stop_port=None
     )
@@ -75,7 +75,7 @@ async def running(folder: Path) -> AsyncIterator[tuple[int, Projection, Store]]:
 
     store = await open_store(settings.database_url)
     with contextlib.closing(listen_for_stops(settings, 8000)) as listener:
-        way = StopWay(listener, 8000, settings, bus, authority, time, 1)
+        way = StopPath(listener, 8000, settings, bus, authority, time, 1)
         app = create_app(
             settings=settings,
             plant=plant.file,

@@ -1,4 +1,4 @@
-"""The book: keeps account of stops that went by their own way. On the gateway's loop, and after the fact."""
+"""The recorder: shows and logs stops that went by the stop path. Runs on the gateway's loop, after the fact."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from typing import Any
 
 from dray.gateway.access.audit_log import AuditLog, Line
 from dray.gateway.factory.commands import Commands
-from dray.gateway.stop.desk import Stop
+from dray.gateway.stop.sender import Stop
 from dray.messages import CommandAnswered
 
 ACTION = "vehicle.command"
 """What the audit log calls a command, whichever way it went (`access.rules`)."""
 
 
-class StopBook:
+class StopRecorder:
     """Shows stops to panels, and has a line of the audit log written for each.
 
     A stop that is sent both ways has one line: of the way on which it was heard first.

@@ -1,4 +1,4 @@
-"""The way for stops, put together: a thread with a loop and a listener of its own (`dray.gateway.stop`)."""
+"""The stop path, put together: a thread with a loop and a listener of its own (`dray.gateway.stop`)."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from dray.gateway.access.access import Access
 from dray.gateway.factory.commands import Commands
 from dray.gateway.http.hosts import Hosts
 from dray.gateway.live.timescale import TimeScale
-from dray.gateway.stop.book import StopBook
-from dray.gateway.stop.desk import Stop, StopDesk
-from dray.gateway.stop.door import StopDoor
+from dray.gateway.stop.endpoint import StopEndpoint
+from dray.gateway.stop.recorder import StopRecorder
+from dray.gateway.stop.sender import Stop, StopSender
 from dray.messages import CommandAnswered
-from dray.messages.speakers import stop_desk_of
+from dray.messages.speakers import stop_sender_of
 from dray.ports import Bus
 from dray.settings import Settings
 
@@ -51,8 +51,8 @@ OpenBus = Callable[[], AbstractContextManager[Bus]]
 
 
 @dataclass(frozen=True, slots=True)
-class StopWay:
-    """What the way for stops is made of.
+class StopPath:
+    """What the stop path is made of.
 
     Attributes:
         listener: where it answers.
@@ -85,9 +85,9 @@ class StopWay:
             whatever keeps it from starting.
         """
         sys.setswitchinterval(SWITCH_S)
-        book = StopBook(commands, access.audit_log)
+        recorder = StopRecorder(commands, access.audit_log)
         crossing = Crossing(asyncio.get_running_loop())
-        thread = _Thread(self, access, book, crossing)
+        thread = _Thread(self, access, recorder, crossing)
         await asyncio.to_thread(thread.start)
         try:
             yield
@@ -96,8 +96,8 @@ class StopWay:
 
 
 class _Thread:
-    def __init__(self, way: StopWay, access: Access, book: StopBook, crossing: Crossing) -> None:
-        self._way, self._access, self._book, self._crossing = way, access, book, crossing
+    def __init__(self, way: StopPath, access: Access, recorder: StopRecorder, crossing: Crossing) -> None:
+        self._way, self._access, self._recorder, self._crossing = way, access, recorder, crossing
         self._ready: Future[tuple[asyncio.AbstractEventLoop, Server]] = Future()
         self._thread = threading.Thread(target=self._run, name="dray-stop", daemon=True)
 
@@ -106,7 +106,7 @@ class _Thread:
         try:
             self._ready.result(STARTING_S)
         except TimeoutError:
-            raise UnavailableError("the way for stops", "does not start", "see the log") from None
+            raise UnavailableError("the stop path", "does not start", "see the log") from None
 
     def stop(self) -> None:
         loop, server = self._ready.result()
@@ -120,7 +120,7 @@ class _Thread:
             asyncio.run(self._live())
         except BaseException as error:
             if self._ready.done():
-                _log.exception("the way for stops has ended")
+                _log.exception("the stop path has ended")
                 raise
             self._ready.set_exception(error)
 
@@ -129,9 +129,9 @@ class _Thread:
         # The gateway's own clock is read on its own thread.
         wall = SystemClock(asyncio.get_running_loop())
         with way.bus() as bus:
-            desk = StopDesk(
+            sender = StopSender(
                 bus,
-                name=stop_desk_of(settings.gateway_name),
+                name=stop_sender_of(settings.gateway_name),
                 incarnation=way.incarnation,
                 authority=way.authority,
                 time=way.time,
@@ -140,8 +140,8 @@ class _Thread:
                 sent=self._sent,
                 ended=self._ended,
             )
-            door = StopDoor(
-                desk,
+            endpoint = StopEndpoint(
+                sender,
                 remembered=self._access.remembered,
                 hosts=Hosts.of(settings),
                 origin_port=way.origin_port,
@@ -151,7 +151,7 @@ class _Thread:
             guard = Guard(most=CONNECTIONS, each=CONNECTIONS_EACH, exempt=proxies(settings))
             loop = asyncio.get_running_loop()
             server = Server(
-                door,
+                endpoint,
                 settings,
                 lambda: self._ready.set_result((loop, server)),
                 guard=guard,
@@ -162,13 +162,13 @@ class _Thread:
             try:
                 await server.serve(sockets=[way.listener])
             finally:
-                desk.leave()
+                sender.leave()
 
     def _sent(self, stop: Stop) -> None:
-        self._tell(stop, self._book.sent, stop)
+        self._tell(stop, self._recorder.sent, stop)
 
     def _ended(self, stop: Stop, answer: CommandAnswered | None) -> None:
-        self._tell(stop, self._book.ended, stop, answer)
+        self._tell(stop, self._recorder.ended, stop, answer)
 
     def _tell(self, stop: Stop, call: Callable[..., None], *args: object) -> None:
         """The stop is on its way, whether anybody keeps account of it or not."""

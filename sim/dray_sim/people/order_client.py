@@ -10,22 +10,23 @@ from dray.messages.keys import STRATEGIST
 from dray.ports import Bus, Clock
 from dray_sim.people.demand import Order
 
-DESK = "desk"
+ORDER_CLIENT = "desk"
+"""Its name on the bus. Random generators are seeded with it: another name would be another run of every seed."""
 
 REPEAT_S = 5.0
 """An order that nobody has answered is sent again after this long."""
 
 
-class Desk:
+class OrderClient:
     """Sends every order at its time, and again until the strategist has it.
 
     Args:
-        bus: joined as `DESK`.
+        bus: joined as `ORDER_CLIENT`.
         clock: the plant's clock.
     """
 
     def __init__(self, bus: Bus, clock: Clock) -> None:
-        self._session = bus.join(DESK, self._on_message)
+        self._session = bus.join(ORDER_CLIENT, self._on_message)
         self._clock = clock
         self._waiting: dict[str, asyncio.Event] = {}
 

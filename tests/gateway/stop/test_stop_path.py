@@ -1,4 +1,4 @@
-"""The way for stops: a door, a desk and a book, on a bus and without threads (those are in `tests/cli`)."""
+"""The stop path: an endpoint, a sender and a recorder, on a bus and without threads (those are in `tests/cli`)."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ from dray.gateway.factory.commands import STOP_VALID_S
 from dray.gateway.http.hosts import Hosts
 from dray.gateway.http.problems import Problem
 from dray.gateway.live.timescale import TimeScale
-from dray.gateway.stop import desk as desk_module
-from dray.gateway.stop.book import StopBook
-from dray.gateway.stop.desk import StopDesk
-from dray.gateway.stop.door import BODY_BYTES, StopDoor
+from dray.gateway.stop import sender as sender_module
+from dray.gateway.stop.endpoint import BODY_BYTES, StopEndpoint
+from dray.gateway.stop.recorder import StopRecorder
+from dray.gateway.stop.sender import StopSender
 from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand, signed_words
 from dray.store import Store
 
@@ -38,10 +38,10 @@ PANEL = "http://dray.test:8000"
 
 @dataclass
 class Way:
-    """The way for stops of a house."""
+    """The stop path of a house."""
 
     house: House
-    desk: StopDesk
+    sender: StopSender
     client: httpx.AsyncClient
 
     async def ask(self, atv: str = "ATV1", body: Any = STOP, **headers: str) -> httpx.Response:
@@ -67,8 +67,8 @@ class Way:
 
 @asynccontextmanager
 async def way(house: House, timeout_s: float = 3.0) -> AsyncIterator[Way]:
-    book = StopBook(house.commands, house.access.audit_log)
-    desk = StopDesk(
+    recorder = StopRecorder(house.commands, house.access.audit_log)
+    sender = StopSender(
         house.bus,
         name="gateway-stop",
         incarnation=1,
@@ -76,23 +76,23 @@ async def way(house: House, timeout_s: float = 3.0) -> AsyncIterator[Way]:
         time=TimeScale(0.0, NOW_S),
         wall_s=house.wall,
         timeout_s=timeout_s,
-        sent=book.sent,
-        ended=book.ended,
+        sent=recorder.sent,
+        ended=recorder.ended,
     )
-    door = StopDoor(
-        desk,
+    endpoint = StopEndpoint(
+        sender,
         remembered=house.access.remembered,
         hosts=Hosts("dray.test"),
         origin_port=8000,
         public_url="https://dray.example.com",
         wall_s=house.wall,
     )
-    transport = httpx.ASGITransport(app=door)
+    transport = httpx.ASGITransport(app=endpoint)
     async with httpx.AsyncClient(
         transport=transport, base_url="http://dray.test:8001", headers=BEARER
     ) as client:
-        yield Way(house, desk, client)
-    desk.leave()
+        yield Way(house, sender, client)
+    sender.leave()
 
 
 @pytest.fixture
@@ -288,15 +288,15 @@ async def test_what_is_asked_by_a_strange_name_or_is_no_stop_is_refused(stops: W
 
 
 async def test_one_caller_cannot_fill_the_desk(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(desk_module, "PENDING_EACH", 3)
+    monkeypatch.setattr(sender_module, "PENDING_EACH", 3)
     _, key = await house.key(Scope.VEHICLES_STOP)
     await house.access.learn()
     async with way(house) as stops:
-        waiting = [asyncio.create_task(stops.desk.stop("ATV9", ADMIN, "")) for _ in range(3)]
+        waiting = [asyncio.create_task(stops.sender.stop("ATV9", ADMIN, "")) for _ in range(3)]
         for number in range(3):
             await house.bus.next_to("ATV9", VehicleCommand, after=number)
         with pytest.raises(Problem, match="Too many commands"):
-            await stops.desk.stop("ATV9", ADMIN, "")
+            await stops.sender.stop("ATV9", ADMIN, "")
         stops.vehicle("ATV1")
         assert (await stops.ask(**key)).status_code == 200
         for each in waiting:

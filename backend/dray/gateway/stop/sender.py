@@ -1,7 +1,7 @@
-"""The desk: grants stops, says them to vehicles, and waits for their word. On the loop of stops.
+"""The sender: grants stops, sends them to vehicles, and waits for their answers. Runs on the stop path's own loop.
 
-It asks neither the projection nor the database: where the vehicle is, the vehicle knows, and the grant says where
-its holder may stop.
+It reads neither the projection nor the database: the vehicle knows its position, and the grant names the areas in
+which its holder may stop vehicles.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ PENDING = 1_000
 """Stops that wait for an answer at once: some per vehicle of the largest plant."""
 
 PENDING_EACH = 400
-"""Of one caller: all vehicles of a large plant. Nobody fills the desk alone."""
+"""Of one caller: all vehicles of a large plant. One caller cannot use up PENDING."""
 
 NAMES_KEPT = 2_000
 """Stops that are known by their names when they are sent again: more than may wait at once."""
@@ -63,13 +63,13 @@ class _Sent:
     answer: asyncio.Future[CommandAnswered]
 
 
-class StopDesk:
+class StopSender:
     """Says stops to vehicles.
 
     Args:
         bus: where agents meet; it must call us on the running loop.
-        name: the desk's own on the bus.
-        incarnation: differs in every life of the gateway: the latest desk of this name stays.
+        name: the sender's own on the bus.
+        incarnation: differs in every life of the gateway: the latest sender of this name stays.
         authority: grants what is sent.
         time: the two clocks.
         wall_s: the wall clock.

@@ -1,4 +1,4 @@
-"""A machine's transports at their desk, for tests: one task, the time, and vehicles that beat."""
+"""A machine's transports without the machine, for tests: one task, the time, and vehicles that beat."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from dray.protocol.runtime.events import Effect
 from dray.protocol.runtime.timers import Timers
 
 
-class Office:
+class TransportsRig:
     """A machine's transports, the time, and the one task T1 unless more are opened."""
 
     def __init__(self) -> None:
@@ -36,7 +36,7 @@ class Office:
         self.now_s = 0.0
         self.timers = Timers()
         self.contracted: list[str] = []
-        self.desk = Transports(
+        self.transports = Transports(
             "M8",
             Place(x_m=30.0, y_m=15.0, reach_m=80.0),
             lambda _work, _radius_m: ("plant/task/0_0",),
@@ -57,11 +57,11 @@ class Office:
         self.seq = 0
 
     def open(self, task: str = "T1") -> OpenTask:
-        return self.desk.open(task, transport(), self.now_s + 300.0, self.now_s)
+        return self.transports.open(task, transport(), self.now_s + 300.0, self.now_s)
 
     @property
     def task(self) -> OpenTask:
-        found = self.desk.get("T1")
+        found = self.transports.get("T1")
         assert found is not None
         return found
 
@@ -80,31 +80,31 @@ class Office:
             if self.timers.next_s <= self.now_s + 1.0:
                 self.now_s = max(self.now_s, self.timers.next_s)
                 for kind, task in self.timers.due(self.now_s):  # type: ignore[misc]
-                    self.desk.alarms[kind](task, self.now_s)
+                    self.transports.alarms[kind](task, self.now_s)
             else:
                 self.now_s += 1.0
             self.seq += 1
             for atv in alive:
-                self.desk.on_heartbeat(self.heartbeat(atv), self.now_s)
+                self.transports.on_heartbeat(self.heartbeat(atv), self.now_s)
         self.now_s = until_s
 
     def bids(self, task: str = "T1", role: Role = Role.PRIMARY, epoch: int = 1, **costs_s: float) -> None:
         for bidder, cost_s in costs_s.items():
             message = bid(cost_s, task=task, role=role, epoch=epoch)
-            self.desk.on_bid(bidder, message, self.now_s)
+            self.transports.on_bid(bidder, message, self.now_s)
 
     def accepts(self, atv: str, role: Role = Role.PRIMARY, task: str = "T1", epoch: int = 1) -> None:
         """It answers the newest award of that role that it was sent."""
         answer = accepted(task, role=role, epoch=epoch, number=award_number(self.out, atv, task, role))
-        self.desk.on_accepted(atv, answer, self.now_s)
+        self.transports.on_accepted(atv, answer, self.now_s)
 
     def declines(self, atv: str, role: Role = Role.PRIMARY) -> None:
         answer = declined(role=role, reason=Refusal.BUSY, number=award_number(self.out, atv, role=role))
-        self.desk.on_declined(atv, answer, self.now_s)
+        self.transports.on_declined(atv, answer, self.now_s)
 
     def resigns(self, atv: str, task: str = "T1") -> None:
         message = Resigned(task=task, epoch=1, role=Role.SECONDARY, reason="has work of its own")
-        self.desk.on_resigned(atv, message, self.now_s)
+        self.transports.on_resigned(atv, message, self.now_s)
 
     def asked(self, role: Role = Role.SECONDARY) -> list[str]:
         """Everybody who was asked for a role, in order."""
@@ -114,18 +114,18 @@ class Office:
         return [(effect.to, said.role) for effect in self.out for said in sent([effect], Release)]
 
 
-def contracted() -> Office:
-    """An office whose T1 is carried by ATV2, with ATV1 and ATV4 left over."""
-    office = Office()
-    office.open()
-    office.bids(ATV1=55.9, ATV2=54.8, ATV4=60.0)
-    office.run(1.0)
-    office.accepts("ATV2")
-    return office
+def contracted() -> TransportsRig:
+    """An rig whose T1 is carried by ATV2, with ATV1 and ATV4 left over."""
+    rig = TransportsRig()
+    rig.open()
+    rig.bids(ATV1=55.9, ATV2=54.8, ATV4=60.0)
+    rig.run(1.0)
+    rig.accepts("ATV2")
+    return rig
 
 
-def watched() -> Office:
-    """An office whose T1 is carried by ATV2 and watched by ATV1."""
-    office = contracted()
-    office.accepts("ATV1", Role.SECONDARY)
-    return office
+def watched() -> TransportsRig:
+    """An rig whose T1 is carried by ATV2 and watched by ATV1."""
+    rig = contracted()
+    rig.accepts("ATV1", Role.SECONDARY)
+    return rig

@@ -1,7 +1,7 @@
-"""The door: HTTP of the way for stops. It reads a few hundred bytes, and asks nobody but its memory.
+"""The HTTP endpoint of the stop path. It reads a few hundred bytes, and authenticates callers from memory alone.
 
 One request passes: `POST /api/atvs/{atv}/commands` with kind `stop`, as at the gateway's own address. The panels'
-pages come from there, which is another origin to a browser, so the door tells browsers that it expects them.
+pages come from there, which is another origin to a browser, so the endpoint allows that origin (CORS).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from dray.gateway.access.principal import Scope as Right
 from dray.gateway.http.hosts import Hosts, authority_in, host_in, unknown_host
 from dray.gateway.http.problems import FieldError, Problem, unusable
 from dray.gateway.http.responses import Json
-from dray.gateway.stop.desk import StopDesk
+from dray.gateway.stop.sender import StopSender
 from dray.plant.model import ID_RULE, is_id
 
 BODY_BYTES = 1024
@@ -51,11 +51,11 @@ class StopRequest(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A name for this command, as at the gateway's own address."""
 
 
-class StopDoor:
+class StopEndpoint:
     """The ASGI application.
 
     Args:
-        desk: says stops to vehicles.
+        sender: says stops to vehicles.
         remembered: who somebody is, from memory.
         hosts: under which names it may be asked.
         origin_port: of the gateway's own address, from where the panels come.
@@ -65,7 +65,7 @@ class StopDoor:
 
     def __init__(
         self,
-        desk: StopDesk,
+        sender: StopSender,
         *,
         remembered: Remembered,
         hosts: Hosts,
@@ -73,7 +73,7 @@ class StopDoor:
         public_url: str,
         wall_s: Callable[[], float],
     ) -> None:
-        self._desk, self._remembered, self._hosts, self._wall_s = desk, remembered, hosts, wall_s
+        self._sender, self._remembered, self._hosts, self._wall_s = sender, remembered, hosts, wall_s
         self._port, self._public = origin_port, _with_port(public_url) if public_url else None
         self._strangers = Limit(wall_s, tries=STRANGERS_TRIES, rate_hz=STRANGERS_HZ)
 
@@ -110,7 +110,7 @@ class StopDoor:
         if not is_id(atv):
             raise unusable(FieldError("atv", ID_RULE))
         asked = _read(await _body(headers, receive))
-        answer = await self._desk.stop(atv, by, address_of(scope), asked.command)
+        answer = await self._sender.stop(atv, by, address_of(scope), asked.command)
         return Json({"command": answer.command, "done": answer.done, "reason": answer.reason})
 
     def _recognise(self, headers: Headers, address: str) -> Principal:
