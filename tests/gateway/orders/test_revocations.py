@@ -93,7 +93,8 @@ async def test_an_order_is_not_published_again_before_the_factory_has_stopped(ho
     answer = await house.client.post(f"/api/orders/{order}/release")
     problem(answer, 409, "being-taken-back")
     assert answer.headers["retry-after"] == "1"
-    assert len(house.bus.sent_to(STRATEGIST, OrderReleased)) == 1
+    # A release is said again until it is answered.
+    assert {said.release for said in house.bus.sent_to(STRATEGIST, OrderReleased)} == {1}
 
 
 @pytest.mark.parametrize("end", ["cancel", "deliver"])
