@@ -151,7 +151,7 @@ def postgresql_url(postgres: Postgres) -> Iterator[str]:
     """An empty database on PostgreSQL."""
     url = postgres.new()
     yield url
-    postgres.drop(url)
+    postgres.take_back(url)
 
 
 SQLITE_ONLY = frozenset(
