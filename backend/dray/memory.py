@@ -106,7 +106,7 @@ class TaskMemory(Part, frozen=True):
     """Of the award by which the secondary watches."""
     offered: bool = True
     """Whether anybody was asked to carry it in this epoch."""
-    adopted: bool = False
+    recovered: bool = False
     """Taken up on its carrier's word alone, after a life that has left no notes."""
 
 

@@ -38,7 +38,7 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.protocol.contract_net.parties import Word, contract_of
-from dray.protocol.machine.transports.transports import ADOPT_S
+from dray.protocol.machine.transports.transports import RECOVERY_WAIT_S
 from dray.protocol.runtime.events import Ignore, Send
 
 SETTLE_S = 60.0
@@ -84,7 +84,7 @@ def at_rest(situation: Callable[[], Played]) -> Played:
     For ten seconds of its life a machine believes whoever says that he carries a task of which it does not know that.
     """
     actor = situation()
-    actor.run(actor.now_s + (ADOPT_S if situation is machine_in_its_second_life else 0.0))
+    actor.run(actor.now_s + (RECOVERY_WAIT_S if situation is machine_in_its_second_life else 0.0))
     return actor
 
 

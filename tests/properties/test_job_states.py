@@ -90,7 +90,7 @@ class Walk:
 
         monkey.setattr(JobStates, "enter", note)
         if phase is None:
-            self.job.begin(0.0)
+            self.job.set_off(0.0)
         else:
             self.job.resume(self.load, 0.0)
 

@@ -18,7 +18,7 @@ export interface Bed extends Hands {
   ignore(dwellPoint: string): void;
 }
 
-export class Rest {
+export class IdlePositioning {
   /** The dwell point that it holds or is driving to; empty for none. */
   dwellPoint = '';
   #bed: Bed;

@@ -9,7 +9,7 @@ import type { Contract, Notes } from './notes.ts';
 import type { CommandHandling } from './command-handling.ts';
 import type { Plant } from './plant.ts';
 import { quote } from './pricing.ts';
-import { Rest, type Bed } from './rest.ts';
+import { IdlePositioning, type Bed } from './rest.ts';
 
 const WORKING_BEAT_S = 1;
 const IDLE_BEAT_S = 5;
@@ -29,7 +29,7 @@ export class Vehicle implements Bed {
   #beats_s = 0;
   #cell = '';
   #job: TransportJob | undefined;
-  #rest: Rest;
+  #rest: IdlePositioning;
   #problem: string;
   #draining = false;
   /** Told what has happened, in a line. */
@@ -59,7 +59,7 @@ export class Vehicle implements Bed {
     this.#tell = parts.tell;
     this.#life = parts.notes.kept.life;
     this.#problem = parts.body.state.problem;
-    this.#rest = new Rest(this);
+    this.#rest = new IdlePositioning(this);
     this.body.attach((report) => this.#hearReport(report));
     this.#move();
     const { contract } = parts.notes.kept;

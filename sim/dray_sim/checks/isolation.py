@@ -102,7 +102,7 @@ class _Carried:
     watchers: dict[str, _Watch] = field(default_factory=dict)
     """Who is secondary by its own words."""
 
-    def begin(self, primary: str, epoch: int) -> None:
+    def assign(self, primary: str, epoch: int) -> None:
         """Somebody is primary from now on."""
         self.primary, self.epoch, self.loading = primary, epoch, False
 
@@ -159,11 +159,11 @@ class ReplacedInTime:
     def _note_task(self, task: _Carried, fact: Fact, agent: str, at_s: float) -> None:
         if type(fact) is AwardAnswered:
             if fact.role is Role.PRIMARY and fact.answer == "accepted":
-                task.begin(fact.bidder, fact.epoch)
+                task.assign(fact.bidder, fact.epoch)
         elif type(fact) is CarrierChanged:
-            task.begin(fact.carrier, fact.epoch)
+            task.assign(fact.carrier, fact.epoch)
         elif type(fact) is TookOver:
-            task.begin(agent, fact.epoch)
+            task.assign(agent, fact.epoch)
             task.watchers.pop(agent, None)
         elif type(fact) is PhaseEntered:
             if agent == task.primary:

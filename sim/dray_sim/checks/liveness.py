@@ -72,7 +72,7 @@ class LivenessCheck:
         """When something came forward last."""
         self._look_s = float("inf")
 
-    def begin(self, at_s: float) -> None:
+    def start(self, at_s: float) -> None:
         """The last fault has ended, and the last order was placed."""
         self._since_s = self._moved_s = self._look_s = at_s
         self._done_before = self._done

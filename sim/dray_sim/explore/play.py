@@ -238,7 +238,7 @@ class _Game:
         await asyncio.sleep(self._run.faults_until_s)
         # Nobody counts on the times of a clock that was set until it is steered back.
         await asyncio.sleep(factory.clock_error_s() / SLEW_FRAC)
-        liveness.begin(factory.clock.now_s())
+        liveness.start(factory.clock.now_s())
         await asyncio.sleep(self._run.duration_s - self._run.faults_until_s)
         await liveness.over.wait()
 

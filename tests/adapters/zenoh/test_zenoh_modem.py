@@ -37,7 +37,7 @@ STANDING = VehicleState(
 )
 
 
-class Rest:
+class BodyWithoutModem:
     """All of a body but its modem."""
 
     def __init__(self, state: BodyState) -> None:
@@ -63,7 +63,7 @@ class Vehicle:
         self.session = Links(listen=(self.wlan, self.radio), plain=True).open()
         self._others: dict[str, zenoh.Session] = {}
         self._reports: asyncio.Queue[Report] = asyncio.Queue()
-        self.rest = Rest(STANDING)
+        self.rest = BodyWithoutModem(STANDING)
         self.modem = Modem(self.rest, self.session, (RADIO_NETWORK,))
         self.modem.attach(self._reports.put_nowait)
 

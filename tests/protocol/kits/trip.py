@@ -74,7 +74,7 @@ class Trip:
             out=self.out,
         )
         self.load = ""
-        self.job.begin(0.0)
+        self.job.set_off(0.0)
 
     @property
     def phases(self) -> list[Phase]:

@@ -28,7 +28,7 @@ from dray.messages import (
 )
 from dray.messages.fact import CarrierChanged, TaskClosed
 from dray.protocol.liveness.suspicion import LATENESS_MAX_S
-from dray.protocol.machine.transports.transports import ADOPT_S
+from dray.protocol.machine.transports.transports import RECOVERY_WAIT_S
 from dray.protocol.runtime.events import Woke
 
 STOCK = {"housing": 0, "impeller": 90, "seal-kit": 120}
@@ -222,7 +222,7 @@ def names(rig: MachineRig, atv: str, task: str, *, epoch: int = 1, item: str = "
 def test_a_machine_that_was_started_again_listens_to_all_vehicles_for_a_while() -> None:
     again = reborn(supplied(), {})
     assert KEYS.all_atv_heartbeats in listening(again.all)
-    again.run(again.now_s + ADOPT_S)
+    again.run(again.now_s + RECOVERY_WAIT_S)
     assert KEYS.all_atv_heartbeats not in listening(again.all)
 
 
@@ -251,26 +251,26 @@ def test_a_task_that_no_vehicle_names_is_announced_anew() -> None:
     rig.start()
     rig.take_goal("G1", production(quantity=24))
     again = reborn(rig, notes(rig))
-    again.run(again.now_s + ADOPT_S)
+    again.run(again.now_s + RECOVERY_WAIT_S)
     [announced] = [each for each in published(again.all, TaskAnnounced) if each.task == "M7-1"]
     assert announced.epoch == 2
 
 
-def test_a_machine_that_has_lost_its_notes_adopts_who_carries_material_for_it() -> None:
+def test_a_machine_that_has_lost_its_notes_recovers_who_carries_material_for_it() -> None:
     again = reborn(supplied(), {})
     names(again, "ATV2", "M7-1")
     assert carrier(again) == ("ATV2", 1)
     assert len(sent(again.on_message("ATV2", Docked(task="M7-1", epoch=1, station="M7")), DockOpened)) == 1
 
 
-def test_what_is_no_material_of_this_machine_is_not_adopted() -> None:
+def test_what_is_no_material_of_this_machine_is_not_recovered() -> None:
     again = reborn(supplied(), {})
     other = next(material for material in PLANT.materials if material not in PLANT.materials_of("M7"))
     names(again, "ATV2", "M7-1", item=other)
     assert again.heartbeats(MachineHeartbeat) == [] or again.heartbeats(MachineHeartbeat)[-1].tasks == ()
 
 
-def test_a_machine_with_its_notes_adopts_nothing_that_it_has_closed() -> None:
+def test_a_machine_with_its_notes_recovers_nothing_that_it_has_closed() -> None:
     rig = supplied()
     rig.on_message("ATV2", Handover(task="M7-1", epoch=1, quantity=24))
     again = reborn(rig, notes(rig), housing=24)
@@ -283,7 +283,7 @@ def test_goods_that_left_while_it_was_away_and_nobody_has_are_made_anew() -> Non
     rig, _ = with_goods()
     rig.stock["pump-p3"] = 0
     again = reborn(rig, notes(rig), housing=72)
-    again.run(again.now_s + ADOPT_S)
+    again.run(again.now_s + RECOVERY_WAIT_S)
     assert again.is_cycling
 
 
@@ -291,6 +291,6 @@ def test_a_lot_that_left_while_another_piece_was_made_is_made_anew() -> None:
     rig, _ = with_goods()
     rig.stock["pump-p3"] = 1
     again = reborn(rig, notes(rig), housing=72)
-    again.run(again.now_s + ADOPT_S)
+    again.run(again.now_s + RECOVERY_WAIT_S)
     again.cycles(23)
     assert not again.is_cycling

@@ -42,7 +42,7 @@ from dray.messages import (
     TaskAnnounced,
 )
 from dray.messages.fact import PieceMade, TaskClosed
-from dray.protocol.machine.transports.transports import ADOPT_S
+from dray.protocol.machine.transports.transports import RECOVERY_WAIT_S
 from dray.protocol.runtime.events import Commit
 
 
@@ -215,7 +215,7 @@ def test_however_often_a_machine_starts_before_it_asks_anybody_the_carrier_of_it
 
 def test_once_others_were_asked_an_earlier_acceptance_is_over() -> None:
     again = reborn(asking())
-    again.run(again.now_s + ADOPT_S)
+    again.run(again.now_s + RECOVERY_WAIT_S)
     assert published(again.all, TaskAnnounced)[-1].epoch == 2
     later = reborn(again)
     assert sent(later.on_message("ATV2", accepted("M7-1")), Release, to="ATV2")
@@ -224,7 +224,7 @@ def test_once_others_were_asked_an_earlier_acceptance_is_over() -> None:
 
 def test_whoever_is_asked_by_the_next_life_is_not_taken_at_its_word_for_the_load() -> None:
     again = reborn(asking(), doubts=True)
-    again.run(again.now_s + ADOPT_S)
+    again.run(again.now_s + RECOVERY_WAIT_S)
     finish_s = again.now_s + 120.0
     effects = again.on_message("ATV2", bid(90.0, task="M7-1", epoch=2, finish_s=finish_s, source="S1"))
     effects += again.run(published(again.all, TaskAnnounced)[-1].bids_until_s)
@@ -240,7 +240,7 @@ def test_a_machine_that_has_lost_its_notes_waits_for_the_word_of_those_who_ask_i
     lost.start()
     assert sent(lost.on_message("ATV2", accepted("M7-1")), Release) == []
     assert sent(lost.on_message("ATV2", docked()), Superseded) == []
-    lost.run(lost.now_s + ADOPT_S)
+    lost.run(lost.now_s + RECOVERY_WAIT_S)
     assert sent(lost.on_message("ATV2", docked()), Superseded, to="ATV2")
 
 

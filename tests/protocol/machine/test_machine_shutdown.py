@@ -101,7 +101,7 @@ def test_who_has_given_it_back_is_not_acknowledged_by_an_older_heartbeat(answers
         )
         rig.transports.on_declined("ATV1", declined, rig.now_s)
     brief = Brief(task="T1", epoch=1, role=Role.PRIMARY, coordinator="M8", phase=Phase.RETURNING)
-    rig.transports.adopt("ATV2", brief, rig.now_s)
+    rig.transports.acknowledge_carrier("ATV2", brief, rig.now_s)
     assert (rig.task.primary, rig.task.epoch) == ("", 2)
 
 

@@ -19,7 +19,7 @@ from dray.messages import (
 from dray.messages.fact import CarrierChanged, TaskClosed
 from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.liveness.failure_detector import UNNAMED_S
-from dray.protocol.machine.transports.transports import ADOPT_S
+from dray.protocol.machine.transports.transports import RECOVERY_WAIT_S
 from dray.protocol.takeover.failover import LOST_IN_TRANSIT_S, TAKEOVER_TIMEOUT_S
 
 
@@ -88,7 +88,7 @@ def test_when_nobody_takes_over_the_task_is_announced_anew() -> None:
     assert (changed.replaced, changed.carrier) == ("ATV2", "")
     assert rig.released()[-1] == ("ATV1", Role.SECONDARY)
     takes_over(rig)
-    assert rig.task.primary == "", "its grace is over, and somebody else may have been asked"
+    assert rig.task.primary == "", "its takeover time-out is over, and somebody else may have been asked"
     rig.bids(epoch=2, ATV4=50.0)
     rig.run(rig.now_s + 1.0)
     rig.accepts("ATV4", epoch=2)
@@ -189,7 +189,7 @@ def test_a_restored_task_without_a_carrier_gets_a_higher_epoch() -> None:
     restored = TransportsRig()
     restored.transports.restore(rig.task.memory(), 0.0)
     assert restored.task.epoch == 2
-    restored.run(ADOPT_S)
+    restored.run(RECOVERY_WAIT_S)
     assert [said.epoch for effect in restored.out for said in _announced([effect])] == [2]
 
 

@@ -23,7 +23,7 @@ def watch(task: str = "M8-1", primary: str = "ATV2", epoch: int = 1, number: int
     return award(task=task, role=Role.SECONDARY, primary=primary, epoch=epoch, number=number)
 
 
-class Guard:
+class StandbyRig:
     """The watches of ATV1, and the time."""
 
     def __init__(self) -> None:
@@ -33,8 +33,8 @@ class Guard:
         self.following = HeartbeatSubscriptions(KEYS.atv_heartbeat, self.out)
         self.standby = Standby(self.following, self.timers, self.out)
 
-    def begin(self, order: Award) -> None:
-        self.standby.begin(order, "M8", self.now_s)
+    def watch(self, order: Award) -> None:
+        self.standby.watch(order, "M8", self.now_s)
 
     def hears(self, seq: int, at_s: float, atv: str = "ATV2", task: str = "M8-1") -> None:
         self.now_s = at_s
@@ -52,78 +52,78 @@ class Guard:
         return facts(self.out, PrimarySuspected)
 
     @property
-    def endings(self) -> list[tuple[str, str]]:
+    def ended(self) -> list[tuple[str, str]]:
         return [(fact.task, fact.reason) for fact in facts(self.out, ContractEnded)]
 
 
 def test_a_watch_listens_to_the_primary_and_is_told_in_the_heartbeat() -> None:
-    guard = Guard()
-    guard.begin(watch())
-    assert listening(guard.out) == {KEYS.atv_heartbeat("ATV2")}
-    [brief] = guard.standby.briefs()
+    rig = StandbyRig()
+    rig.watch(watch())
+    assert listening(rig.out) == {KEYS.atv_heartbeat("ATV2")}
+    [brief] = rig.standby.briefs()
     assert (brief.task, brief.role, brief.coordinator, brief.phase) == ("M8-1", Role.SECONDARY, "M8", None)
-    [taken] = facts(guard.out, ContractTaken)
+    [taken] = facts(rig.out, ContractTaken)
     assert taken.role is Role.SECONDARY
 
 
 def test_a_primary_that_is_silent_beyond_the_bound_is_suspected_once() -> None:
-    guard = Guard()
-    guard.begin(watch())
-    guard.run(BOUND_S - 0.001)
-    assert guard.suspicions == []
-    guard.run(60.0)
-    [suspected] = guard.suspicions
+    rig = StandbyRig()
+    rig.watch(watch())
+    rig.run(BOUND_S - 0.001)
+    assert rig.suspicions == []
+    rig.run(60.0)
+    [suspected] = rig.suspicions
     assert suspected.primary == "ATV2"
     assert suspected.silent_s == pytest.approx(BOUND_S)
 
 
 def test_a_primary_that_beats_is_never_suspected() -> None:
-    guard = Guard()
-    guard.begin(watch())
+    rig = StandbyRig()
+    rig.watch(watch())
     for second in range(1, 100):
-        guard.run(float(second))
-        guard.hears(second, float(second))
-    assert guard.suspicions == []
+        rig.run(float(second))
+        rig.hears(second, float(second))
+    assert rig.suspicions == []
 
 
 def test_a_suspect_that_speaks_up_may_be_suspected_again() -> None:
-    guard = Guard()
-    guard.begin(watch())
-    guard.run(10.0)
-    guard.hears(1, 10.0)
-    guard.run(30.0)
-    assert len(guard.suspicions) == 2
-    assert guard.suspicions[1].silent_s == pytest.approx(BOUND_S)
+    rig = StandbyRig()
+    rig.watch(watch())
+    rig.run(10.0)
+    rig.hears(1, 10.0)
+    rig.run(30.0)
+    assert len(rig.suspicions) == 2
+    assert rig.suspicions[1].silent_s == pytest.approx(BOUND_S)
 
 
 def test_time_in_which_the_vehicle_itself_was_held_up_is_no_silence_of_its_primary() -> None:
-    guard = Guard()
-    guard.begin(watch())
-    guard.hears(1, 1.0)
-    guard.following.arrivals.deaf_s += 10.0
-    guard.run(1.0 + BOUND_S + 9.9)
-    assert guard.suspicions == []
-    guard.run(1.0 + BOUND_S + 10.1)
-    assert len(guard.suspicions) == 1
+    rig = StandbyRig()
+    rig.watch(watch())
+    rig.hears(1, 1.0)
+    rig.following.arrivals.deaf_s += 10.0
+    rig.run(1.0 + BOUND_S + 9.9)
+    assert rig.suspicions == []
+    rig.run(1.0 + BOUND_S + 10.1)
+    assert len(rig.suspicions) == 1
 
 
 def test_a_primary_that_was_heard_since_then_is_suspected_as_soon_as_ever() -> None:
-    guard = Guard()
-    guard.begin(watch())
-    guard.following.arrivals.deaf_s += 10.0
-    guard.hears(1, 11.0)
-    guard.run(11.0 + BOUND_S + 0.1)
-    assert len(guard.suspicions) == 1
+    rig = StandbyRig()
+    rig.watch(watch())
+    rig.following.arrivals.deaf_s += 10.0
+    rig.hears(1, 11.0)
+    rig.run(11.0 + BOUND_S + 0.1)
+    assert len(rig.suspicions) == 1
 
 
 def test_an_old_heartbeat_is_no_sign_of_life() -> None:
-    guard = Guard()
-    guard.begin(watch())
-    guard.hears(7, 1.0)
-    guard.hears(6, 3.0)
-    guard.hears(7, 4.0)
-    guard.run(5.0)
-    assert len(guard.suspicions) == 1
+    rig = StandbyRig()
+    rig.watch(watch())
+    rig.hears(7, 1.0)
+    rig.hears(6, 3.0)
+    rig.hears(7, 4.0)
+    rig.run(5.0)
+    assert len(rig.suspicions) == 1
 
 
 def test_a_heartbeat_of_an_earlier_life_is_no_sign_of_life() -> None:
@@ -134,26 +134,26 @@ def test_a_heartbeat_of_an_earlier_life_is_no_sign_of_life() -> None:
 
 
 def test_the_bound_follows_what_the_primary_says_of_itself() -> None:
-    guard = Guard()
-    guard.begin(watch())
-    guard.hears(1, 1.0, task="")
-    guard.run(15.0)
-    assert guard.suspicions == []
-    guard.run(17.0)
-    assert len(guard.suspicions) == 1
+    rig = StandbyRig()
+    rig.watch(watch())
+    rig.hears(1, 1.0, task="")
+    rig.run(15.0)
+    assert rig.suspicions == []
+    rig.run(17.0)
+    assert len(rig.suspicions) == 1
 
 
 def test_an_ended_watch_is_silent_and_forgotten() -> None:
-    guard = Guard()
-    guard.begin(watch())
-    guard.standby.end("M8-1", "the task has ended")
-    guard.standby.end("M8-1", "the task has ended")
-    assert listening(guard.out) == set()
-    assert guard.timers.next_s == NEVER_S
-    assert guard.endings == [("M8-1", "the task has ended")]
-    assert "M8-1" not in guard.standby
-    assert guard.standby.failed("M8-1", 100.0) is None
-    assert guard.suspicions == []
+    rig = StandbyRig()
+    rig.watch(watch())
+    rig.standby.unwatch("M8-1", "the task has ended")
+    rig.standby.unwatch("M8-1", "the task has ended")
+    assert listening(rig.out) == set()
+    assert rig.timers.next_s == NEVER_S
+    assert rig.ended == [("M8-1", "the task has ended")]
+    assert "M8-1" not in rig.standby
+    assert rig.standby.failed("M8-1", 100.0) is None
+    assert rig.suspicions == []
 
 
 @pytest.mark.parametrize(
@@ -163,79 +163,79 @@ def test_an_ended_watch_is_silent_and_forgotten() -> None:
 def test_a_watch_is_released_by_the_number_of_the_award_that_has_asked_for_it(
     number: int, let_go: bool
 ) -> None:
-    guard = Guard()
-    guard.begin(watch(epoch=2, number=2))
+    rig = StandbyRig()
+    rig.watch(watch(epoch=2, number=2))
     release = Release(task="M8-1", epoch=2, role=Role.SECONDARY, reason="the task has ended", number=number)
-    assert guard.standby.release(release) is let_go
-    assert ("M8-1" in guard.standby) is not let_go
+    assert rig.standby.release(release) is let_go
+    assert ("M8-1" in rig.standby) is not let_go
 
 
 def test_a_release_of_what_is_not_watched_is_noticed_and_changes_nothing() -> None:
-    guard = Guard()
+    rig = StandbyRig()
     release = Release(task="M8-1", epoch=1, role=Role.SECONDARY, reason="the task has ended")
-    assert not guard.standby.release(release)
-    assert guard.out == []
+    assert not rig.standby.release(release)
+    assert rig.out == []
 
 
 def test_all_watches_are_given_back_to_their_coordinator() -> None:
-    guard = Guard()
-    guard.begin(watch("M8-1", "ATV2"))
-    guard.begin(watch("M8-2", "ATV3"))
-    guard.standby.resign("has work of its own")
-    resigned = sent(guard.out, Resigned, to="M8")
+    rig = StandbyRig()
+    rig.watch(watch("M8-1", "ATV2"))
+    rig.watch(watch("M8-2", "ATV3"))
+    rig.standby.resign("has work of its own")
+    resigned = sent(rig.out, Resigned, to="M8")
     assert [(message.task, message.role) for message in resigned] == [
         ("M8-1", Role.SECONDARY),
         ("M8-2", Role.SECONDARY),
     ]
-    assert len(guard.standby) == 0
-    assert listening(guard.out) == set()
-    guard.standby.resign("again")
-    assert len(sent(guard.out, Resigned)) == 2
+    assert len(rig.standby) == 0
+    assert listening(rig.out) == set()
+    rig.standby.resign("again")
+    assert len(sent(rig.out, Resigned)) == 2
 
 
 def test_one_primary_may_be_watched_for_two_tasks_and_is_heard_until_both_are_over() -> None:
-    guard = Guard()
-    guard.begin(watch("M8-1", "ATV2"))
-    guard.begin(watch("M8-2", "ATV2"))
-    guard.standby.end("M8-1", "the task has ended")
-    assert listening(guard.out) == {KEYS.atv_heartbeat("ATV2")}
-    guard.standby.end("M8-2", "the task has ended")
-    assert listening(guard.out) == set()
+    rig = StandbyRig()
+    rig.watch(watch("M8-1", "ATV2"))
+    rig.watch(watch("M8-2", "ATV2"))
+    rig.standby.unwatch("M8-1", "the task has ended")
+    assert listening(rig.out) == {KEYS.atv_heartbeat("ATV2")}
+    rig.standby.unwatch("M8-2", "the task has ended")
+    assert listening(rig.out) == set()
 
 
 def test_a_newer_epoch_of_a_task_replaces_the_older_one() -> None:
-    guard = Guard()
-    guard.begin(watch(epoch=1, primary="ATV2"))
-    guard.begin(watch(epoch=2, primary="ATV3"))
-    assert len(guard.standby) == 1
-    assert guard.standby.holds("M8-1", 2)
-    assert not guard.standby.holds("M8-1", 1)
-    assert listening(guard.out) == {KEYS.atv_heartbeat("ATV3")}
-    assert guard.endings == [("M8-1", "renewed")]
+    rig = StandbyRig()
+    rig.watch(watch(epoch=1, primary="ATV2"))
+    rig.watch(watch(epoch=2, primary="ATV3"))
+    assert len(rig.standby) == 1
+    assert rig.standby.holds("M8-1", 2)
+    assert not rig.standby.holds("M8-1", 1)
+    assert listening(rig.out) == {KEYS.atv_heartbeat("ATV3")}
+    assert rig.ended == [("M8-1", "renewed")]
 
 
 def test_a_watch_whose_release_was_lost_ends_when_the_primary_does_other_work() -> None:
-    guard = Guard()
-    guard.begin(watch())
-    guard.hears(1, 1.0)
+    rig = StandbyRig()
+    rig.watch(watch())
+    rig.hears(1, 1.0)
     for second in range(2, 2 + int(OVER_AFTER_S) + 2):
-        guard.hears(second, float(second), task="M3-4")
-    assert guard.endings == [("M8-1", "over")]
+        rig.hears(second, float(second), task="M3-4")
+    assert rig.ended == [("M8-1", "over")]
 
 
 def test_a_primary_that_names_the_task_again_stays_watched() -> None:
-    guard = Guard()
-    guard.begin(watch())
+    rig = StandbyRig()
+    rig.watch(watch())
     for second in range(1, 60):
-        guard.hears(second, float(second), task="M8-1" if second % 10 == 0 else "")
-    assert guard.endings == []
+        rig.hears(second, float(second), task="M8-1" if second % 10 == 0 else "")
+    assert rig.ended == []
 
 
 def test_heartbeats_of_others_mean_nothing() -> None:
-    guard = Guard()
-    guard.begin(watch())
+    rig = StandbyRig()
+    rig.watch(watch())
     for second in range(1, 60):
-        guard.hears(second, float(second), atv="ATV9")
-    guard.run(60.0)
-    assert len(guard.suspicions) == 1
-    assert guard.endings == []
+        rig.hears(second, float(second), atv="ATV9")
+    rig.run(60.0)
+    assert len(rig.suspicions) == 1
+    assert rig.ended == []

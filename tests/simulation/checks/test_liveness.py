@@ -47,7 +47,7 @@ def test_a_task_that_nobody_serves_is_noticed() -> None:
     watched = Watched()
     watched.say("M8", opened())
     watched.wait(100.0)
-    watched.liveness.begin(watched.now_s)
+    watched.liveness.start(watched.now_s)
     bound_s = watched.bounds.task_s("shaft", 0)
     watched.wait(bound_s - 10.0)
     with pytest.raises(InvariantBroken, match="M8-1 did not end"):
@@ -56,7 +56,7 @@ def test_a_task_that_nobody_serves_is_noticed() -> None:
 
 def test_a_task_waits_longer_while_others_are_served() -> None:
     watched = Watched()
-    watched.liveness.begin(0.0)
+    watched.liveness.start(0.0)
     watched.say("M8", opened())
     for number in range(8):
         watched.wait(watched.bounds.transport_s / 4)
@@ -70,7 +70,7 @@ def test_a_task_waits_longer_while_others_are_served() -> None:
 def test_an_order_for_which_nothing_happens_is_noticed() -> None:
     watched = Watched()
     watched.say("desk", OrderReleased(order="D1", items=(), due_s=0.0))
-    watched.liveness.begin(0.0)
+    watched.liveness.start(0.0)
     watched.wait(watched.bounds.stall_s - 10.0)
     watched.say("M1", PieceMade(goal="D1-1", product="pump-p3", made=1))
     watched.wait(watched.bounds.stall_s - 10.0)
@@ -83,7 +83,7 @@ def test_the_check_is_over_when_everything_has_ended() -> None:
     watched.say("desk", OrderReleased(order="D1", items=(), due_s=0.0))
     watched.say("M8", opened())
     watched.say("strategist", opened("D1-1", Production(product="pump-p3", quantity=1, order="D1", item=0)))
-    watched.liveness.begin(0.0)
+    watched.liveness.start(0.0)
     watched.wait(10.0)
     assert not watched.liveness.over.is_set()
     watched.say("M8", closed())
@@ -98,7 +98,7 @@ def test_an_order_that_is_cancelled_needs_nothing_any_more() -> None:
     watched = Watched()
     released = OrderReleased(order="D1", items=(), due_s=0.0)
     watched.say("desk", released)
-    watched.liveness.begin(0.0)
+    watched.liveness.start(0.0)
     watched.say("strategist", CancellationTaken(order="D1"))
     watched.say("desk", released)
     watched.wait(10.0)
@@ -109,7 +109,7 @@ def test_an_order_that_is_taken_back_needs_nothing_until_it_is_released_again() 
     watched = Watched()
     released = OrderReleased(order="D1", items=(), due_s=0.0)
     watched.say("desk", released)
-    watched.liveness.begin(0.0)
+    watched.liveness.start(0.0)
     watched.say("strategist", RevocationTaken("D1", 1, (3,)))
     watched.say("desk", released)
     watched.wait(10.0)
@@ -125,7 +125,7 @@ def test_an_order_that_is_taken_back_needs_nothing_until_it_is_released_again() 
 
 def test_a_vehicle_that_works_on_for_nobody_is_noticed() -> None:
     watched = Watched()
-    watched.liveness.begin(0.0)
+    watched.liveness.start(0.0)
     watched.say("M8", opened())
     watched.say("M8", closed())
     watched.say("ATV2", heartbeat("ATV2", TASK))
@@ -137,7 +137,7 @@ def test_a_vehicle_that_works_on_for_nobody_is_noticed() -> None:
 
 def test_a_vehicle_that_ends_its_work_is_free() -> None:
     watched = Watched()
-    watched.liveness.begin(0.0)
+    watched.liveness.start(0.0)
     watched.say("M8", opened())
     watched.say("M8", closed())
     watched.say("ATV2", heartbeat("ATV2", TASK))

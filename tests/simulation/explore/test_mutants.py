@@ -85,7 +85,7 @@ def with_handovers_that_count_twice(patch: pytest.MonkeyPatch) -> None:
     on_handover = Dock.on_handover
     handed: dict[str, OpenTask] = {}
 
-    def hear_again(self: Dock, sender: str, message: Handover) -> OpenTask | None:
+    def take_again(self: Dock, sender: str, message: Handover) -> OpenTask | None:
         task = self._tasks.get(message.task)
         if task is None and message.task in handed:
             again = self._tasks._open[message.task] = handed[message.task]
@@ -97,7 +97,7 @@ def with_handovers_that_count_twice(patch: pytest.MonkeyPatch) -> None:
             handed[message.task] = task
         return on_handover(self, sender, message)
 
-    patch.setattr(Dock, "on_handover", hear_again)
+    patch.setattr(Dock, "on_handover", take_again)
 
 
 def without_release_after_silence(patch: pytest.MonkeyPatch) -> None:
@@ -179,12 +179,12 @@ def that_asks_an_auction_for_standing_contracts(patch: pytest.MonkeyPatch) -> No
 def that_gives_epochs_of_which_it_has_no_notes(patch: pytest.MonkeyPatch) -> None:
     """A machine without notes goes on with a task that it knows from its carrier alone, as with any other."""
 
-    def adopt(self: Transports, atv: str, brief: Brief, work: Work, now_s: float) -> None:
+    def believe(self: Transports, atv: str, brief: Brief, work: Work, now_s: float) -> None:
         auction = self._auction(brief.task, brief.epoch, work, now_s)
         task = self._open[brief.task] = OpenTask(brief.task, work, auction, now_s)
-        self._adopt(task, atv, brief.epoch, now_s, now_s)
+        self._bind_carrier(task, atv, brief.epoch, now_s, now_s)
 
-    patch.setattr(Transports, "adopt_unknown", adopt)
+    patch.setattr(Transports, "acknowledge_unknown", believe)
 
 
 def that_believes_every_handover(patch: pytest.MonkeyPatch) -> None:

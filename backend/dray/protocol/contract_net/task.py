@@ -111,13 +111,13 @@ class OpenTask:
     """
 
     __slots__ = (
-        "adopted",
         "auction",
         "contract",
         "due_s",
         "epoch",
         "id",
         "opened_s",
+        "recovered",
         "standby",
         "states",
         "trouble",
@@ -140,7 +140,7 @@ class OpenTask:
         self.opened_s = opened_s
         self.due_s = auction.terms.deadline_s
         """The first deadline; that of the auction moves when nobody could keep it."""
-        self.adopted = False
+        self.recovered = False
         """Taken up on its carrier's word alone: which epochs it has had is in notes that are lost, so it never gets
         another one. Without its carrier it is withdrawn, and what is still needed is announced under another name."""
         self.witnessed = True
@@ -230,7 +230,7 @@ class OpenTask:
             secondary=self.secondary,
             watch_number=self.standby.number,
             offered=self.is_offered,
-            adopted=self.adopted,
+            recovered=self.recovered,
         )
 
     @property

@@ -152,12 +152,12 @@ class Machine(AgentBase):
     def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
         if not isinstance(body, WorkcellState):
             raise ProtocolViolation(f"{self.id}: a machine needs a workcell, not {body!r}")
-        self._flow.begin(body)
+        self._flow.take_count(body)
         self._problem = body.broken
         self._cycle.product = body.cycling
         note = memory.get(WHOLE)
         if isinstance(note, MachineMemory):
-            self._recall(note, now_s)
+            self._restore(note, now_s)
         self._flow.goods.count()
         self._out.extend(Subscribe(self._keys.goals(product)) for product in self._products)
         self._out.append(Subscribe(self._keys.all_free))
@@ -166,12 +166,12 @@ class Machine(AgentBase):
         self._heartbeat_timer.at_once(now_s)
         self.pursue(now_s)
 
-    def _recall(self, memory: MachineMemory, now_s: float) -> None:
+    def _restore(self, memory: MachineMemory, now_s: float) -> None:
         """Go on with what an earlier life was bound by."""
         for booked in memory.goals:
             # It goes on with them: the strategist may be away, and the gate knows what may still get in.
             self._bidder.ask(self._goals.restore(booked), now_s)
-        self._flow.recall(memory, now_s)
+        self._flow.restore(memory, now_s)
         # Tasks without a carrier have a higher epoch now: no life may use one that an earlier one has used.
         self._commit()
 

@@ -44,7 +44,7 @@ from dray.protocol.machine.production import Goal, GoalBook
 from dray.protocol.machine.sourcing import Need, Sourcing
 from dray.protocol.machine.supply import Supply
 from dray.protocol.machine.transports.handovers import Handovers
-from dray.protocol.machine.transports.recovery import ADOPT, Recovery
+from dray.protocol.machine.transports.recovery import RECOVERY_WAIT, Recovery
 from dray.protocol.machine.transports.transports import Transports
 from dray.protocol.runtime.events import Effect, Ignore
 from dray.protocol.runtime.timers import Timers
@@ -87,7 +87,7 @@ class MaterialFlow:
         goals: what it makes.
         supply: its buffers and goods.
         rules: patience and reach of its auctions.
-        timers: its alarms; this class and what it consists of use names ``(kind, task)``, and `ADOPT`.
+        timers: its alarms; this class and what it consists of use names ``(kind, task)``, and `RECOVERY_WAIT`.
         out: where effects go.
         owner: the machine.
         incarnation: how often it has been started.
@@ -186,19 +186,19 @@ class MaterialFlow:
             Handover: self._handovers.on_handover,
         }
         self.alarms: Mapping[str, Callable[[Any, float], None]] = {
-            ADOPT: self._end_adoption,
+            RECOVERY_WAIT: self._end_recovery,
             **self.tasks.alarms,
             **self.sourcing.alarms,
         }
 
     # --- the beginning ---
 
-    def begin(self, body: WorkcellState) -> None:
+    def take_count(self, body: WorkcellState) -> None:
         """Take over what the body has counted."""
-        self._supply.begin(body.stock, body.seq)
+        self._supply.take_count(body.stock, body.seq)
         self._handovers.counts = body.counts
 
-    def recall(self, memory: MachineMemory, now_s: float) -> None:
+    def restore(self, memory: MachineMemory, now_s: float) -> None:
         """Go on with the transports of an earlier life."""
         self.task_count = memory.task_count
         for kept in memory.tasks:
@@ -211,10 +211,10 @@ class MaterialFlow:
 
     def recover(self, forgetful: bool, now_s: float) -> None:
         """Listen for vehicles that work for this machine, and that it does not know of."""
-        self._recovery.begin(forgetful, now_s)
+        self._recovery.listen(forgetful, now_s)
 
-    def _end_adoption(self, _about: None, now_s: float) -> None:
-        self._recovery.end()
+    def _end_recovery(self, _about: None, now_s: float) -> None:
+        self._recovery.stop_listening()
         # What had left before this life began, its carrier has told by now.
         self.goods.recount(now_s)
         self._owner.pursue(now_s)
@@ -352,7 +352,7 @@ class MaterialFlow:
         self._dock.shut(atv)
 
     def _on_task_ended(self, task: OpenTask, outcome: Outcome) -> None:
-        self.sourcing.end(task, fetched=outcome == "delivered")
+        self.sourcing.on_task_closed(task, fetched=outcome == "delivered")
 
     def _on_task_lost(self, task: OpenTask, now_s: float) -> None:
         """A task was withdrawn; what is needed in its place is made, or ordered, anew."""

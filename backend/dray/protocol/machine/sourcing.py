@@ -233,7 +233,7 @@ class Sourcing:
             self._ask(task.id, task.epoch, _work(task), _sources(task))
         self._timers.set((RENEW, task.id), now_s + RENEW_S)
 
-    def end(self, task: OpenTask, *, fetched: bool) -> None:
+    def on_task_closed(self, task: OpenTask, *, fetched: bool) -> None:
         """A task has ended; what was set aside for it and not fetched is given back."""
         held = self._held.pop(task.id, None)
         self._timers.clear((RENEW, task.id))

@@ -45,7 +45,7 @@ class Supply:
 
     # --- what is there ---
 
-    def begin(self, stock: dict[str, int], seq: int) -> None:
+    def take_count(self, stock: dict[str, int], seq: int) -> None:
         """Take the workcell's count at the start, which tells all that was reported to earlier lives, too."""
         self.stock, self._seq, self._levels = dict(stock), seq, None
 

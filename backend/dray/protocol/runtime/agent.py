@@ -155,13 +155,13 @@ class AgentBase:
 
     def _on_leaving(self, now_s: float) -> None:
         if not self._shutdown.begun:
-            self._shutdown.begin(now_s)
+            self._shutdown.start_draining(now_s)
             self._prepare_to_leave(now_s)
 
     def _leave_if_free(self, now_s: float) -> None:
         if now_s < self._shutdown.latest_s and self._is_held():
             return
-        self._shutdown.end()
+        self._shutdown.complete()
         self._take_leave(now_s)
         self._out.append(Leave())
 

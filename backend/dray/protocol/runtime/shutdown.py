@@ -41,7 +41,7 @@ class GracefulShutdown:
         self.begun = False
         self.latest_s = NEVER_S
 
-    def begin(self, now_s: float) -> None:
+    def start_draining(self, now_s: float) -> None:
         """It is asked to leave; once is enough."""
         self.begun = True
         self.latest_s = now_s + self._within_s
@@ -51,6 +51,6 @@ class GracefulShutdown:
         """Whether it was asked and has not gone."""
         return self.latest_s < NEVER_S
 
-    def end(self) -> None:
+    def complete(self) -> None:
         """It goes."""
         self.latest_s = NEVER_S

@@ -103,7 +103,7 @@ class Reservations:
 
     # --- what lies there ---
 
-    def begin(self, stock: Mapping[str, int], seq: int) -> None:
+    def take_count(self, stock: Mapping[str, int], seq: int) -> None:
         """Take the storage's count at the start."""
         self._seq = seq
         self._set(stock)

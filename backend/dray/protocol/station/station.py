@@ -71,7 +71,7 @@ class Station(AgentBase):
 
     def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
         state = self._storage(body)
-        self._book.begin(state.stock, state.seq)
+        self._book.take_count(state.stock, state.seq)
         note = memory.get(WHOLE)
         if isinstance(note, StationMemory):
             self._written = note

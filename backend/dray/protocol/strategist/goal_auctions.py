@@ -51,7 +51,7 @@ class GoalAuctions(Coordinator):
         timers: the strategist's alarms; this class uses names ``(TAKERS, product)`` beside those of its base.
         out: where effects go.
         assessor: what it asks of bids beside their price.
-        departure: of the strategist: one that was asked to leave puts nothing up.
+        shutdown: of the strategist: one that was asked to leave puts nothing up.
         taken: called when a machine has taken a goal.
         incarnation: how often the strategist was started.
     """
@@ -65,7 +65,7 @@ class GoalAuctions(Coordinator):
         timers: Timers,
         out: list[Effect],
         assessor: Assessor,
-        departure: GracefulShutdown,
+        shutdown: GracefulShutdown,
         taken: Callable[[OpenGoal, float], None],
         *,
         incarnation: int,
@@ -85,7 +85,7 @@ class GoalAuctions(Coordinator):
         self._keys = keys
         self._book = book
         self._watch = watch
-        self._shutdown = departure
+        self._shutdown = shutdown
         self._taken = taken
         self._asking: dict[str, str] = {}
         """By product: the goal that is up for auction."""
@@ -104,7 +104,7 @@ class GoalAuctions(Coordinator):
         if not self._timers.is_set((TAKERS, product)):
             self._check_takers(product, now_s)
 
-    def end(self, goal: OpenGoal, outcome: Outcome) -> None:
+    def close_goal(self, goal: OpenGoal, outcome: Outcome) -> None:
         """A goal has ended, whether it was put up or not."""
         if self._asking.get(goal.work.product) == goal.id:
             del self._asking[goal.work.product]

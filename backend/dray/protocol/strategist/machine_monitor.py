@@ -16,7 +16,7 @@ BREAKDOWN_S = 600.0
 what was made before is carried away meanwhile."""
 
 
-class Seen:
+class _LastHeard:
     """What was last heard of one machine."""
 
     __slots__ = ("broken_s", "heard_s", "newest")
@@ -38,30 +38,30 @@ class MachineMonitor:
 
     def __init__(self, plant: Plant) -> None:
         self._plant = plant
-        self._seen: dict[str, Seen] = {}
+        self._heard: dict[str, _LastHeard] = {}
         self._joining: dict[str, JoiningMachine] = {}
 
-    def begin(self, now_s: float) -> None:
+    def start(self, now_s: float) -> None:
         """Watch the machines of the plant file; until they have had time to speak all are believed to live."""
-        self._seen = {machine: Seen(now_s) for machine in self._plant.machines}
+        self._heard = {machine: _LastHeard(now_s) for machine in self._plant.machines}
 
     def on_heartbeat(self, heartbeat: MachineHeartbeat, now_s: float) -> bool:
         """Note a heartbeat; False when it is older than one that was heard, or of no machine here."""
-        seen = self._seen.get(heartbeat.machine) or self._welcome(heartbeat, now_s)
+        heard = self._heard.get(heartbeat.machine) or self._welcome(heartbeat, now_s)
         order = (heartbeat.incarnation, heartbeat.seq)
-        if seen is None or order <= seen.newest:
+        if heard is None or order <= heard.newest:
             return False
-        seen.newest, seen.heard_s = order, now_s
+        heard.newest, heard.heard_s = order, now_s
         if heartbeat.status is not MachineStatus.ERROR:
-            seen.broken_s = None
-        elif seen.broken_s is None:
-            seen.broken_s = now_s
+            heard.broken_s = None
+        elif heard.broken_s is None:
+            heard.broken_s = now_s
         return True
 
     def excuse(self, span_s: float) -> None:
         """The strategist was held up itself for so long: nobody was silent in that time."""
-        for seen in self._seen.values():
-            seen.heard_s += span_s
+        for heard in self._heard.values():
+            heard.heard_s += span_s
 
     def machines_for(self, product: str) -> tuple[str, ...]:
         """All that can make a product, those included that the plant file does not know."""
@@ -83,23 +83,23 @@ class MachineMonitor:
 
     def trouble(self, machine: str, now_s: float) -> str:
         """What is the matter with a machine, in words; empty when it lives and works."""
-        seen = self._seen.get(machine)
+        heard = self._heard.get(machine)
         # A joining machine that took a goal in an earlier life of the strategist may never have been heard in this one.
-        if seen is None or now_s >= seen.heard_s + GOAL_SILENCE_S:
+        if heard is None or now_s >= heard.heard_s + GOAL_SILENCE_S:
             return "silent"
-        return "broken" if seen.broken_s is not None else ""
+        return "broken" if heard.broken_s is not None else ""
 
     def is_broken_for_long(self, machine: str, now_s: float) -> bool:
         """Whether it has been broken for longer than anybody waits for."""
-        seen = self._seen.get(machine)
-        broken_s = None if seen is None else seen.broken_s
+        heard = self._heard.get(machine)
+        broken_s = None if heard is None else heard.broken_s
         return broken_s is not None and now_s >= broken_s + BREAKDOWN_S
 
-    def _welcome(self, heartbeat: MachineHeartbeat, now_s: float) -> Seen | None:
+    def _welcome(self, heartbeat: MachineHeartbeat, now_s: float) -> _LastHeard | None:
         """Begin to watch a machine that the plant file does not know, if it says what it is."""
         joining = heartbeat.joining
         if joining is None or len(self._joining) >= JOINING_MACHINES_MAX:
             return None
         self._joining[heartbeat.machine] = joining
-        seen = self._seen[heartbeat.machine] = Seen(now_s)
-        return seen
+        heard = self._heard[heartbeat.machine] = _LastHeard(now_s)
+        return heard

@@ -237,7 +237,7 @@ class OrderBook:
         self._forget_oldest(self._returned)
         return returned
 
-    def end(self, order: str, *, fulfilled: bool = False) -> OrderInWork | None:
+    def close_order(self, order: str, *, fulfilled: bool = False) -> OrderInWork | None:
         """Forget an order and its goals, and take none of this name any more.
 
         Args:

@@ -113,11 +113,11 @@ class Strategist(AgentBase):
     def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
         if not isinstance(body, GateState):
             raise ProtocolViolation(f"{self.id}: a strategist needs a gate, not {body!r}")
-        self._monitor.begin(now_s)
+        self._monitor.start(now_s)
         self._out.append(Subscribe(self._keys.all_machine_heartbeats))
-        self._recall(memory, body, now_s)
+        self._restore(memory, body, now_s)
 
-    def _recall(self, memory: Memory, gate: GateState, now_s: float) -> None:
+    def _restore(self, memory: Memory, gate: GateState, now_s: float) -> None:
         """Go on with what an earlier life was bound by, and with what has arrived since."""
         self._book.restore(memory)
         if not memory:
@@ -172,7 +172,7 @@ class Strategist(AgentBase):
 
     def _on_cancelled(self, sender: str, message: OrderCancelled, now_s: float) -> None:
         """Drop an order, and say so as often as it is asked for, also of one that has not come yet."""
-        order = self._book.end(message.order)
+        order = self._book.close_order(message.order)
         if order is not None:
             self._drop(order, now_s)
         self._out.append(Send(sender, CancellationTaken(order=message.order)))
@@ -236,7 +236,7 @@ class Strategist(AgentBase):
             returned = self._book.give_back(order.id, order.release)
             self._out.append(Record(OrderReturned(order.id, order.release, returned.outstanding)))
         else:
-            self._book.end(order.id, fulfilled=True)
+            self._book.close_order(order.id, fulfilled=True)
             self._out.append(Record(OrderFulfilled(order=order.id)))
         if order.revoked_by:
             taken = RevocationTaken(order.id, order.release, tuple(order.withdrawn))
@@ -320,7 +320,7 @@ class Strategist(AgentBase):
     def _end(self, goal: OpenGoal, outcome: Outcome) -> None:
         """Follow a goal no longer."""
         self._timers.clear((GOAL_CHECK, goal.id))
-        self._auctions.end(goal, outcome)
+        self._auctions.close_goal(goal, outcome)
 
     # --- when a machine fails ---
 

@@ -4,7 +4,7 @@ A primary that has failed is replaced by its secondary, which has TAKEOVER_TIMEO
 announced anew. Either way the epoch rises, and that is the fence: there is one carrier, whoever else
 believes to be it.
 
-    CARRIED --failed, with a secondary--> GRACE --TakenOver--> CARRIED by another, epoch + 1
+    CARRIED --failed, with a secondary--> AWAITING --TakenOver--> CARRIED by another, epoch + 1
        |  ^                                 |  |
        |  +------- heard again -------------+  +-- nobody takes over --> announced anew, epoch + 1
        +-- failed, and was silent already when the secondary began --> that one is asked, epoch + 1

@@ -63,7 +63,7 @@ class Secondaries:
 
     def seek(self, task: OpenTask, candidates: tuple[tuple[str, Bid], ...], now_s: float) -> None:
         """Elect a secondary, of these candidates first; nobody is needed for what nobody could take over."""
-        if task.is_loaded or task.adopted:
+        if task.is_loaded or task.recovered:
             return
         terms = Terms(
             task=task.id,
@@ -88,13 +88,13 @@ class Secondaries:
             self._timers.clear((WATCH_AUCTION, task.id))
         if task.secondary:
             self._release(task, task.secondary, task.standby.number, reason)
-            self.end(task)
+            self.unfollow(task)
 
     def lose(self, task: OpenTask, reason: str, now_s: float) -> None:
         """A secondary is one no more: elect another."""
         fact = WatchLost(task=task.id, epoch=task.epoch, secondary=task.secondary, reason=reason)
         self._out.append(Record(fact))
-        self.end(task)
+        self.unfollow(task)
         self.seek(task, (), now_s)
 
     def standby_candidate(self, task: OpenTask) -> tuple[tuple[str, Bid], ...]:
@@ -102,7 +102,7 @@ class Secondaries:
         bid = task.standby.bid
         return () if bid is None else ((task.secondary, bid),)
 
-    def end(self, task: OpenTask) -> None:
+    def unfollow(self, task: OpenTask) -> None:
         """Follow a task's secondary no longer, and say nothing: it knows."""
         self._subscriptions.unfollow(task.secondary)
         self._timers.clear((SECONDARY_SILENCE, task.id))

@@ -93,10 +93,10 @@ class Standby:
     def briefs(self) -> tuple[Brief, ...]:
         return tuple(watch.brief() for watch in self._watches.values())
 
-    def begin(self, award: Award, coordinator: str, now_s: float) -> None:
+    def watch(self, award: Award, coordinator: str, now_s: float) -> None:
         """Guard the primary of an award; a newer epoch of the same task replaces the older one."""
         if award.task in self._watches:
-            self.end(award.task, "renewed")
+            self.unwatch(award.task, "renewed")
         detector = FailureDetector(award.primary, WORKING_INTERVAL_S, now_s, self._subscriptions.arrivals)
         self._watches[award.task] = Watch(award, coordinator, detector, now_s)
         self._subscriptions.follow(award.primary)
@@ -116,10 +116,10 @@ class Standby:
         watch = self._watches.get(message.task)
         if watch is None or watch.award.number != message.number:
             return False
-        self.end(message.task, message.reason)
+        self.unwatch(message.task, message.reason)
         return True
 
-    def end(self, task: str, reason: str) -> None:
+    def unwatch(self, task: str, reason: str) -> None:
         """Guard it no longer; harmless when it was not guarded."""
         watch = self._watches.pop(task, None)
         if watch is None:
@@ -139,7 +139,7 @@ class Standby:
         watch = self._watches[task]
         resigned = Resigned(task=task, epoch=watch.award.epoch, role=Role.SECONDARY, reason=reason)
         self._out.append(Send(watch.coordinator, resigned))
-        self.end(task, "resigned")
+        self.unwatch(task, "resigned")
 
     def on_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """A followed vehicle lives."""
@@ -152,7 +152,7 @@ class Standby:
             if heartbeat.task is not None and heartbeat.task.task == task:
                 watch.named_s = now_s
             elif now_s - watch.named_s > OVER_AFTER_S:
-                self.end(task, "over")
+                self.unwatch(task, "over")
 
     def failed(self, task: str, now_s: float) -> Watch | None:
         """Look after a primary whose time may have come.

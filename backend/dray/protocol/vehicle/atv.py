@@ -147,7 +147,7 @@ class Atv(AgentBase):
         self._commands.stopped = state.held
         note = memory.get(WHOLE)
         if isinstance(note, AtvMemory):
-            self._commands.recall(note)
+            self._commands.restore(note)
         if isinstance(note, AtvMemory) and note.contract is not None:
             self._contracts.bind(note.contract)
             self._contracts.go_on(lambda job: job.resume(state.load, now_s), now_s)

@@ -104,7 +104,7 @@ class CommandHandling:
         """What the next life must know: commands that it would obey if they came again."""
         return tuple(each for each in self._answered.values() if each.valid_until_s >= self._asked_s)
 
-    def recall(self, memory: AtvMemory) -> None:
+    def restore(self, memory: AtvMemory) -> None:
         """Go on with what an earlier life was told; whether it is stopped, its body knows."""
         self.acknowledged = memory.acknowledged and self.stopped and not self._assistance.problem
         self._driver.speed_frac = memory.speed_frac

@@ -202,7 +202,7 @@ class Contracts:
     def seek(self, now_s: float) -> None:
         """Ask for work that waits, if it can take any."""
         if self.job is None and not self._owner.unfit() and not self._charging.is_needy:
-            self._work_search.begin(self._owner.battery_frac, now_s)
+            self._work_search.ask_for_work(self._owner.battery_frac, now_s)
 
     def _ask_for_work(self, _about: str, now_s: float) -> None:
         if self._may_seek():
@@ -231,13 +231,13 @@ class Contracts:
         if isinstance(answer, Unable):
             self._out.append(decline(sender, award, answer.reason))
         elif award.role is Role.SECONDARY:
-            self.standby.begin(award, sender, now_s)
+            self.standby.watch(award, sender, now_s)
             self._out.append(accept(sender, award, self._promised_s, now_s))
             self._owner.beat_soon(now_s)
         else:
             contract = _contract(award, sender, answer)
             accepted = accept(sender, award, contract.promised_s, now_s)
-            self._take(contract, accepted, lambda job: job.begin(now_s), now_s)
+            self._take(contract, accepted, lambda job: job.set_off(now_s), now_s)
 
     def _holds(self, award: Award) -> bool:
         """Whether it took this award already."""
@@ -279,7 +279,7 @@ class Contracts:
             finish_s=quote.finish_s,
             source=quote.source,
         )
-        self.standby.end(task, "taken over")
+        self.standby.unwatch(task, "taken over")
         contract = replace(_contract(award, watch.coordinator, quote), epoch=epoch, number=0, claim=claim)
         self._take(contract, Record(took), lambda job: job.take_over(now_s), now_s)
 

@@ -101,7 +101,7 @@ class WorkSearch:
             if reason is Refusal.BATTERY:
                 self._enough_frac = battery_frac + CHARGED_FRAC
 
-    def begin(self, battery_frac: float, now_s: float) -> None:
+    def ask_for_work(self, battery_frac: float, now_s: float) -> None:
         """The vehicle is free: ask for what waits, if anything may and this vehicle may be able to carry it."""
         if not self._known or self._seeks or now_s < self._not_before_s:
             return

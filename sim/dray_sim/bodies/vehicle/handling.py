@@ -63,7 +63,7 @@ class Handling:
         self._charger = ""
         """Where it is plugged in."""
 
-    def begin(self, action: Action, node: str) -> str:
+    def start_action(self, action: Action, node: str) -> str:
         """Begin an action.
 
         Args:
@@ -96,14 +96,14 @@ class Handling:
         if reason:
             self.abort(reason)
         else:
-            self.end()
+            self.finish_action()
             self._reporter.say(ActionDone(order=action.order))
 
     def abort(self, reason: str) -> None:
         """End the action, if any, without effect; a charge has had its effect and ends without a word."""
         if self.action is not None and not isinstance(self.action, Charge):
             self._reporter.say(ActionFailed(order=self.action.order, reason=reason))
-        self.end()
+        self.finish_action()
 
     def _transfer(self, action: Pick | Drop) -> str:
         """Let the load change hands, at once and wholly; returns why it cannot."""
@@ -118,7 +118,7 @@ class Handling:
             self.load, self.quantity = action.item, action.quantity
         return reason
 
-    def end(self) -> None:
+    def finish_action(self) -> None:
         """The action is over, whatever came of it; a plug stays in."""
         self.action = None
 

@@ -148,7 +148,7 @@ class Travel:
 
     # --- what it is told -------------------------------------------------------------------------
 
-    def begin(self, order: int, nodes: tuple[str, ...], released: int, now_s: float) -> str:
+    def drive(self, order: int, nodes: tuple[str, ...], released: int, now_s: float) -> str:
         """Follow a new way, after the lane that the vehicle is on.
 
         Returns:

@@ -193,7 +193,7 @@ class SimVehicle:
             return
         self._settle()
         self._power.off = True
-        self._handling.end()
+        self._handling.finish_action()
         self._travel.strand(self._power.settled_s)
         self._reporter.mute()
         self._schedule()
@@ -270,7 +270,7 @@ class SimVehicle:
 
     def _drive(self, drive: Drive) -> None:
         travel, now_s = self._travel, self._power.settled_s
-        reason = travel.begin(drive.order, drive.nodes, drive.released, now_s)
+        reason = travel.drive(drive.order, drive.nodes, drive.released, now_s)
         if reason:
             self._fail(drive.order, reason)
             travel.cut(now_s)
@@ -286,7 +286,7 @@ class SimVehicle:
         if isinstance(self._handling.action, Charge):
             self._handling.abort("")
         busy = self._travel.way is not None
-        reason = "the way is not finished" if busy else self._handling.begin(action, self._travel.node)
+        reason = "the way is not finished" if busy else self._handling.start_action(action, self._travel.node)
         if reason:
             self._fail(action.order, reason)
         elif isinstance(action, Charge):

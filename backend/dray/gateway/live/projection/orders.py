@@ -81,7 +81,7 @@ class Orders:
         for order, goals in orders:
             self._keep(order)
             for goal in goals:
-                self._adopt(order.id, goal)
+                self._attach_goal(order.id, goal)
         self.delivered, self.on_time = totals.delivered, totals.on_time
 
     def put(self, order: Order, goals: Iterable[Goal] = ()) -> None:
@@ -95,7 +95,7 @@ class Orders:
         if known is not None and known.status in ENDED:
             return
         for goal in goals:
-            self._adopt(order.id, goal)
+            self._attach_goal(order.id, goal)
         if known is not None and order.status is not OrderStatus.CANCELLED:
             # What SQL said may lag behind what the factory has told since.
             order = self._advanced(order)
@@ -223,11 +223,11 @@ class Orders:
             return None
         goals = self._goals.setdefault(order, {})
         if name not in goals:
-            self._adopt(order, Goal(name))
+            self._attach_goal(order, Goal(name))
         note(goals[name], event, self._to_wall_s)
         return order
 
-    def _adopt(self, order: str, goal: Goal) -> None:
+    def _attach_goal(self, order: str, goal: Goal) -> None:
         merge(self._goals.setdefault(order, {}).setdefault(goal.id, Goal(goal.id)), goal)
         self._order_of[goal.id] = order
 

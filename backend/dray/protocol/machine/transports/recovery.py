@@ -10,11 +10,11 @@ from dray.messages import AtvHeartbeat, Brief, Phase, Transport
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.machine.supply import Supply
-from dray.protocol.machine.transports.transports import ADOPT_S, Transports
+from dray.protocol.machine.transports.transports import RECOVERY_WAIT_S, Transports
 from dray.protocol.runtime.events import Effect, Subscribe, Unsubscribe
 from dray.protocol.runtime.timers import Timers
 
-ADOPT = "adopt"
+RECOVERY_WAIT = "recovery wait"
 
 ON_THE_WAY = frozenset({Phase.APPROACHING, Phase.LOADING, Phase.CARRYING, Phase.UNLOADING})
 """Phases of a transport that has not been handed over: only such a one is news to a machine that forgot all."""
@@ -29,7 +29,7 @@ class Recovery:
         keys: the plant's bus keys.
         tasks: its transports.
         supply: its buffers.
-        timers: its alarms; this class uses `ADOPT`.
+        timers: its alarms; this class uses `RECOVERY_WAIT`.
         out: where effects go.
     """
 
@@ -53,30 +53,30 @@ class Recovery:
         self._forgetful = False
         """It has no notes of the life before."""
 
-    def begin(self, forgetful: bool, now_s: float) -> None:
+    def listen(self, forgetful: bool, now_s: float) -> None:
         """Listen to all vehicles for a while."""
         self._forgetful = forgetful
         self._out.append(Subscribe(self._key))
-        self._timers.set(ADOPT, now_s + ADOPT_S)
+        self._timers.set(RECOVERY_WAIT, now_s + RECOVERY_WAIT_S)
 
-    def end(self) -> None:
+    def stop_listening(self) -> None:
         """The alarm has come: listen to all vehicles no longer."""
         self._out.append(Unsubscribe(self._key))
 
     def waits_for_word_on(self, task: str) -> bool:
         """Whether a task that is not known may be one of an earlier life, of which its carrier's heartbeat tells."""
-        if not self._forgetful or not self._timers.is_set(ADOPT):
+        if not self._forgetful or not self._timers.is_set(RECOVERY_WAIT):
             return False
         return self._tasks.get(task) is None and self._tasks.closed(task) is None
 
     def on_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """A vehicle may name this machine as the one that it carries for."""
         brief = heartbeat.task
-        if brief is None or brief.coordinator != self._machine or not self._timers.is_set(ADOPT):
+        if brief is None or brief.coordinator != self._machine or not self._timers.is_set(RECOVERY_WAIT):
             return
         known = self._tasks.get(brief.task)
         if known is not None:
-            self._tasks.adopt(heartbeat.atv, brief, now_s)
+            self._tasks.acknowledge_carrier(heartbeat.atv, brief, now_s)
         elif (
             self.waits_for_word_on(brief.task)
             and self._is_ours(brief)
@@ -89,7 +89,7 @@ class Recovery:
                 destination=self._machine,
                 ability=self._plant.materials[brief.item].ability,
             )
-            self._tasks.adopt_unknown(heartbeat.atv, brief, work, now_s)
+            self._tasks.acknowledge_unknown(heartbeat.atv, brief, work, now_s)
             self._supply.ordered(work)
 
     def _carries_already(self, atv: str) -> bool:

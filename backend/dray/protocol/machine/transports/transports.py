@@ -47,7 +47,7 @@ from dray.protocol.runtime.timers import Timers
 from dray.protocol.takeover.failover import Failover
 from dray.protocol.takeover.secondaries import Secondaries
 
-ADOPT_S = 10.0
+RECOVERY_WAIT_S = 10.0
 """How long a coordinator that was started again listens for vehicles that work for it: many heartbeats."""
 
 
@@ -137,14 +137,14 @@ class Transports(Coordinator):
 
     def reopen(self, task: OpenTask, reason: str, now_s: float) -> None:
         """Announce a task anew, with a higher epoch; whoever carried it is superseded."""
-        if task.adopted:
+        if task.recovered:
             self.give_up(task, now_s)
         else:
             self._replace(task, (), reason, now_s)
 
     def pass_on(self, task: OpenTask, reason: str, now_s: float) -> None:
         """Ask the secondary of a task to carry it, with a higher epoch; announce it when that will not."""
-        if task.adopted:
+        if task.recovered:
             self.give_up(task, now_s)
         else:
             self._replace(task, self._secondaries.standby_candidate(task), reason, now_s)
@@ -179,7 +179,7 @@ class Transports(Coordinator):
 
         One that had a primary is followed as if nothing had been: the vehicle's own heartbeat shows soon
         enough whether it still carries it. One that had none may have been accepted while nobody listened:
-        it is announced after ADOPT_S, with a higher epoch, unless a vehicle has named it by then.
+        it is announced after RECOVERY_WAIT_S, with a higher epoch, unless a vehicle has named it by then.
         """
         epoch = memory.epoch + 1 if memory.offered and not memory.primary else memory.epoch
         deadline_s = prolonged_s(memory.deadline_s, memory.opened_s, now_s)
@@ -188,26 +188,26 @@ class Transports(Coordinator):
         task.due_s, task.witnessed = memory.deadline_s, False
         if memory.primary:
             auction.cancel()
-            task.adopted = memory.adopted
+            task.recovered = memory.recovered
             self._restore_carrier(task, memory, now_s)
         else:
-            auction.open_later(now_s + ADOPT_S)
+            auction.open_later(now_s + RECOVERY_WAIT_S)
             self._auctions.arm(PRIMARY_AUCTION, auction)
         return task
 
-    def adopt(self, atv: str, brief: Brief, now_s: float) -> None:
+    def acknowledge_carrier(self, atv: str, brief: Brief, now_s: float) -> None:
         """Acknowledge the contract of a vehicle that names this coordinator, after a restart, if it may have it."""
         task = self._open.get(brief.task)
         if task is not None and self._may_be_carried(task, brief.epoch):
-            self._adopt(task, atv, brief.epoch, brief.due_s or 0.0, now_s)
+            self._bind_carrier(task, atv, brief.epoch, brief.due_s or 0.0, now_s)
 
-    def adopt_unknown(self, atv: str, brief: Brief, work: Work, now_s: float) -> None:
+    def acknowledge_unknown(self, atv: str, brief: Brief, work: Work, now_s: float) -> None:
         """Acknowledge the contract of a vehicle for a task that no notes tell of."""
         deadline_s = brief.due_s if brief.due_s is not None else now_s
         auction = self._auction(brief.task, brief.epoch, work, deadline_s)
         task = self._open[brief.task] = OpenTask(brief.task, work, auction, now_s)
-        task.adopted, task.witnessed = True, False
-        self._adopt(task, atv, brief.epoch, deadline_s, now_s)
+        task.recovered, task.witnessed = True, False
+        self._bind_carrier(task, atv, brief.epoch, deadline_s, now_s)
 
     # --- what is heard ---
 
@@ -224,7 +224,7 @@ class Transports(Coordinator):
         task = self._open.get(answer.task)
         if answer.role is Role.PRIMARY and task is not None and self._may_be_carried(task, answer.epoch):
             # The award is in nobody's notes but the vehicle's, which has been started again too.
-            self._adopt(task, sender, answer.epoch, by_our_clock(answer, now_s).finish_s, now_s)
+            self._bind_carrier(task, sender, answer.epoch, by_our_clock(answer, now_s).finish_s, now_s)
             return
         task = self._present(answer)
         if task is not None and answer.role is Role.SECONDARY:
@@ -266,8 +266,8 @@ class Transports(Coordinator):
             self._confirm(task)
         elif task is None or message.epoch <= task.epoch:
             self._out.append(Send(sender, self.superseded(message.task, message.epoch)))
-        elif veto := self.failover.objection(task, sender, message, now_s):
-            self._release(sender, message, veto)
+        elif objection := self.failover.objection(task, sender, message, now_s):
+            self._release(sender, message, objection)
         elif self._assessor.refuses_clock(sender, message, now_s):
             self._release(sender, message, CLOCK)
         else:
@@ -323,7 +323,7 @@ class Transports(Coordinator):
         """
         return not task.primary and not task.is_offered and task.epoch - 1 <= epoch <= task.epoch
 
-    def _adopt(self, task: OpenTask, atv: str, epoch: int, promised_s: float, now_s: float) -> None:
+    def _bind_carrier(self, task: OpenTask, atv: str, epoch: int, promised_s: float, now_s: float) -> None:
         task.auction.cancel()
         task.epoch = epoch
         self._timers.clear((PRIMARY_AUCTION, task.id))
@@ -364,7 +364,7 @@ class Transports(Coordinator):
         failure = detector.failure(now_s) if detector is not None else ""
         self.failover.blame(task, failure or message.reason, now_s)
         if task.secondary == atv:
-            self._secondaries.end(task)
+            self._secondaries.unfollow(task)
         replaced, silent_s = self._supersede(task, message.epoch, "another one has taken over", now_s)
         self._bind(task, atv, message.source, message.finish_s, now_s)
         self._confirm(task)

@@ -137,7 +137,7 @@ class JobMessages:
         """Give the contract back, once: whoever does not hear it hears no heartbeat about the task either."""
         self._out.append(Send(self._coordinator, self._resigned(reason)))
 
-    def end(self) -> None:
+    def stop(self) -> None:
         """Say nothing more."""
         self._question.settle(self._task)
         self._claim.settle(self._task)

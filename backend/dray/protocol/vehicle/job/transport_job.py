@@ -100,7 +100,7 @@ class TransportJob(JobStatus):
 
     # --- what happens ---
 
-    def begin(self, now_s: float) -> None:
+    def set_off(self, now_s: float) -> None:
         """Set off for the source."""
         self._enter(JobState.APPROACHING, self.source)
         self._drive(self.source, now_s)
@@ -108,7 +108,7 @@ class TransportJob(JobStatus):
     def take_over(self, now_s: float) -> None:
         """Set off in the place of a failed vehicle, and tell the coordinator until it has heard."""
         self._messages.tell_bound(self.number, now_s)
-        self.begin(now_s)
+        self.set_off(now_s)
 
     def resume(self, load: str, now_s: float) -> None:
         """Go on after a restart, from what the vehicle has on board.
@@ -131,7 +131,7 @@ class TransportJob(JobStatus):
         elif self.phase in (Phase.CARRYING, Phase.RETURNING):
             self._miss_load(now_s)
         else:
-            self.begin(now_s)
+            self.set_off(now_s)
 
     def arrived(self, now_s: float) -> None:
         """The vehicle stands where it was sent."""
@@ -383,7 +383,7 @@ class TransportJob(JobStatus):
             self._messages.resign(GONE)
             self._end(GONE)
         else:
-            self.begin(now_s)
+            self.set_off(now_s)
 
     def _return(self, now_s: float) -> None:
         """Bring the load to where it is kept."""
@@ -395,4 +395,4 @@ class TransportJob(JobStatus):
         self._states.enter(JobState.ENDED)
         self.ended = reason
         self._moves.try_no_more()
-        self._messages.end()
+        self._messages.stop()

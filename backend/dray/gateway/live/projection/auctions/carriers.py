@@ -10,7 +10,7 @@ MAX_CARRIERS = 16
 """Changes of a task's carrier that are kept, newest last: more than one task sees while somebody looks."""
 
 
-def begin_again(task: TaskView) -> None:
+def reopen_task(task: TaskView) -> None:
     """Nobody carries it any more: another one is sought, in a new epoch."""
     task.trouble = ""
     task.state, task.primary, task.phase, task.source = "bidding", "", "", ""
@@ -47,7 +47,7 @@ def undo_takeover(task: TaskView, event: Event, fact: ContractEnded) -> bool:
     task.carriers = task.carriers[:-1]
     before = task.carriers[-1] if task.carriers else None
     if before is None or not before.carrier:
-        begin_again(task)
+        reopen_task(task)
     else:
         task.primary, task.phase = before.carrier, ""
     task.epoch = fact.epoch - 1 if before is None else before.epoch

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from dray.gateway.live.projection.auctions.bids import add_bid, add_refusal, last_bid, note_award
-from dray.gateway.live.projection.auctions.carriers import add_carrier, begin_again, give_to, undo_takeover
+from dray.gateway.live.projection.auctions.carriers import add_carrier, give_to, reopen_task, undo_takeover
 from dray.gateway.live.projection.auctions.reorder_buffer import ReorderBuffer, task_of
 from dray.gateway.live.projection.auctions.why import why_of
 from dray.gateway.live.projection.changes import Changes
@@ -194,7 +194,7 @@ class Tasks:
         if fact.role is Role.SECONDARY or fact.epoch < task.epoch:
             return False
         if fact.epoch > task.epoch:
-            begin_again(task)
+            reopen_task(task)
         elif fact.round <= task.round:
             # Doubled, or overtaken by what came of it.
             return False
@@ -276,7 +276,7 @@ class Tasks:
         if fact.carrier:
             give_to(task, fact.carrier, fact.epoch)
         else:
-            begin_again(task)
+            reopen_task(task)
             # The announcement that follows begins with round 1 of the new epoch.
             task.epoch, task.round = fact.epoch, 0
         changed = self._carrier(event, fact.carrier, fact.epoch)
