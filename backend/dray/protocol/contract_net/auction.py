@@ -127,7 +127,7 @@ class Auction:
 
     @property
     def awaits_answers(self) -> bool:
-        """Whether bids are collected or somebody is asked."""
+        """Whether bids are being collected or an award is unanswered."""
         return self.stage is Stage.COLLECTING or self.stage is Stage.ASKING
 
     @property
@@ -174,7 +174,7 @@ class Auction:
         return self.stage is Stage.RESTING and self._vain > 0 and self.radius_m >= self._place.reach_m
 
     def stand_behind(self, now_s: float) -> None:
-        """Announce nothing for now: the same vehicles are sought in vain for what is more urgent, and who is free asks."""
+        """Announce nothing for now: a more urgent task waits for the same vehicles; free ones ask for work."""
         if not self.round:
             self._begin(now_s)
             self.round = 1
@@ -252,7 +252,7 @@ class Auction:
         self.stage, self.wake_at_s = Stage.DECIDED, NEVER_S
 
     def wake(self, now_s: float) -> None:
-        """Do what is due."""
+        """The alarm has come: close the bidding window, give up an unanswered award, or begin the next round."""
         if now_s < self.wake_at_s:
             return
         if self.stage is Stage.COLLECTING:

@@ -16,7 +16,7 @@ from dray.protocol.liveness.suspicion import JITTER_S
 
 
 class AuctionRules(msgspec.Struct, frozen=True):
-    """The patience and the reach of a coordinator's auctions."""
+    """The time-outs and the radius of a coordinator's auctions."""
 
     window_s: float = 1.0
     """Some ten times the latency of a good WLAN."""
@@ -50,7 +50,7 @@ class AuctionRules(msgspec.Struct, frozen=True):
         return self._stretched_s(self.answer_s, round_number)
 
     def rest_in_s(self, round_number: int, lasts_s: float = 0.0) -> float:
-        """How long everybody is left in peace after a round in which all were asked.
+        """How long the auction pauses after a round in which all bidders were asked in vain.
 
         Args:
             round_number: of that round.

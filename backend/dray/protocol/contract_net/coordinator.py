@@ -180,12 +180,12 @@ class Coordinator:
         """A task has got its contractor, for which `runners_up` have bid too, cheapest first."""
 
     def _let_go(self, task: OpenTask, reason: str) -> None:
-        """Nobody is to be bound by a task any more."""
+        """Release every contractor that is bound by a task."""
 
     # --- how it is done ---
 
     def _present(self, message: Bid | Accepted | Declined) -> OpenTask | None:
-        """The task that is spoken of, if it is open and this is its epoch."""
+        """The open task that a message names, if the message has its present epoch; else None."""
         task = self._open.get(message.task)
         return task if task is not None and task.epoch == message.epoch else None
 
@@ -228,7 +228,7 @@ class Coordinator:
         self._contracted(task, now_s)
 
     def _release(self, to: str, said: Accepted | TakenOver, reason: str) -> None:
-        """Nobody counts on what a contractor has taken."""
+        """Release a contractor from an award."""
         role, number = (said.role, said.number) if isinstance(said, Accepted) else (Role.PRIMARY, 0)
         release = Release(task=said.task, epoch=said.epoch, role=role, reason=reason, number=number)
         self._out.append(Send(to, release))

@@ -42,7 +42,7 @@ class Door:
         self.agree(vehicle, asked)
 
     def agree(self, vehicle: str, asked: Docked) -> None:
-        """Tell a vehicle that it may; the dock is another's."""
+        """Tell a vehicle that it may load or unload, without opening a dock: it is not this agent's."""
         self._out.append(Send(vehicle, DockOpened(task=asked.task, epoch=asked.epoch, station=asked.station)))
 
     def hold(self, vehicle: str, asked: Docked, reason: str) -> None:
@@ -51,6 +51,6 @@ class Door:
         self._out.append(Send(vehicle, held))
 
     def shut(self, vehicle: str) -> None:
-        """A manoeuvre that this vehicle has begun ends without effect."""
+        """End a transfer that this vehicle has begun, without effect."""
         # Also when this life has not opened it: an earlier one may have.
         self._out.append(Instruct(CloseDock(vehicle=vehicle)))

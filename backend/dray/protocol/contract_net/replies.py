@@ -69,7 +69,7 @@ class Refusals:
         """By task and role: the epoch and the reason of the last refusal."""
 
     def note(self, announced: TaskAnnounced, reason: Refusal, detail: str) -> None:
-        """There is no bid for this."""
+        """Record why there is no bid for this announcement, once per reason."""
         key, said = (announced.task, announced.role), (announced.epoch, reason)
         if self._said.get(key) != said:
             self._said[key] = said
@@ -97,7 +97,7 @@ def accept(coordinator: str, award: Award, finish_s: float, now_s: float) -> Eff
 
 
 def decline(coordinator: str, award: Award, reason: Refusal) -> Effect:
-    """Take it not: much may have changed since the bid."""
+    """Decline an award: the circumstances may have changed since the bid."""
     declined = Declined(
         task=award.task, epoch=award.epoch, role=award.role, reason=reason, number=award.number
     )

@@ -149,7 +149,7 @@ class OpenTask:
         """Why it does not go on, in words."""
 
     def assign(self, contract: CarrierContract) -> None:
-        """Somebody has it from now on."""
+        """Bind a contractor to the task."""
         self.states.enter(TaskState.ASSIGNED)
         self.contract = contract
 

@@ -40,7 +40,7 @@ class Waits:
         """Per place: when, who has seen it, and how long it was (s)."""
 
     def note(self, place: str, witness: str, waited_s: float, now_s: float) -> None:
-        """Somebody has waited so long at a place.
+        """Note how long a vehicle has waited at a place.
 
         Args:
             place: where.

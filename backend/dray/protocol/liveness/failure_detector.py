@@ -131,14 +131,14 @@ class HeartbeatSubscriptions:
         self._count: dict[str, int] = {}
 
     def follow(self, agent: str) -> None:
-        """Follow this agent for one more reason."""
+        """Subscribe to this agent's heartbeats, and count the reason."""
         count = self._count.get(agent, 0)
         self._count[agent] = count + 1
         if not count:
             self._out.append(Subscribe(self._key_of(agent)))
 
     def unfollow(self, agent: str) -> None:
-        """One reason less."""
+        """Drop one reason; unsubscribe when it was the last."""
         count = self._count.pop(agent)
         if count > 1:
             self._count[agent] = count - 1

@@ -121,7 +121,7 @@ class ArrivalStatistics:
         """How long the agent that listens was held up itself, all told: silence in that time is its own."""
 
     def note(self, missed: int, delay_s: float) -> None:
-        """One heartbeat has come.
+        """Update the estimates by one heartbeat.
 
         Args:
             missed: how many before it have not.

@@ -35,7 +35,7 @@ class Dock:
         self._door = Door(out)
 
     def on_docked(self, sender: str, message: Docked, now_s: float) -> None:
-        """Somebody asks to load or to unload."""
+        """A vehicle asks to load or to unload."""
         task = self._tasks.get(message.task)
         if task is None or message.epoch != task.epoch or sender != task.primary:
             self._out.append(Send(sender, self._tasks.superseded(message.task, message.epoch)))

@@ -101,7 +101,7 @@ class FinishedGoods:
     # --- sending them away ---
 
     def dispatch(self, now_s: float) -> None:
-        """Have fetched what is ready."""
+        """Announce transports for pieces that are ready."""
         for goal in self._goals:
             self._dispatch(goal, now_s)
         if self.full:
@@ -146,7 +146,7 @@ class FinishedGoods:
         return self._supply.level(work.item) < work.quantity
 
     def moved(self, report: StockChanged, now_s: float) -> None:
-        """Pieces went, or came back."""
+        """Pieces have left the machine, or have come back."""
         if report.change < 0:
             self._left(report, now_s)
         else:

@@ -122,17 +122,17 @@ class AgentBase:
         """Take note of what the body senses, before anything else is done."""
 
     def _was_deaf(self, span_s: float) -> None:
-        """The agent's own process was held up for so long: nobody is to be suspected of silence in that time."""
+        """The agent's own process was held up for this long: that time does not count as silence of others."""
 
     def _prepare_to_leave(self, now_s: float) -> None:
         """The agent was asked to leave: give back what others can do as well."""
 
     def _is_held(self) -> bool:
-        """Whether the agent has something in hand that nobody else can finish, or waits to be let go."""
+        """Whether the agent must stay: it has work that no other can finish, or awaits an answer."""
         return False
 
     def _take_leave(self, now_s: float) -> None:
-        """Say how things stand, for the last time in this life."""
+        """Send the last heartbeat of this life."""
 
     def _on_message(self, heard: Heard, now_s: float) -> None:
         handle = self._message_handlers.get(type(heard.message))

@@ -1,4 +1,4 @@
-"""An agent's pulse: when it says how it is, and how often it has."""
+"""An agent's heartbeat timer: when the next heartbeat is due, and the number of the last one."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ class HeartbeatTimer:
         """The number of the newest heartbeat of this life."""
 
     def at_once(self, now_s: float) -> None:
-        """Something has changed: beat when this step is over."""
+        """Send a heartbeat at the end of this step, because the status has changed."""
         self._timers.set(BEAT, now_s)
 
     def count(self) -> int:
-        """The number of another heartbeat."""
+        """Count one more heartbeat. Returns its number."""
         self.seq += 1
         return self.seq
 

@@ -1,4 +1,4 @@
-"""What an agent says until it is answered: a lost message costs seconds, and nothing else."""
+"""Retransmission: messages that are repeated until they are answered, so that a lost message costs seconds only."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class Retransmitter:
         return said is not None and self._most != FOR_EVER and said.times >= self._most
 
     def count_anew(self, about: str) -> None:
-        """The other side lives, and has not answered this yet."""
+        """The other side lives, and has not answered yet: count its repetitions from zero."""
         said = self._said.get(about)
         if said is not None:
             said.times = 0
@@ -99,7 +99,7 @@ class Retransmitter:
             self._timers.set((self._alarm, about), again_s)
 
     def settle(self, about: str) -> None:
-        """It was answered, or nobody needs an answer any more; harmless when nothing was said."""
+        """Stop repeating: it was answered, or no answer is needed any more. Harmless when nothing was being repeated."""
         self._said.pop(about, None)
         self._timers.clear((self._alarm, about))
 

@@ -1,4 +1,4 @@
-"""Graceful shutdown: from the wish that an agent go to its going (paper, 4.2 cases 2 and 6).
+"""Graceful shutdown: from the request that an agent stop until its process ends (paper, 4.2 cases 2 and 6).
 
     HERE --Leaving--> DRAINING --nothing holds it, or its time is over--> gone (Leave)
 
@@ -42,15 +42,15 @@ class GracefulShutdown:
         self.latest_s = NEVER_S
 
     def start_draining(self, now_s: float) -> None:
-        """It is asked to leave; once is enough."""
+        """The agent is asked to stop: from now on it drains."""
         self.begun = True
         self.latest_s = now_s + self._within_s
 
     @property
     def lasts(self) -> bool:
-        """Whether it was asked and has not gone."""
+        """Whether the agent is draining: it was asked to stop and has not stopped."""
         return self.latest_s < NEVER_S
 
     def complete(self) -> None:
-        """It goes."""
+        """The agent stops: draining is over."""
         self.latest_s = NEVER_S

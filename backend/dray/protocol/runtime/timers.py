@@ -1,4 +1,4 @@
-"""An agent's own alarms: what it waits for, and until when."""
+"""An agent's alarms, by name, each with its time."""
 
 from __future__ import annotations
 

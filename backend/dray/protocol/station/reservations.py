@@ -183,7 +183,7 @@ class Reservations:
         ask.lapses_s = now_s + (LEASE_S if ask.reserved else QUEUED_S)
 
     def release(self, ask: Ask) -> None:
-        """Nobody counts on it any more."""
+        """Give a reservation, or its place in the queue, back."""
         self._asks.pop(ask.task, None)
 
     def take(self, vehicle: str, item: str) -> bool:
@@ -196,7 +196,7 @@ class Reservations:
         return False
 
     def promise(self, now_s: float) -> list[Ask]:
-        """Set aside what can be, in turn; those whose turn has come."""
+        """Reserve what is free, first come first served. Returns those that were reserved now."""
         promised: list[Ask] = []
         short: set[str] = set()  # Only ever asked for membership.
         for ask in sorted((each for each in self if not each.reserved), key=lambda each: not each.vehicle):
@@ -211,7 +211,7 @@ class Reservations:
         return promised
 
     def overdrawn(self) -> list[Ask]:
-        """Take promises back that cannot be kept, the latest first; those that were taken back."""
+        """Cancel reservations that the stock does not cover, the latest first. Returns those that were cancelled."""
         broken: list[Ask] = []
         latest_first = tuple(reversed(self._asks.values()))
         for ask in sorted(latest_first, key=lambda each: bool(each.vehicle)):
@@ -221,7 +221,7 @@ class Reservations:
         return broken
 
     def lapsed(self, now_s: float) -> list[Ask]:
-        """Drop what nobody has asked for again; all of it."""
+        """Drop reservations that were not renewed in time. Returns them."""
         late = [ask for ask in self if ask.lapses_s <= now_s]
         for ask in late:
             self.release(ask)

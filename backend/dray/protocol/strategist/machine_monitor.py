@@ -59,7 +59,7 @@ class MachineMonitor:
         return True
 
     def excuse(self, span_s: float) -> None:
-        """The strategist was held up itself for so long: nobody was silent in that time."""
+        """The strategist's own process was held up for this long: that time does not count as silence of machines."""
         for heard in self._heard.values():
             heard.heard_s += span_s
 

@@ -4,16 +4,16 @@ A primary that has failed is replaced by its secondary, which has TAKEOVER_TIMEO
 announced anew. Either way the epoch rises, and that is the fence: there is one carrier, whoever else
 believes to be it.
 
-    CARRIED --failed, with a secondary--> AWAITING --TakenOver--> CARRIED by another, epoch + 1
-       |  ^                                 |  |
-       |  +------- heard again -------------+  +-- nobody takes over --> announced anew, epoch + 1
+    ASSIGNED --failed, with a secondary--> SUSPECTED --TakenOver--> ASSIGNED to another, epoch + 1
+       |  ^                                  |  |
+       |  +------- heard again --------------+  +-- nobody takes over --> announced anew, epoch + 1
        +-- failed, and was silent already when the secondary began --> that one is asked, epoch + 1
        +-- failed without a secondary, restarted without it --> announced anew, epoch + 1
        +-- given back, no progress --> the secondary is asked, epoch + 1; else announced anew
 
 A carrier that lives and does not come nearer has failed too (`progress`), but its secondary does not see that: it is asked.
 
-FinishedGoods that have left their machine exist only once: nobody else can carry them, so their task waits for
+Finished goods that have left their machine exist only once: nobody else can carry them, so their task waits for
 its carrier, and is given up after LOST_IN_TRANSIT_S. A load that was seen in the buffer is delivered, whether or
 not its carrier lives to say so.
 """
@@ -68,7 +68,7 @@ class Remedies(Protocol):
         ...
 
     def conclude(self, task: OpenTask, now_s: float) -> None:
-        """Its load is down, though nobody has said so."""
+        """Close it as delivered: its load was counted, though no handover was received."""
         ...
 
 
@@ -242,7 +242,7 @@ class Failover:
             self._timers.set((PRIMARY_SILENCE, task.id), now_s + TAKEOVER_TIMEOUT_S + detector.delay_s)
 
     def _trust(self, task: OpenTask) -> None:
-        """The primary lives after all."""
+        """The primary is heard again: it keeps its task."""
         if task.state is TaskState.SUSPECTED:
             task.states.enter(TaskState.ASSIGNED)
 

@@ -91,7 +91,7 @@ class Secondaries:
             self.unfollow(task)
 
     def lose(self, task: OpenTask, reason: str, now_s: float) -> None:
-        """A secondary is one no more: elect another."""
+        """A secondary has resigned or failed: elect another."""
         fact = WatchLost(task=task.id, epoch=task.epoch, secondary=task.secondary, reason=reason)
         self._out.append(Record(fact))
         self.unfollow(task)
@@ -103,7 +103,7 @@ class Secondaries:
         return () if bid is None else ((task.secondary, bid),)
 
     def unfollow(self, task: OpenTask) -> None:
-        """Follow a task's secondary no longer, and say nothing: it knows."""
+        """Unsubscribe from a task's secondary, without a message: the secondary knows that its watch is over."""
         self._subscriptions.unfollow(task.secondary)
         self._timers.clear((SECONDARY_SILENCE, task.id))
         task.standby = StandbyContract()

@@ -94,7 +94,7 @@ class Standby:
         return tuple(watch.brief() for watch in self._watches.values())
 
     def watch(self, award: Award, coordinator: str, now_s: float) -> None:
-        """Guard the primary of an award; a newer epoch of the same task replaces the older one."""
+        """Watch the primary of an award; a newer epoch of the same task replaces the older one."""
         if award.task in self._watches:
             self.unwatch(award.task, "renewed")
         detector = FailureDetector(award.primary, WORKING_INTERVAL_S, now_s, self._subscriptions.arrivals)
@@ -120,7 +120,7 @@ class Standby:
         return True
 
     def unwatch(self, task: str, reason: str) -> None:
-        """Guard it no longer; harmless when it was not guarded."""
+        """End a watch; harmless when there is none for this task."""
         watch = self._watches.pop(task, None)
         if watch is None:
             return
@@ -142,7 +142,7 @@ class Standby:
         self.unwatch(task, "resigned")
 
     def on_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        """A followed vehicle lives."""
+        """Note a heartbeat of a primary that is watched."""
         for task, watch in list(self._watches.items()):
             if watch.award.primary != heartbeat.atv or not watch.detector.on_heartbeat(heartbeat, now_s):
                 continue

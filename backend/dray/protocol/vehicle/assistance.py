@@ -60,7 +60,7 @@ class Assistance:
             self._out.append(Record(HelpAsked(task=task, reason=reason, until_s=waits.until_s)))
 
     def promise(self, by: str, wait_s: float | None, now_s: float) -> str:
-        """Somebody is on the way.
+        """A person has promised to come.
 
         Returns:
             Why that changes nothing; empty when the task waits for them now.
@@ -74,5 +74,5 @@ class Assistance:
         return ""
 
     def over(self) -> None:
-        """Nothing waits any more: the trouble is gone, or the task is."""
+        """End the wait for a person: the problem is solved, or the task has ended."""
         self.help, self._asked = None, False

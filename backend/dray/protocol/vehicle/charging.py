@@ -64,7 +64,7 @@ class Charging:
             self._is_short = False
 
     def note_short(self) -> None:
-        """Some work was more than the battery could do."""
+        """A transport was refused because the battery was too low for it."""
         self._is_short = True
 
     @property

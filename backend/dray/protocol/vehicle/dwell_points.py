@@ -147,7 +147,7 @@ class DwellPoints:
     def on_claim(
         self, claim: DwellPointClaimed, now_s: float, *, plugged: bool = False, gives_way: bool = False
     ) -> bool:
-        """Somebody wants a dwell point.
+        """Another vehicle claims a dwell point.
 
         Args:
             claim: what it says.

@@ -78,7 +78,7 @@ class WaitingPlaces:
 
 
 class IdlePositioning:
-    """The rest of one vehicle.
+    """Where one vehicle goes while it has no work, and when it charges.
 
     Args:
         atv: the vehicle.
@@ -142,7 +142,7 @@ class IdlePositioning:
             self._driver.go(self._driver.next_node, now_s)
 
     def stop(self) -> None:
-        """There is work."""
+        """The vehicle has work: stop positioning."""
         self._dwell_points.leave()
         self._charge_order = self._failed = 0
         self._timers.clear(SETTLE)
@@ -209,7 +209,7 @@ class IdlePositioning:
     def on_claim(
         self, claim: DwellPointClaimed, *, battery_frac: float, may_leave: bool, now_s: float
     ) -> None:
-        """Somebody wants a dwell point, perhaps this one.
+        """Another vehicle claims a dwell point, perhaps this one.
 
         Args:
             claim: what it says.

@@ -1,4 +1,4 @@
-"""What becomes of words that are not believed: the speaker hears why, and history keeps it.
+"""What follows from an implausible message: its sender is told why, and a fact records it.
 
 Once a minute of every speaker: whoever says nonsense all the time must not fill anybody's history, and whoever has
 a wrong clock says the same wrong thing with every bid.
@@ -71,7 +71,7 @@ class Reproach:
         self._noted_s: BoundedMap[str, float] = BoundedMap(SPEAKERS_KEPT)
 
     def on_disbelieved(self, sender: str, message: Disbelieved, now_s: float) -> None:
-        """Write it down, once a minute of every coordinator."""
+        """Record a fact, at most once a minute for each coordinator."""
         noted_s = self._noted_s.pop(sender, None)
         if noted_s is not None and 0.0 <= now_s - noted_s < TOLD_EVERY_S:
             self._noted_s[sender] = noted_s

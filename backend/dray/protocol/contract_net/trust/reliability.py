@@ -80,7 +80,7 @@ class Rating:
         return float(self._doubt * 0.5 ** (max(0.0, now_s - self._at_s) / HALF_LIFE_S))
 
     def set(self, doubt: float, now_s: float) -> None:
-        """Judge anew."""
+        """Recompute the doubt and the restriction after a contract."""
         self._doubt, self._at_s = min(doubt, DOUBT_MAX), now_s
         self.look(now_s)
 
@@ -91,7 +91,7 @@ class Rating:
 
 
 class Reliability:
-    """How one coordinator has fared with each of its contractors.
+    """The ratings that one coordinator has of its contractors.
 
     Args:
         out: where facts go.
@@ -130,7 +130,7 @@ class Reliability:
         self._rate(contractor, task, frac, lateness, reason, now_s)
 
     def note_dropped(self, contractor: str, task: str, reason: str, now_s: float) -> None:
-        """It carries a task no more, and has not finished it."""
+        """A contractor has lost a task that it had not finished."""
         self._rate(contractor, task, 1.0, BLAME.get(reason, DROPPED_BLAME), reason, now_s).dropped[task] = (
             None
         )

@@ -160,7 +160,7 @@ class Transports(Coordinator):
         self._lost(task, now_s)
 
     def conclude(self, task: OpenTask, now_s: float) -> None:
-        """The load is down, though nobody has said so."""
+        """Close a task as delivered: its load was counted, though no handover was received."""
         self.close(task, "delivered")
         self._unloaded(task, now_s)
 
@@ -384,7 +384,7 @@ class Transports(Coordinator):
         self._contracted(task, now_s)
 
     def _supersede(self, task: OpenTask, epoch: int, reason: str, now_s: float) -> tuple[str, float]:
-        """Fence the carrier off; who it was, and how long nothing had been heard of it (s)."""
+        """Fence the present carrier off. Returns its name, and how long nothing was heard of it (s)."""
         replaced = task.primary
         silent_s = self.failover.silent_s(task, now_s)
         self._let_go(task, reason)
