@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, Page, expect, sync_playwright
+from playwright.sync_api import Error as PlaywrightError
 
 sys.path.insert(0, str(Path(__file__).parent))
 
@@ -44,6 +45,9 @@ less."""
 
 TIMEOUT_MS = 45_000
 """Longest wait for something on the page: some fifty times what it takes, so that a busy computer is no fault of it."""
+
+CAPTURES = 3
+"""Tries at a picture."""
 
 expect.set_options(timeout=TIMEOUT_MS)
 
@@ -113,11 +117,25 @@ def screenshot(complaints: Complaints) -> Callable[..., Path]:
     def keep(page: Page, name: str, *, whole: bool = False, of: str = "") -> Path:
         ARTIFACTS.mkdir(parents=True, exist_ok=True)
         path = ARTIFACTS / f"{name}.png"
-        if of:
-            page.locator(of).screenshot(path=path)
-        else:
-            page.screenshot(path=path, full_page=whole)
+        _capture(
+            lambda: (
+                page.locator(of).screenshot(path=path) if of else page.screenshot(path=path, full_page=whole)
+            )
+        )
         complaints.audit(page)
         return path
 
     return keep
+
+
+def _capture(take: Callable[[], bytes]) -> None:
+    """Take a picture. Chromium has none to give at some moments, which says nothing about the page."""
+    for _ in range(CAPTURES - 1):
+        try:
+            take()
+        except PlaywrightError as error:
+            if "Unable to capture screenshot" not in error.message:
+                raise
+        else:
+            return
+    take()

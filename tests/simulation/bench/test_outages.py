@@ -20,7 +20,7 @@ from dray.plant import default_plant
 from dray.store import Store, open_store
 from dray_sim.bench import losses
 from dray_sim.bench.losses import customer, outage
-from dray_sim.bench.losses.customer import NO_ANSWER, Customer, Patience
+from dray_sim.bench.losses.customer import NO_ANSWER, Customer, Placing
 from dray_sim.bench.losses.figures import outages_of
 from dray_sim.bench.losses.outage import Breaker, Outage, caught_up, single_pieces
 from dray_sim.bench.postgres import PostgresServer
@@ -58,12 +58,12 @@ class Buyer:
         self.orders: list[tuple[str, Counter[str]]] = []
         self._store = store
 
-    async def order(self, order: Order) -> Patience:
+    async def order(self, order: Order) -> Placing:
         before: Counter[str] = Counter()
         while not await is_there(self._store):
             before["503"] += 1
         self.orders.append((order.id, before))
-        return Patience(1.0, before)
+        return Placing(1.0, before)
 
 
 async def is_there(store: Store) -> bool:

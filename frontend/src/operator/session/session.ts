@@ -23,6 +23,8 @@ export type Ending = (typeof ENDINGS)[keyof typeof ENDINGS] | "taken_back";
 export const ended = signal<Ending | null>(null);
 
 let asking = false;
+/** The stream has ended while an answer was on its way, which may still tell of the session before. */
+let overtaken = false;
 /** The stream may end before the answer to the logout is here, which is no news then. */
 let leaving = false;
 
@@ -52,13 +54,12 @@ export async function leave(): Promise<void> {
 
 /** Begins anew with whoever is logged in by now. */
 async function lookAgain(): Promise<void> {
-  if (await learnWho()) location.reload();
+  if (asking) overtaken = true;
+  else if (await learnWho()) location.reload();
 }
 
 /** @returns whether somebody is logged in */
 async function learnWho(): Promise<boolean> {
-  // Asking may itself bring the news that the session has ended.
-  if (asking) return false;
   asking = true;
   try {
     me.value = await fetchMe();
@@ -66,11 +67,14 @@ async function learnWho(): Promise<boolean> {
   } catch (error) {
     if (!(error instanceof Problem)) throw error;
     if (error.kind in ENDINGS) ended.value = ENDINGS[error.kind as keyof typeof ENDINGS];
-    else if (error.status !== 401) setTimeout(() => void learnWho(), RETRY_MS);
+    else if (error.status !== 401) setTimeout(() => !asking && void learnWho(), RETRY_MS);
     else if (me.value === null) toLogin();
     else ended.value = "taken_back";
     return false;
   } finally {
     asking = false;
+    // Asking may itself have brought the news that the session has ended: then `ended` says why.
+    if (overtaken && ended.value === null) void lookAgain();
+    overtaken = false;
   }
 }
