@@ -12,12 +12,21 @@ describe("the heat of traffic", () => {
 
   test("has no steps where nothing was passed, and no more than there are passes", () => {
     expect(heatOf([]).steps).toEqual([]);
-    expect(stepsTo(2)).toEqual([1, 1]);
-    expect(stepsTo(50)).toEqual([1, 10, 20, 30, 40]);
+    expect(stepsTo(2)).toEqual([1, 2]);
+    expect(stepsTo(50)).toEqual([1, 11, 21, 31, 41]);
+  });
+
+  test("has no two steps alike, however few passes there are", () => {
+    for (let most = 1; most <= 60; most++) {
+      const steps = stepsTo(most);
+      expect([...new Set(steps)].sort((a, b) => a - b)).toEqual(steps);
+      expect(steps[0]).toBe(1);
+      expect(stepOf(most, steps)).toBe(steps.length);
+    }
   });
 
   test("grows by steps up to the busiest lane", () => {
     const steps = stepsTo(50);
-    expect([0, 1, 9, 10, 39, 40, 50].map((passes) => stepOf(passes, steps))).toEqual([0, 1, 1, 2, 4, 5, 5]);
+    expect([0, 1, 10, 11, 40, 41, 50].map((passes) => stepOf(passes, steps))).toEqual([0, 1, 1, 2, 4, 5, 5]);
   });
 });

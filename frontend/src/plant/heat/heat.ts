@@ -29,10 +29,10 @@ export function heatOf(items: readonly LanePasses[]): Heat {
   };
 }
 
-/** Even steps up to the busiest lane, by whole passes. */
+/** Even steps up to the busiest lane, by whole passes: the lowest is 1, and no two are alike. */
 export function stepsTo(most: number): number[] {
   const count = Math.min(STEPS, most);
-  return Array.from({ length: count }, (_, step) => Math.floor((step * most) / count) + (step === 0 ? 1 : 0));
+  return Array.from({ length: count }, (_, step) => 1 + Math.floor((step * most) / count));
 }
 
 /** @returns which step is reached, from 1 on; 0 for none */
