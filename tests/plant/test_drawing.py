@@ -71,3 +71,10 @@ def test_no_label_stands_on_another() -> None:
 
 def test_the_legend_names_every_kind() -> None:
     assert {label for label, _, _ in KINDS.values()} <= set(texts(picture(default_plant())))
+
+
+def test_a_road_of_two_lanes_is_drawn_with_its_stop_points_and_crossings() -> None:
+    picture = draw(load_plant("two-lanes"))
+    assert "<title>b2.from-a2</title>" in picture
+    assert "over crossing b2" in picture
+    assert "over crossing" not in draw(load_plant("default"))

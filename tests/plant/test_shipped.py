@@ -9,6 +9,8 @@ import pytest
 from dray.errors import PlantError
 from dray.plant import SHIPPED, Plant, is_shipped, load_plant, parse_plant, plant_yaml
 from dray.plant.advice import advice
+from dray.plant.model import VehicleType
+from dray_sim.bodies.vehicle.battery import Battery
 
 NAMES = tuple(SHIPPED)
 
@@ -43,6 +45,24 @@ def test_two_halls_are_joined_by_gates_in_one_direction_each() -> None:
     assert sorted(gates) == [("e", "w"), ("w", "e")]
 
 
+AVERAGE_HOURS, AVERAGE_CHARGING_HOURS = 8.4, 2.7
+"""Published averages of AMRs; the file of the plant says where."""
+
+
+@pytest.mark.parametrize("kind", load_plant("two-lanes").vehicle_types.values(), ids=lambda kind: kind.id)
+def test_vehicles_with_two_lanes_last_and_charge_as_long_as_amrs_do_on_average(kind: VehicleType) -> None:
+    metre_wh = (kind.drive_wh_per_m + kind.loaded_wh_per_m) / 2
+    at_work_w = kind.idle_w + 2 / 3 * kind.max_speed_mps * 3600 * metre_wh
+    assert kind.battery_wh / at_work_w == pytest.approx(AVERAGE_HOURS, rel=0.05)
+    assert Battery(kind).charging_s(0.0) / 3600 == pytest.approx(AVERAGE_CHARGING_HOURS, rel=0.05)
+
+
+def test_the_plant_with_two_lanes_has_a_stop_point_between_any_two_crossings() -> None:
+    plant = load_plant("two-lanes")
+    assert all(len(crossing.nodes) == 1 for crossing in plant.crossings.values())
+    assert len(plant.crossings) >= 50
+
+
 def test_a_file_comes_before_a_shipped_plant_of_its_name(
     tmp_path: Path, small_text: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -55,5 +75,5 @@ def test_a_file_comes_before_a_shipped_plant_of_its_name(
 
 
 def test_who_asks_for_what_is_not_there_hears_what_is() -> None:
-    with pytest.raises(PlantError, match="name one of default, workshop, two-halls, large"):
+    with pytest.raises(PlantError, match="name one of default, workshop, two-halls, large, two-lanes"):
         load_plant("workshp")

@@ -1,7 +1,8 @@
 """What a plant file may say, and what will starve all the same: warnings, each with a figure and what to do.
 
 Faults (`dray.plant.file.check`) say that a plant cannot be run at all. A warning says that it can, and how far: which
-resource is full before the machines are (`dray.plant.flow`), who cannot be replaced, where nobody gets away.
+resource is full before the machines are (`dray.plant.flow`), who cannot be replaced, where nobody gets away, where
+the floor is too narrow for the vehicles (`dray.plant.advice_floor`).
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from collections.abc import Iterator
 
 import msgspec
 
+from dray.plant.advice_floor import floor_advice
 from dray.plant.flow import USABLE_FRAC, Flow, Limit
 from dray.plant.model import Material, Product
 from dray.plant.plant import Plant
@@ -40,7 +42,8 @@ class Advice(msgspec.Struct, frozen=True):
     """One warning."""
 
     kind: str
-    """dwell_points, charger, material, dock, buffer, machine, vehicles, range, alone, trap or uncounted."""
+    """dwell_points, charger, material, dock, buffer, machine, vehicles, range, alone, trap, uncounted, near, narrow, crossing
+    or way."""
     field: str
     """The section of the plant file."""
     text: str
@@ -58,6 +61,7 @@ def advice(plant: Plant) -> list[Advice]:
         *_limits(plant, flow),
         *_alone(plant),
         *_traps(plant),
+        *(Advice(*found) for found in floor_advice(plant)),
         *_uncounted(plant),
     ]
 

@@ -88,6 +88,7 @@ class _Picture:
         yield f'<rect width="{plant.width_m:g}" height="{plant.height_m:g}" fill="#fafafa" stroke="#333" stroke-width="{letter_m / 8:.3g}"/>'
         yield from self._areas()
         yield from self._lanes()
+        yield from self._stops()
         yield from self._places()
         yield from self._vehicles()
         yield "</g>"
@@ -120,8 +121,9 @@ class _Picture:
             )
 
     def _lanes(self) -> Iterator[str]:
-        """One line for a lane that runs both ways, one with an arrow for another."""
+        """One line for a lane that runs both ways, one with an arrow for another, a thin one for a way over a crossing."""
         roads, nodes, drawn = self._plant.roads, self._plant.nodes, set[tuple[str, str]]()
+        crossed = {lane: each.id for each in self._plant.crossings.values() for lane in each.lanes}
         for lane in self._plant.lanes:
             back = roads.lane(lane.end, lane.start)
             if (lane.end, lane.start) in drawn:
@@ -132,11 +134,25 @@ class _Picture:
             width_m = self._letter_m * (0.32 if back else 0.2)
             arrow = "" if back else ' marker-mid="url(#way)"'
             both = "both ways" if back else "one way"
+            if not back and (crossing := crossed.get((lane.start, lane.end))):
+                arrow, both, width_m = "", f"over crossing {crossing}", self._letter_m * 0.08
             title = f"{lane.start} to {lane.end}, {both}, {lane.length_m:.1f} m, {lane.speed_limit_mps:g} m/s"
             yield (
                 f'<path d="M{a.x_m:g} {self._y(a.y_m):g} L{middle} L{b.x_m:g} {self._y(b.y_m):g}" fill="none" '
                 f'stroke="{"#b5b5b5" if back else "#777"}" stroke-width="{width_m:.3g}"{arrow}><title>{title}</title></path>'
             )
+
+    def _stops(self) -> Iterator[str]:
+        """Where vehicles stop on roads of two lanes."""
+        waits = {stop for each in self._plant.crossings.values() for stop in (*each.entries, *each.exits)}
+        docks = {self._plant.node_of(place) for place in self._plant.places}
+        for stop in self._plant.stops:
+            if stop in waits and stop not in docks:
+                spot = self._plant.nodes[stop]
+                yield (
+                    f'<circle cx="{spot.x_m:g}" cy="{self._y(spot.y_m):g}" r="{self._letter_m / 5:.3g}" fill="#fff" '
+                    f'stroke="#777" stroke-width="{self._letter_m / 8:.3g}"><title>{stop}</title></circle>'
+                )
 
     # --- places ---
 

@@ -6,6 +6,7 @@ ways, and `dray.plant` ties them together as `Plant`.
 
 from __future__ import annotations
 
+from math import hypot
 from typing import Annotated, Literal
 
 import msgspec
@@ -47,13 +48,16 @@ class Node(Item, frozen=True):
 
 
 class Lane(Item, frozen=True):
-    """A directed road from one node to another, straight, wide enough for one vehicle."""
+    """A road from one node to another, straight, wide enough for one vehicle unless it says otherwise."""
 
     start: Id
     end: Id
     speed_limit_mps: Positive = 1.5
     both_ways: bool = False
-    """A second lane runs the other way."""
+    """It is driven the other way, too."""
+    two_lanes: bool | None = None
+    """Only with `both_ways`: whether two vehicles can pass one another, each on a lane of its own on the right. What the
+    plant says if it is left out; a road to a dock is single track. See `dray.plant.layout`."""
 
 
 class Box(Item, frozen=True):
@@ -104,6 +108,8 @@ class Warehouse(Item, frozen=True):
     kind: Literal["source", "delivery"]
     node: Id
     box: Box
+    handling_cv: Fraction | None = None
+    """How much loading and unloading vary here; what the type of the vehicle says if it is left out."""
 
 
 class Stock(Item, frozen=True):
@@ -121,6 +127,8 @@ class Storage(Item, frozen=True):
     node: Id
     box: Box
     stocks: Annotated[tuple[Stock, ...], Meta(min_length=1)]
+    handling_cv: Fraction | None = None
+    """How much loading and unloading vary here; what the type of the vehicle says if it is left out."""
 
 
 class Charger(Item, frozen=True):
@@ -143,6 +151,9 @@ class Making(Item, frozen=True):
 
     product: Id
     cycle_s: Positive
+    """On average."""
+    cycle_cv: Fraction = 0.0
+    """How much cycles vary: the standard deviation over the average. Simulated times are log-normal; 0 for always the same."""
 
 
 class MachineSpec(Item, frozen=True):
@@ -160,6 +171,8 @@ class MachineSpec(Item, frozen=True):
     """Finished pieces that wait at most; at least the lot of every product it makes."""
     counts: bool = True
     """Whether its dock counts what vehicles bring and take. Where it does not, their word is taken."""
+    handling_cv: Fraction | None = None
+    """How much loading and unloading vary here; what the type of the vehicle says if it is left out."""
 
 
 class WorkingStation(Item, frozen=True):
@@ -216,6 +229,9 @@ class VehicleType(Item, frozen=True):
 
     id: Id
     name: Name
+    length_m: Positive = 0.823
+    width_m: Positive = 0.592
+    """With its load: nothing sticks out of this rectangle. As long and wide as a Neobotix MP-500 (its data sheet)."""
     max_speed_mps: Positive = 1.5
     acceleration_mps2: Positive = 0.6
     """Speeding up and braking."""
@@ -223,8 +239,10 @@ class VehicleType(Item, frozen=True):
     """At a node where the way bends by more than 30 degrees."""
     abilities: Annotated[tuple[Id, ...], Meta(min_length=1)] = ("tote",)
     load_s: Positive = 15.0
-    """The autonomous loading manoeuvre (paper, [19])."""
+    """The autonomous loading manoeuvre (paper, [19]), on average."""
     unload_s: Positive = 15.0
+    handling_cv: Fraction = 0.0
+    """How much both vary (see `Making.cycle_cv`), where a station does not say it itself."""
     battery_wh: Positive = 500.0
     drive_wh_per_m: Positive = 0.03
     loaded_wh_per_m: Positive = 0.04
@@ -234,6 +252,16 @@ class VehicleType(Item, frozen=True):
     """Up to `charge_taper_frac`; then falling in a straight line to a tenth of it at full."""
     charge_taper_frac: Fraction = 0.8
     charging: Charging = Charging()
+
+    @property
+    def turning_radius_m(self) -> float:
+        """Of the circle that it sweeps when it turns on the spot: half its diagonal."""
+        return hypot(self.length_m, self.width_m) / 2.0
+
+    @property
+    def braking_m(self) -> float:
+        """From its highest speed to a stand."""
+        return self.max_speed_mps**2 / (2.0 * self.acceleration_mps2)
 
 
 class VehicleSpec(Item, frozen=True):
@@ -266,5 +294,7 @@ class PlantFile(Item, frozen=True):
     fleet: Annotated[tuple[VehicleSpec, ...], Meta(min_length=1)]
     parkings: tuple[Parking, ...] = ()
     areas: tuple[Area, ...] = ()
+    two_lanes: bool = False
+    """Whether roads that run both ways have two lanes, where a lane does not say it itself."""
     cell_m: Positive = 20.0
     """Edge of the grid cells that announcements are addressed to."""

@@ -11,8 +11,11 @@ from math import hypot
 from types import MappingProxyType
 from typing import Protocol, TypeVar
 
+from msgspec.structs import replace
+
 from dray.plant.geometry import box_of, distance_m, inside
 from dray.plant.grid import Grid
+from dray.plant.layout import Crossing, Layout, lay_out
 from dray.plant.model import (
     Area,
     Charger,
@@ -55,7 +58,14 @@ class Plant:
         self.file = file
         self.id, self.name = file.plant, file.name
         self.width_m, self.height_m, self.cell_m = file.width_m, file.height_m, file.cell_m
-        self.nodes: Mapping[str, Node] = _by_id(file.nodes)
+        layout = lay_out(file)
+        self.driven = _as_driven(file, layout)
+        """The file with the nodes and lanes that vehicles drive on; the file itself where no road has two lanes."""
+        self.nodes: Mapping[str, Node] = _by_id(layout.nodes)
+        """Of the floor as it is driven: with stop points, without the nodes of which they are made."""
+        self.crossings: Mapping[str, Crossing] = MappingProxyType(dict(layout.crossings))
+        self.stops = tuple(node.id for node in layout.nodes if node.id not in layout.inner)
+        """The nodes where a vehicle may stand: all that lie in no crossing."""
         self.materials: Mapping[str, Material] = _by_id(file.materials)
         self.products: Mapping[str, Product] = _by_id(file.products)
         self.warehouses: Mapping[str, Warehouse] = _by_id(file.warehouses)
@@ -73,7 +83,8 @@ class Plant:
         """Where a vehicle may stay: chargers, then parking places."""
         self.source_warehouses = tuple(w.id for w in file.warehouses if w.kind == "source")
         self.delivery_warehouses = tuple(w.id for w in file.warehouses if w.kind == "delivery")
-        self.roads = Roads(file.nodes, file.lanes)
+        self.roads = Roads(layout.nodes, layout.lanes)
+        self._inner, self._crossed = layout.inner, layout.crossed
         docks: tuple[Dock, ...] = (
             *file.machines,
             *file.storages,
@@ -82,6 +93,12 @@ class Plant:
             *file.parkings,
         )
         self._node_of = {dock.id: dock.node for dock in docks}
+        stations: tuple[MachineSpec | Storage | Warehouse, ...] = (
+            *file.machines,
+            *file.storages,
+            *file.warehouses,
+        )
+        self._handling_cv = {station.id: station.handling_cv for station in stations}
         self._storages_of = {
             material: tuple(s.id for s in file.storages if any(k.material == material for k in s.stocks))
             for material in self.materials
@@ -102,6 +119,21 @@ class Plant:
     def lanes(self) -> tuple[DirectedLane, ...]:
         """All lanes, one per direction, with their lengths."""
         return self.roads.lanes
+
+    def crossing_of(self, node: str) -> str:
+        """The crossing that a node lies in; empty for a node where a vehicle may stand."""
+        return self._inner.get(node, "")
+
+    def places_on(self, start: str, end: str) -> tuple[str, ...]:
+        """What a vehicle takes up that drives a lane: the crossing that the lane touches, and the node where it may stop.
+
+        A route is driven from stop to stop: all places of its lanes up to the next of `stops` belong together. Both ids
+        are of one space: no crossing has the id of a node where a vehicle may stand.
+        """
+        crossing = self._crossed.get((start, end), "")
+        if not crossing:
+            return (end,)
+        return (crossing,) if end in self._inner else (crossing, end)
 
     @property
     def diameter_m(self) -> float:
@@ -137,6 +169,11 @@ class Plant:
     def cycle_s(self, machine: str, product: str) -> float:
         """Seconds for one piece of a product on a machine that can make it."""
         return self._cycle_s[machine][product]
+
+    def handling_cv(self, place: str, kind: VehicleType) -> float:
+        """How much loading and unloading vary where vehicles of a type dock: standard deviation over average."""
+        own = self._handling_cv.get(place)
+        return kind.handling_cv if own is None else own
 
     def materials_of(self, machine: str) -> tuple[str, ...]:
         """Every material that any product of a machine needs."""
@@ -216,6 +253,12 @@ class Plant:
 
     def __repr__(self) -> str:
         return f"<Plant {self.id}: {len(self.machines)} machines, {len(self.fleet)} vehicles>"
+
+
+def _as_driven(file: PlantFile, layout: Layout) -> PlantFile:
+    if layout.lanes is file.lanes:
+        return file
+    return replace(file, nodes=layout.nodes, lanes=layout.lanes, two_lanes=False)
 
 
 def _by_id(specs: Iterable[_Spec]) -> Mapping[str, _Spec]:

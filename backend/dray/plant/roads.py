@@ -65,13 +65,17 @@ class Roads:
         """The lane that leads straight from one node to another, or None."""
         return self._by_ends.get((start, end))
 
-    def reached_from(self, node: str) -> frozenset[str]:
-        """All nodes that a vehicle at `node` can drive to, itself included."""
-        return _flood(node, {here: [road.end for road in roads] for here, roads in self.leaving.items()})
+    def reached_from(self, node: str, blocked: str = "") -> frozenset[str]:
+        """All nodes that a vehicle at `node` can drive to, itself included; while nobody passes a node that is blocked."""
+        return _flood(
+            node, {here: [road.end for road in roads] for here, roads in self.leaving.items()}, blocked
+        )
 
-    def reaching(self, node: str) -> frozenset[str]:
-        """All nodes from which a vehicle can drive to `node`, itself included."""
-        return _flood(node, {here: [road.start for road in roads] for here, roads in self.entering.items()})
+    def reaching(self, node: str, blocked: str = "") -> frozenset[str]:
+        """All nodes from which a vehicle can drive to `node`, itself included; while nobody passes a node that is blocked."""
+        return _flood(
+            node, {here: [road.start for road in roads] for here, roads in self.entering.items()}, blocked
+        )
 
     def parts(self) -> list[frozenset[str]]:
         """The strongly connected parts: within one, a vehicle gets from every node to every other.
@@ -134,12 +138,12 @@ def _directed(lane: Lane, points: Mapping[str, Node]) -> list[DirectedLane]:
     return roads
 
 
-def _flood(node: str, neighbours: Mapping[str, Iterable[str]]) -> frozenset[str]:
-    """Everything that hangs together with `node` along `neighbours`."""
+def _flood(node: str, neighbours: Mapping[str, Iterable[str]], blocked: str) -> frozenset[str]:
+    """Everything that hangs together with `node` along `neighbours`, other than through a node that is blocked."""
     seen, open_nodes = {node}, [node]
     while open_nodes:
         for other in neighbours[open_nodes.pop()]:
-            if other not in seen:
+            if other not in seen and other != blocked:
                 seen.add(other)
                 open_nodes.append(other)
     return frozenset(seen)

@@ -43,7 +43,7 @@ def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) 
     name = name_in(plant)
     factory.bus.kinds[name] = Kind.ATV
     kind = list(plant.vehicle_types)[-1]
-    spec = VehicleSpec(name, kind, next(iter(plant.nodes)), 1.0)
+    spec = VehicleSpec(name, kind, plant.stops[0], 1.0)
 
     def make(life: int, software: str, probation: int) -> Turncoat:
         atv = Atv(

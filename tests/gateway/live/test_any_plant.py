@@ -6,6 +6,8 @@ import pytest
 from gateway_kit import gateway
 from plants import EXTREMES, plant_file
 
+from dray.plant import load_plant
+
 PAGES = (
     "/api/plant",
     "/api/products",
@@ -30,3 +32,13 @@ async def test_a_gateway_starts_in_it_and_takes_an_order(sqlite_url: str, kind: 
         ahead = await house.client.post("/api/orders/preview", json={"items": items})
         assert ahead.status_code == 200, ahead.text
         assert (await house.get(f"/api/orders/{order['id']}"))["id"] == order["id"]
+
+
+@pytest.mark.anyio
+async def test_panels_are_told_of_the_lanes_that_are_driven(sqlite_url: str) -> None:
+    plant = load_plant("two-lanes")
+    async with gateway(sqlite_url, plant=plant.file) as house:
+        told = await house.get("/api/plant")
+    assert [node["id"] for node in told["nodes"]] == list(plant.nodes)
+    assert len(told["lanes"]) == len(plant.driven.lanes)
+    assert not any(lane["two_lanes"] for lane in told["lanes"])

@@ -12,7 +12,9 @@ from dray_sim.run.stage import Shift, Stage, play
 HOUR_S = 3600.0
 
 
-@pytest.mark.parametrize("name", ["workshop", "two-halls", pytest.param("large", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "name", ["workshop", "two-halls", "two-lanes", pytest.param("large", marks=pytest.mark.slow)]
+)
 def test_a_shipped_plant_delivers_all_that_is_ordered_in_an_hour(name: str) -> None:
     plant = load_plant(name)
 

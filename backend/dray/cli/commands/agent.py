@@ -193,7 +193,7 @@ def _joining(plant: Plant, name: str, type_: str | None, node: str | None) -> Ve
     return VehicleSpec(
         name,
         one_of(plant.vehicle_types, type_, "--type").id,
-        one_of(plant.nodes, node, "--node").id,
+        one_of({stop: stop for stop in plant.stops}, node, "--node"),
     )
 
 

@@ -55,10 +55,13 @@ def check(
 def as_json(
     file: Annotated[Path | None, typer.Argument(help="A plant file (YAML); else the default plant.")] = None,
 ) -> None:
-    """Write a plant as JSON, every default filled in: for agents that read no YAML."""
+    """Write a plant as JSON, every default filled in: for agents that read no YAML.
+
+    Two-lane roads are written as what is driven: stop points, and one-way lanes between them.
+    """
     import msgspec
 
-    typer.echo(msgspec.json.format(msgspec.json.encode(chosen_plant(file).file)))
+    typer.echo(msgspec.json.format(msgspec.json.encode(chosen_plant(file).driven)))
 
 
 @app.command()

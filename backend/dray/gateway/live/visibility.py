@@ -52,8 +52,8 @@ class WholeVisibility:
         self._site = site
 
     def plant(self) -> PlantFile:
-        """The plant file."""
-        return self._site.plant.file
+        """The plant file, with the lanes that are driven."""
+        return self._site.plant.driven
 
     def atv(self, view: AtvView) -> AtvView | None:
         """A vehicle."""
@@ -117,7 +117,7 @@ class AreaVisibility:
         self._areas = tuple(area for area in plant.areas if area in areas)
         self._here = self._within(plant)
         inside = {node.id for node in plant.nodes.values() if self.reaches(node.x_m, node.y_m)}
-        self._lanes = tuple(lane for lane in plant.file.lanes if lane.start in inside or lane.end in inside)
+        self._lanes = tuple(lane for lane in plant.driven.lanes if lane.start in inside or lane.end in inside)
         # A lane that crosses the border is seen with both of its ends.
         self._nodes = inside.union(*((lane.start, lane.end) for lane in self._lanes))
 
@@ -134,8 +134,8 @@ class AreaVisibility:
         return place_m is not None and self.reaches(*place_m)
 
     def plant(self) -> PlantFile:
-        """The part of the plant file that lies in the areas."""
-        file, seen = self._projection.site.plant.file, self._places
+        """The part of the plant file that lies in the areas, with the lanes that are driven."""
+        file, seen = self._projection.site.plant.driven, self._places
         machines = tuple(each for each in file.machines if each.id in seen)
         stations = {machine.station for machine in machines}
         return replace(

@@ -11,6 +11,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from difflib import get_close_matches
 
 from dray.plant.file.check_floor import floor_faults
+from dray.plant.layout import stop_points
 from dray.plant.model import MachineSpec, Material, PlantFile, Product
 
 Fault = tuple[str, str]
@@ -39,11 +40,13 @@ MAX_COMPARED = 5_000
 PLAUSIBLE = {
     "acceleration_mps2": (0.01, 20.0),
     "cycle_s": (0.1, 1e6),
+    "length_m": (0.1, 20.0),
     "load_s": (0.01, 1e5),
     "max_speed_mps": (0.05, 50.0),
     "speed_limit_mps": (0.05, 50.0),
     "turn_speed_mps": (0.01, 50.0),
     "unload_s": (0.01, 1e5),
+    "width_m": (0.1, 10.0),
 }
 """Lowest and highest value: beyond them somebody has mistaken the unit, and a simulation would hang."""
 
@@ -83,9 +86,12 @@ def _references(file: PlantFile) -> Iterator[Fault]:
     known = {
         section: {spec.id for spec in getattr(file, section)} for sections in SPACES for section in sections
     }
-    for section in ("warehouses", "storages", "chargers", "parkings", "machines", "fleet"):
+    for section in ("warehouses", "storages", "chargers", "parkings", "machines"):
         for index, spec in enumerate(getattr(file, section)):
             yield from _known(spec.node, f"{section}[{index}].node", known, "nodes")
+    stands = known | {"nodes": known["nodes"] | stop_points(file)}
+    for index, vehicle in enumerate(file.fleet):
+        yield from _known(vehicle.node, f"fleet[{index}].node", stands, "nodes")
     for index, lane in enumerate(file.lanes):
         yield from _known(lane.start, f"lanes[{index}].start", known, "nodes")
         yield from _known(lane.end, f"lanes[{index}].end", known, "nodes")

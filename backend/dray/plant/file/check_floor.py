@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from math import ceil, hypot
 
 from dray.plant.geometry import area_m2, crossed_edges
+from dray.plant.layout import dock_nodes, lay_out, stop_names
 from dray.plant.model import Area, Box, Lane, Node, PlantFile
 from dray.plant.roads import Roads
 
@@ -31,6 +32,7 @@ def floor_faults(file: PlantFile) -> Iterator[tuple[str, str]]:
     yield from _size(file)
     yield from _outside(file)
     yield from _lanes(file)
+    yield from _two_lanes(file)
     yield from _starts(file)
     yield from _unreachable(file)
     for index, area in enumerate(file.areas):
@@ -102,8 +104,33 @@ def _directions(lane: Lane) -> tuple[tuple[str, str], ...]:
     return (there, there[::-1]) if lane.both_ways else (there,)
 
 
+def _two_lanes(file: PlantFile) -> Iterator[tuple[str, str]]:
+    """Lanes that say of themselves what they cannot be, and nodes that are called as a stop point is."""
+    docks = dock_nodes(file)
+    for index, lane in enumerate(file.lanes):
+        if lane.two_lanes:
+            where = f"lanes[{index}].two_lanes"
+            if not lane.both_ways:
+                yield where, "the lane runs one way: add `both_ways: true`, or leave this out"
+            elif dock := next((end for end in (lane.start, lane.end) if end in docks), None):
+                yield where, f"vehicles dock at {dock}: give the dock a spur off this road, or leave this out"
+    if file.two_lanes or any(lane.two_lanes for lane in file.lanes):
+        taken = stop_names(file)
+        for index, node in enumerate(file.nodes):
+            if node.id in taken:
+                yield f"nodes[{index}].id", f"{node.id} is the name of a stop point: choose another"
+
+
 def _starts(file: PlantFile) -> Iterator[tuple[str, str]]:
-    """Two vehicles cannot stand on one spot."""
+    """Two vehicles cannot stand on one spot, and none in a crossing."""
+    if _is_joined(file):
+        layout = lay_out(file)
+        crossing_of = {node: each for each in layout.crossings.values() for node in each.nodes}
+        for index, vehicle in enumerate(file.fleet):
+            if crossing := crossing_of.get(vehicle.node):
+                where = next(iter(crossing.entries), "")
+                reason = f"{vehicle.node} is a crossing, where nobody stands: name a parking place or a stop point, as {where}"
+                yield f"fleet[{index}].node", reason
     owners: dict[str, str] = {}
     for index, vehicle in enumerate(file.fleet):
         if vehicle.node in owners:
@@ -111,13 +138,20 @@ def _starts(file: PlantFile) -> Iterator[tuple[str, str]]:
         owners.setdefault(vehicle.node, vehicle.id)
 
 
+def _is_joined(file: PlantFile) -> bool:
+    """Whether every lane joins two nodes that there are; the rest is reported already."""
+    nodes = {node.id for node in file.nodes}
+    return all(lane.start in nodes and lane.end in nodes and lane.start != lane.end for lane in file.lanes)
+
+
 def _unreachable(file: PlantFile) -> Iterator[tuple[str, str]]:
     """Everybody must be able to get from every dock to every other, or vehicles strand."""
-    nodes = {node.id for node in file.nodes}
-    if not all(lane.start in nodes and lane.end in nodes for lane in file.lanes):
-        # Reported already; which docks the misspelt lane was to join is anybody's guess.
+    if not _is_joined(file):
+        # Which docks a misspelt lane was to join is anybody's guess.
         return
-    roads = Roads(file.nodes, file.lanes)
+    layout = lay_out(file)
+    nodes = {node.id for node in layout.nodes}
+    roads = Roads(layout.nodes, layout.lanes)
     docks = [
         (f"{section}[{index}].node", spec.id, spec.node)
         for section in ("warehouses", "storages", "chargers", "parkings", "machines", "fleet")

@@ -53,7 +53,7 @@ class WaitingPlaces:
         self._routes = plant.routes(vehicle_type)
         self._reserve = Reserve(plant, vehicle_type)
         docks = {plant.node_of(place) for place in plant.places}
-        free = tuple(node for node in plant.nodes if node not in docks)
+        free = tuple(node for node in plant.stops if node not in docks)
         # Material comes from a source warehouse by other means than these vehicles.
         self._spots = free or tuple(plant.node_of(place) for place in plant.source_warehouses)
 

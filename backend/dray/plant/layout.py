@@ -1,0 +1,394 @@
+"""The floor as vehicles drive on it: worked out from the nodes and lanes of a plant file.
+
+Without two-lane roads it is what the file says. A road of two lanes becomes two lanes with room between them, each on
+the right of the middle. A node where such roads meet becomes a *crossing*: vehicles cross it one at a time and never
+stop in it. They stop before it and after it, at *stop points* on their own lane, as far from the node that whoever
+crosses does not touch them. Widths and distances follow from the largest vehicle of the plant.
+
+    a --- b --- c        the lane from a to b:    a.to-b -> b.from-a
+          |              straight on over b:                b.from-a -> b.to-c
+          d              to the dock d of a spur:           b.from-a -> b -> d
+
+A vehicle goes from stop point to stop point in a straight line: a right turn is short, a left turn goes across. Spurs,
+docks and other single tracks stay as they are, and begin in the middle of the crossing. Where a road is too short for
+a stop point, the crossings at its ends are one crossing; so are those that a single track joins.
+
+What is left to others: who may cross next (`dray.protocol.traffic`), and what is too narrow (`dray.plant.advice`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from hashlib import sha256
+from itertools import pairwise
+from math import atan2, cos, hypot, pi, sin, sqrt
+
+import msgspec
+
+from dray.plant.model import Lane, Node, PlantFile, VehicleType
+
+PASSING_M = 0.4
+"""Between two vehicles that meet, as German workplace rules want it (ASR A1.8, passing allowance Z2)."""
+
+MARGIN_M = 0.2
+"""Between a vehicle at a stop point and one that crosses or turns: what localisation and control may be off."""
+
+SQRT_2 = sqrt(2.0)
+"""A left turn leads across at half a right angle."""
+
+LONGEST_ID = 32
+"""Characters of an id (`dray.plant.model.Id`)."""
+
+DIGEST_CHARS = 8
+"""Of the names of stop points that would be too long."""
+
+
+class Size(msgspec.Struct, frozen=True):
+    """The largest vehicle of a plant, each measure by itself, and the distances that follow from it (m)."""
+
+    length_m: float
+    width_m: float
+    turning_radius_m: float
+
+    @classmethod
+    def of(cls, kinds: Iterable[VehicleType]) -> Size:
+        """Of some types of vehicles; at least one."""
+        kinds = tuple(kinds)
+        return cls(
+            max(kind.length_m for kind in kinds),
+            max(kind.width_m for kind in kinds),
+            max(kind.turning_radius_m for kind in kinds),
+        )
+
+    @property
+    def offset_m(self) -> float:
+        """From the middle of a two-lane road to each of its lanes.
+
+        There two vehicles pass, both may turn on the spot beside one another, and one that turns left at a crossing is clear
+        of one that has just left it on the road where the first came from.
+        """
+        left_turn_m = (self.turning_radius_m + self.width_m / 2.0 + MARGIN_M / 2.0) * SQRT_2
+        return max(self.width_m + PASSING_M, 2.0 * self.turning_radius_m + MARGIN_M / 2.0, left_turn_m) / 2.0
+
+    @property
+    def spacing_m(self) -> float:
+        """From one stop point to the next: one vehicle stands, the other turns on the spot."""
+        return self.length_m / 2.0 + self.turning_radius_m + MARGIN_M
+
+
+class Crossing(msgspec.Struct, frozen=True):
+    """A part of the floor that one vehicle at a time crosses, and where none stops."""
+
+    id: str
+    """Its first node in the plant file. It is a node of the floor only where a single track begins in it."""
+    nodes: tuple[str, ...]
+    """Of the plant file: more than one where there is no stop point between them."""
+    x_m: float
+    y_m: float
+    """Its middle."""
+    entries: tuple[str, ...]
+    """Where a vehicle stands that wants to cross it."""
+    exits: tuple[str, ...]
+    """Where a vehicle stands that has crossed it: it is entered by whoever may drive on to one of these."""
+    lanes: tuple[tuple[str, str], ...]
+    """Those that lead into it, through it or out of it, by their ends."""
+    inner: tuple[str, ...]
+    """Nodes of the floor that lie in it: nobody stops there."""
+
+
+class Layout(msgspec.Struct, frozen=True):
+    """Nodes and lanes as they are driven."""
+
+    nodes: tuple[Node, ...]
+    """Those of the file that are driven to, then stop points in the order of the lanes."""
+    lanes: tuple[Lane, ...]
+    """None of them has two lanes."""
+    crossings: Mapping[str, Crossing]
+    """By id, in file order."""
+    inner: Mapping[str, str]
+    """Node of the floor that lies in a crossing -> its id. All other nodes are where a vehicle may stand."""
+    crossed: Mapping[tuple[str, str], str]
+    """Lane, by its ends -> the crossing that it leads into, through or out of."""
+
+
+def lay_out(file: PlantFile) -> Layout:
+    """The floor of a plant file whose ids and references are right."""
+    if not any(_has_two_lanes(lane, file, frozenset()) for lane in file.lanes):
+        return Layout(file.nodes, file.lanes, {}, {}, {})
+    return _Draft(file).layout()
+
+
+def stop_names(file: PlantFile) -> frozenset[str]:
+    """The ids that stop points of this file may have."""
+    return frozenset(
+        name for start, end in _both(file.lanes) for name in (name_after(start, end), name_before(start, end))
+    )
+
+
+def stop_points(file: PlantFile) -> frozenset[str]:
+    """The stop points of a file; none of one whose lanes join what is not there."""
+    nodes = {node.id for node in file.nodes}
+    if not all(end in nodes for lane in file.lanes for end in (lane.start, lane.end)):
+        return frozenset()
+    layout = lay_out(file)
+    return frozenset(node.id for node in layout.nodes if node.id not in nodes and node.id not in layout.inner)
+
+
+def name_after(start: str, end: str) -> str:
+    """The stop point of the lane from `start` to `end` that comes first."""
+    return _short(f"{start}.to-{end}")
+
+
+def name_before(start: str, end: str) -> str:
+    """The stop point of the lane from `start` to `end` that comes last, where there is room for two."""
+    return _short(f"{end}.from-{start}")
+
+
+def dock_nodes(file: PlantFile) -> frozenset[str]:
+    """Where vehicles dock, charge or park."""
+    return frozenset(
+        place.node
+        for places in (file.machines, file.storages, file.warehouses, file.chargers, file.parkings)
+        for place in places
+    )
+
+
+def _has_two_lanes(lane: Lane, file: PlantFile, docks: frozenset[str]) -> bool:
+    wanted = file.two_lanes if lane.two_lanes is None else lane.two_lanes
+    return wanted and lane.both_ways and lane.start not in docks and lane.end not in docks
+
+
+def _both(lanes: Iterable[Lane]) -> list[tuple[str, str]]:
+    """Every direction of every lane."""
+    return [
+        ends
+        for lane in lanes
+        for ends in ((lane.start, lane.end), (lane.end, lane.start))[: 2 if lane.both_ways else 1]
+    ]
+
+
+def _short(name: str) -> str:
+    if len(name) <= LONGEST_ID:
+        return name
+    digest = sha256(name.encode()).hexdigest()[:DIGEST_CHARS]
+    return f"{name[: LONGEST_ID - DIGEST_CHARS - 1]}.{digest}"
+
+
+class _Road(msgspec.Struct):
+    """One direction of a road between two crossings."""
+
+    start: str
+    end: str
+    speed_limit_mps: float
+    offset_m: float
+    """To the right of the middle; 0 for a one-way road."""
+    stops: tuple[Node, ...] = ()
+    """In the order of driving: one or two."""
+
+
+class _Draft:
+    """A floor in the making.
+
+    Args:
+        file: with one two-lane road or more.
+    """
+
+    def __init__(self, file: PlantFile) -> None:
+        self._file = file
+        self._size = Size.of(file.vehicle_types)
+        self._points = {node.id: node for node in file.nodes}
+        docks = dock_nodes(file)
+        wide = [lane for lane in file.lanes if _has_two_lanes(lane, file, docks)]
+        self._ends = {end for lane in wide for end in (lane.start, lane.end)}
+        """The nodes that become crossings."""
+        self._wide = {(lane.start, lane.end) for lane in wide}
+        self._roads: dict[Lane, tuple[_Road, ...]] = {}
+        """What becomes of a lane between crossings; a lane that is not in here stays as it is."""
+        for lane in file.lanes:
+            if lane.start in self._ends and lane.end in self._ends:
+                self._roads[lane] = self._split(lane)
+        self._single = [lane for lane in file.lanes if not self._roads.get(lane)]
+        self._middles = {end for lane in self._single for end in (lane.start, lane.end)} & self._ends
+        """Crossings that a single track begins in."""
+        self._arms = self._find_arms()
+        self._part = {node: node for node in self._ends}
+        """Nodes that are one crossing lead to one another, and in the end to the same."""
+
+    def layout(self) -> Layout:
+        """All of it."""
+        inner: dict[str, str] = {}
+        for lane in self._file.lanes:
+            self._set_stops(lane)
+        order = [node.id for node in self._file.nodes if node.id in self._ends]
+        first: dict[str, str] = {}
+        for node in order:
+            first.setdefault(self._root(node), node)
+        crossing_of = {node: first[self._root(node)] for node in order}
+        inner.update((node, crossing_of[node]) for node in order if node in self._middles)
+        for road in self._all_roads():
+            if crossing_of[road.start] == crossing_of[road.end]:
+                inner.update((stop.id, crossing_of[road.start]) for stop in road.stops)
+        lanes, crossed = self._lanes(crossing_of)
+        nodes = (
+            *(node for node in self._file.nodes if node.id not in self._ends or node.id in self._middles),
+            *(stop for road in self._all_roads() for stop in road.stops),
+        )
+        return Layout(nodes, lanes, self._crossings(crossing_of, lanes, crossed, inner), inner, crossed)
+
+    # --- where vehicles stop ----------------------------------------------------------------------
+
+    def _split(self, lane: Lane) -> tuple[_Road, ...]:
+        """The directions of a lane between two crossings; none for a single track that is driven both ways."""
+        limit_mps = lane.speed_limit_mps
+        if (lane.start, lane.end) in self._wide:
+            offset_m = self._size.offset_m
+            return (
+                _Road(lane.start, lane.end, limit_mps, offset_m),
+                _Road(lane.end, lane.start, limit_mps, offset_m),
+            )
+        return () if lane.both_ways else (_Road(lane.start, lane.end, limit_mps, 0.0),)
+
+    def _find_arms(self) -> dict[str, list[tuple[float, float]]]:
+        """What leaves each crossing's node: direction (rad) and half of the width that vehicles take there (m)."""
+        half_m = self._size.width_m / 2.0
+        arms: dict[str, list[tuple[float, float]]] = {node: [] for node in self._ends}
+        for lane in self._file.lanes:
+            wide = (lane.start, lane.end) in self._wide
+            for here, there in ((lane.start, lane.end), (lane.end, lane.start)):
+                if here in self._ends:
+                    reach_m = half_m + (self._size.offset_m if wide else 0.0)
+                    arms[here].append((self._heading_rad(here, there), reach_m))
+        return arms
+
+    def _clear_m(self, node: str, other: str) -> float:
+        """From a node to the stop point on the road to another, so that the vehicle there is clear of all that crosses."""
+        size = self._size
+        ahead_rad = self._heading_rad(node, other)
+        own_m = next(reach_m for rad, reach_m in self._arms[node] if rad == ahead_rad)
+        front_m = size.turning_radius_m if node in self._middles else 0.0
+        for rad, reach_m in self._arms[node]:
+            angle = abs((rad - ahead_rad + pi) % (2.0 * pi) - pi)
+            if 1e-3 < angle < pi - 1e-3:
+                # The inner corner of a vehicle that stands must be beyond the outer edge of the other road.
+                front_m = max(front_m, (reach_m + own_m * cos(angle)) / sin(angle))
+        return front_m + size.length_m / 2.0 + MARGIN_M
+
+    def _set_stops(self, lane: Lane) -> None:
+        """Give the directions of a lane their stop points; where there is no room, its crossings become one."""
+        if lane.start not in self._ends or lane.end not in self._ends:
+            return
+        roads = self._roads[lane]
+        if not roads:
+            self._part[self._root(lane.start)] = self._root(lane.end)
+            return
+        length_m = self._length_m(lane.start, lane.end)
+        for road in roads:
+            after_m = self._clear_m(road.start, road.end)
+            before_m = length_m - self._clear_m(road.end, road.start)
+            if before_m - after_m >= self._size.spacing_m - 1e-9:
+                road.stops = (
+                    self._stop(road, name_after(road.start, road.end), after_m),
+                    self._stop(road, name_before(road.start, road.end), before_m),
+                )
+                continue
+            if before_m < after_m - 1e-9:
+                self._part[self._root(lane.start)] = self._root(lane.end)
+                after_m = before_m = length_m / 2.0
+            middle_m = (after_m + before_m) / 2.0
+            road.stops = (self._stop(road, name_after(road.start, road.end), middle_m),)
+
+    def _stop(self, road: _Road, name: str, along_m: float) -> Node:
+        start, heading_rad = self._points[road.start], self._heading_rad(road.start, road.end)
+        ahead_x, ahead_y = cos(heading_rad), sin(heading_rad)
+        return Node(
+            name,
+            round(start.x_m + along_m * ahead_x + road.offset_m * ahead_y, 3),
+            round(start.y_m + along_m * ahead_y - road.offset_m * ahead_x, 3),
+        )
+
+    # --- how they are joined ------------------------------------------------------------------------
+
+    def _lanes(self, crossing_of: Mapping[str, str]) -> tuple[tuple[Lane, ...], dict[tuple[str, str], str]]:
+        """Lanes between stop points, single tracks, and ways over crossings; and which of them crosses what."""
+        lanes: list[Lane] = []
+        crossed: dict[tuple[str, str], str] = {}
+        into: dict[str, list[tuple[_Road, str]]] = {node: [] for node in crossing_of}
+        out_of: dict[str, list[tuple[_Road, str]]] = {node: [] for node in crossing_of}
+        for lane in self._file.lanes:
+            roads = self._roads.get(lane)
+            if not roads:
+                lanes.append(lane)
+                for ends in _both((lane,)):
+                    touched = next((crossing_of[end] for end in ends if end in crossing_of), None)
+                    if touched is not None:
+                        crossed[ends] = touched
+                continue
+            for road in roads:
+                out_of[road.start].append((road, road.stops[0].id))
+                into[road.end].append((road, road.stops[-1].id))
+                lanes += [Lane(a.id, b.id, road.speed_limit_mps) for a, b in pairwise(road.stops)]
+        for node, crossing in crossing_of.items():
+            # Back where it came from, too: a vehicle may turn round.
+            over = [
+                Lane(before, after, min(entered.speed_limit_mps, left.speed_limit_mps))
+                for entered, before in into[node]
+                for left, after in out_of[node]
+            ]
+            if node in self._middles:
+                over += [Lane(before, node, road.speed_limit_mps) for road, before in into[node]]
+                over += [Lane(node, after, road.speed_limit_mps) for road, after in out_of[node]]
+            lanes += over
+            crossed.update(((lane.start, lane.end), crossing) for lane in over)
+        return tuple(lanes), crossed
+
+    def _crossings(
+        self,
+        crossing_of: Mapping[str, str],
+        lanes: Iterable[Lane],
+        crossed: Mapping[tuple[str, str], str],
+        inner: Mapping[str, str],
+    ) -> dict[str, Crossing]:
+        nodes: dict[str, list[str]] = {}
+        for node, crossing in crossing_of.items():
+            nodes.setdefault(crossing, []).append(node)
+        entries: dict[str, dict[str, None]] = {crossing: {} for crossing in nodes}
+        exits: dict[str, dict[str, None]] = {crossing: {} for crossing in nodes}
+        touching: dict[str, list[tuple[str, str]]] = {crossing: [] for crossing in nodes}
+        for ends in _both(lanes):
+            if (touched := crossed.get(ends)) is not None:
+                touching[touched].append(ends)
+                if ends[0] not in inner:
+                    entries[touched][ends[0]] = None
+                if ends[1] not in inner:
+                    exits[touched][ends[1]] = None
+        return {
+            crossing: Crossing(
+                crossing,
+                tuple(members),
+                sum(self._points[node].x_m for node in members) / len(members),
+                sum(self._points[node].y_m for node in members) / len(members),
+                tuple(entries[crossing]),
+                tuple(exits[crossing]),
+                tuple(touching[crossing]),
+                tuple(node for node, at in inner.items() if at == crossing),
+            )
+            for crossing, members in nodes.items()
+        }
+
+    # --- small things --------------------------------------------------------------------------------
+
+    def _all_roads(self) -> Iterable[_Road]:
+        return (road for roads in self._roads.values() for road in roads)
+
+    def _root(self, node: str) -> str:
+        while self._part[node] != node:
+            node = self._part[node]
+        return node
+
+    def _heading_rad(self, start: str, end: str) -> float:
+        a, b = self._points[start], self._points[end]
+        return atan2(b.y_m - a.y_m, b.x_m - a.x_m)
+
+    def _length_m(self, start: str, end: str) -> float:
+        a, b = self._points[start], self._points[end]
+        return hypot(b.x_m - a.x_m, b.y_m - a.y_m)

@@ -1,0 +1,128 @@
+"""Where the floor is too narrow for the vehicles: what is warned of, and what is not."""
+
+from __future__ import annotations
+
+from cmath import exp
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from msgspec.structs import replace
+
+from dray.plant import Lane, Node, Parking, Plant, VehicleType, default_plant
+from dray.plant.advice import advice
+from dray.plant.advice_floor import floor_advice
+from dray.plant.rectangles import Rectangle, gap_m
+
+KIND = VehicleType("kind", "Kind", length_m=1.0, width_m=0.6)
+
+
+def floor(
+    nodes: tuple[Node, ...], lanes: tuple[Lane, ...], docks: tuple[str, ...] = (), *, two_lanes: bool = False
+) -> dict[str, str]:
+    """What is warned of in a plant whose floor this is, beside that of the default plant, by kind."""
+    file = default_plant().file
+    lanes = tuple(replace(lane, two_lanes=two_lanes) for lane in lanes)
+    plant = Plant(
+        replace(
+            file,
+            vehicle_types=(*file.vehicle_types, KIND),
+            nodes=(*file.nodes, *nodes),
+            lanes=(*file.lanes, *lanes),
+            parkings=(*file.parkings, *(Parking(f"X{number}", dock) for number, dock in enumerate(docks))),
+        )
+    )
+    return {kind: text for kind, _, text in floor_advice(plant)}
+
+
+ROW = (Node("x1", 3, 38), Node("x2", 4.3, 38))
+
+
+def test_places_where_vehicles_touch_are_near() -> None:
+    assert floor(ROW, (Lane("x1", "x2", both_ways=True),)) == {}
+    near = floor((ROW[0], Node("x2", 3.9, 38)), (Lane("x1", "x2", both_ways=True),))
+    assert "x1 and x2 (0.90 m) are nearer to one another than vehicles of 1 m x 0.6 m" in near["near"]
+
+
+def test_vehicles_side_by_side_may_be_nearer_than_vehicles_behind_one_another() -> None:
+    nodes = (Node("x1", 3, 38), Node("x2", 3, 36), Node("x3", 3.7, 38), Node("x4", 3.7, 36))
+    lanes = (Lane("x1", "x2", both_ways=True), Lane("x3", "x4", both_ways=True))
+    assert "near" not in floor(nodes, lanes)
+    crooked = (*lanes, Lane("x1", "x3", both_ways=True))
+    assert "x1 and x3" in floor(nodes, crooked)["near"]
+
+
+def test_a_place_in_the_way_of_a_lane_is_narrow() -> None:
+    nodes = (Node("x1", 40, 38), Node("x2", 50, 38), Node("x3", 45, 38.7), Node("x4", 45, 39.9))
+    lanes = (Lane("x1", "x2", both_ways=True), Lane("x3", "x4", both_ways=True))
+    assert "who stands at x3 (from x1 to x2) is in the way" in floor(nodes, lanes)["narrow"]
+    far = (*nodes[:2], Node("x3", 45, 38.9), nodes[3])
+    assert "narrow" not in floor(far, lanes)
+
+
+def test_roads_too_short_for_a_stop_point_make_one_crossing() -> None:
+    nodes = (Node("x1", 40, 38), Node("x2", 42, 38), Node("x3", 42, 39.9), Node("x4", 40, 39.9))
+    lanes = (
+        Lane("x1", "x2", both_ways=True),
+        Lane("x2", "x3", both_ways=True),
+        Lane("x1", "x4", both_ways=True),
+    )
+    found = floor(nodes, lanes, two_lanes=True)
+    assert "no room for a stop point between x1 and x2 and x3 and x4" in found["crossing"]
+    assert "crossing" not in floor(nodes, lanes)
+
+
+def test_a_dock_in_the_only_way_to_others_is_in_the_way() -> None:
+    nodes = (Node("x1", 40, 38), Node("x2", 45, 38), Node("x3", 50, 38))
+    lanes = (
+        Lane("x1", "x2", both_ways=True),
+        Lane("x2", "x3", both_ways=True),
+        Lane("e5", "x1", both_ways=True),
+    )
+    assert "vehicles dock at x2 in the only way" in floor(nodes, lanes, ("x2", "x3"))["way"]
+    round_about = (*lanes, Lane("x1", "x3", both_ways=True))
+    assert "way" not in floor(nodes, round_about, ("x2", "x3"))
+
+
+def test_a_spur_and_a_drive_through_are_not_in_the_way() -> None:
+    assert list(floor_advice(default_plant())) == []
+
+
+def test_two_lanes_in_the_default_plant_leave_what_is_too_near_to_be_said() -> None:
+    plant = Plant(replace(default_plant().file, two_lanes=True))
+    found = {each.kind: each.text for each in advice(plant)}
+    assert set(found) == {"crossing", "narrow"}
+    assert "b1 and s4-lane" in found["crossing"]
+
+
+# --- rectangles -----------------------------------------------------------------------------------------
+
+ANYWHERE = st.floats(-3.0, 3.0)
+SIDE = st.floats(0.2, 2.0)
+RECTANGLES = st.builds(Rectangle, ANYWHERE, ANYWHERE, st.floats(-4.0, 4.0), SIDE, SIDE)
+
+
+def corners(of: Rectangle) -> list[complex]:
+    turn = complex(0.0, of.heading_rad)
+    return [
+        complex(of.x_m, of.y_m) + exp(turn) * complex(a * of.length_m / 2, b * of.width_m / 2)
+        for a, b in ((1, 1), (1, -1), (-1, -1), (-1, 1))
+    ]
+
+
+def holds(of: Rectangle, point: complex) -> bool:
+    own = (point - complex(of.x_m, of.y_m)) * exp(complex(0.0, -of.heading_rad))
+    return abs(own.real) <= of.length_m / 2 - 1e-9 and abs(own.imag) <= of.width_m / 2 - 1e-9
+
+
+@settings(deadline=None)
+@given(RECTANGLES, RECTANGLES)
+def test_rectangles_with_a_point_in_common_overlap(a: Rectangle, b: Rectangle) -> None:
+    one, other = corners(a), corners(b)
+    points = [p + (q - p) * t / 8 for p, q in zip(one, (*one[1:], one[0]), strict=True) for t in range(9)]
+    if any(holds(b, point) for point in points):
+        assert gap_m(a, b) < 0
+    assert gap_m(a, b) == pytest.approx(gap_m(b, a))
+    if gap_m(a, b) > 0:
+        apart = min(abs(p - q) for p in one for q in other)
+        assert gap_m(a, b) <= apart + 1e-9
