@@ -51,7 +51,7 @@ class Floor:
     Args:
         plant: what stands where.
         clock: the plant's clock.
-        seed: what is left to chance follows from it: how full buffers are.
+        seed: what is left to chance follows from it: how full buffers are, how long what varies takes.
         stock_frac: how full buffers are at the start, from and to, of what they hold.
 
     Attributes:
@@ -64,7 +64,7 @@ class Floor:
     def __init__(
         self, plant: Plant, clock: Clock, *, seed: int, stock_frac: tuple[float, float] = FIRST_STOCK_FRAC
     ) -> None:
-        self._plant, self._clock = plant, clock
+        self._plant, self._clock, self._seed = plant, clock, seed
         self.source = SourceWarehouse(plant.source_warehouses[0], plant.materials)
         self.gate = Gate(clock)
         self.delivery: Mapping[str, DeliveryWarehouse] = {
@@ -76,7 +76,9 @@ class Floor:
         }
         stock = Random(f"{seed} stock")
         self.workcells: dict[str, SimWorkcell] = {
-            spec.id: SimWorkcell(spec, plant, clock, stock=_first_stock(plant, spec.id, stock_frac, stock))
+            spec.id: SimWorkcell(
+                spec, plant, clock, stock=_first_stock(plant, spec.id, stock_frac, stock), seed=seed
+            )
             for spec in plant.machines.values()
         }
         self.in_hands: Counter[str] = Counter()
@@ -109,7 +111,14 @@ class Floor:
                 raise PlantError(spec.id, field, f"the plant has no {field} {name!r}")
         vehicle_type = self._plant.vehicle_types[spec.type]
         vehicle = SimVehicle(
-            spec, vehicle_type, self._plant, self._clock, self._places, self._docks, self._chargers
+            spec,
+            vehicle_type,
+            self._plant,
+            self._clock,
+            self._places,
+            self._docks,
+            self._chargers,
+            self._seed,
         )
         self.vehicles[spec.id] = vehicle
         return vehicle
@@ -124,7 +133,7 @@ class Floor:
             PlantError: it does not fit into this plant.
         """
         plant = with_machine(self._plant, spec, spec.id)
-        workcell = SimWorkcell(spec, plant, self._clock)
+        workcell = SimWorkcell(spec, plant, self._clock, seed=self._seed)
         self.workcells[spec.id] = self._places[spec.id] = workcell
         self._docks[spec.id] = spec.node
         return workcell

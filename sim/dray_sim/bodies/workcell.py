@@ -33,6 +33,7 @@ from dray.plant import Plant
 from dray.plant.model import MachineSpec
 from dray.ports import Clock
 from dray_sim.bodies.docks import OpenDocks
+from dray_sim.bodies.durations import Durations
 from dray_sim.bodies.reporter import Reporter
 from dray_sim.bodies.stores import NO_ROOM, NOT_KEPT, TOO_LITTLE
 
@@ -68,6 +69,7 @@ class SimWorkcell:
         plant: for bills of material and sizes of buffers.
         clock: the plant's clock.
         stock: pieces of materials and products at the beginning.
+        seed: how long each cycle takes follows from it, where that varies.
 
     Attributes:
         id: the machine's id.
@@ -76,7 +78,12 @@ class SimWorkcell:
     """
 
     def __init__(
-        self, spec: MachineSpec, plant: Plant, clock: Clock, stock: Mapping[str, int] | None = None
+        self,
+        spec: MachineSpec,
+        plant: Plant,
+        clock: Clock,
+        stock: Mapping[str, int] | None = None,
+        seed: int = 0,
     ) -> None:
         self.id = spec.id
         self.consumed: Counter[str] = Counter()
@@ -84,6 +91,8 @@ class SimWorkcell:
         self._clock = clock
         self._reporter = Reporter(clock)
         self._cycle_s = {making.product: making.cycle_s for making in spec.makes}
+        self._cycle_cv = {making.product: making.cycle_cv for making in spec.makes}
+        self._durations = Durations(f"{seed} cycles {spec.id}")
         self._bills = {product: plant.products[product].bill for product in self._cycle_s}
         materials = plant.materials_of(spec.id)
         self._buffers = {material: plant.materials[material].buffer for material in materials}
@@ -261,7 +270,8 @@ class SimWorkcell:
         for line in self._bills[product]:
             self._stock[line.material] -= line.quantity
             self.consumed[line.material] += line.quantity
-        self._cycle = _Cycle(product, self._cycle_s[product])
+        cycle_s = self._durations.draw_s(self._cycle_s[product], self._cycle_cv[product])
+        self._cycle = _Cycle(product, cycle_s)
         self._schedule(self._cycle)
 
     def _why_not(self, product: str) -> str:

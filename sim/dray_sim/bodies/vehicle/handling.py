@@ -12,6 +12,7 @@ from dray.body import ActionDone, ActionFailed, Charge, Drop, Pick
 from dray.plant import Plant
 from dray.plant.model import VehicleType
 from dray_sim.bodies.chargers import Chargers
+from dray_sim.bodies.durations import Durations
 from dray_sim.bodies.reporter import Reporter
 from dray_sim.bodies.stores import Place
 
@@ -31,6 +32,7 @@ class Handling:
         docks: the node of each.
         chargers: who is plugged in where; shared by the fleet.
         reporter: the vehicle's reports.
+        durations: how long each manoeuvre takes.
 
     Attributes:
         action: under way; None for none.
@@ -48,6 +50,7 @@ class Handling:
         docks: Mapping[str, str],
         chargers: Chargers,
         reporter: Reporter,
+        durations: Durations,
     ) -> None:
         self.action: Action | None = None
         self.left_s = 0.0
@@ -60,6 +63,7 @@ class Handling:
         self._docks = docks
         self._chargers = chargers
         self._reporter = reporter
+        self._durations = durations
         self._charger = ""
         """Where it is plugged in."""
 
@@ -77,12 +81,11 @@ class Handling:
         if reason:
             return reason
         self.action = action
-        if isinstance(action, Pick):
-            self.left_s = self._type.load_s
-        elif isinstance(action, Drop):
-            self.left_s = self._type.unload_s
-        else:
+        if isinstance(action, Charge):
             self._charger = action.charger
+        else:
+            mean_s = self._type.load_s if isinstance(action, Pick) else self._type.unload_s
+            self.left_s = self._durations.draw_s(mean_s, self._plant.handling_cv(action.station, self._type))
         return ""
 
     def spend(self, seconds: float) -> None:

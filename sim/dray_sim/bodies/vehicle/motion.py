@@ -75,6 +75,11 @@ class Profile:
         self.duration_s += duration_s
         self._end_m += length_m
 
+    @property
+    def top_mps(self) -> float:
+        """The highest speed in it."""
+        return max(self._speeds_mps, default=0.0)
+
     def at(self, time_s: float) -> tuple[float, float]:
         """Place in metres and speed in metres per second at `time_s`, not before the beginning."""
         if time_s >= self.duration_s:

@@ -15,6 +15,7 @@ from dray.errors import ProtocolViolation
 from dray.messages import Pose
 from dray.plant import Plant
 from dray.plant.model import VehicleType
+from dray_sim.bodies.vehicle.course import Course
 from dray_sim.bodies.vehicle.motion import SHORT_M, STANDSTILL, brake, plan
 from dray_sim.bodies.vehicle.way import Way, join
 
@@ -112,6 +113,28 @@ class Travel:
             return self.way.pose(self._plant, self._passed, self.motion(now_s)[0])
         here = self._plant.nodes[self.node]
         return Pose(x_m=here.x_m, y_m=here.y_m, heading_rad=self._heading_rad)
+
+    def course(self, now_s: float) -> Course:
+        """How it moves from now on, up to the next node at most, if nothing changes."""
+        kind = self._type
+        if self.way is None or self._passed >= self._released or now_s >= self.moves_until_s:
+            here = self.pose(now_s)
+            return Course(
+                now_s, here.x_m, here.y_m, here.heading_rad, STANDSTILL, 0.0, 0.0, kind.length_m, kind.width_m
+            )
+        place_m = self.motion(now_s)[0]
+        here = self.way.pose(self._plant, self._passed, place_m)
+        return Course(
+            now_s,
+            here.x_m,
+            here.y_m,
+            here.heading_rad,
+            self._profile,
+            now_s - self._from_s,
+            self.way.places_m[self._passed + 1] - place_m,
+            kind.length_m,
+            kind.width_m,
+        )
 
     # --- what happens ----------------------------------------------------------------------------
 

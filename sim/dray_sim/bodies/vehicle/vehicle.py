@@ -44,9 +44,11 @@ from dray.plant import Plant
 from dray.plant.model import VehicleSpec, VehicleType
 from dray.ports import Clock
 from dray_sim.bodies.chargers import Chargers
+from dray_sim.bodies.durations import Durations
 from dray_sim.bodies.reporter import Reporter
 from dray_sim.bodies.stores import Place
 from dray_sim.bodies.vehicle.condition import Condition
+from dray_sim.bodies.vehicle.course import Course
 from dray_sim.bodies.vehicle.handling import Action, Handling
 from dray_sim.bodies.vehicle.odometer import Activity, Odometer
 from dray_sim.bodies.vehicle.power import Power
@@ -72,6 +74,7 @@ class SimVehicle:
         places: stations by id where it can load and unload; some may come later.
         docks: the node of each.
         chargers: who is plugged in where; shared by the fleet.
+        seed: how long each manoeuvre takes follows from it, where that varies.
 
     Attributes:
         id: the vehicle's id.
@@ -86,13 +89,17 @@ class SimVehicle:
         places: Mapping[str, Place],
         docks: Mapping[str, str],
         chargers: Chargers,
+        seed: int = 0,
     ) -> None:
         self.id = spec.id
         self._type = vehicle_type
         self._clock = clock
         self._reporter = Reporter(clock)
         self._travel = Travel(plant, vehicle_type, spec.node, clock.now_s())
-        self._handling = Handling(spec.id, vehicle_type, plant, places, docks, chargers, self._reporter)
+        durations = Durations(f"{seed} handling {spec.id}")
+        self._handling = Handling(
+            spec.id, vehicle_type, plant, places, docks, chargers, self._reporter, durations
+        )
         self._power = Power(
             vehicle_type,
             spec.battery_frac,
@@ -110,6 +117,7 @@ class SimVehicle:
         """The number of the present plan: a call of the clock for another one is stale."""
         self._due_s = NEVER_S
         """When the present plan ends."""
+        self._on_course: Callable[[str, Course], None] | None = None
         self._power.watch()
 
     # --- Body ------------------------------------------------------------------------------------
@@ -262,6 +270,11 @@ class SimVehicle:
         self._condition.revive()
         self._change_of_fortune()
 
+    def watch_course(self, on_course: Callable[[str, Course], None]) -> None:
+        """Tell how it moves, now and at every change, to one who watches."""
+        self._on_course = on_course
+        on_course(self.id, self._travel.course(self._now_s()))
+
     def odometer(self) -> Odometer:
         """Metres and seconds from the beginning until now."""
         return self._add_to(self._sums.copy(), self._now_s())
@@ -352,6 +365,8 @@ class SimVehicle:
         if when_s < NEVER_S:
             self._clock.call_at(when_s, partial(self._due, self._plan))
         self._power.watch()
+        if self._on_course is not None:
+            self._on_course(self.id, self._travel.course(self._power.settled_s))
 
     # --- the battery -----------------------------------------------------------------------------
 

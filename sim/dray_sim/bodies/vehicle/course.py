@@ -1,0 +1,101 @@
+"""Where a vehicle is, in closed form, until something about its motion changes."""
+
+from __future__ import annotations
+
+from math import cos, hypot, sin
+
+from dray.plant.rectangles import Rectangle
+from dray_sim.bodies.vehicle.motion import Profile
+
+
+class Course:
+    """A piece of a vehicle's motion: straight on in one direction, or standing.
+
+    Args:
+        begin_s: from when on.
+        x_m, y_m, heading_rad: where it is then, and in which direction it drives.
+        profile: how it moves; `STANDSTILL` for not at all.
+        profile_s: how far into the profile that is.
+        reach_m: how far it drives at most.
+        length_m, width_m: of the vehicle.
+
+    Attributes:
+        radius_m: of the circle around it.
+        top_mps: its highest speed on this piece; 0 for one that stands.
+    """
+
+    __slots__ = (
+        "_cos",
+        "_profile",
+        "_run_m",
+        "_shift_s",
+        "_sin",
+        "begin_s",
+        "heading_rad",
+        "length_m",
+        "radius_m",
+        "reach_m",
+        "top_mps",
+        "width_m",
+        "x_m",
+        "y_m",
+    )
+
+    def __init__(
+        self,
+        begin_s: float,
+        x_m: float,
+        y_m: float,
+        heading_rad: float,
+        profile: Profile,
+        profile_s: float,
+        reach_m: float,
+        length_m: float,
+        width_m: float,
+    ) -> None:
+        self.begin_s = begin_s
+        self.x_m, self.y_m, self.heading_rad = x_m, y_m, heading_rad
+        self.length_m, self.width_m = length_m, width_m
+        self.radius_m = hypot(length_m, width_m) / 2.0
+        self._cos, self._sin = cos(heading_rad), sin(heading_rad)
+        self._profile = profile
+        self._shift_s = profile_s - begin_s
+        self._run_m = profile.at(profile_s)[0]
+        self.reach_m = max(0.0, min(reach_m, profile.length_m - self._run_m))
+        self.top_mps = profile.top_mps if self.reach_m else 0.0
+
+    def driven_m(self, at_s: float) -> float:
+        """How far it has come on this piece."""
+        if not self.reach_m:
+            return 0.0
+        return max(0.0, min(self._profile.at(at_s + self._shift_s)[0] - self._run_m, self.reach_m))
+
+    def spot(self, at_s: float) -> tuple[float, float]:
+        """Where its middle is (x_m, y_m)."""
+        run_m = self.driven_m(at_s)
+        return self.x_m + run_m * self._cos, self.y_m + run_m * self._sin
+
+    def covers(self, at_s: float) -> Rectangle:
+        """What of the floor it covers."""
+        return Rectangle(*self.spot(at_s), self.heading_rad, self.length_m, self.width_m)
+
+    def apart_m(self, other: Course, at_s: float) -> float:
+        """How far the circles around the two are apart; below 0 where they overlap."""
+        x_m, y_m = self.spot(at_s)
+        other_x_m, other_y_m = other.spot(at_s)
+        return hypot(other_x_m - x_m, other_y_m - y_m) - self.radius_m - other.radius_m
+
+    def nearing_mps(self, other: Course) -> float:
+        """How fast the two come nearer to one another at most."""
+        one_mps, other_mps = self.top_mps, other.top_mps
+        if not one_mps or not other_mps:
+            return one_mps or other_mps
+        across_mps = one_mps * self._sin - other_mps * other._sin
+        along_mps = one_mps * self._cos - other_mps * other._cos
+        # Each may drive at any speed up to its highest: the extremes are the corners of those pairs.
+        return max(one_mps, other_mps, float((along_mps * along_mps + across_mps * across_mps) ** 0.5))
+
+    @property
+    def end(self) -> tuple[float, float]:
+        """Where it comes to at most (x_m, y_m)."""
+        return self.x_m + self.reach_m * self._cos, self.y_m + self.reach_m * self._sin
