@@ -38,6 +38,7 @@ from dray_sim.checks.broken import InvariantBroken
 from dray_sim.checks.delivered import DeliveredExactly
 from dray_sim.checks.granted import GrantedOnly
 from dray_sim.checks.isolation import ReplacedInTime, SpeaksOn
+from dray_sim.checks.overlaps import Overlaps
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.network.listeners import Listener
 
@@ -319,6 +320,9 @@ class Invariants:
         """Count once more at the end of a run."""
         try:
             self._conservation.check(at_s)
+            for check in self._checks:
+                if isinstance(check, Overlaps):
+                    check.check_end(at_s)
         except InvariantBroken as broken:
             self.broken = self.broken or broken
 

@@ -17,6 +17,7 @@ from dray.messages import OrderItem
 from dray.plant import Plant
 from dray_sim.bodies.floor import FIRST_STOCK_FRAC
 from dray_sim.checks.invariants import Invariants
+from dray_sim.checks.overlaps import Overlaps
 from dray_sim.clock.loop import JUMP, clock, run
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.faults import Faults
@@ -52,6 +53,7 @@ class Shift:
         latency: of the network.
         people: how the operators of all areas work; None for nobody on the floor.
         keep: classes of facts and messages that the witness keeps.
+        overlaps: whether two vehicles in one spot are counted (False), break the run (True), or are not looked for (None).
     """
 
     name: str
@@ -62,6 +64,7 @@ class Shift:
     latency: Latency = WLAN
     people: Habits | None = None
     keep: tuple[type[Any], ...] = ()
+    overlaps: bool | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +98,7 @@ class Stage:
         factory: bodies, network, agents.
         faults: what goes wrong in it.
         people: the operators.
+        overlaps: vehicles in one spot so far; None where they are not looked for.
         witness: what was said.
         observer: figures so far.
         shortfall: who has waited for what so far.
@@ -125,6 +129,10 @@ class Stage:
         self.faults = Faults(self.factory)
         self.people = hire(self.factory, seed=seed, habits=shift.people) if shift.people is not None else ()
         self.checks = Invariants(self.factory)
+        self.overlaps: Overlaps | None = None
+        if shift.overlaps is not None:
+            self.overlaps = Overlaps(self.factory.vehicles, strict=shift.overlaps)
+            self.checks.add(self.overlaps)
         self.shortfall = Shortfall(plant, self.factory.storages)
         listeners.add(self.trace, self.observer, self.checks, self.witness, self.shortfall)
         self._customers = OrderClient(self.factory.bus, self.factory.clock)
