@@ -12,6 +12,8 @@ from math import cos, exp, log, pi, sin
 from random import Random
 from typing import Literal
 
+from msgspec.structs import replace
+
 from dray.plant import (
     Area,
     BillLine,
@@ -36,6 +38,7 @@ from dray.plant import (
     parse_plant,
     plant_yaml,
 )
+from dray.plant.layout import lay_out
 from dray_sim.plants.lanes import Network, draw_lanes, make_one_way
 
 MACHINES = (2, 40)
@@ -59,12 +62,14 @@ ABILITIES = ("tote", "pallet", "KLT-6428", "long.goods", "A")
 SPUR_M = (1.2, 4.0)
 
 
-def draw_plant(seed: int, *, small: bool = False) -> Plant:
+def draw_plant(seed: int, *, small: bool = False, two_lanes: bool = False) -> Plant:
     """The plant of a seed; the same in every process.
 
     Args:
         seed: decides everything.
         small: few machines and vehicles.
+        two_lanes: whether its roads have two lanes; the same plant otherwise. Vehicles that would begin in a crossing begin
+            at a stop point.
 
     Raises:
         PlantError: the generator has drawn what may not be; a fault of its own.
@@ -72,9 +77,25 @@ def draw_plant(seed: int, *, small: bool = False) -> Plant:
     random = Random(f"{seed} plant")
     machines = _between(random, SMALL_MACHINES if small else MACHINES)
     vehicles = _between(random, SMALL_VEHICLES if small else VEHICLES)
-    plant = Plant(_Draft(random, seed, machines, vehicles).file())
+    file = _Draft(random, seed, machines, vehicles).file()
+    if two_lanes:
+        file = _begun_at_stops(replace(file, two_lanes=True))
+    plant = Plant(file)
     # Through its text and its check, as any other plant comes.
     return parse_plant(plant_yaml(plant), f"plant of seed {seed}")
+
+
+def _begun_at_stops(file: PlantFile) -> PlantFile:
+    """The same plant, in which nobody begins in a crossing."""
+    layout = lay_out(file)
+    taken = {spec.node for spec in file.fleet}
+    free = [node.id for node in layout.nodes if node.id not in layout.inner and node.id not in taken]
+    free.reverse()
+    crossed = {node for each in layout.crossings.values() for node in each.nodes}
+    fleet = tuple(
+        replace(spec, node=free.pop()) if spec.node in crossed and free else spec for spec in file.fleet
+    )
+    return replace(file, fleet=fleet)
 
 
 def _between(random: Random, bounds: tuple[int, int]) -> int:

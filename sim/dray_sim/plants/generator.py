@@ -60,14 +60,21 @@ BORDER_M = 1.0
 STANDS_M = ((2.0, 2.2), (5.0, 2.2), (8.0, 2.2), (2.0, 5.3), (5.0, 5.3), (8.0, 5.3))
 """Chargers and parking places within their block."""
 
+TWO_LANES_M = {2.0: 2.7, 3.5: 2.7, 5.0: 5.0, 6.5: 7.3, 8.0: 7.3}
+"""Where spurs leave a road of two lanes: there is room for a stop point between any two of them, and before a corner."""
 
-def generate_plant(seed: int, machines: int, vehicles: int) -> Plant:
+MOUTHS_M = 1.5
+"""From the middle of a warehouse to where it is entered and left."""
+
+
+def generate_plant(seed: int, machines: int, vehicles: int, *, two_lanes: bool = False) -> Plant:
     """A plant of the wanted size; the same for the same arguments, in every process.
 
     Args:
         seed: decides where everything is and which machine makes what.
         machines: how many, from 1 to `MAX_MACHINES`.
         vehicles: how many, from 1 to `MAX_VEHICLES`.
+        two_lanes: whether roads have two lanes; the same places in the same blocks, at spurs with room between them.
 
     Raises:
         SettingsError: a number is out of its range.
@@ -75,15 +82,17 @@ def generate_plant(seed: int, machines: int, vehicles: int) -> Plant:
     for name, value, most in (("machines", machines, MAX_MACHINES), ("vehicles", vehicles, MAX_VEHICLES)):
         if not 1 <= value <= most:
             raise SettingsError(name, f"{value} is not within 1 to {most}")
-    draft = _Draft(Random(seed), machines, vehicles)
-    return Plant(draft.file(f"g{seed % 10**9}-{machines}-{vehicles}", f"Generated from seed {seed}"))
+    draft = _Draft(Random(seed), machines, vehicles, two_lanes=two_lanes)
+    name = f"g{seed % 10**9}-{machines}-{vehicles}{'-2' if two_lanes else ''}"
+    return Plant(draft.file(name, f"Generated from seed {seed}"))
 
 
 class _Draft:
     """A plant in the making: blocks are dealt out, then places are put into them one by one."""
 
-    def __init__(self, rng: Random, machines: int, vehicles: int) -> None:
+    def __init__(self, rng: Random, machines: int, vehicles: int, *, two_lanes: bool) -> None:
         self._rng = rng
+        self._two_lanes = two_lanes
         self._vehicles = vehicles
         self._stands = {"charger": ceil(vehicles * CHARGERS_PER_VEHICLE), "parking": vehicles}
         self._machines = machines
@@ -131,6 +140,7 @@ class _Draft:
             areas=self._areas(),
             vehicle_types=self._default.vehicle_types,
             fleet=self._fleet(parkings),
+            two_lanes=self._two_lanes,
         )
 
     def _deal(self) -> tuple[Blocks, dict[str, list[int]]]:
@@ -151,6 +161,10 @@ class _Draft:
             dealt.setdefault(kind, []).append(block)
         return blocks, dealt
 
+    def _x_m(self, x_m: float) -> float:
+        """Where a spur leaves its road, from the left of the block."""
+        return TWO_LANES_M[x_m] if self._two_lanes else x_m
+
     def _box(self, block: int, x_m: float, y_m: float, width_m: float, depth_m: float) -> Box:
         left_m, low_m = self._blocks.corner_m(block)
         return Box(left_m + x_m, low_m + y_m, width_m, depth_m)
@@ -159,7 +173,8 @@ class _Draft:
         """One per block; vehicles drive through, so that none waits for another's way out."""
         placed = []
         for number, block in enumerate(self._kinds[kind], 1):
-            node = self._blocks.drive_through(block, f"{kind}{number}", 5.0, 2.0, half_m=1.5)
+            half_m = self._x_m(5.0 + MOUTHS_M) - 5.0
+            node = self._blocks.drive_through(block, f"{kind}{number}", 5.0, 2.0, half_m=half_m)
             box = self._box(block, 5.0, 4.9, 7.0, 3.2)
             name = f"{kind.capitalize()} {number}"
             placed.append(Warehouse(f"{kind.upper()}{number}", name, kind, node, box))
@@ -173,10 +188,10 @@ class _Draft:
         for index in range(self._storages):
             block = self._kinds["storage"][index // STORAGES_PER_BLOCK]
             dock_m, box_m = (((3.5, 1.6), (3.5, 2.9)), ((6.5, 5.9), (6.5, 4.6)))[index % STORAGES_PER_BLOCK]
-            node = self._blocks.dock(block, f"s{index + 1}", *dock_m)
+            node = self._blocks.dock(block, f"s{index + 1}", self._x_m(dock_m[0]), dock_m[1])
             kept = [materials[(index * each + step) % len(materials)] for step in range(each)]
             stocks = tuple(Stock(material.id, material.lot * LOTS_PER_STOCK) for material in kept)
-            box = self._box(block, *box_m, 2.6, 1.8)
+            box = self._box(block, self._x_m(box_m[0]), box_m[1], 2.6, 1.8)
             placed.append(Storage(f"S{index + 1}", f"Storage S{index + 1}", node, box, stocks))
         return tuple(placed)
 
@@ -186,6 +201,7 @@ class _Draft:
         for index in range(self._stands[kind]):
             block = self._kinds[kind][index // STANDS_PER_BLOCK]
             x_m, y_m = STANDS_M[index % STANDS_PER_BLOCK]
+            x_m = self._x_m(x_m)
             left_m, low_m = self._blocks.corner_m(block)
             node = self._blocks.dock(block, f"{prefix}{index + 1}", x_m, y_m)
             placed.append((node, left_m + x_m, low_m + y_m))
