@@ -13,7 +13,7 @@ A vehicle goes from stop point to stop point in a straight line: a right turn is
 docks and other single tracks stay as they are, and begin in the middle of the crossing. Where a road is too short for
 a stop point, the crossings at its ends are one crossing; so are those that a single track joins.
 
-What is left to others: who may cross next (`dray.protocol.traffic`), and what is too narrow (`dray.plant.advice`).
+What is left to others: who may cross next, and what is too narrow (`dray.plant.advice_floor`).
 """
 
 from __future__ import annotations
