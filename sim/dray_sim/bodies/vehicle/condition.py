@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dray.body import ProblemCleared, ProblemRaised
+from dray.body import Charge, ProblemCleared, ProblemRaised
 from dray_sim.bodies.reporter import Reporter
+from dray_sim.bodies.vehicle.handling import Action
+from dray_sim.bodies.vehicle.odometer import Activity
 from dray_sim.bodies.vehicle.power import Power
 
 BATTERY_EMPTY = "battery empty"
@@ -35,6 +37,23 @@ class Condition:
     def stopped(self) -> bool:
         """Whether it is held, broken, empty or off: it neither moves nor goes on with an action."""
         return self.held or bool(self.fault) or self._power.empty or self._power.off
+
+    def activity(self, action: Action | None, *, waits: bool) -> Activity:
+        """What the vehicle does when it does not move.
+
+        Args:
+            action: under way; None for none.
+            waits: whether its way goes on, and it may not.
+        """
+        if self._power.off:
+            return Activity.OFF
+        if self.stopped:
+            return Activity.HELD
+        if isinstance(action, Charge):
+            return Activity.CHARGING
+        if action is not None:
+            return Activity.HANDLING
+        return Activity.WAITING if waits else Activity.IDLE
 
     def break_down(self, reason: str) -> None:
         """Something breaks; another breakdown on top of it replaces the reason."""

@@ -32,7 +32,7 @@ class Handling:
         docks: the node of each.
         chargers: who is plugged in where; shared by the fleet.
         reporter: the vehicle's reports.
-        durations: how long each manoeuvre takes.
+        seed: how long each manoeuvre takes follows from it, where that varies.
 
     Attributes:
         action: under way; None for none.
@@ -50,7 +50,7 @@ class Handling:
         docks: Mapping[str, str],
         chargers: Chargers,
         reporter: Reporter,
-        durations: Durations,
+        seed: int,
     ) -> None:
         self.action: Action | None = None
         self.left_s = 0.0
@@ -63,7 +63,7 @@ class Handling:
         self._docks = docks
         self._chargers = chargers
         self._reporter = reporter
-        self._durations = durations
+        self._durations = Durations(f"{seed} handling {vehicle}")
         self._charger = ""
         """Where it is plugged in."""
 

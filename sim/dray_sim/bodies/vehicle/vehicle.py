@@ -44,7 +44,6 @@ from dray.plant import Plant
 from dray.plant.model import VehicleSpec, VehicleType
 from dray.ports import Clock
 from dray_sim.bodies.chargers import Chargers
-from dray_sim.bodies.durations import Durations
 from dray_sim.bodies.reporter import Reporter
 from dray_sim.bodies.stores import Place
 from dray_sim.bodies.vehicle.condition import Condition
@@ -96,10 +95,7 @@ class SimVehicle:
         self._clock = clock
         self._reporter = Reporter(clock)
         self._travel = Travel(plant, vehicle_type, spec.node, clock.now_s())
-        durations = Durations(f"{seed} handling {spec.id}")
-        self._handling = Handling(
-            spec.id, vehicle_type, plant, places, docks, chargers, self._reporter, durations
-        )
+        self._handling = Handling(spec.id, vehicle_type, plant, places, docks, chargers, self._reporter, seed)
         self._power = Power(
             vehicle_type,
             spec.battery_frac,
@@ -368,8 +364,6 @@ class SimVehicle:
         if self._on_course is not None:
             self._on_course(self.id, self._travel.course(self._power.settled_s))
 
-    # --- the battery -----------------------------------------------------------------------------
-
     def _look_at_battery(self) -> None:
         """The battery may be empty."""
         self._settle()
@@ -403,12 +397,4 @@ class SimVehicle:
 
     def _activity(self) -> Activity:
         """What it does when it does not move."""
-        if self._power.off:
-            return Activity.OFF
-        if self.stopped:
-            return Activity.HELD
-        if self._charging:
-            return Activity.CHARGING
-        if self._handling.action is not None:
-            return Activity.HANDLING
-        return Activity.WAITING if self._travel.waits else Activity.IDLE
+        return self._condition.activity(self._handling.action, waits=self._travel.waits)
