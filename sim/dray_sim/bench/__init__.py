@@ -17,6 +17,7 @@ from dray_sim.bench import fleet, losses, orders, sim, stop
 from dray_sim.bench.network import bus, links, zenoh
 from dray_sim.bench.panels import paint, plant_map, projection
 from dray_sim.bench.row import Row, rates
+from dray_sim.bench.traffic import measure as traffic
 
 __all__ = ["BENCHES", "LONG", "Bench", "Row", "as_json", "rates"]
 
@@ -36,10 +37,11 @@ BENCHES: dict[str, Bench] = {
     "orders": orders.measure,
     "losses": losses.measure,
     "stop": stop.measure,
+    "traffic": traffic.measure,
 }
 """Name -> benchmark, in the order in which they run."""
 
-LONG = frozenset({"losses", "stop"})
+LONG = frozenset({"losses", "stop", "traffic"})
 """Those that take some minutes or more, or all of the computer: they run only when they are asked for by name."""
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,16 +20,27 @@ def bench(
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Less work: less exact, for a first look.")] = False,
     json: Annotated[Path | None, typer.Option(help="Write the figures here too.")] = None,
+    plant: Annotated[str, typer.Option(help="With `traffic`: this floor only.", show_default=False)] = "",
+    seeds: Annotated[
+        str, typer.Option(help="With `traffic`: from A to before B.", metavar="A:B", show_default=False)
+    ] = "",
 ) -> None:
     """Measure; every figure stands beside a baseline that was measured in the same run."""
     from rich.console import Console
 
     from dray.cli.runtime.output import one_of, table, write_text
-    from dray.errors import UnavailableError
+    from dray.errors import SettingsError, UnavailableError
     from dray_sim.bench import BENCHES, LONG, as_json
+    from dray_sim.bench.traffic.measure import measure as traffic
 
     asked = names or [name for name in BENCHES if name not in LONG]
     chosen = {name: one_of(BENCHES, name, "benchmark") for name in asked}
+    if plant or seeds:
+        if names != ["traffic"]:
+            raise SettingsError(
+                "--plant and --seeds", "they choose runs of one benchmark; write `dray bench traffic`"
+            )
+        chosen = {"traffic": partial(traffic, plant=plant, seeds=_range(seeds) if seeds else None)}
     rows: list[Row] = []
     progress = Console(stderr=True)
     for name, measure in chosen.items():
@@ -42,6 +55,15 @@ def bench(
     table(("benchmark", "figure", "times the baseline", "aim", ""), [_cells(row) for row in rows])
     if json is not None:
         write_text(json, as_json(rows) + "\n")
+
+
+def _range(seeds: str) -> range:
+    from dray.errors import SettingsError
+
+    match = re.fullmatch(r"(\d+):(\d+)", seeds)
+    if match is None or int(match[1]) >= int(match[2]):
+        raise SettingsError("--seeds", f"{seeds!r} is not A:B, two whole numbers, the second one larger")
+    return range(int(match[1]), int(match[2]))
 
 
 def _cells(row: Row) -> tuple[str, ...]:

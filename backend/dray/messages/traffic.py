@@ -1,0 +1,175 @@
+"""Right of way: places on the lanes, who may drive into them, and who makes room.
+
+A *place* is a node of the plant, or a crossing of two-lane roads. The places around a machine are its *district*; one machine
+at a time keeps the district's book, which says by whom each of them is held, and others keep copies (`dray.protocol.traffic`). A
+vehicle says in each wish all that it holds and wants in a district, and is answered with all that the book says of it. So a lost, doubled or late
+message costs time, and nothing else.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Annotated
+
+from msgspec import Meta
+
+from dray.messages.base import Count, Id, IdOrNone, Message, Part, Seconds
+
+ROUTE_MAX = 64
+"""Nodes of a way that are told: nobody looks farther ahead for a place to make room."""
+
+HOLDS_MAX = 64
+"""Places that one vehicle holds, or wants, in one district: a few at a time in any plant."""
+
+DISTRICT_MAX = 10_000
+"""Places of one district: those of a whole large plant that one machine keeps alone."""
+
+Rank = tuple[Count, Seconds, Id]
+"""Who goes first; the lower the more urgent: class (0 with a task, 1 idle), since when it is on this leg, its id.
+
+A new leg brings a new rank, so everybody is the most urgent one some day.
+"""
+
+NO_RANK: Rank = (2, 0.0, "-")
+"""Behind everybody."""
+
+Places = Annotated[tuple[Id, ...], Meta(max_length=HOLDS_MAX)]
+Nodes = Annotated[tuple[Id, ...], Meta(max_length=2 * ROUTE_MAX)]
+
+
+class Blocked(StrEnum):
+    """Why a vehicle was not granted all that it wants."""
+
+    NO = "no"
+    """It was granted, or it wants nothing."""
+    WAIT = "wait"
+    """Somebody holds a place of it, or goes first."""
+    DOCKED = "docked"
+    """Somebody who holds a place of it stands at a dock, and stays."""
+    SILENT = "silent"
+    """Nobody has heard of its holder for a while."""
+
+
+class PlaceWished(Message, frozen=True):
+    """All that a vehicle holds and wants in a district. Answered with `PlaceGranted`, and repeated until it is."""
+
+    district: Id
+    life: Count
+    """The vehicle's incarnation: with a new one everything that the book says of it is granted anew."""
+    seq: Count
+    """Grows with every wish of one life."""
+    epoch: Count
+    """Of the book, as far as the vehicle knows."""
+    rank: Rank
+    """Its own, or the one of whom it makes room for."""
+    holds: Places
+    groups: Annotated[tuple[Places, ...], Meta(max_length=HOLDS_MAX)]
+    """Wanted next, in the order of the way. Each is granted whole, and none before those ahead of it."""
+    seen: Count
+    """The highest number of a grant in this district that the vehicle has seen."""
+    stands: bool
+    """It stands, and waits for what it wants."""
+    docked: bool
+    """It stands at a dock, and stays there until its work is done."""
+    avoid: Nodes = ()
+    """Where nobody may make room: the way of this vehicle, and of those whom it makes room for."""
+    chain: Places = ()
+    """The vehicles whom it makes room for, the first one first."""
+
+
+class PlaceBooking(Part, frozen=True):
+    """A line of a book: by whom a place is held."""
+
+    place: Id
+    number: Count
+    """Of the grant. Numbers of one district only grow, whoever keeps its book."""
+    atv: IdOrNone = ""
+    """Empty where it is said to that vehicle itself."""
+
+
+Bookings = Annotated[tuple[PlaceBooking, ...], Meta(max_length=DISTRICT_MAX)]
+
+
+class PlaceGranted(Message, frozen=True):
+    """All that the book says of one vehicle: the answer to every wish, and said anew when something is granted."""
+
+    district: Id
+    epoch: Count
+    life: Count
+    """Of the vehicle; other ones are not meant."""
+    upto: Count
+    """The number of its newest wish that is known."""
+    grants: Bookings
+    blocked: Blocked = Blocked.NO
+    by: IdOrNone = ""
+    """Who is in the way."""
+    at: IdOrNone = ""
+    """The place that is held by it."""
+
+
+class YieldAsked(Message, frozen=True):
+    """The holder of a place is asked to make room. Whether it does is its own decision."""
+
+    district: Id
+    atv: Id
+    """For whom."""
+    rank: Rank
+    avoid: Nodes
+    """Where it would be in the way again."""
+    chain: Places
+    """Those whom `atv` itself makes room for, the first one first."""
+
+
+class YieldRefused(Message, frozen=True):
+    """There is nowhere to go: make room yourself."""
+
+    avoid: Nodes
+    """Where the sender is and wants to go."""
+    holds: Places
+
+
+class HoldsAsked(Message, frozen=True):
+    """The book of a district is kept by somebody else from now on: tell it what you hold, as a wish."""
+
+    district: Id
+    epoch: Count
+    roll_call: bool = False
+    """The book is lost: what is not told now is not held. Grants of earlier epochs count for nothing from now on."""
+
+
+class PlaceBooked(Message, frozen=True):
+    """The whole book of a district, for those who keep a copy. A grant counts when a majority has it."""
+
+    district: Id
+    epoch: Count
+    version: Count
+    bookings: Bookings
+
+
+class BookKept(Message, frozen=True):
+    """A copy is kept up to this version; with a higher epoch: somebody else keeps the book."""
+
+    district: Id
+    epoch: Count
+    version: Count
+
+
+class BookAsked(Message, frozen=True):
+    """Somebody means to keep the book of a district, or has lost its copy: what have you?"""
+
+    district: Id
+    epoch: Count
+    """Under which it means to keep the book; 0 for one that only wants to know."""
+
+
+class BookTold(Message, frozen=True):
+    """The copy that somebody has. It will not take a copy of an epoch below `epoch` any more."""
+
+    district: Id
+    epoch: Count
+    lost: bool
+    """It knows nothing: it lives for the first time, or has lost its memory."""
+    kept_epoch: Count
+    """Of the one who has written the copy."""
+    version: Count
+    bookings: Bookings

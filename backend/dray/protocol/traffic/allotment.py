@@ -1,0 +1,101 @@
+"""Who is granted what next: the wishes of a district, in the order of their ranks, against its book."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from operator import itemgetter
+
+import msgspec
+
+from dray.messages.traffic import Blocked, PlaceWished
+from dray.protocol.traffic.book import Book
+
+
+class Hindrance(msgspec.Struct, frozen=True, gc=False):
+    """Why a vehicle does not get its next group."""
+
+    blocked: Blocked
+    by: str
+    """Who holds a place of it, or goes first."""
+    at: str
+    """The place."""
+    holds: bool
+    """Whether it holds that place; else it only goes first."""
+
+
+FREE = Hindrance(Blocked.NO, "", "", holds=False)
+
+
+def allot(
+    book: Book, wishes: Mapping[str, PlaceWished], is_silent: Callable[[str], bool]
+) -> tuple[dict[str, Hindrance], set[str]]:
+    """Grant every group that is free and whose turn it is; the book is changed.
+
+    A group is granted when all of it is free, and whole. The most urgent vehicle that waits for several places has those of them
+    that are free kept for it, except from vehicles that stand in its own way and from those that wait on a docked one's work: else
+    a row of single places taken behind one another would let it wait for ever.
+
+    Args:
+        book: of the district.
+        wishes: the newest one of every vehicle.
+        is_silent: whether nobody has heard of a vehicle for a while.
+
+    Returns:
+        Vehicle -> what keeps it from its next group, for those that are not granted all that they want; and those that were
+        granted something.
+    """
+    hindrances: dict[str, Hindrance] = {}
+    granted: set[str] = set()
+    kept: dict[str, str] = {}
+    """Place -> for whom it is kept."""
+    waiting = [(wish.rank, atv, wish) for atv, wish in wishes.items() if wish.groups]
+    waiting.sort(key=itemgetter(0, 1))
+    for _, atv, wish in waiting:
+        for group in wish.groups:
+            missing = [place for place in group if book.holder(place) != atv]
+            if not missing:
+                continue
+            hindrance = _hindrance(book, wishes, is_silent, atv, missing, kept)
+            if hindrance is None:
+                book.grant(atv, missing)
+                granted.add(atv)
+                continue
+            hindrances[atv] = hindrance
+            if hindrance.holds and hindrance.blocked is Blocked.WAIT:
+                for place in missing:
+                    kept.setdefault(place, atv)
+            break
+    return hindrances, granted
+
+
+def _hindrance(
+    book: Book,
+    wishes: Mapping[str, PlaceWished],
+    is_silent: Callable[[str], bool],
+    atv: str,
+    missing: list[str],
+    kept: Mapping[str, str],
+) -> Hindrance | None:
+    """What keeps a vehicle from the places that it misses of a group; None for nothing."""
+    for place in missing:
+        holder = book.holder(place)
+        if holder:
+            wish = wishes.get(holder)
+            if is_silent(holder):
+                why = Blocked.SILENT
+            elif wish is not None and wish.docked:
+                why = Blocked.DOCKED
+            else:
+                why = Blocked.WAIT
+            return Hindrance(why, holder, place, holds=True)
+    rank = wishes[atv].rank
+    for place in missing:
+        first = kept.get(place)
+        if first is not None and wishes[first].rank < rank and not _is_in_its_way(book, wishes[first], atv):
+            return Hindrance(Blocked.WAIT, first, place, holds=False)
+    return None
+
+
+def _is_in_its_way(book: Book, first: PlaceWished, atv: str) -> bool:
+    """Whether a vehicle holds something that a more urgent one waits for: it must be let out."""
+    return any(book.holder(place) == atv for group in first.groups for place in group)

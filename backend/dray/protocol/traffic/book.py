@@ -1,0 +1,97 @@
+"""The book of a district: by whom each place is held. Nothing in it depends on time.
+
+Safety in two sentences. A place is granted to one vehicle only while no line of the book names another one for it, and the grant is said
+only when a majority of the copies has the line. A line is struck out only on the vehicle's own word, said after it has seen that very
+grant: so whatever is late, lost, doubled or out of order, a place that a vehicle may believe to hold is in the book.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from dray.errors import ProtocolViolation
+from dray.messages.traffic import PlaceBooking, PlaceWished
+
+
+class Book:
+    """Lines by place. Numbers of grants only grow, whoever keeps the book.
+
+    Args:
+        bookings: what it begins with.
+        version: the highest number that was given.
+
+    Attributes:
+        lives: vehicle -> its newest life that is known.
+    """
+
+    def __init__(self, bookings: Iterable[PlaceBooking] = (), version: int = 0) -> None:
+        self._lines: dict[str, PlaceBooking] = {}
+        self._by_atv: dict[str, dict[str, PlaceBooking]] = {}
+        self.version = version
+        self.lives: dict[str, int] = {}
+        for booking in bookings:
+            self._write(booking)
+
+    def holder(self, place: str) -> str:
+        """Who holds a place; empty for nobody."""
+        line = self._lines.get(place)
+        return line.atv if line is not None else ""
+
+    def of(self, atv: str) -> tuple[PlaceBooking, ...]:
+        """All lines of one vehicle."""
+        return tuple(self._by_atv.get(atv, {}).values())
+
+    @property
+    def bookings(self) -> tuple[PlaceBooking, ...]:
+        """All lines."""
+        return tuple(self._lines.values())
+
+    def grant(self, atv: str, places: Iterable[str]) -> None:
+        """Write some places down for a vehicle, under a number of their own; all of them must be free, or its own."""
+        self.version += 1
+        for place in places:
+            self._write(PlaceBooking(place=place, number=self.version, atv=atv))
+
+    def strike(self, wish: PlaceWished, atv: str) -> bool:
+        """Strike out what a vehicle has given back; True when there was something."""
+        gone = [
+            line.place for line in self.of(atv) if line.number <= wish.seen and line.place not in wish.holds
+        ]
+        self._rub_out(atv, gone)
+        return bool(gone)
+
+    def begin_life(self, atv: str, wish: PlaceWished) -> bool:
+        """Note a vehicle's life. What a new one has not seen is granted anew, under a number that only a majority can make count.
+
+        So whoever keeps an outdated book cannot tell a vehicle that has forgotten everything of grants that are void.
+        """
+        if wish.life <= self.lives.get(atv, 0):
+            return False
+        self.lives[atv] = wish.life
+        lines = self.of(atv)
+        if all(line.number <= wish.seen for line in lines):
+            return False
+        self.grant(atv, [line.place for line in lines])
+        return True
+
+    def free(self, atv: str) -> bool:
+        """A person says that a vehicle was carried away; True when it held something."""
+        places = [line.place for line in self.of(atv)]
+        self._rub_out(atv, places)
+        return bool(places)
+
+    def _write(self, line: PlaceBooking) -> None:
+        """Write a line down.
+
+        Raises:
+            ProtocolViolation: another vehicle holds the place; our own bug.
+        """
+        before = self._lines.get(line.place)
+        if before is not None and before.atv != line.atv:
+            raise ProtocolViolation(f"{line.place} is held by {before.atv} and was granted to {line.atv}")
+        self._lines[line.place] = line
+        self._by_atv.setdefault(line.atv, {})[line.place] = line
+
+    def _rub_out(self, atv: str, places: Iterable[str]) -> None:
+        for place in places:
+            del self._lines[place], self._by_atv[atv][place]

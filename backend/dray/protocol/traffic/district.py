@@ -1,0 +1,335 @@
+"""One keeper's side of right of way in one district: it answers wishes from the book, and asks holders to make room.
+
+It decides nothing about traffic: who makes room, and where to, is decided by the vehicles (`yielding`). Whether what it grants
+counts is decided with those who keep copies (`copies`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from dray.messages import Message
+from dray.messages.traffic import (
+    Blocked,
+    BookAsked,
+    BookKept,
+    BookTold,
+    HoldsAsked,
+    PlaceBooked,
+    PlaceGranted,
+    PlaceWished,
+    YieldAsked,
+)
+from dray.protocol.runtime.events import Effect, Ignore, Send
+from dray.protocol.runtime.timers import Timers
+from dray.protocol.traffic.allotment import FREE, Hindrance, allot
+from dray.protocol.traffic.book import Book
+from dray.protocol.traffic.copies import Copies, Kept
+from dray.protocol.traffic.neighbours import SILENT_S, Neighbours
+
+BOOK_TICK = "book tick"
+
+TICK_S = 1.0
+"""A holder is asked to make room, and a copy that was not answered for is sent, once in so long."""
+
+
+class District:
+    """The book of one district at one of its keepers.
+
+    Args:
+        district: its name.
+        inside: its places.
+        me: this keeper.
+        keepers: all of them, in the order of their turns.
+        atvs: the vehicles of the plant: a roll call is over when all of them have told.
+        kept: what an earlier life has left; None for nothing.
+        neighbours: what is known of the vehicles.
+        timers: the agent's alarms; this one's is ``(BOOK_TICK, district)``.
+        out: where effects go.
+    """
+
+    def __init__(
+        self,
+        district: str,
+        inside: frozenset[str],
+        me: str,
+        keepers: Sequence[str],
+        atvs: Sequence[str],
+        kept: Kept | None,
+        neighbours: Neighbours,
+        timers: Timers,
+        out: list[Effect],
+    ) -> None:
+        self.copies = Copies(district, me, keepers, kept, out)
+        self._district = district
+        self._inside = inside
+        self._me = me
+        self._keepers = tuple(keepers)
+        self._atvs = tuple(atvs)
+        self._neighbours = neighbours
+        self._timers = timers
+        self._out = out
+        self._book = Book()
+        self._wishes: dict[str, PlaceWished] = {}
+        """The newest one of every vehicle that holds or wants something here, or waits for an answer."""
+        self._hindrances: dict[str, Hindrance] = {}
+        self._owed: set[str] = set()
+        """Vehicles that are to be told what the book says of them, once that counts."""
+        self._newest: dict[str, tuple[int, int]] = {}
+        """Vehicle -> life and number of its newest wish."""
+        self._asked_s: dict[str, float] = {}
+        """Holder -> when it was asked to make room."""
+        self._roll: dict[str, PlaceWished] | None = None
+        """What vehicles have told, while the roll is called."""
+        self._roll_epoch = 0
+        self._led_epoch = -1
+        """Under which this keeper has taken the book over last."""
+        self._heard_s: dict[str, float] = {}
+
+    # --- its life --------------------------------------------------------------------------------
+
+    def start(self, now_s: float) -> None:
+        """Begin: the first keeper seeks to keep the book, the others listen; who has lost its memory asks."""
+        self._heard_s = dict.fromkeys(self._keepers, now_s)
+        if self.copies.lost:
+            self.copies.ask()
+            self._after_copies(now_s)
+        elif self.copies.leader == self._me:
+            self.copies.seek()
+            self._after_copies(now_s)
+        self._timers.set((BOOK_TICK, self._district), now_s + TICK_S)
+
+    def on_heartbeat(self, keeper: str, now_s: float) -> None:
+        """Another keeper lives."""
+        self._heard_s[keeper] = now_s
+
+    @property
+    def leads(self) -> bool:
+        """Whether this keeper answers wishes."""
+        return self.copies.leads and self._roll is None
+
+    @property
+    def book(self) -> Book:
+        """As it is, whether it counts yet or not."""
+        return self._book
+
+    # --- messages --------------------------------------------------------------------------------
+
+    def on_message(self, sender: str, message: Message, now_s: float) -> None:
+        """One of the messages that name this district."""
+        match message:
+            case PlaceWished():
+                self._on_wish(sender, message, now_s)
+            case PlaceBooked():
+                self._heard_s[sender] = now_s
+                self.copies.on_booked(sender, message)
+            case BookKept():
+                if self.copies.on_kept(sender, message):
+                    self._answer()
+            case BookAsked():
+                self.copies.on_asked(sender, message)
+            case BookTold():
+                self.copies.on_told(sender, message)
+                self._after_copies(now_s)
+            case _:
+                self._out.append(Ignore("no message for the keeper of a book"))
+
+    def _on_wish(self, sender: str, wish: PlaceWished, now_s: float) -> None:
+        if not self._inside.issuperset((*wish.holds, *(place for group in wish.groups for place in group))):
+            self._out.append(Ignore("a place that is not in this district"))
+            return
+        if self._roll is not None:
+            self._told_in_roll_call(self._roll, sender, wish, now_s)
+            return
+        if not self.copies.leads:
+            if not self.copies.lost and self.copies.leader != self._me:
+                self._out.append(
+                    Send(sender, HoldsAsked(district=self._district, epoch=self.copies.kept.epoch))
+                )
+            return
+        self._book.begin_life(sender, wish)
+        self._book.strike(wish, sender)
+        if (wish.life, wish.seq) > self._newest.get(sender, (0, 0)):
+            self._newest[sender] = (wish.life, wish.seq)
+            self._wishes[sender] = wish
+            self._owed.add(sender)
+        self._settle(now_s)
+
+    def free(self, atv: str, now_s: float) -> None:
+        """A person says that a vehicle was carried away: whatever it held is free."""
+        self._wishes.pop(atv, None)
+        self._owed.discard(atv)
+        if self._roll is not None:
+            self._roll[atv] = _nothing(self._district, atv, self._roll_epoch)
+            self._close_roll(now_s)
+        elif self.copies.leads and self._book.free(atv):
+            self._settle(now_s)
+
+    def tick(self, now_s: float) -> None:
+        """A second has passed."""
+        self._timers.set((BOOK_TICK, self._district), now_s + TICK_S)
+        if self._roll is not None:
+            self._call_roll()
+        elif self.copies.asks:
+            self.copies.ask()
+            self._after_copies(now_s)
+        elif self.copies.leads:
+            self.copies.repeat()
+            if self._hindrances:
+                self._settle(now_s)
+        elif self._misses_the_leader(now_s):
+            self.copies.seek()
+            self._after_copies(now_s)
+
+    def _misses_the_leader(self, now_s: float) -> bool:
+        """Whether it is this keeper's turn because those before it are silent."""
+        turns = len(self._keepers)
+        epoch = self.copies.kept.epoch
+        while (keeper := self._keepers[epoch % turns]) != self._me:
+            if now_s - self._heard_s.get(keeper, now_s) <= SILENT_S:
+                return False
+            epoch += 1
+        return True
+
+    # --- whose book it is ------------------------------------------------------------------------
+
+    def _after_copies(self, now_s: float) -> None:
+        """Something was told: perhaps this keeper leads now, or must call the roll."""
+        if self.copies.needs_roll_call and self._roll is None:
+            self._roll, self._roll_epoch = {}, self.copies.next_turn(0)
+            self._call_roll()
+        elif self.copies.leads and self._led_epoch != self.copies.kept.epoch:
+            self._take_over()
+
+    def _take_over(self) -> None:
+        kept = self.copies.kept
+        self._led_epoch = kept.epoch
+        # Under a number of its own, so that a majority has it under this epoch before anything of it is said.
+        self._book = Book(kept.bookings, kept.version + 1)
+        self._wishes, self._hindrances, self._newest, self._owed = {}, {}, {}, set()
+        self.copies.write(self._book.version, self._book.bookings)
+        for atv in self._atvs:
+            self._out.append(Send(atv, HoldsAsked(district=self._district, epoch=kept.epoch)))
+
+    def _call_roll(self) -> None:
+        for atv in self._atvs:
+            if self._roll is not None and atv not in self._roll:
+                self._out.append(
+                    Send(atv, HoldsAsked(district=self._district, epoch=self._roll_epoch, roll_call=True))
+                )
+
+    def _told_in_roll_call(
+        self, roll: dict[str, PlaceWished], sender: str, wish: PlaceWished, now_s: float
+    ) -> None:
+        if wish.epoch > self._roll_epoch:
+            # The vehicle has known a later keeper: what was told under this epoch may have changed since.
+            self._roll, self._roll_epoch = {}, self.copies.next_turn(wish.epoch)
+            self._call_roll()
+            return
+        before = roll.get(sender)
+        if wish.epoch == self._roll_epoch and (
+            before is None or (wish.life, wish.seq) > (before.life, before.seq)
+        ):
+            roll[sender] = wish
+            self._close_roll(now_s)
+
+    def _close_roll(self, now_s: float) -> None:
+        roll = self._roll
+        if roll is None or any(atv not in roll for atv in self._atvs):
+            return
+        self.copies.end_roll_call(self._roll_epoch)
+        self._roll = None
+        self._book = Book(version=max((wish.seen for wish in roll.values()), default=0))
+        self._led_epoch = self._roll_epoch
+        self._wishes, self._hindrances, self._newest, self._owed = {}, {}, {}, set()
+        for atv, wish in roll.items():
+            self._book.lives[atv] = wish.life
+            free = [place for place in wish.holds if not self._book.holder(place)]
+            if free:
+                self._book.grant(atv, free)
+            self._newest[atv], self._wishes[atv] = (wish.life, wish.seq), wish
+            self._owed.add(atv)
+        self.copies.write(self._book.version, self._book.bookings)
+        self._settle(now_s)
+
+    # --- answers ---------------------------------------------------------------------------------
+
+    def _settle(self, now_s: float) -> None:
+        """Grant what can be granted, let it be kept, answer, and ask for room."""
+        self._hindrances, granted = allot(
+            self._book, self._wishes, lambda atv: self._neighbours.is_silent(atv, now_s)
+        )
+        self._owed |= granted
+        if self._book.version > self.copies.kept.version:
+            self.copies.write(self._book.version, self._book.bookings)
+        self._answer()
+        self._ask_for_room(now_s)
+
+    def _answer(self) -> None:
+        """Tell whoever was granted something that counts, and whoever waits for an answer."""
+        if not self.leads:
+            return
+        counted = self.copies.counted
+        for atv in sorted(self._owed):
+            wish, lines = self._wishes[atv], self._book.of(atv)
+            if any(line.number > counted for line in lines):
+                continue
+            self._owed.discard(atv)
+            hindrance = self._hindrances.get(atv, FREE)
+            granted = PlaceGranted(
+                district=self._district,
+                epoch=self.copies.kept.epoch,
+                life=wish.life,
+                upto=wish.seq,
+                grants=lines,
+                blocked=hindrance.blocked,
+                by=hindrance.by,
+                at=hindrance.at,
+            )
+            self._out.append(Send(atv, granted))
+            if not lines and not wish.groups:
+                del self._wishes[atv]
+
+    def _ask_for_room(self, now_s: float) -> None:
+        """Ask whoever is in the way of one that waits, or will have to. Who is asked for several hears of the most urgent one."""
+        asked: set[str] = set()
+        for atv in sorted(self._hindrances, key=lambda one: self._wishes[one].rank):
+            hindrance, wish = self._hindrances[atv], self._wishes[atv]
+            holder = hindrance.by
+            if not hindrance.holds or hindrance.blocked is not Blocked.WAIT or holder in asked:
+                continue
+            asked.add(holder)
+            if now_s - self._asked_s.get(holder, -TICK_S) < TICK_S - 0.01:
+                continue
+            if self._moves(holder):
+                continue
+            self._asked_s[holder] = now_s
+            self._out.append(
+                Send(
+                    holder,
+                    YieldAsked(
+                        district=self._district, atv=atv, rank=wish.rank, avoid=wish.avoid, chain=wish.chain
+                    ),
+                )
+            )
+
+    def _moves(self, atv: str) -> bool:
+        """Whether a vehicle is under way, as far as one knows: it need not be asked."""
+        seen, wish = self._neighbours.of(atv), self._wishes.get(atv)
+        return seen is not None and not seen.stands and not (wish is not None and wish.stands)
+
+
+def _nothing(district: str, atv: str, epoch: int) -> PlaceWished:
+    """The wish of a vehicle that is not on the floor."""
+    return PlaceWished(
+        district=district,
+        life=0,
+        seq=0,
+        epoch=epoch,
+        rank=(2, 0.0, atv),
+        holds=(),
+        groups=(),
+        seen=0,
+        stands=True,
+        docked=False,
+    )

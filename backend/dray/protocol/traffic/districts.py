@@ -1,0 +1,83 @@
+"""The books that one machine, or station, keeps or has a copy of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from dray.messages import Message
+from dray.protocol.runtime.events import Effect
+from dray.protocol.runtime.timers import Timers
+from dray.protocol.traffic.copies import Kept
+from dray.protocol.traffic.district import District
+from dray.protocol.traffic.neighbours import Neighbours
+from dray.protocol.traffic.places import Places
+
+
+class Districts:
+    """One agent's part in right of way.
+
+    Args:
+        me: the agent.
+        places: which districts there are, and who keeps their books.
+        atvs: the vehicles of the plant.
+        kept: district -> what an earlier life has left; without an entry it is lost, or there was none.
+        neighbours: what is known of the vehicles.
+        timers: the agent's alarms; those of this one are ``(BOOK_TICK, district)``.
+        out: where effects go.
+
+    Attributes:
+        districts: those that it keeps, or has copies of, by name.
+    """
+
+    def __init__(
+        self,
+        me: str,
+        places: Places,
+        atvs: Sequence[str],
+        kept: Mapping[str, Kept],
+        neighbours: Neighbours,
+        timers: Timers,
+        out: list[Effect],
+    ) -> None:
+        self.districts = {
+            name: District(
+                name, places.places_in(name), me, keepers, atvs, kept.get(name), neighbours, timers, out
+            )
+            for name, keepers in places.keepers_of.items()
+            if me in keepers
+        }
+
+    def start(self, now_s: float) -> None:
+        """Begin with every district."""
+        for district in self.districts.values():
+            district.start(now_s)
+
+    def on_heartbeat(self, keeper: str, now_s: float) -> None:
+        """Another machine, or station, lives."""
+        for district in self.districts.values():
+            district.on_heartbeat(keeper, now_s)
+
+    def on_message(self, sender: str, name: str, message: Message, now_s: float) -> bool:
+        """A message about a district; False when it is none of this keeper's."""
+        district = self.districts.get(name)
+        if district is None:
+            return False
+        district.on_message(sender, message, now_s)
+        return True
+
+    def tick(self, name: str, now_s: float) -> None:
+        """The alarm of a district has come."""
+        self.districts[name].tick(now_s)
+
+    def free(self, atv: str, now_s: float) -> None:
+        """A person says that a vehicle was carried away."""
+        for district in self.districts.values():
+            district.free(atv, now_s)
+
+    def kept(self) -> dict[str, Kept]:
+        """What must be written down before anything is said."""
+        return {
+            name: district.copies.kept
+            for name, district in self.districts.items()
+            if not district.copies.lost
+        }

@@ -1,0 +1,253 @@
+"""The floor as places that are held by one vehicle at a time: worked out from the plant alone, by every agent alike.
+
+A place is a node, or a crossing of two-lane roads (`Crossing`). A lane is entered only with all its places held; it ends in the
+last of them. On single track that is the node at its end: so two vehicles never meet on a lane, and whoever follows enters behind
+somebody who has left. Places that must be granted together belong to one *district*, whose book one machine keeps at a time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import pairwise
+from math import cos, hypot, pi, sin
+
+import msgspec
+
+from dray.plant import DirectedLane, Plant
+
+KEEPERS = 3
+"""Who keep the book of a district, its copies included: one may fail, or be cut off, and two still agree."""
+
+MARGIN_M = 0.2
+"""Between two vehicles, at the least: what localisation and control may be off."""
+
+SHARPEST_SIN = 0.2
+"""Lanes that leave a node at less than 12 degrees are one road: they are told apart by their ends only."""
+
+STILL_M = 0.01
+"""So near to a place counts as there."""
+
+
+class Footprint(msgspec.Struct, frozen=True):
+    """The floor that the largest vehicle covers (m), by default that of a MiR250."""
+
+    length_m: float = 0.8
+    width_m: float = 0.58
+
+    @property
+    def turning_radius_m(self) -> float:
+        """Of the circle that it sweeps when it turns on the spot."""
+        return hypot(self.length_m, self.width_m) / 2.0
+
+    @property
+    def spacing_m(self) -> float:
+        """From a vehicle that turns on a node to the middle of one that has left it."""
+        return self.length_m / 2.0 + self.turning_radius_m + MARGIN_M
+
+    def clear_m(self, angle_rad: float) -> float:
+        """From a node along a lane until a vehicle is clear of those that drive on another lane at this angle to it."""
+        leans = sin(angle_rad)
+        if cos(angle_rad) <= 0.0:
+            return self.spacing_m
+        half_m = self.width_m / 2.0
+        beside_m = self.length_m / 2.0 + (half_m * (1.0 + cos(angle_rad)) + MARGIN_M) / max(
+            leans, SHARPEST_SIN
+        )
+        return max(self.spacing_m, beside_m)
+
+
+class Crossing(msgspec.Struct, frozen=True):
+    """A part of the floor that is crossed by one vehicle at a time, and where none stops."""
+
+    id: str
+    x_m: float
+    y_m: float
+    lanes: frozenset[tuple[str, str]]
+    """Those that lead into it, through it or out of it, by their ends."""
+    nodes: frozenset[str] = frozenset()
+    """Those that lie in it: they are held with it, and nobody stops there."""
+
+
+class Places:
+    """What is held, by whom it is granted, and when it is given back.
+
+    Args:
+        plant: nodes, lanes and machines.
+        footprint: of the largest vehicle.
+        crossings: of two-lane roads; none on single track.
+        keepers: who keep books; the machines by default, and the stations too where there are few of them.
+
+    Attributes:
+        all: every place, in the order of the plant file.
+        mouths: dock node -> the node before it, where nobody waits for the dock.
+        district_of: place -> district. A district has the name of the machine that is nearest to its first place.
+        keepers_of: district -> who keep its book, in the order in which they take it over.
+    """
+
+    def __init__(
+        self,
+        plant: Plant,
+        footprint: Footprint | None = None,
+        *,
+        crossings: Sequence[Crossing] = (),
+        keepers: Sequence[str] | None = None,
+    ) -> None:
+        self._roads = plant.roads
+        self._footprint = footprint or Footprint()
+        self.mouths = _mouths(plant)
+        self.docks = frozenset(plant.node_of(place) for place in plant.places)
+        inner = {node: crossing.id for crossing in crossings for node in crossing.nodes}
+        self._inner = frozenset(inner)
+        crossed = {lane: crossing.id for crossing in crossings for lane in crossing.lanes}
+        self._needs: dict[tuple[str, str], tuple[str, ...]] = {}
+        for lane in plant.roads.lanes:
+            ends = (lane.start, lane.end)
+            places = (crossed.get(ends, ""), inner.get(lane.end, lane.end))
+            self._needs[ends] = tuple(dict.fromkeys(place for place in places if place))
+        self._inner_of = inner
+        self._clear_m = {(lane.start, lane.end): self._leaves_m(lane) for lane in plant.roads.lanes}
+        spots = {node.id: (node.x_m, node.y_m) for node in plant.nodes.values() if node.id not in inner}
+        spots |= {crossing.id: (crossing.x_m, crossing.y_m) for crossing in crossings}
+        self.all: tuple[str, ...] = tuple(spots)
+        chosen = tuple(keepers) if keepers is not None else _keepers(plant)
+        at_m = {keeper: plant.position_of(keeper) for keeper in chosen}
+        self.district_of: Mapping[str, str] = self._divide(spots, at_m)
+        self.keepers_of: Mapping[str, tuple[str, ...]] = {
+            district: _nearest(at_m[district], at_m)[:KEEPERS]
+            for district in dict.fromkeys(self.district_of.values())
+        }
+
+    def places_in(self, district: str) -> frozenset[str]:
+        """All places of a district."""
+        return frozenset(place for place, name in self.district_of.items() if name == district)
+
+    # --- lanes and nodes -------------------------------------------------------------------------
+
+    def place_of(self, node: str) -> str:
+        """The place that a node is, or lies in."""
+        return self._inner_of.get(node, node)
+
+    def needs(self, start: str, end: str) -> tuple[str, ...]:
+        """What must be held to drive from one node to the next."""
+        return self._needs[start, end]
+
+    def may_stop(self, node: str) -> bool:
+        """Whether a vehicle may stand there, as far as roads go."""
+        return node not in self._inner
+
+    def length_m(self, start: str, end: str) -> float:
+        """Of the lane from one node to the next.
+
+        Raises:
+            KeyError: there is none.
+        """
+        lane = self._roads.lane(start, end)
+        if lane is None:
+            raise KeyError((start, end))
+        return lane.length_m
+
+    def clear_m(self, start: str, end: str) -> float:
+        """How far a vehicle must be past a node, on the lane to another one, until nothing of it is in the way there."""
+        return self._clear_m[start, end]
+
+    def group_end(self, nodes: Sequence[str], first: int) -> int:
+        """Where the group ends that begins with the `first` of a way's nodes: the next one where a vehicle may stop and wait.
+
+        A dock is taken with its mouth, so nobody waits in a mouth; a crossing with the stop point behind it.
+        """
+        last = len(nodes) - 1
+        end = first
+        while end < last:
+            node = nodes[end]
+            if self.may_stop(node) and self.mouths.get(nodes[end + 1]) != node:
+                break
+            end += 1
+        return end
+
+    # --- how it is worked out --------------------------------------------------------------------
+
+    def _leaves_m(self, lane: DirectedLane) -> float:
+        """How far along a lane its first node is clear for everybody else."""
+        others = [
+            other.heading_rad - lane.heading_rad
+            for other in self._roads.leaving[lane.start]
+            if other.end != lane.end
+        ]
+        others += [
+            other.heading_rad - lane.heading_rad + pi
+            for other in self._roads.entering[lane.start]
+            if other.start != lane.end
+        ]
+        return max(
+            (self._footprint.clear_m(_between(angle)) for angle in others), default=self._footprint.spacing_m
+        )
+
+    def _divide(
+        self, spots: Mapping[str, tuple[float, float]], at_m: Mapping[str, tuple[float, float]]
+    ) -> dict[str, str]:
+        """The district of every place: that of the machine nearest to the first place of those that go together."""
+        together = _Together(spots)
+        for dock, mouth in self.mouths.items():
+            together.join(self.place_of(mouth), self.place_of(dock))
+        for (_, end), places in self._needs.items():
+            for one, other in pairwise(places):
+                together.join(one, other)
+            if not self.may_stop(end):
+                for onward in self._roads.leaving[end]:
+                    for place in self._needs[onward.start, onward.end]:
+                        together.join(places[-1], place)
+        nearest = {place: _nearest(spot, at_m)[0] for place, spot in spots.items()}
+        return {place: nearest[together.first_of(place)] for place in spots}
+
+
+class _Together:
+    """Which places go together: disjoint sets, each named by its first place."""
+
+    def __init__(self, places: Iterable[str]) -> None:
+        self._order = {place: number for number, place in enumerate(places)}
+        self._above = {place: place for place in self._order}
+
+    def first_of(self, place: str) -> str:
+        while self._above[place] != place:
+            self._above[place] = self._above[self._above[place]]
+            place = self._above[place]
+        return place
+
+    def join(self, one: str, other: str) -> None:
+        first, second = sorted((self.first_of(one), self.first_of(other)), key=self._order.__getitem__)
+        self._above[second] = first
+
+
+def _mouths(plant: Plant) -> dict[str, str]:
+    """Docks at the end of a spur, or on a one-way loop beside the road, with the node that leads to each."""
+    mouths: dict[str, str] = {}
+    for place in plant.places:
+        dock = plant.node_of(place)
+        before = {lane.start for lane in plant.roads.entering[dock]}
+        after = {lane.end for lane in plant.roads.leaving[dock]}
+        if len(before) == 1 and len(after) == 1:
+            mouths[dock] = before.pop()
+    return mouths
+
+
+def _keepers(plant: Plant) -> tuple[str, ...]:
+    """The machines; with fewer than it takes, the stations of the storages as well."""
+    machines = tuple(plant.machines)
+    return machines if len(machines) >= KEEPERS else (*machines, *plant.storages)
+
+
+def _nearest(spot: tuple[float, float], at_m: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:
+    """Keepers by their distance as the crow flies, ties by id."""
+    return tuple(sorted(at_m, key=lambda keeper: (_distance_m(spot, at_m[keeper]), keeper)))
+
+
+def _distance_m(one: tuple[float, float], other: tuple[float, float]) -> float:
+    # Rounded, so that the last bits of a root decide nothing.
+    return round(hypot(one[0] - other[0], one[1] - other[1]), 6)
+
+
+def _between(angle_rad: float) -> float:
+    """An angle between two directions, from 0 to half a turn."""
+    turn_rad = 2.0 * pi
+    angle_rad = abs(angle_rad) % turn_rad
+    return min(angle_rad, turn_rad - angle_rad)

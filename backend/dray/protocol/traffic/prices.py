@@ -1,0 +1,146 @@
+"""What a vehicle knows of the traffic around it, as prices of places: others' heartbeats, the word of books, its own late waits.
+
+Hints and nothing more: who is wrong about them takes a longer way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from dray.messages.traffic import Blocked, PlaceGranted, Rank
+from dray.protocol.traffic.neighbours import Neighbours
+
+STANDS_S, DOCKED_S, SILENT_S = 3.0, 12.0, 300.0
+"""For a place that is held by one who stands, is docked, or was not heard for a while."""
+
+WAIT_HALF_S = 30.0
+"""So old a wait of one's own counts half."""
+
+TELL_S = {Blocked.WAIT: STANDS_S, Blocked.DOCKED: DOCKED_S, Blocked.SILENT: SILENT_S}
+"""Added to the price of a place that the book says is held so."""
+
+TOLD_COUNTS_S = 20.0
+"""So long the word of a book counts in prices."""
+
+
+class Prices:
+    """What is added to lane times, at one moment.
+
+    Args:
+        me: whose prices these are: its own word is no traffic.
+        neighbours: what is known of others.
+        waits_s: place -> seconds of one's own late waits there, as `Waits` tells them.
+        told: place -> seconds, told by whoever keeps the book there.
+    """
+
+    def __init__(
+        self,
+        me: str,
+        neighbours: Neighbours,
+        now_s: float,
+        *,
+        waits_s: Mapping[str, float] | None = None,
+        told_s: Mapping[str, float] | None = None,
+    ) -> None:
+        self._announced = neighbours.announced
+        own = neighbours.of(me)
+        self._mine = (
+            frozenset(zip(own.route, own.route[1:], strict=False)) if own is not None else frozenset()
+        )
+        self.place_s: dict[str, float] = {}
+        for atv, seen in neighbours.all.items():
+            if atv == me:
+                continue
+            if neighbours.is_silent(atv, now_s):
+                price_s = SILENT_S
+            elif seen.docked:
+                price_s = DOCKED_S
+            elif seen.stands:
+                price_s = STANDS_S
+            else:
+                continue
+            for place in seen.holds:
+                self.place_s[place] = max(self.place_s.get(place, 0.0), price_s)
+        for more_s in (waits_s, told_s):
+            for place, price_s in (more_s or {}).items():
+                self.place_s[place] = self.place_s.get(place, 0.0) + price_s
+
+    def oncoming(self, start: str, end: str) -> int:
+        """How many others have announced to drive a lane the other way."""
+        number = self._announced[end, start]
+        return number - 1 if number and (end, start) in self._mine else max(number, 0)
+
+
+class Waits:
+    """Where a vehicle has waited lately, and how long; forgotten by half every `WAIT_HALF_S`."""
+
+    def __init__(self) -> None:
+        self._waited: dict[str, tuple[float, float]] = {}
+
+    def add(self, place: str, waited_s: float, now_s: float) -> None:
+        """It has waited so long for a place."""
+        self._waited[place] = (self._of(place, now_s) + waited_s, now_s)
+
+    def all(self, now_s: float) -> dict[str, float]:
+        """Place -> seconds that still count."""
+        waits_s = {place: self._of(place, now_s) for place in self._waited}
+        for place, wait_s in waits_s.items():
+            if wait_s < 0.5:
+                del self._waited[place]
+        return waits_s
+
+    def _of(self, place: str, now_s: float) -> float:
+        waited_s, at_s = self._waited.get(place, (0.0, now_s))
+        left: float = 0.5 ** ((now_s - at_s) / WAIT_HALF_S)
+        return waited_s * left
+
+
+class Outlook:
+    """What one vehicle knows.
+
+    Args:
+        me: the vehicle.
+        neighbours: what others have said of themselves.
+    """
+
+    def __init__(self, me: str, neighbours: Neighbours) -> None:
+        self._me = me
+        self._neighbours = neighbours
+        self._waits = Waits()
+        self._told: dict[str, tuple[float, float]] = {}
+        """Place -> its price as the book told it, and until when that counts."""
+
+    def note(self, granted: PlaceGranted, now_s: float) -> None:
+        """A book has said who is in the way."""
+        price_s = TELL_S.get(granted.blocked)
+        if granted.at and price_s is not None:
+            self._told[granted.at] = (price_s, now_s + TOLD_COUNTS_S)
+
+    def waited(self, place: str, waited_s: float, now_s: float) -> None:
+        """The vehicle has waited for a place."""
+        self._waits.add(place, waited_s, now_s)
+
+    def prices(self, now_s: float) -> Prices:
+        """As things stand."""
+        self._told = {place: told for place, told in self._told.items() if told[1] > now_s}
+        told_s = {place: price_s for place, (price_s, _) in self._told.items()}
+        return Prices(self._me, self._neighbours, now_s, waits_s=self._waits.all(now_s), told_s=told_s)
+
+    def holders(self, chain: tuple[str, ...], rank: Rank, now_s: float) -> tuple[set[str], set[str]]:
+        """Places that cannot be had by one who makes room for `chain` with this rank, and those whose holders would make room."""
+        forbidden: set[str] = set()
+        taken: set[str] = set()
+        for other, seen in self._neighbours.all.items():
+            if other == self._me:
+                continue
+            fixed = (
+                other in chain
+                or seen.docked
+                or (seen.stands and seen.rank < rank)
+                or self._neighbours.is_silent(other, now_s)
+            )
+            (forbidden if fixed else taken).update(seen.holds)
+        for place, (price_s, until_s) in self._told.items():
+            if price_s >= DOCKED_S and until_s > now_s:
+                forbidden.add(place)
+        return forbidden, taken

@@ -1,0 +1,180 @@
+"""The way of a vehicle as it holds it: what lies behind it and is not clear yet, what is granted, and what it would like next."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from dray.protocol.traffic.places import STILL_M, Places
+
+SHORTEN_AT = 64
+"""Nodes that are kept behind the vehicle at most."""
+
+
+class ReservedWay:
+    """Nodes of a way with the places that they need. The base, once granted, is only ever driven, never taken back.
+
+    Args:
+        places: what each lane needs.
+        node: where the vehicle stands, or the last node that it has passed.
+        next_node: the end of the lane that it is on; empty when it stands.
+
+    Attributes:
+        held: the places that the vehicle holds -> the index of the last node that they are needed for.
+    """
+
+    def __init__(self, places: Places, node: str, next_node: str = "") -> None:
+        self._places = places
+        self._nodes = [node]
+        self._at_m = [0.0]
+        self._passed = 0
+        self._base = 0
+        self._past_m = 0.0
+        self.held: dict[str, int] = {places.place_of(node): 0}
+        if next_node and next_node != node:
+            self.turn_to((node, next_node))
+            self._base = 1
+            self.held.update(dict.fromkeys(places.needs(node, next_node), 1))
+
+    # --- where it is -----------------------------------------------------------------------------
+
+    @property
+    def node(self) -> str:
+        """The last node that was passed."""
+        return self._nodes[self._passed]
+
+    @property
+    def base_end(self) -> str:
+        """The last node of the base: where the vehicle will stand if nothing more is granted."""
+        return self._nodes[self._base]
+
+    @property
+    def goal(self) -> str:
+        """The last node of the whole way."""
+        return self._nodes[-1]
+
+    @property
+    def stands(self) -> bool:
+        """Whether there is nothing ahead that it may drive to."""
+        return self._passed >= self._base
+
+    @property
+    def base(self) -> tuple[str, ...]:
+        """The nodes ahead that it may drive to."""
+        return tuple(self._nodes[self._passed + 1 : self._base + 1])
+
+    @property
+    def ahead(self) -> tuple[str, ...]:
+        """All nodes ahead."""
+        return tuple(self._nodes[self._passed + 1 :])
+
+    @property
+    def base_left_m(self) -> float:
+        """From the vehicle to the end of its base."""
+        return max(self._at_m[self._base] - self._at_m[self._passed] - self._past_m, 0.0)
+
+    @property
+    def past_m(self) -> float:
+        """How far the vehicle is past its last node."""
+        return self._past_m
+
+    # --- what happens ----------------------------------------------------------------------------
+
+    def turn_to(self, nodes: Sequence[str]) -> None:
+        """Replace everything after the base; `nodes[0]` is its end."""
+        del self._nodes[self._base + 1 :], self._at_m[self._base + 1 :]
+        for node in nodes[1:]:
+            self._at_m.append(self._at_m[-1] + self._places.length_m(self._nodes[-1], node))
+            self._nodes.append(node)
+
+    def groups(self, within_m: float) -> list[tuple[str, ...]]:
+        """The places of the groups after the base that begin nearer than this; all in the district of the first one."""
+        wanted: list[tuple[str, ...]] = []
+        end, district = self._base, ""
+        here_m = self._at_m[self._passed] + self._past_m
+        while end + 1 < len(self._nodes) and self._at_m[end] - here_m < within_m:
+            last = self._places.group_end(self._nodes, end + 1)
+            group = self._needed(end, last)
+            if self._places.district_of[group[0]] != (district or self._places.district_of[group[0]]):
+                break
+            district = self._places.district_of[group[0]]
+            wanted.append(group)
+            end = last
+        return wanted
+
+    def take(self, granted: Iterable[str]) -> bool:
+        """Hold what was granted, as far as it continues the base, group by group; True when there was something."""
+        got = {*granted, *self.held}
+        before = self._base
+        while self._base + 1 < len(self._nodes):
+            last = self._places.group_end(self._nodes, self._base + 1)
+            if not got.issuperset(self._needed(self._base, last)):
+                break
+            for index in range(self._base + 1, last + 1):
+                for place in self._places.needs(self._nodes[index - 1], self._nodes[index]):
+                    self.held[place] = index
+            self._base = last
+        return self._base > before
+
+    def take_next(self) -> None:
+        """Hold what the next node needs, whatever else is taken with it."""
+        here, self._base = self._nodes[self._base], self._base + 1
+        for place in self._places.needs(here, self._nodes[self._base]):
+            self.held[place] = self._base
+
+    def pass_next(self) -> None:
+        """The next node of the base was reached."""
+        self._passed += 1
+        self._past_m = 0.0
+        if self._passed > SHORTEN_AT:
+            self._shorten()
+
+    def move(self, past_m: float) -> None:
+        """The vehicle is so far past its last node."""
+        self._past_m = past_m
+
+    def give_back(self) -> bool:
+        """Give back what the vehicle is clear of; True when there was something."""
+        gone = [place for place, index in self.held.items() if self._clear_in_m(place, index) <= STILL_M]
+        for place in gone:
+            del self.held[place]
+        return bool(gone)
+
+    def next_clear_m(self) -> float | None:
+        """How far the vehicle has to drive until it is clear of something; None when there is nothing behind it."""
+        gaps_m = [
+            gap_m
+            for place, index in self.held.items()
+            if index <= self._passed and (gap_m := self._clear_in_m(place, index)) < float("inf")
+        ]
+        return min(gaps_m, default=None)
+
+    # --- how it is done --------------------------------------------------------------------------
+
+    def _needed(self, start: int, last: int) -> tuple[str, ...]:
+        """All places of the lanes between two nodes, in order."""
+        needs = self._places.needs
+        lanes = zip(self._nodes[start:last], self._nodes[start + 1 : last + 1], strict=True)
+        return tuple(dict.fromkeys(place for here, there in lanes for place in needs(here, there)))
+
+    def _clear_in_m(self, place: str, index: int) -> float:
+        """How far the vehicle has to drive until it is clear of a place; infinite when it does not get clear of it yet."""
+        if index > self._passed or index + 1 >= len(self._nodes):
+            return float("inf")
+        here_m = self._at_m[self._passed] + self._past_m
+        if place == self._nodes[index]:
+            if index >= self._base:
+                return float("inf")
+            return (
+                self._at_m[index] + self._places.clear_m(self._nodes[index], self._nodes[index + 1]) - here_m
+            )
+        if self._places.may_stop(self._nodes[index]):
+            return self._at_m[index] - here_m
+        return float("inf")
+
+    def _shorten(self) -> None:
+        """Forget nodes that were passed and are clear."""
+        first = min((self._passed, *self.held.values()))
+        del self._nodes[:first], self._at_m[:first]
+        self._passed -= first
+        self._base -= first
+        self.held = {place: index - first for place, index in self.held.items()}

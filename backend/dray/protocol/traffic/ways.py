@@ -1,0 +1,258 @@
+"""Ways with regard to traffic, and refuges for those who make room: A* over lanes, priced by what is known.
+
+Lane time is what a way costs on an empty floor. Rows and columns of lanes have a convention, alternating directions, and going
+against it costs more: so that vehicles meet seldom. Announced oncoming vehicles, those that stand, are docked
+or silent, and one's own late waits add to the price. None of it is a rule: every lane may be driven.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container, Iterable, Mapping
+from heapq import heappop, heappush
+from itertools import count
+from math import cos, inf, sin
+
+from dray.plant import Plant, bends
+from dray.plant.model import VehicleType
+from dray.plant.motion import limit_mps
+from dray.protocol.traffic.places import Places
+from dray.protocol.traffic.prices import STANDS_S, Prices
+
+AGAINST = 1.5
+"""Times the lane time, against the convention."""
+
+ONCOMING = 3.0
+"""Times the lane time, for every vehicle that has announced to come the other way."""
+
+THROUGH_DOCK_S = 30.0
+"""For a way through somebody else's dock."""
+
+ROW_M = 1.0
+"""Lanes of one row, or column, are nearer to one another than this."""
+
+STRAIGHT = 0.05
+"""Lanes that lean less than this (as a sine) against an axis have a convention."""
+
+REFUGE_THROUGH_S = 8.0
+"""For making room through somebody who has to make room in turn."""
+
+OWN_WAY = 0.5
+"""Times the lane time, for making room along the way that one would take anyhow."""
+
+
+class _Road:
+    """A lane as the search sees it."""
+
+    __slots__ = ("against", "end", "lane_s", "needs", "onward", "start")
+
+    def __init__(self, start: str, end: str, lane_s: float, needs: tuple[str, ...], *, against: bool) -> None:
+        self.start, self.end, self.lane_s, self.needs, self.against = start, end, lane_s, needs, against
+        self.onward: list[tuple[_Road, float]] = []
+        """What may follow, and the seconds that the bend costs."""
+
+
+class Ways:
+    """Ways and refuges of one type of vehicle.
+
+    Args:
+        plant: the roads.
+        places: what lanes need.
+        vehicle: speeds and acceleration.
+        convention: whether alternating directions are kept.
+    """
+
+    def __init__(
+        self, plant: Plant, places: Places, vehicle: VehicleType, *, convention: bool = True
+    ) -> None:
+        self._places = places
+        against = _against(plant) if convention else frozenset()
+        roads = {
+            (lane.start, lane.end): _Road(
+                lane.start,
+                lane.end,
+                lane.length_m / limit_mps(lane, vehicle),
+                places.needs(lane.start, lane.end),
+                against=(lane.start, lane.end) in against,
+            )
+            for lane in plant.roads.lanes
+        }
+        slows_s = (vehicle.max_speed_mps - vehicle.turn_speed_mps) ** 2 / (
+            vehicle.acceleration_mps2 * vehicle.max_speed_mps
+        )
+        self._leaving: dict[str, list[_Road]] = {}
+        self._entering: dict[str, list[_Road]] = {node: [] for node in plant.roads.leaving}
+        for node, lanes in plant.roads.leaving.items():
+            self._leaving[node] = [roads[lane.start, lane.end] for lane in lanes]
+            for lane in lanes:
+                road = roads[lane.start, lane.end]
+                self._entering[lane.end].append(road)
+                road.onward = [
+                    (roads[after.start, after.end], slows_s if bends(lane, after) else 0.0)
+                    for after in plant.roads.leaving[lane.end]
+                ]
+        self._left_s: dict[str, dict[str, float]] = {}
+
+    def way(self, start: str, goal: str, prices: Prices | None = None) -> tuple[str, ...] | None:
+        """The cheapest way from one node to another, both included; None when no lanes lead there."""
+        left_s = self._left_s.get(goal)
+        if left_s is None:
+            left_s = self._left_s[goal] = self._search_back(goal)
+        if start == goal:
+            return (start,)
+        if start not in left_s:
+            return None
+
+        def cost_s(road: _Road) -> float:
+            price_s = road.lane_s
+            if road.against:
+                price_s *= AGAINST
+            if prices is not None:
+                oncoming = prices.oncoming(road.start, road.end)
+                if oncoming:
+                    price_s += ONCOMING * road.lane_s * oncoming
+                for place in road.needs:
+                    price_s += prices.place_s.get(place, 0.0)
+            if road.end != goal and road.end in self._places.docks and road.end in self._places.mouths:
+                price_s += THROUGH_DOCK_S
+            return price_s
+
+        return self._search(start, lambda node: left_s.get(node, inf), cost_s, lambda node: node == goal)
+
+    def refuge(
+        self,
+        start: str,
+        *,
+        avoid: Container[str],
+        forbidden: Container[str],
+        taken: Container[str],
+        prices: Prices,
+        own: Iterable[str] = (),
+    ) -> tuple[str, ...] | None:
+        """The cheapest way out of somebody's way; None when there is none.
+
+        Args:
+            start: where the vehicle stands.
+            avoid: nodes where it would be in the way again; it may drive over them.
+            forbidden: places that cannot be had: of those it makes room for, of docked, silent and more urgent ones.
+            taken: places that somebody holds, who would have to make room in turn: no refuge, but passed if need be.
+            prices: of places.
+            own: the nodes of its own way.
+        """
+        mine = frozenset(own)
+
+        def cost_s(road: _Road) -> float:
+            price_s = road.lane_s * (OWN_WAY if road.end in mine else 1.0)
+            for place in road.needs:
+                if place in forbidden:
+                    return inf
+                if place in taken:
+                    price_s += REFUGE_THROUGH_S
+                price_s += min(prices.place_s.get(place, 0.0), STANDS_S)
+            return price_s
+
+        def is_refuge(node: str) -> bool:
+            place = self._places.place_of(node)
+            return (
+                node != start
+                and node not in avoid
+                and place not in taken
+                and place not in forbidden
+                and self._places.may_stop(node)
+            )
+
+        return self._search(start, lambda _: 0.0, cost_s, is_refuge)
+
+    def _search(
+        self,
+        start: str,
+        left_s: Callable[[str], float],
+        cost_s: Callable[[_Road], float],
+        is_goal: Callable[[str], bool],
+    ) -> tuple[str, ...] | None:
+        """A* over lanes, so that bends are counted."""
+        numbers = count()
+        open_roads: list[tuple[float, int, float, _Road, _Road | None]] = []
+        came_from: dict[_Road, _Road | None] = {}
+        for road in self._leaving[start]:
+            price_s = cost_s(road)
+            if price_s < inf:
+                heappush(open_roads, (price_s + left_s(road.end), next(numbers), price_s, road, None))
+        while open_roads:
+            _, _, so_far_s, road, before = heappop(open_roads)
+            if road in came_from:
+                continue
+            came_from[road] = before
+            if is_goal(road.end):
+                return _way_back(road, came_from)
+            for after, bend_s in road.onward:
+                if after in came_from or after.end == road.start:
+                    continue
+                price_s = cost_s(after)
+                if price_s < inf:
+                    through_s = so_far_s + bend_s + price_s
+                    heappush(
+                        open_roads, (through_s + left_s(after.end), next(numbers), through_s, after, road)
+                    )
+        return None
+
+    def _search_back(self, goal: str) -> dict[str, float]:
+        """Least lane time to a node from every node that leads there."""
+        left_s: dict[str, float] = {}
+        open_nodes = [(0.0, goal)]
+        while open_nodes:
+            so_far_s, node = heappop(open_nodes)
+            if node in left_s:
+                continue
+            left_s[node] = so_far_s
+            for road in self._entering[node]:
+                if road.start not in left_s:
+                    heappush(open_nodes, (so_far_s + road.lane_s, road.start))
+        return left_s
+
+
+def _way_back(road: _Road | None, came_from: Mapping[_Road, _Road | None]) -> tuple[str, ...]:
+    """The nodes along the lanes that led to one."""
+    nodes: list[str] = []
+    while road is not None:
+        nodes.append(road.end)
+        start, road = road.start, came_from[road]
+    nodes.append(start)
+    return tuple(reversed(nodes))
+
+
+def _against(plant: Plant) -> frozenset[tuple[str, str]]:
+    """The lanes that run against the convention: rows and columns in alternating directions, from the plant file alone."""
+    nodes = plant.nodes
+    docks = {plant.node_of(place) for place in plant.places}
+    along_x, along_y = [], []
+    for lane in plant.roads.lanes:
+        if plant.roads.lane(lane.end, lane.start) is None or docks & {lane.start, lane.end}:
+            continue
+        if abs(sin(lane.heading_rad)) < STRAIGHT:
+            along_x.append(lane)
+        elif abs(cos(lane.heading_rad)) < STRAIGHT:
+            along_y.append(lane)
+    row_of = _rows(nodes[lane.start].y_m for lane in along_x)
+    column_of = _rows(nodes[lane.start].x_m for lane in along_y)
+    against = []
+    for lane in along_x:
+        eastward = cos(lane.heading_rad) > 0.0
+        if eastward == bool(row_of[nodes[lane.start].y_m] % 2):
+            against.append((lane.start, lane.end))
+    for lane in along_y:
+        northward = sin(lane.heading_rad) > 0.0
+        if northward != bool(column_of[nodes[lane.start].x_m] % 2):
+            against.append((lane.start, lane.end))
+    return frozenset(against)
+
+
+def _rows(positions_m: Iterable[float]) -> dict[float, int]:
+    """Number the rows: positions nearer to one another than `ROW_M` are one."""
+    numbers: dict[float, int] = {}
+    row, last_m = -1, -inf
+    for position_m in sorted(set(positions_m)):
+        if position_m - last_m > ROW_M:
+            row += 1
+        numbers[position_m] = row
+        last_m = position_m
+    return numbers

@@ -1,0 +1,75 @@
+"""From places that are held to instructions for the body, and how early the next ones are needed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import sqrt
+
+from dray.body import Drive, ReleaseWay
+from dray.protocol.traffic.reserved_way import ReservedWay
+
+REACTION_S = 0.3
+"""From a grant to the wheels, and back from the wheels to the wish."""
+
+AHEAD_M = 1.0
+"""Asked for earlier than it must be."""
+
+LEAST_LOOK_S = 0.1
+"""Between two looks at where the vehicle is: less than half a metre at the highest speed."""
+
+LEAST_GAP_M = 0.15
+"""A gap that shrinks while the vehicle gets faster is looked at again after half of it, and not after less than this."""
+
+
+class Wheels:
+    """What the body of one vehicle is told.
+
+    Args:
+        top_mps, acceleration_mps2: of the vehicle.
+        next_order: numbers ways.
+    """
+
+    def __init__(self, top_mps: float, acceleration_mps2: float, next_order: Callable[[], int]) -> None:
+        self._top_mps = top_mps
+        self._rate_mps2 = acceleration_mps2
+        self._next_order = next_order
+        self._order = 0
+        self._driven: tuple[str, ...] = ()
+        """The way as the body knows it."""
+
+    def drive(self, way: ReservedWay, speed_mps: float) -> Drive | ReleaseWay:
+        """Drive the base: more of the way that the body knows, or another one from the next node on."""
+        base, ahead = way.base, way.ahead
+        done = len(self._driven) - len(ahead)
+        follows = done > 0 and self._driven[done - 1 :] == (way.node, *ahead)
+        if follows or (done == 0 and self._driven == ahead):
+            return ReleaseWay(order=self._order, released=done + len(base))
+        stood = speed_mps == 0.0 and way.past_m <= 0.0
+        self._order = self._next_order()
+        self._driven = (way.node, *ahead) if stood else ahead
+        return Drive(order=self._order, nodes=self._driven, released=len(base) + (1 if stood else 0))
+
+    def needs_m(self, speed_mps: float, round_s: float) -> float:
+        """How near the end of the base may be before the next place is asked for: braking, and the way until an answer comes."""
+        brake_m = speed_mps * speed_mps / (2.0 * self._rate_mps2)
+        return brake_m + speed_mps * (round_s + REACTION_S) + AHEAD_M
+
+    def look_in_s(self, way: ReservedWay, speed_mps: float, round_s: float) -> float | None:
+        """When the vehicle may be clear of a place at the earliest, or need the next one; None when it need not be looked at."""
+        if way.stands:
+            return None
+        gaps_m = []
+        clear_m = way.next_clear_m()
+        if clear_m is not None:
+            gaps_m.append(clear_m)
+        if way.base_end != way.goal:
+            gap_m = way.base_left_m - self.needs_m(speed_mps, round_s)
+            if gap_m > 0.0:
+                gaps_m.append(max(gap_m / 2.0, LEAST_GAP_M))
+        if not gaps_m:
+            return None
+        gap_m = max(min(gaps_m), 0.0)
+        soonest_s = (
+            sqrt(speed_mps * speed_mps + 2.0 * self._rate_mps2 * gap_m) - speed_mps
+        ) / self._rate_mps2
+        return max(soonest_s, gap_m / self._top_mps, LEAST_LOOK_S)

@@ -1,0 +1,245 @@
+"""What a vehicle says to the keepers of books: its whole state in each district, repeated until it is answered."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+import msgspec
+
+from dray.messages.traffic import Blocked, HoldsAsked, PlaceGranted, PlaceWished, Rank
+from dray.protocol.runtime.events import Effect, Send
+from dray.protocol.runtime.timers import Timers
+
+WISH_AGAIN = "wish again"
+
+LEAST_AGAIN_S, MOST_AGAIN_S = 0.6, 8.0
+"""Within these an answer is waited for: twice as long as answers take and a little more, doubled with each repetition."""
+
+WAITS_AGAIN_S, LOSSY_AGAIN_S = 3.0, 1.5
+"""A wish that was answered and not granted is said again after this: the word that grants it may have been lost. The shorter
+one holds where more than `LOSSY_FRAC` of the wishes went unanswered at first."""
+
+LOSSY_FRAC = 0.05
+
+NEXT_KEEPER_AFTER = 3
+"""So often a wish is said to one keeper without an answer, then to the next one."""
+
+FIRST_ROUND_S = 0.3
+"""How long an answer takes, as long as none has come."""
+
+GAIN = 0.2
+"""Weight of the newest round trip."""
+
+LOSS_GAIN = 0.05
+"""Weight of the newest wish, in the part of those that went unanswered."""
+
+
+class State(msgspec.Struct, frozen=True, gc=False):
+    """What all wishes of one moment have in common."""
+
+    rank: Rank
+    stands: bool
+    docked: bool
+    avoid: tuple[str, ...]
+    chain: tuple[str, ...]
+
+
+class _Line:
+    """The correspondence about one district."""
+
+    __slots__ = (
+        "content",
+        "epoch",
+        "groups",
+        "hindered",
+        "lives",
+        "said_s",
+        "seen",
+        "seq",
+        "since",
+        "tries",
+        "turn",
+        "unanswered",
+    )
+
+    def __init__(self) -> None:
+        self.seq = 0
+        self.since = 0
+        """The first wish that said what was said last."""
+        self.seen = 0
+        self.epoch = 0
+        self.content: object = None
+        """What was said last; None when it must be said anew whatever it is."""
+        self.groups: tuple[tuple[str, ...], ...] = ()
+        self.unanswered = False
+        self.hindered = False
+        """It was answered, and not all was granted."""
+        self.tries = 0
+        self.turn = 0
+        """By how many keepers it has gone on from the one whose epoch it is."""
+        self.said_s = 0.0
+        self.lives = False
+        """The keeper knows of something that is held, or wanted."""
+
+
+class Wishes:
+    """The correspondence of one vehicle with the keepers of all districts.
+
+    Args:
+        life: the vehicle's incarnation.
+        keepers_of: district -> its keepers, in the order of their turns.
+        timers: the agent's alarms; those of this one are ``(WISH_AGAIN, district)``.
+        out: where effects go.
+
+    Attributes:
+        round_s: how long an answer takes: two messages and the copies.
+    """
+
+    def __init__(
+        self, life: int, keepers_of: Mapping[str, Sequence[str]], timers: Timers, out: list[Effect]
+    ) -> None:
+        self._life = life
+        self._keepers_of = keepers_of
+        self._timers = timers
+        self._out = out
+        self._lines: dict[str, _Line] = {}
+        self.round_s = FIRST_ROUND_S
+        self._lost_frac = 0.0
+
+    @property
+    def districts(self) -> Iterable[str]:
+        """Those whose keepers know of something that is held, or wanted."""
+        return [district for district, line in self._lines.items() if line.lives]
+
+    def groups(self, district: str) -> tuple[tuple[str, ...], ...]:
+        """What was asked for last."""
+        line = self._lines.get(district)
+        return line.groups if line is not None else ()
+
+    def say(
+        self,
+        district: str,
+        holds: tuple[str, ...],
+        groups: tuple[tuple[str, ...], ...],
+        state: State,
+        now_s: float,
+        *,
+        anew: bool = False,
+        to: str = "",
+    ) -> None:
+        """Say how things stand, unless that is known already; `to` whoever has asked, else to the keeper of the book."""
+        line = self._lines.get(district)
+        if line is None:
+            if not holds and not groups and not anew:
+                return
+            line = self._lines[district] = _Line()
+        content = _content(holds, groups, state)
+        if line.content == content and not anew:
+            return
+        line.content, line.groups = content, groups
+        line.tries, line.turn, line.since = 0, 0, line.seq + 1
+        self._send(district, line, holds, groups, state, now_s, to)
+
+    def repeat(
+        self,
+        district: str,
+        holds: tuple[str, ...],
+        groups: tuple[tuple[str, ...], ...],
+        state: State,
+        now_s: float,
+    ) -> None:
+        """The alarm has come: no answer, or one that has not granted all."""
+        line = self._lines[district]
+        if line.unanswered:
+            self._lost_frac += LOSS_GAIN * (1.0 - self._lost_frac)
+            line.tries += 1
+            if line.tries >= NEXT_KEEPER_AFTER:
+                line.tries = 0
+                line.turn += 1
+        elif not line.hindered or not groups:
+            return
+        content = _content(holds, groups, state)
+        if content != line.content or not line.unanswered:
+            line.since = line.seq + 1
+        line.content, line.groups = content, groups
+        self._send(district, line, holds, groups, state, now_s)
+
+    def _send(
+        self,
+        district: str,
+        line: _Line,
+        holds: tuple[str, ...],
+        groups: tuple[tuple[str, ...], ...],
+        state: State,
+        now_s: float,
+        to: str = "",
+    ) -> None:
+        keepers = self._keepers_of[district]
+        line.seq += 1
+        line.unanswered, line.said_s, line.lives = True, now_s, bool(holds or groups)
+        wish = PlaceWished(
+            district=district,
+            life=self._life,
+            seq=line.seq,
+            epoch=line.epoch,
+            rank=state.rank,
+            holds=holds,
+            groups=groups,
+            seen=line.seen,
+            stands=state.stands,
+            docked=state.docked,
+            avoid=state.avoid if groups else (),
+            chain=state.chain if groups else (),
+        )
+        self._out.append(Send(to or keepers[(line.epoch + line.turn) % len(keepers)], wish))
+        patience_s = min(
+            max(2.0 * self.round_s + 0.2, LEAST_AGAIN_S) * 2.0 ** min(line.tries, 3), MOST_AGAIN_S
+        )
+        self._timers.set((WISH_AGAIN, district), now_s + patience_s)
+
+    def on_granted(self, granted: PlaceGranted, now_s: float) -> tuple[str, ...] | None:
+        """What an answer grants that was not seen before; None when it is not to be believed."""
+        if granted.life != self._life:
+            return None
+        line = self._lines.setdefault(granted.district, _Line())
+        if granted.epoch < line.epoch:
+            return None
+        line.epoch, line.turn = granted.epoch, 0
+        fresh = tuple(booking.place for booking in granted.grants if booking.number > line.seen)
+        line.seen = max((line.seen, *(booking.number for booking in granted.grants)))
+        if granted.upto >= line.since:
+            if line.unanswered and not line.tries:
+                self.round_s += GAIN * (now_s - line.said_s - self.round_s)
+                self._lost_frac -= LOSS_GAIN * self._lost_frac
+            line.unanswered, line.tries = False, 0
+            line.hindered = granted.blocked is not Blocked.NO
+            if line.hindered:
+                again_s = LOSSY_AGAIN_S if self._lost_frac > LOSSY_FRAC else WAITS_AGAIN_S
+                self._timers.set((WISH_AGAIN, granted.district), now_s + again_s)
+            else:
+                self._timers.clear((WISH_AGAIN, granted.district))
+        return fresh
+
+    def count_as_said(
+        self, district: str, holds: tuple[str, ...], groups: tuple[tuple[str, ...], ...], state: State
+    ) -> None:
+        """The vehicle has taken all that it was granted: the keeper knows what it holds without being told."""
+        line = self._lines[district]
+        line.content, line.groups, line.lives = _content(holds, groups, state), groups, bool(holds or groups)
+
+    def on_holds_asked(self, asked: HoldsAsked) -> bool:
+        """Somebody else keeps the book; True when it is to be told."""
+        line = self._lines.setdefault(asked.district, _Line())
+        if asked.epoch < line.epoch and not asked.roll_call:
+            return False
+        line.epoch, line.turn = max(line.epoch, asked.epoch), 0
+        return True
+
+
+def _content(holds: tuple[str, ...], groups: tuple[tuple[str, ...], ...], state: State) -> object:
+    """What of a wish is news: for whom one waits, and since when, only with something wanted; where to make room only when it stands."""
+    if not groups:
+        return holds, groups, state.docked and bool(holds)
+    if not state.stands:
+        return holds, groups, state.rank
+    return holds, groups, state

@@ -1,0 +1,77 @@
+"""Transports to be carried: for each vehicle always a next one, or as they come (Poisson), drawn from a seed."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from random import Random
+
+from dray.plant import Plant
+from dray_sim.bench.traffic.clock import LeanClock
+
+HANDLING_S = 15.0
+"""Loading, or unloading."""
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """One transport.
+
+    Attributes:
+        source, goal: nodes of docks.
+        since_s: when it was asked for.
+    """
+
+    source: str
+    goal: str
+    since_s: float
+
+
+def docks_of(plant: Plant) -> tuple[str, ...]:
+    """Where loads are taken up and put down: machines, storages and warehouses."""
+    places = (*plant.machines, *plant.storages, *plant.warehouses)
+    return tuple(dict.fromkeys(plant.node_of(place) for place in places))
+
+
+class Saturated:
+    """Each vehicle has a next transport as soon as it has done one; its own row of them, whatever the others do."""
+
+    def __init__(self, plant: Plant, seed: int) -> None:
+        self._docks = docks_of(plant)
+        self._random = {atv: Random(f"jobs/{seed}/{atv}") for atv in plant.fleet}
+
+    def next(self, atv: str, now_s: float) -> Job | None:
+        source, goal = self._random[atv].sample(self._docks, 2)
+        return Job(source, goal, now_s)
+
+    def start(self, clock: LeanClock, wake: Callable[[], None]) -> None:
+        """Nothing comes by itself."""
+
+
+class Poisson:
+    """Transports come one by one; free vehicles take the oldest.
+
+    Args:
+        per_h: how many in an hour, on average.
+    """
+
+    def __init__(self, plant: Plant, seed: int, per_h: float) -> None:
+        self._docks = docks_of(plant)
+        self._random = Random(f"poisson/{seed}")
+        self._per_s = per_h / 3600.0
+        self._waiting: deque[Job] = deque()
+
+    def next(self, atv: str, now_s: float) -> Job | None:
+        return self._waiting.popleft() if self._waiting else None
+
+    def start(self, clock: LeanClock, wake: Callable[[], None]) -> None:
+        """Let them come; `wake` lets free vehicles ask."""
+
+        def come() -> None:
+            source, goal = self._random.sample(self._docks, 2)
+            self._waiting.append(Job(source, goal, clock.now_s))
+            wake()
+            clock.call_at(clock.now_s + self._random.expovariate(self._per_s), come)
+
+        clock.call_at(self._random.expovariate(self._per_s), come)

@@ -1,0 +1,387 @@
+"""A planner that knows everything: windowed prioritised planning in continuous time, as RHCR, with SIPP on places.
+
+In the benchmark only. Every few seconds all vehicles are planned anew, one after another, around what those before them have reserved within
+a window; who cannot be planned goes first in the next try. What is planned is carried out by its order: a vehicle takes a place when
+all that were to have it before are through, so delays do no harm (Hoenig et al.). Its network is perfect, and its clock too.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict, deque
+from collections.abc import Callable, Iterator, Mapping
+from heapq import heappop, heappush
+from itertools import count, pairwise
+from math import inf
+
+from dray.body import Drive, ReleaseWay
+from dray.plant import Plant, bends
+from dray.protocol.traffic.places import Footprint, Places
+from dray.protocol.traffic.reserved_way import ReservedWay
+from dray_sim.bench.traffic.air import Air
+from dray_sim.bench.traffic.carrier import Carrier
+from dray_sim.bench.traffic.checks import Checks
+from dray_sim.bench.traffic.clock import LeanClock
+from dray_sim.bench.traffic.jobs import HANDLING_S
+from dray_sim.bench.traffic.run import Figures, Setting, carriers_of, figures
+from dray_sim.bench.traffic.visits import Step, Visit, free_spans
+
+WINDOW_S = 20.0
+"""So far ahead plans heed one another."""
+
+REPLAN_S = 2.5
+TICK_S = 0.25
+TRIES = 10
+EVADE_S = 4.0
+"""More time to get out of the way, with every other try."""
+
+COMMITTED = 3
+"""Nodes ahead that are granted at most, and not planned any more."""
+
+START_S = 1.25
+"""What setting off from standstill costs."""
+
+BEND_S = 1.1
+CLEAR_S = 1.8
+"""Until a vehicle that has set off from a place is clear of it."""
+
+LEAVE_S = 4.0
+"""From the end of handling until a dock is counted as left."""
+
+
+class CentralPilot:
+    """Drives what the planner grants."""
+
+    def __init__(self, carrier: Carrier, planner: Planner) -> None:
+        self.carrier = carrier
+        self.way = ReservedWay(planner.places, carrier.travel.node)
+        self.goal = carrier.travel.node
+        self.since_s = 0.0
+        self.docked_until_s = 0.0
+        self.planned: deque[Visit] = deque()
+        """One for each node of the way after the base."""
+        self.taken: list[Visit] = []
+        """Those of the places that it holds."""
+        self._planner = planner
+        self._order = 0
+        self._driven: tuple[str, ...] = ()
+        self._asked = True
+
+    def go(self, node: str, *, idle: bool) -> None:
+        self.goal, self.since_s = node, self._planner.clock.now_s + (1e6 if idle else 0.0)
+        self._asked = False
+        self.docked_until_s = 0.0
+        self._arrive()
+        if not self._asked:
+            self._planner.plan_soon()
+
+    def dock(self) -> None:
+        self.docked_until_s = self._planner.clock.now_s + HANDLING_S
+
+    def rest(self) -> None:
+        """It may be sent away."""
+
+    def passed(self, node: str) -> None:
+        self.way.pass_next()
+        self.sense()
+        self._arrive()
+        self._planner.extend(self)
+
+    def sense(self) -> None:
+        """Give back what it is clear of."""
+        if not self.way.stands:
+            self.way.move(self.carrier.sense()[0])
+        before = set(self.way.held)
+        if self.way.give_back():
+            gone = before - set(self.way.held)
+            for visit in self.taken:
+                visit.done = visit.done or visit.place in gone
+            self.taken = [visit for visit in self.taken if not visit.done]
+
+    def _arrive(self) -> None:
+        if not self._asked and self.way.stands and self.way.node == self.goal:
+            self._asked = True
+            self.carrier.arrive()
+
+    def drive_on(self) -> None:
+        """The base has grown."""
+        base, ahead = self.way.base, self.way.ahead
+        done = len(self._driven) - len(ahead)
+        if done > 0 and self._driven[done - 1 :] == (self.way.node, *ahead):
+            self.carrier.instruct(ReleaseWay(order=self._order, released=done + len(base)))
+            return
+        on_lane = self.carrier.travel.on_lane(self._planner.clock.now_s)
+        nodes = ahead if on_lane else (self.way.node, *ahead)
+        self._order += 1
+        self._driven = nodes
+        self.carrier.instruct(
+            Drive(order=self._order, nodes=nodes, released=len(base) + (0 if on_lane else 1))
+        )
+
+
+class Planner:
+    """Plans everybody.
+
+    Args:
+        plant: the roads.
+        places: what lanes need; of single track.
+        clock: of the world.
+
+    Attributes:
+        pilots: all vehicles, by name.
+    """
+
+    def __init__(self, plant: Plant, places: Places, clock: LeanClock) -> None:
+        self.places = places
+        self.clock = clock
+        self.pilots: dict[str, CentralPilot] = {}
+        self._plant = plant
+        self._left_s: dict[str, dict[str, float]] = {}
+        self._reserved: dict[str, list[Visit]] = {}
+        self._planned_s = -inf
+
+    def start(self) -> None:
+        self.clock.call_at(self.clock.now_s, self._tick)
+
+    def plan_soon(self) -> None:
+        """Somebody has another goal."""
+        self._planned_s = min(self._planned_s, self.clock.now_s - REPLAN_S + TICK_S)
+
+    def _tick(self) -> None:
+        for pilot in self.pilots.values():
+            pilot.sense()
+        if self.clock.now_s - self._planned_s >= REPLAN_S:
+            self._planned_s = self.clock.now_s
+            self._plan()
+        for pilot in self.pilots.values():
+            self.extend(pilot)
+        self.clock.call_at(self.clock.now_s + TICK_S, self._tick)
+
+    # --- carrying out ----------------------------------------------------------------------------
+
+    def extend(self, pilot: CentralPilot) -> None:
+        """Grant what comes next, as long as it is this vehicle's turn."""
+        grew = False
+        while len(pilot.way.base) < COMMITTED:
+            if not pilot.planned or not self._has_turn(pilot, pilot.planned[0]):
+                break
+            visit = pilot.planned.popleft()
+            pilot.way.take_next()
+            pilot.taken.append(visit)
+            grew = True
+        if grew:
+            pilot.drive_on()
+
+    def _has_turn(self, pilot: CentralPilot, mine: Visit) -> bool:
+        if any(mine.place in other.way.held for other in self.pilots.values() if other is not pilot):
+            return False
+        return all(
+            visit.done or visit.atv == mine.atv or visit.from_s >= mine.from_s
+            for visit in self._reserved.get(mine.place, ())
+        )
+
+    # --- planning --------------------------------------------------------------------------------
+
+    def _plan(self) -> None:
+        """Plan all vehicles, the longest on their way first; who cannot be planned goes first in the next try."""
+        order = sorted(self.pilots, key=lambda atv: (self.pilots[atv].since_s, atv))
+        least = len(order) + 1
+        ways: dict[str, list[Visit]] = {}
+        for attempt in range(TRIES):
+            reserved, starts = self._commitments(EVADE_S * (attempt // 2))
+            tried: dict[str, list[Visit]] = {}
+            failed: list[str] = []
+            for atv in order:
+                way = self._search(atv, starts[atv], reserved)
+                if way is None:
+                    failed.append(atv)
+                else:
+                    tried[atv] = way
+            if len(failed) < least:
+                least, self._reserved, ways = len(failed), reserved, tried
+            if not failed:
+                break
+            order = [*failed, *(atv for atv in order if atv not in failed)]
+        for atv, pilot in self.pilots.items():
+            planned = ways.get(atv, [])
+            pilot.taken = [
+                visit
+                for place in pilot.way.held
+                for visit in self._reserved[place]
+                if visit.atv == atv and visit not in planned
+            ]
+            pilot.planned = deque(planned)
+            pilot.way.turn_to((pilot.way.base_end, *(visit.place for visit in planned)))
+
+    def _commitments(self, evade_s: float) -> tuple[dict[str, list[Visit]], dict[str, float]]:
+        """What is held already, until when, and when each vehicle will be at the end of its base.
+
+        Those who come first in the order leave the others `evade_s` to get out of their way.
+        """
+        now_s = self.clock.now_s
+        reserved: dict[str, list[Visit]] = defaultdict(list)
+        starts: dict[str, float] = {}
+        for atv, pilot in self.pilots.items():
+            driven = pilot.way
+            at_s = now_s
+            behind = set(driven.held) - set(driven.base) - {driven.node}
+            nodes = (driven.node, *driven.base)
+            past_m, speed_mps = pilot.carrier.sense()
+            for index, (here, there) in enumerate(pairwise(nodes)):
+                lane_s = self._lane_s(here, there, pilot)
+                if index == 0:
+                    lane_s *= max(1.0 - past_m / self.places.length_m(here, there), 0.0)
+                    lane_s += START_S if speed_mps < 0.3 else 0.0
+                if here in driven.held:
+                    reserved[here].append(Visit(here, atv, now_s - 1.0, at_s + CLEAR_S))
+                at_s += lane_s
+            if pilot.docked_until_s > now_s:
+                at_s = pilot.docked_until_s
+            starts[atv] = at_s
+            if driven.base_end in reserved and any(visit.atv == atv for visit in reserved[driven.base_end]):
+                reserved[driven.base_end] = [visit for visit in reserved[driven.base_end] if visit.atv != atv]
+            reserved[driven.base_end].append(Visit(driven.base_end, atv, now_s - 1.0, at_s + evade_s))
+            for place in behind:
+                reserved[place].append(Visit(place, atv, now_s - 1.0, now_s + CLEAR_S))
+        return reserved, starts
+
+    def _search(self, atv: str, start_s: float, reserved: dict[str, list[Visit]]) -> list[Visit] | None:
+        """SIPP from the end of a vehicle's base; what is found is reserved. None when it can neither go nor stay."""
+        pilot = self.pilots[atv]
+        start = pilot.way.base_end
+        end_s = self.clock.now_s + WINDOW_S
+        docked = pilot.docked_until_s > self.clock.now_s
+        goal = start if docked else pilot.goal
+        left_s = self._left_to(goal)
+        numbers = count()
+        free: dict[str, list[tuple[float, float]]] = {}
+
+        def intervals(place: str) -> list[tuple[float, float]]:
+            if place not in free:
+                free[place] = free_spans(
+                    [visit for visit in reserved.get(place, ()) if visit.atv != atv and visit.from_s < end_s]
+                )
+            return free[place]
+
+        first = next((span for span in intervals(start) if span[0] <= start_s < span[1]), None)
+        if first is None:
+            first = (start_s, start_s + CLEAR_S + 0.1)
+        # Cost, number, arrival, node, free until, how it came there.
+        states: list[tuple[float, int, float, str, float, Step | None]] = [
+            (start_s + left_s.get(start, inf), next(numbers), start_s, start, first[1], None)
+        ]
+        closed: set[tuple[str, float]] = set()
+        while states:
+            _, _, at_s, node, until_s, step = heappop(states)
+            if node == "":
+                return self._reserve(atv, start, start_s, step, end_s, reserved)
+            if (node, until_s) in closed:
+                continue
+            closed.add((node, until_s))
+            stays_s = at_s + HANDLING_S + LEAVE_S if not docked else inf
+            arrives = node == goal and until_s >= min(stays_s, end_s)
+            if arrives or at_s >= end_s:
+                last_s = max(end_s, stays_s) if arrives else at_s + CLEAR_S
+                return self._reserve(atv, start, start_s, step, last_s, reserved)
+            if until_s >= end_s:
+                # It may wait here until the window ends.
+                heappush(states, (end_s + left_s.get(node, inf), next(numbers), end_s, "", inf, step))
+            if docked:
+                continue
+            for onward in self._onward(pilot, node, at_s, until_s, step, intervals):
+                if (onward.end, onward.until_s) not in closed and onward.end in left_s:
+                    cost_s = onward.arrive_s + left_s[onward.end]
+                    heappush(
+                        states, (cost_s, next(numbers), onward.arrive_s, onward.end, onward.until_s, onward)
+                    )
+        return None
+
+    def _onward(
+        self,
+        pilot: CentralPilot,
+        node: str,
+        at_s: float,
+        until_s: float,
+        step: Step | None,
+        intervals: Callable[[str], list[tuple[float, float]]],
+    ) -> Iterator[Step]:
+        """The lanes that may be driven next, each at the first moment of every time in which its end is free."""
+        entered = self._plant.roads.lane(step.start, node) if step is not None else None
+        for lane in self._plant.roads.leaving[node]:
+            lane_s = self._lane_s(node, lane.end, pilot)
+            if entered is not None and bends(entered, lane):
+                lane_s += BEND_S
+            for from_s, to_s in intervals(lane.end):
+                leave_s = max(at_s, from_s)
+                waits = leave_s > at_s or step is None
+                arrive_s = leave_s + lane_s + (START_S if waits else 0.0)
+                if leave_s + CLEAR_S <= until_s and arrive_s + CLEAR_S <= to_s:
+                    yield Step(node, lane.end, leave_s, arrive_s, to_s, step)
+
+    def _reserve(
+        self,
+        atv: str,
+        start: str,
+        start_s: float,
+        step: Step | None,
+        until_s: float,
+        reserved: dict[str, list[Visit]],
+    ) -> list[Visit]:
+        steps: list[Step] = []
+        while step is not None:
+            steps.append(step)
+            step = step.before
+        steps.reverse()
+        leaves_s = [one.leave_s for one in steps[1:]]
+        visits: list[Visit] = []
+        for one, next_s in zip(steps, [*leaves_s, None][: len(steps)], strict=True):
+            last_s = until_s if next_s is None else next_s + CLEAR_S
+            visits.append(Visit(one.end, atv, one.leave_s, last_s))
+            reserved[one.end].append(visits[-1])
+        stays_s = steps[0].leave_s + CLEAR_S if steps else until_s
+        for visit in reserved[start]:
+            if visit.atv == atv and visit not in visits:
+                visit.until_s = max(stays_s, start_s)
+        return visits
+
+    def _lane_s(self, start: str, end: str, pilot: CentralPilot) -> float:
+        lane = self._plant.roads.lane(start, end)
+        if lane is None:
+            raise KeyError((start, end))
+        return lane.length_m / min(lane.speed_limit_mps, pilot.carrier.kind.max_speed_mps)
+
+    def _left_to(self, goal: str) -> Mapping[str, float]:
+        left_s = self._left_s.get(goal)
+        if left_s is None:
+            left_s = {}
+            nodes = [(0.0, goal)]
+            while nodes:
+                so_far_s, node = heappop(nodes)
+                if node in left_s:
+                    continue
+                left_s[node] = so_far_s
+                for lane in self._plant.roads.entering[node]:
+                    if lane.start not in left_s:
+                        heappush(
+                            nodes, (so_far_s + lane.length_m / min(lane.speed_limit_mps, 1.5), lane.start)
+                        )
+            self._left_s[goal] = left_s
+        return left_s
+
+
+def run_central(setting: Setting) -> Figures:
+    """The planner's figures."""
+    clock = LeanClock()
+    carriers = carriers_of(setting, clock)
+    footprint = Footprint()
+    places = Places(setting.plant, footprint)
+    places.mouths = {}
+    planner = Planner(setting.plant, places, clock)
+    for carrier in carriers:
+        pilot = CentralPilot(carrier, planner)
+        carrier.pilot = pilot
+        planner.pilots[carrier.atv] = pilot
+    planner.start()
+    checks = Checks(carriers, {}, {}, places, Air(clock, setting.quality, 0), footprint, clock)
+    checks.start()
+    clock.run(setting.span_s)
+    return figures(setting, carriers, checks.found)

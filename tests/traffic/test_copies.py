@@ -1,0 +1,180 @@
+"""Copies of a book: what counts, who may write, and what a lost memory means."""
+
+from __future__ import annotations
+
+from random import Random
+
+import pytest
+
+from dray.messages.traffic import BookAsked, BookKept, BookTold, PlaceBooked, PlaceBooking
+from dray.protocol.runtime.events import Effect, Send
+from dray.protocol.traffic.copies import Copies, Kept
+
+NAMES = ("M1", "M2", "M3")
+
+
+class Trio:
+    """Three keepers and what is under way between them."""
+
+    def __init__(self) -> None:
+        self.outs: dict[str, list[Effect]] = {name: [] for name in NAMES}
+        self.keepers = {name: Copies("M1", name, NAMES, Kept(), self.outs[name]) for name in NAMES}
+        self.cut: set[str] = set()
+
+    def carry(self) -> None:
+        """Deliver everything, until nothing is under way."""
+        while any(self.outs.values()):
+            for sender, out in self.outs.items():
+                effects = list(out)
+                out.clear()
+                for effect in effects:
+                    assert isinstance(effect, Send)
+                    if sender not in self.cut and effect.to not in self.cut:
+                        self.deliver(sender, effect)
+
+    def deliver(self, sender: str, effect: Send) -> None:
+        keeper, message = self.keepers[effect.to], effect.message
+        match message:
+            case PlaceBooked():
+                keeper.on_booked(sender, message)
+            case BookKept():
+                keeper.on_kept(sender, message)
+            case BookAsked():
+                keeper.on_asked(sender, message)
+            case BookTold():
+                keeper.on_told(sender, message)
+
+    def lead(self, name: str) -> Copies:
+        self.keepers[name].seek()
+        self.carry()
+        return self.keepers[name]
+
+
+def line(atv: str, number: int) -> tuple[PlaceBooking, ...]:
+    return (PlaceBooking(place="b3", number=number, atv=atv),)
+
+
+def test_what_a_majority_has_counts() -> None:
+    trio = Trio()
+    leader = trio.lead("M1")
+    trio.cut = {"M3"}
+    leader.write(1, line("A", 1))
+    assert leader.counted == 0
+    trio.carry()
+    assert leader.counted == 1
+
+
+def test_whoever_is_cut_off_makes_nothing_count() -> None:
+    trio = Trio()
+    leader = trio.lead("M1")
+    trio.cut = {"M1"}
+    leader.write(1, line("A", 1))
+    trio.carry()
+    assert leader.counted == 0
+
+
+def test_the_next_keeper_knows_all_that_has_counted() -> None:
+    trio = Trio()
+    trio.lead("M1").write(1, line("A", 1))
+    trio.carry()
+    trio.cut = {"M1"}
+    successor = trio.lead("M2")
+    assert successor.leads
+    assert successor.kept.bookings == line("A", 1)
+
+
+def test_an_outdated_keeper_steps_down_when_it_hears_of_the_next_one() -> None:
+    trio = Trio()
+    old = trio.lead("M1")
+    trio.cut = {"M1"}
+    trio.lead("M2").write(1, line("B", 1))
+    trio.carry()
+    trio.cut = set()
+    old.write(1, line("A", 1))
+    trio.carry()
+    assert not old.leads
+    assert old.counted == 0
+
+
+def test_one_that_has_lost_its_memory_promises_nothing_and_keeps_nothing() -> None:
+    out: list[Effect] = []
+    lost = Copies("M1", "M2", NAMES, None, out)
+    lost.on_booked("M1", PlaceBooked(district="M1", epoch=9, version=4, bookings=line("A", 4)))
+    assert out == []
+    lost.on_asked("M1", BookAsked(district="M1", epoch=12))
+    assert lost.kept.epoch == 0
+
+
+def test_one_that_has_lost_its_memory_learns_it_from_all_others() -> None:
+    trio = Trio()
+    leader = trio.lead("M1")
+    leader.write(1, line("A", 1))
+    trio.carry()
+    trio.keepers["M3"] = Copies("M1", "M3", NAMES, None, trio.outs["M3"])
+    trio.cut = {"M2"}
+    trio.keepers["M3"].ask()
+    trio.carry()
+    assert trio.keepers["M3"].lost
+    trio.cut = set()
+    trio.keepers["M3"].ask()
+    trio.carry()
+    assert not trio.keepers["M3"].lost
+    assert trio.keepers["M3"].kept.bookings == line("A", 1)
+    assert trio.keepers["M3"].kept.epoch == leader.kept.epoch
+
+
+def test_when_two_have_lost_their_memory_the_first_of_them_calls_the_roll() -> None:
+    trio = Trio()
+    trio.lead("M1")
+    for name in ("M2", "M3"):
+        trio.keepers[name] = Copies("M1", name, NAMES, None, trio.outs[name])
+    for name in ("M2", "M3"):
+        trio.keepers[name].ask()
+    trio.carry()
+    assert trio.keepers["M2"].needs_roll_call
+    assert not trio.keepers["M3"].needs_roll_call
+    epoch = trio.keepers["M2"].next_turn(0)
+    assert epoch > trio.keepers["M1"].kept.epoch
+
+
+def test_one_keeper_alone_is_its_own_majority() -> None:
+    out: list[Effect] = []
+    alone = Copies("M1", "M1", ("M1",), Kept(), out)
+    alone.seek()
+    assert alone.leads
+    alone.write(1, line("A", 1))
+    assert alone.counted == 1
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_two_versions_never_both_count_whatever_is_lost(seed: int) -> None:
+    """Keepers seek and write at random while messages are lost, late and doubled: what has counted is never forgotten."""
+    random = Random(seed)
+    trio = Trio()
+    under_way: list[tuple[str, Send]] = []
+    counted: dict[int, tuple[PlaceBooking, ...]] = {}
+    written: dict[tuple[str, int, int], tuple[PlaceBooking, ...]] = {}
+    for step in range(300):
+        for sender, out in trio.outs.items():
+            for effect in out:
+                assert isinstance(effect, Send)
+                under_way += [(sender, effect)] * random.choice((0, 1, 1, 1, 2))
+            out.clear()
+        move = random.random()
+        name = random.choice(NAMES)
+        keeper = trio.keepers[name]
+        if move < 0.75 and under_way:
+            trio.deliver(*under_way.pop(random.randrange(len(under_way))))
+        elif move < 0.82:
+            keeper.seek()
+        elif move < 0.87:
+            keeper.ask()
+        elif keeper.leads:
+            version = keeper.kept.version + 1
+            written[name, keeper.kept.epoch, version] = line(f"V{step}", version)
+            keeper.write(version, line(f"V{step}", version))
+        for name, keeper in trio.keepers.items():
+            if keeper.leads and keeper.counted:
+                book = written.get((name, keeper.kept.epoch, keeper.counted))
+                if book is not None:
+                    assert counted.setdefault(keeper.counted, book) == book
